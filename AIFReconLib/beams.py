@@ -1,0 +1,65 @@
+"""Where each beam goes: the direction of sound through every pixel of an image.
+
+A linear array sends parallel beams down the image columns. Curvilinear and phased arrays send them from a virtual apex, a
+point behind (curvilinear) or on (phased array) the transducer's face.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .errors import BeamGeometryError
+
+LINEAR = "linear"
+SECTOR = "sector"
+
+
+@dataclass(frozen=True)
+class ProbeGeometry:
+    """The shape of the beams.
+
+    Parameters
+    ----------
+    kind : "linear" or "sector"
+    apex_px : (column, row) or None
+        Virtual apex of a sector, in pixels of the MF-oriented image; it may lie outside the image.
+    """
+
+    kind: str
+    apex_px: tuple[float, float] | None = None
+
+    def __post_init__(self):
+        if self.kind not in (LINEAR, SECTOR):
+            raise BeamGeometryError(f"Input probe must be linear or sector; got {self.kind!r}.")
+        if self.kind == SECTOR and (self.apex_px is None or not all(math.isfinite(v) for v in self.apex_px)):
+            raise BeamGeometryError(f"Input apex of a sector probe must be a column and a row; got {self.apex_px!r}. Give --apex-px COLUMN ROW.")
+
+    def directions(self, columns: int, rows: int, spacing: tuple[float, float]) -> np.ndarray:
+        """Beam direction through every pixel.
+
+        Parameters
+        ----------
+        columns, rows : int
+        spacing : (x, y), mm
+            Pixel pitch; it is applied before normalizing, so anisotropic pixels do not bend the beams.
+
+        Returns
+        -------
+        directions_image : (rows, columns, 2) float32 array, unit vectors
+            Components along the image's columns (x) and rows (y). The third, elevational component of a beam in the imaging plane
+            is 0. At the apex itself, where no direction exists, the vector is 0.
+        """
+        directions = np.zeros((rows, columns, 2), dtype=np.float32)
+        if self.kind == LINEAR:
+            directions[..., 1] = 1.0
+            return directions
+        x = (np.arange(columns, dtype=np.float64) - self.apex_px[0])[None, :] * spacing[0]
+        y = (np.arange(rows, dtype=np.float64) - self.apex_px[1])[:, None] * spacing[1]
+        distance = np.hypot(x, y)
+        distance[distance == 0] = np.inf
+        directions[..., 0] = x / distance
+        directions[..., 1] = y / distance
+        return directions

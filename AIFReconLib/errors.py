@@ -1,0 +1,63 @@
+"""Every error that a user can cause or meet.
+
+Each class is a domain error and a builtin one, so that callers may catch either. Messages are complete sentences: what is
+wrong, where, and what to do about it. The command line prints them as they are, on one line.
+"""
+
+from __future__ import annotations
+
+
+class AIFReconError(Exception):
+    """Anything that the library reports on purpose. Programming mistakes raise other exceptions."""
+
+
+class SettingsError(AIFReconError, ValueError):
+    """A parameter is out of its range, or parameters contradict each other."""
+
+
+class GeometryError(AIFReconError, ValueError):
+    """A matrix, grid or probe geometry cannot be used: not finite, singular, sheared, mirrored or of the wrong shape."""
+
+
+class TransformError(AIFReconError, LookupError):
+    """The transforms do not lead from one frame to the other, or lead there in two ways."""
+
+
+class FileFormatError(AIFReconError, ValueError):
+    """A file cannot be understood: cut short, of a wrong size, or of a kind that is not supported."""
+
+
+class SequenceFormatError(FileFormatError):
+    """A tracked sequence file cannot be understood."""
+
+
+class VolumeFormatError(FileFormatError):
+    """A volume file cannot be understood."""
+
+
+class ConfigurationError(FileFormatError):
+    """A Plus configuration file cannot be understood."""
+
+
+class TransformFileError(FileFormatError):
+    """A transform file cannot be understood."""
+
+
+class NoUsableFramesError(AIFReconError, ValueError):
+    """Not one frame of a sequence has both an image and a valid pose."""
+
+
+class BeamGeometryError(AIFReconError, ValueError):
+    """The direction of the beams is needed and cannot be told."""
+
+
+class InsufficientMemoryError(AIFReconError, MemoryError):
+    """The volume asked for does not fit into memory."""
+
+
+class OutputError(AIFReconError, OSError):
+    """A result cannot be written. Nothing is left behind under its name."""
+
+
+class OperationCanceled(AIFReconError):
+    """The caller's progress function asked to stop. Inputs are untouched."""

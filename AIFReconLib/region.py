@@ -1,0 +1,129 @@
+"""Which pixels of an image are ultrasound: a clip rectangle and a fan. Pixels outside never enter a volume.
+
+Both follow the Plus toolkit's definitions, always on the image in MF orientation.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .errors import SettingsError
+
+
+@dataclass(frozen=True)
+class ClipRectangle:
+    """A rectangle of pixels. A size of 0 along either axis means the full image.
+
+    Notes
+    -----
+    As in IGSIO, columns ceil(x) to floor(x + width) belong to it, both included, so that a whole-numbered width keeps
+    width + 1 columns; rows alike; then it is cut to the image.
+    """
+
+    origin_px: tuple[float, float]
+    size_px: tuple[float, float]
+
+    def __post_init__(self):
+        if not all(math.isfinite(v) for v in (*self.origin_px, *self.size_px)) or min(self.size_px) < 0:
+            raise SettingsError(f"Input clip rectangle must be X Y W H with W, H not negative; got {self.origin_px} {self.size_px}.")
+
+    def bounds(self, columns: int, rows: int) -> tuple[int, int, int, int]:
+        """First and last column, first and last row that it keeps; a last below its first means none."""
+        if 0 in self.size_px:
+            return 0, columns - 1, 0, rows - 1
+        (x, y), (width, height) = self.origin_px, self.size_px
+        return (
+            max(math.ceil(x), 0),
+            min(math.floor(x + width), columns - 1),
+            max(math.ceil(y), 0),
+            min(math.floor(y + height), rows - 1),
+        )
+
+
+@dataclass(frozen=True)
+class Fan:
+    """A sector about an apex, between two angles and two radii.
+
+    Parameters
+    ----------
+    apex_px : (column, row)
+    angles_deg : (first, last)
+        From the image's +y axis toward +x. Within (-90, 90).
+    radii : (first, last)
+        In the unit of `pixel_size`.
+    pixel_size : (x, y)
+        Size of a pixel. Plus measures fans in pixels, (1, 1), whatever their size; a scan conversion in mm.
+
+    Notes
+    -----
+    With x = column - apex, y = row - apex, a pixel is kept where y >= 0, tan(first) <= x sx / (y sy) <= tan(last) and
+    first^2 <= (x sx)^2 + (y sy)^2 <= last^2 (IGSIO's rule without optimization; at y = 0 only x = 0 can be kept). IGSIO states the
+    slopes as x / y against tan(angle) sy / sx, which is the same.
+    """
+
+    apex_px: tuple[float, float]
+    angles_deg: tuple[float, float]
+    radii: tuple[float, float]
+    pixel_size: tuple[float, float] = (1.0, 1.0)
+
+    def __post_init__(self):
+        object.__setattr__(self, "angles_deg", tuple(sorted(self.angles_deg)))
+        if not -90 < self.angles_deg[0] < self.angles_deg[1] < 90:
+            raise SettingsError(f"Input fan angles must differ and lie between -90 and 90 degrees; got {self.angles_deg}.")
+        if not 0 <= self.radii[0] < self.radii[1] or not math.isfinite(self.radii[1]):
+            raise SettingsError(f"Input fan radii must be two rising, not negative numbers; got {self.radii}.")
+        if min(self.pixel_size) <= 0 or not all(math.isfinite(v) for v in (*self.apex_px, *self.pixel_size)):
+            raise SettingsError(f"Input fan must have a finite apex and a positive pixel size; got {self.apex_px}, {self.pixel_size}.")
+
+    def mask(self, columns: int, rows: int) -> np.ndarray:
+        """Which pixels are inside, (rows, columns) bool."""
+        x = np.arange(columns, dtype=np.float64)[None, :] - self.apex_px[0]
+        y = np.arange(rows, dtype=np.float64)[:, None] - self.apex_px[1]
+        aspect = self.pixel_size[1] / self.pixel_size[0]
+        left, right = (math.tan(math.radians(angle)) * aspect for angle in self.angles_deg)
+        squared_radius = (x * self.pixel_size[0]) ** 2 + (y * self.pixel_size[1]) ** 2
+        return (
+            (y >= 0)
+            & (left * y <= x)
+            & (x <= right * y)
+            & (squared_radius >= self.radii[0] ** 2)
+            & (squared_radius <= self.radii[1] ** 2)
+        )
+
+
+@dataclass(frozen=True)
+class ImageRegion:
+    """The part of the image that is ultrasound: clip rectangle and fan, each optional."""
+
+    clip: ClipRectangle | None = None
+    fan: Fan | None = None
+
+    def mask(self, columns: int, rows: int) -> np.ndarray:
+        """Which pixels enter a volume, (rows, columns) bool.
+
+        Raises
+        ------
+        SettingsError
+            When no pixel is left.
+        """
+        mask = np.ones((rows, columns), dtype=bool)
+        if self.clip is not None:
+            left, right, top, bottom = self.clip.bounds(columns, rows)
+            mask[:] = False
+            mask[top : bottom + 1, left : right + 1] = True
+        if self.fan is not None:
+            mask &= self.fan.mask(columns, rows)
+        if not mask.any():
+            raise SettingsError(f"The clip rectangle and fan leave no pixel of a {columns} x {rows} image. Check them against the image.")
+        return mask
+
+
+def extreme_pixels(mask: np.ndarray) -> np.ndarray:
+    """The first and last kept pixel of every row, (n, 2) float64 (column, row): their hull is the hull of all kept pixels."""
+    rows = np.flatnonzero(mask.any(axis=1))
+    first = mask[rows].argmax(axis=1)
+    last = mask.shape[1] - 1 - mask[rows, ::-1].argmax(axis=1)
+    return np.concatenate([np.stack([first, rows], axis=1), np.stack([last, rows], axis=1)]).astype(np.float64)

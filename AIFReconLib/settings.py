@@ -1,0 +1,101 @@
+"""Every parameter of a reconstruction: name, default, range, unit and meaning, stated once.
+
+The command line, the Slicer module and the documentation take them from here.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from .errors import SettingsError
+
+METHODS = ("average", "latest", "maximum", "aif", "aif-compensated", "weighted")
+BONE_METHODS = ("aif", "aif-compensated", "weighted")
+"""Methods that need a bone map and the direction of the beams."""
+
+DEFAULT_METHOD_WITH_BONE = "aif-compensated"
+DEFAULT_METHOD_WITHOUT_BONE = "average"
+DEFAULT_SPACING = 0.5
+"""mm, where neither the caller nor a configuration says."""
+
+
+def parameter(default: Any, help: str, *, unit: str = "", minimum: float | None = None, maximum: float | None = None, choices=None) -> Any:
+    """A dataclass field that carries what a user interface needs to know of it."""
+    return field(default=default, metadata={"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices})
+
+
+@dataclass(frozen=True)
+class ReconstructionSettings:
+    """How frames become a volume. Field metadata holds unit, range and help of each; see docs for the method.
+
+    Raises
+    ------
+    SettingsError
+        When a value is outside its range.
+    """
+
+    method: str | None = parameter(
+        None,
+        f"how pixels that meet in a voxel are combined (default: {DEFAULT_METHOD_WITH_BONE} with a bone input, else {DEFAULT_METHOD_WITHOUT_BONE})",
+        choices=METHODS,
+    )
+    spacing: float | tuple[float, float, float] | None = parameter(
+        None, f"distance between voxels, one number or x y z (default: the configuration's, else {DEFAULT_SPACING})", unit="mm", minimum=0.01, maximum=50.0
+    )
+    alpha: float = parameter(0.1, "how much well-insonified bone is brightened", minimum=0.0, maximum=10.0)
+    beta: float = parameter(0.1, "smallest cosine of incidence that is compensated (0.1: beams up to 84.3 degrees)", minimum=0.001, maximum=1.0)
+    bone_direction: str = parameter(
+        "gradient", "where bone faces: gradient of the probability map (the paper), or of the smoothed bone surface", choices=("gradient", "surface")
+    )
+    hole_limit: float = parameter(0.0, "empty voxels take the nearest measured value up to this distance; 0: off", unit="mm", minimum=0.0, maximum=100.0)
+    intensity_maximum: float | None = parameter(
+        None, "brightest value an image can hold (default: 255 for 8-bit images, else the largest of their type; none for float)", minimum=0.0
+    )
+    best_cosine: bool = parameter(False, "also keep each voxel's best cosine of incidence (needs a bone map)")
+    skip: int = parameter(1, "use every N-th frame", minimum=1)
+    engine: str = parameter("auto", "who does the arithmetic; every engine gives the same voxels", choices=("auto", "numpy"))
+    chunk_frames: int = parameter(16, "frames that are read at a time", minimum=1)
+
+    # `weighted` only; provisional until the study of issue 3 settles its form.
+    weight_floor: float = parameter(0.02, "weighted: weight of a pixel that no bone direction favors", minimum=1e-6, maximum=1.0)
+    shadow_depth: float = parameter(1.5, "weighted: bone that a beam may cross before it counts as shadowed", unit="mm", minimum=0.0, maximum=50.0)
+    shadow_length: float = parameter(1.0, "weighted: further bone in which the weight falls by e", unit="mm", minimum=0.01, maximum=50.0)
+
+    def __post_init__(self):
+        for spec in fields(self):
+            check_value(spec.name, getattr(self, spec.name), spec.metadata)
+        if self.spacing is not None and not isinstance(self.spacing, int | float):
+            if len(self.spacing) != 3:
+                raise SettingsError(f"Input spacing must be one number or three (x y z); got {len(self.spacing)}.")
+            object.__setattr__(self, "spacing", tuple(float(s) for s in self.spacing))
+
+    def method_for(self, has_bone: bool) -> str:
+        """The method to use, resolving the default by whether there is a bone map."""
+        if self.method is not None:
+            return self.method
+        return DEFAULT_METHOD_WITH_BONE if has_bone else DEFAULT_METHOD_WITHOUT_BONE
+
+    def spacing_xyz(self) -> tuple[float, float, float]:
+        """Spacing along x, y, z in mm, with the default where none is set."""
+        spacing = DEFAULT_SPACING if self.spacing is None else self.spacing
+        return (float(spacing),) * 3 if isinstance(spacing, int | float) else spacing
+
+
+def check_value(name: str, value: Any, rule: dict[str, Any]) -> None:
+    """Raise `SettingsError` unless `value` (a number, a tuple of numbers, a word or None) obeys a field's metadata."""
+    if value is None:
+        return
+    if rule["choices"] is not None:
+        if value not in rule["choices"]:
+            raise SettingsError(f"Input {name} must be one of {', '.join(rule['choices'])}; got {value!r}.")
+        return
+    unit = f" {rule['unit']}" if rule["unit"] else ""
+    for number in value if isinstance(value, tuple | list) else (value,):
+        if not isinstance(number, int | float) or not math.isfinite(number):
+            raise SettingsError(f"Input {name} must be a finite number; got {number!r}.")
+        if rule["minimum"] is not None and number < rule["minimum"]:
+            raise SettingsError(f"Input {name} must be at least {rule['minimum']}{unit}; got {number!r}.")
+        if rule["maximum"] is not None and number > rule["maximum"]:
+            raise SettingsError(f"Input {name} must be at most {rule['maximum']}{unit}; got {number!r}.")

@@ -1,0 +1,221 @@
+"""Which frame lies where: named transforms, their statuses, and the chains between frames.
+
+The rules are those of the Plus toolkit: a transform `ProbeToTracker` maps Probe to Tracker, inverses and chains are
+implied, and a second way from one frame to another is an error, because the two would sooner or later disagree.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from .errors import TransformError
+from .transforms import as_matrix, invert
+
+
+class TransformStatus(Enum):
+    """What the tracker said of a pose. Only OK is usable."""
+
+    OK = "OK"
+    MISSING = "MISSING"
+    OUT_OF_VIEW = "OUT_OF_VIEW"
+    OUT_OF_VOLUME = "OUT_OF_VOLUME"
+    SWITCH1_IS_ON = "SWITCH1_IS_ON"
+    SWITCH2_IS_ON = "SWITCH2_IS_ON"
+    SWITCH3_IS_ON = "SWITCH3_IS_ON"
+    REQ_TIMEOUT = "REQ_TIMEOUT"
+    INVALID = "INVALID"
+    PATH_NOT_FOUND = "PATH_NOT_FOUND"
+    UNKNOWN = "UNKNOWN"
+
+    @classmethod
+    def parse(cls, text: str) -> TransformStatus:
+        """The status that `text` names, in any case; UNKNOWN for a word that is none."""
+        return cls.__members__.get(text.strip().upper(), cls.UNKNOWN)
+
+
+@dataclass(frozen=True)
+class TransformName:
+    """`From` and `To` of a transform; its text is ``FromToTo``."""
+
+    source: str
+    target: str
+
+    @classmethod
+    def parse(cls, text: str) -> TransformName:
+        """Split a name such as ``ProbeToTracker`` (a trailing ``Transform`` is allowed).
+
+        Raises
+        ------
+        TransformError
+            When the name has no "To" before an upper-case letter between two frames, or more than one.
+        """
+        bare = text.removesuffix("Transform")
+        cuts = [m.start() for m in re.finditer(r"To(?=[A-Z])", bare) if m.start() > 0]
+        if len(cuts) != 1:
+            raise TransformError(
+                f"Input transform name must be FromToTo, with one 'To' before an upper-case letter (as in ProbeToTracker); got {text!r}."
+            )
+        return cls(bare[: cuts[0]], bare[cuts[0] + 2 :])
+
+    @property
+    def inverse(self) -> TransformName:
+        return TransformName(self.target, self.source)
+
+    def __str__(self) -> str:
+        return f"{self.source}To{self.target}"
+
+
+@dataclass(frozen=True)
+class TransformSample:
+    """One transform at one moment: matrix (4, 4) and what the tracker said of it."""
+
+    matrix: np.ndarray
+    status: TransformStatus = TransformStatus.OK
+
+
+@dataclass(frozen=True)
+class FoundTransform:
+    """The answer of a look-up: the matrix, the status of the chain, and the transforms it is made of."""
+
+    matrix: np.ndarray
+    status: TransformStatus
+    path: tuple[TransformName, ...]
+
+    def describe_path(self) -> str:
+        """The chain in words: ``ImageToProbe, ProbeToTracker, TrackerToReference``."""
+        return ", ".join(str(name) for name in self.path)
+
+
+class TransformGraph:
+    """Named transforms with implied inverses and chains.
+
+    Examples
+    --------
+    >>> graph = TransformGraph()
+    >>> graph.set("ImageToProbe", np.diag([0.2, 0.2, 0.2, 1.0]))
+    >>> graph.set("ProbeToReference", np.eye(4))
+    >>> graph.lookup("Image", "Reference").describe_path()
+    'ImageToProbe, ProbeToReference'
+    """
+
+    def __init__(self, transforms: dict[TransformName, TransformSample] | None = None):
+        self._transforms: dict[TransformName, TransformSample] = {}
+        for name, sample in (transforms or {}).items():
+            self._put(name, sample)
+
+    def __len__(self) -> int:
+        return len(self._transforms)
+
+    @property
+    def names(self) -> tuple[TransformName, ...]:
+        """The transforms that were set, in that order."""
+        return tuple(self._transforms)
+
+    def set(self, name: str | TransformName, matrix, status: TransformStatus = TransformStatus.OK) -> None:
+        """Add a transform, or replace the one of the same name.
+
+        Raises
+        ------
+        TransformError
+            When its inverse is there already: two statements of one relation.
+        GeometryError
+            When the matrix is not a finite, invertible 4x4 matrix.
+        """
+        name = TransformName.parse(name) if isinstance(name, str) else name
+        self._put(name, TransformSample(as_matrix(matrix, f"transform {name}"), status))
+
+    def updated(self, transforms: dict[TransformName, TransformSample]) -> TransformGraph:
+        """A new graph with `transforms` (those of one tracked frame) set on top of this one."""
+        graph = TransformGraph(self._transforms)
+        for name, sample in transforms.items():
+            graph._put(name, sample)
+        return graph
+
+    def lookup(self, source: str, target: str) -> FoundTransform:
+        """The transform from `source` to `target`, as a chain of what was set.
+
+        Returns
+        -------
+        FoundTransform
+            Its status is OK only when every link is OK; else it is the first other status on the way, and the matrix is NaN, so
+            that nobody uses it by mistake.
+
+        Raises
+        ------
+        TransformError
+            When no path exists (names what is connected to either end), or more than one (names two).
+        """
+        paths = self._paths(source, target, at_most=2)
+        if not paths:
+            raise TransformError(self._no_path_message(source, target))
+        if len(paths) > 1:
+            raise TransformError(
+                f"Two paths lead from {source} to {target}: {_spell(paths[0])}; and {_spell(paths[1])}. "
+                "Remove one of them, or name the recorded transform to use with --image-to-reference."
+            )
+        names = tuple(name if forward else name.inverse for name, forward in paths[0])
+        matrix = np.eye(4)
+        for name, forward in paths[0]:
+            sample = self._transforms[name]
+            if sample.status is not TransformStatus.OK:
+                return FoundTransform(np.full((4, 4), np.nan), sample.status, names)
+            matrix = (sample.matrix if forward else invert(sample.matrix)) @ matrix
+        return FoundTransform(matrix, TransformStatus.OK, names)
+
+    def connected(self, frame: str) -> set[str]:
+        """Every frame that some chain joins to `frame`, itself included."""
+        found, edge = {frame}, [frame]
+        while edge:
+            here = edge.pop()
+            for name in self._transforms:
+                for a, b in ((name.source, name.target), (name.target, name.source)):
+                    if a == here and b not in found:
+                        found.add(b)
+                        edge.append(b)
+        return found
+
+    def _put(self, name: TransformName, sample: TransformSample) -> None:
+        if name.inverse in self._transforms:
+            raise TransformError(f"Transform {name} cannot be set: its inverse {name.inverse} is given already. Remove one of the two.")
+        self._transforms[name] = sample
+
+    def _paths(self, source: str, target: str, at_most: int) -> list[list[tuple[TransformName, bool]]]:
+        """Up to `at_most` ways without a frame twice, each a list of (stored name, used forward)."""
+        found: list[list[tuple[TransformName, bool]]] = []
+        if source == target:
+            return [[]]
+
+        def walk(here: str, visited: set[str], steps: list[tuple[TransformName, bool]]) -> None:
+            for name in self._transforms:
+                if here not in (name.source, name.target) or len(found) >= at_most:
+                    continue
+                forward = name.source == here
+                there = name.target if forward else name.source
+                if there == target:
+                    found.append([*steps, (name, forward)])
+                elif there not in visited:
+                    walk(there, visited | {there}, [*steps, (name, forward)])
+
+        walk(source, {source}, [])
+        return found
+
+    def _no_path_message(self, source: str, target: str) -> str:
+        known = ", ".join(str(name) for name in self._transforms) or "none"
+        return (
+            f"No transform leads from {source} to {target}. Known transforms: {known}. "
+            f"{source} is connected to {_list_frames(self.connected(source) - {source})}, "
+            f"{target} to {_list_frames(self.connected(target) - {target})}."
+        )
+
+
+def _list_frames(frames: Iterable[str]) -> str:
+    return ", ".join(sorted(frames)) or "nothing"
+
+
+def _spell(path: list[tuple[TransformName, bool]]) -> str:
+    return " > ".join(str(name if forward else name.inverse) for name, forward in path)

@@ -1,0 +1,115 @@
+"""4x4 matrices: checking, composing, interpolating, and the one place where RAS becomes LPS.
+
+`a_to_b` maps column vectors: ``p_b = a_to_b @ p_a``. Everything is float64.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .errors import GeometryError
+
+LPS_FROM_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])
+"""Left-posterior-superior from right-anterior-superior coordinates. It is its own inverse."""
+
+RIGIDITY_TOLERANCE = 0.02
+"""How far rotation^T rotation may be from the identity, per entry, before a pose counts as not rigid. Recordings hold
+6 digits, and trackers orthonormalize, so honest poses stay below 1e-4."""
+
+SHEAR_TOLERANCE = 0.1
+"""Largest |cosine| between the two image axes. Fiducial calibrations are affine fits: 0.05 has been seen in use."""
+
+
+def as_matrix(values, name: str = "matrix") -> np.ndarray:
+    """`values` as a (4, 4) float64 array.
+
+    Parameters
+    ----------
+    values : array_like
+        (4, 4), or 16 numbers in row-major order.
+    name : str
+        What to call it in an error.
+
+    Raises
+    ------
+    GeometryError
+        When there are not 16 numbers, one is not finite, the last row is not 0 0 0 1, or the matrix is singular.
+    """
+    matrix = np.asarray(values, dtype=np.float64)
+    if matrix.size != 16:
+        raise GeometryError(f"Input {name} must have 16 numbers (4 rows of 4); got {matrix.size}.")
+    matrix = matrix.reshape(4, 4)
+    if not np.isfinite(matrix).all():
+        raise GeometryError(f"Input {name} must hold finite numbers; got NaN or infinity.")
+    if not np.allclose(matrix[3], (0.0, 0.0, 0.0, 1.0), atol=1e-9):
+        raise GeometryError(f"Input {name} must have 0 0 0 1 as its last row; got {matrix[3].tolist()}.")
+    scale = np.prod(np.linalg.norm(matrix[:3, :3], axis=0))
+    if scale == 0.0 or abs(np.linalg.det(matrix[:3, :3])) < 1e-9 * scale:
+        raise GeometryError(f"Input {name} must be invertible; got a singular matrix.")
+    return matrix
+
+
+def why_not_rigid(matrix: np.ndarray) -> str | None:
+    """What keeps a (4, 4) pose from being a rotation and a translation; None for a rigid one."""
+    rotation = matrix[:3, :3]
+    if not np.isfinite(matrix).all():
+        return "not finite"
+    if np.abs(rotation.T @ rotation - np.eye(3)).max() > RIGIDITY_TOLERANCE:
+        return "not rigid (scaled or sheared)"
+    if np.linalg.det(rotation) < 0:
+        return "not rigid (mirrored)"
+    return None
+
+
+def why_not_an_image_pose(image_to_reference: np.ndarray) -> str | None:
+    """What keeps a (4, 4) image-to-reference matrix from placing pixels on a plane; None for a usable one."""
+    if not np.isfinite(image_to_reference).all():
+        return "not finite"
+    columns = image_to_reference[:3, :2]
+    lengths = np.linalg.norm(columns, axis=0)
+    if lengths.min() <= 0.0 or lengths.max() > 1e4 * lengths.min():
+        return "singular (a pixel has no size)"
+    if abs(columns[:, 0] @ columns[:, 1]) > SHEAR_TOLERANCE * lengths.prod():
+        return "sheared (image axes are not at right angles)"
+    return None
+
+
+def invert(matrix: np.ndarray) -> np.ndarray:
+    """The inverse of an affine (4, 4) matrix, last row exactly 0 0 0 1."""
+    inverse = np.linalg.inv(matrix)
+    inverse[3] = (0.0, 0.0, 0.0, 1.0)
+    return inverse
+
+
+def transform_points(a_to_b: np.ndarray, points_a: np.ndarray) -> np.ndarray:
+    """Points (..., 3) of frame a in frame b."""
+    return np.asarray(points_a, dtype=np.float64) @ a_to_b[:3, :3].T + a_to_b[:3, 3]
+
+
+def pixel_spacing(image_to_reference: np.ndarray) -> tuple[float, float]:
+    """Column and row pitch (x, y) in mm: the lengths of the first two columns."""
+    lengths = np.linalg.norm(image_to_reference[:3, :2], axis=0)
+    return float(lengths[0]), float(lengths[1])
+
+
+def image_plane_axes(image_to_reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Orthonormal unit vectors (3,) in Reference along the image's columns (x) and rows (y).
+
+    Notes
+    -----
+    A calibration may leave the two axes a few degrees off a right angle. Both are then turned by the same amount toward a
+    right angle (Loewdin's symmetric orthonormalization), so that no beam gets longer than 1.
+    """
+    spacing = pixel_spacing(image_to_reference)
+    x = image_to_reference[:3, 0] / spacing[0]
+    y = image_to_reference[:3, 1] / spacing[1]
+    along, across = x + y, x - y
+    along = along / np.linalg.norm(along)
+    across = across / np.linalg.norm(across)
+    half = np.sqrt(0.5)
+    return half * (along + across), half * (along - across)
+
+
+def ras_to_lps(matrix_ras: np.ndarray) -> np.ndarray:
+    """A transform between RAS frames, expressed between LPS frames. Its own inverse."""
+    return LPS_FROM_RAS @ matrix_ras @ LPS_FROM_RAS
