@@ -35,7 +35,9 @@ class ProbeGeometry:
         if self.kind not in (LINEAR, SECTOR):
             raise BeamGeometryError(f"Input probe must be linear or sector; got {self.kind!r}.")
         if self.kind == SECTOR and (self.apex_px is None or not all(math.isfinite(v) for v in self.apex_px)):
-            raise BeamGeometryError(f"Input apex of a sector probe must be a column and a row; got {self.apex_px!r}. Give --apex-px COLUMN ROW.")
+            raise BeamGeometryError(
+                f"Input apex of a sector probe must be a column and a row; got {self.apex_px!r}. Give --apex-px COLUMN ROW."
+            )
 
     def directions(self, columns: int, rows: int, spacing: tuple[float, float]) -> np.ndarray:
         """Beam direction through every pixel.

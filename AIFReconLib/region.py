@@ -86,11 +86,7 @@ class Fan:
         left, right = (math.tan(math.radians(angle)) * aspect for angle in self.angles_deg)
         squared_radius = (x * self.pixel_size[0]) ** 2 + (y * self.pixel_size[1]) ** 2
         return (
-            (y >= 0)
-            & (left * y <= x)
-            & (x <= right * y)
-            & (squared_radius >= self.radii[0] ** 2)
-            & (squared_radius <= self.radii[1] ** 2)
+            (y >= 0) & (left * y <= x) & (x <= right * y) & (squared_radius >= self.radii[0] ** 2) & (squared_radius <= self.radii[1] ** 2)
         )
 
 

@@ -38,29 +38,46 @@ class ReconstructionSettings:
 
     method: str | None = parameter(
         None,
-        f"how pixels that meet in a voxel are combined (default: {DEFAULT_METHOD_WITH_BONE} with a bone input, else {DEFAULT_METHOD_WITHOUT_BONE})",
+        "how pixels that meet in a voxel are combined "
+        f"(default: {DEFAULT_METHOD_WITH_BONE} with a bone input, else {DEFAULT_METHOD_WITHOUT_BONE})",
         choices=METHODS,
     )
     spacing: float | tuple[float, float, float] | None = parameter(
-        None, f"distance between voxels, one number or x y z (default: the configuration's, else {DEFAULT_SPACING})", unit="mm", minimum=0.01, maximum=50.0
+        None,
+        f"distance between voxels, one number or x y z (default: the configuration's, else {DEFAULT_SPACING})",
+        unit="mm",
+        minimum=0.01,
+        maximum=50.0,
     )
     alpha: float = parameter(0.1, "how much well-insonified bone is brightened", minimum=0.0, maximum=10.0)
-    beta: float = parameter(0.1, "smallest cosine of incidence that is compensated (0.1: beams up to 84.3 degrees)", minimum=0.001, maximum=1.0)
-    bone_direction: str = parameter(
-        "gradient", "where bone faces: gradient of the probability map (the paper), or of the smoothed bone surface", choices=("gradient", "surface")
+    beta: float = parameter(
+        0.1, "smallest cosine of incidence that is compensated (0.1: beams up to 84.3 degrees)", minimum=0.001, maximum=1.0
     )
-    hole_limit: float = parameter(0.0, "empty voxels take the nearest measured value up to this distance; 0: off", unit="mm", minimum=0.0, maximum=100.0)
+    bone_direction: str = parameter(
+        "gradient",
+        "where bone faces: gradient of the probability map (the paper), or of the smoothed bone surface",
+        choices=("gradient", "surface"),
+    )
+    hole_limit: float = parameter(
+        0.0, "empty voxels take the nearest measured value up to this distance; 0: off", unit="mm", minimum=0.0, maximum=100.0
+    )
     intensity_maximum: float | None = parameter(
-        None, "brightest value an image can hold (default: 255 for 8-bit images, else the largest of their type; none for float)", minimum=0.0
+        None,
+        "brightest value an image can hold (default: 255 for 8-bit images, else the largest of their type; none for float)",
+        minimum=0.0,
     )
     best_cosine: bool = parameter(False, "also keep each voxel's best cosine of incidence (needs a bone map)")
     skip: int = parameter(1, "use every N-th frame", minimum=1)
     engine: str = parameter("auto", "who does the arithmetic; every engine gives the same voxels", choices=("auto", "numpy"))
-    chunk_frames: int = parameter(16, "frames that are read at a time", minimum=1)
+    output_type: str | None = parameter(
+        None, "type of the intensity volume (default: uint8 for 8-bit images, else float32)", choices=("uint8", "float32")
+    )
 
     # `weighted` only; provisional until the study of issue 3 settles its form.
     weight_floor: float = parameter(0.02, "weighted: weight of a pixel that no bone direction favors", minimum=1e-6, maximum=1.0)
-    shadow_depth: float = parameter(1.5, "weighted: bone that a beam may cross before it counts as shadowed", unit="mm", minimum=0.0, maximum=50.0)
+    shadow_depth: float = parameter(
+        1.5, "weighted: bone that a beam may cross before it counts as shadowed", unit="mm", minimum=0.0, maximum=50.0
+    )
     shadow_length: float = parameter(1.0, "weighted: further bone in which the weight falls by e", unit="mm", minimum=0.01, maximum=50.0)
 
     def __post_init__(self):

@@ -1,0 +1,229 @@
+"""Where a registered CT predicts bone, and which way it faces.
+
+The recipe for the probability is the paper's; `surface` directions and the inside of bone are this project's additions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+
+from .errors import GeometryError
+from .progress import Progress, report
+from .volume import Volume, VoxelGrid
+
+SIGMA_VOXELS = 10.0
+"""Smoothing of the probability map in the paper, in voxels of the labels."""
+
+SURFACE_SIGMA_VOXELS = 2.0
+"""Smoothing of the labels before their gradient is taken as the direction of the surface."""
+
+GAUSSIAN_REACH = 4.0
+"""Where scipy cuts a Gaussian off, in sigmas."""
+
+
+@dataclass(frozen=True, eq=False)
+class BoneOnGrid:
+    """A bone map sampled on the grid of a reconstruction: what the engines read.
+
+    Parameters
+    ----------
+    probability : [k, j, i] float32 array, 0 to 1
+    directions_reference : [k, j, i, 3] float32 array, unit vectors or zero
+        Where bone faces away from the sound, in Reference: along the beam on the near side of a surface.
+    inside : [k, j, i] uint8 array
+        1 within bone; beams are blocked there.
+    """
+
+    probability: np.ndarray
+    directions_reference: np.ndarray
+    inside: np.ndarray
+
+    @property
+    def overlaps(self) -> bool:
+        """Whether there is any bone on the grid at all."""
+        return bool(self.probability.any())
+
+
+@dataclass(frozen=True, eq=False)
+class BoneMap:
+    """Bone as a CT predicts it, in the CT's own geometry.
+
+    Parameters
+    ----------
+    probability : Volume of float32, 0 to 1
+        V_prob. Its matrix places it in Reference.
+    inside : Volume of uint8 or None
+        1 within bone, on the same voxels; None when only a probability is known, then bone is where it exceeds one half.
+
+    Notes
+    -----
+    Outside the volume the probability is 0.
+    """
+
+    probability: Volume
+    inside: Volume | None = None
+
+    @classmethod
+    def from_labels(
+        cls,
+        labels: Volume,
+        sigma_voxels: float = SIGMA_VOXELS,
+        sigma_mm: float | None = None,
+        labels_to_reference: np.ndarray | None = None,
+        progress: Progress | None = None,
+    ) -> BoneMap:
+        """The paper's recipe: labels, magnitude of the 3D Sobel gradient, Gaussian, divided by the maximum.
+
+        Parameters
+        ----------
+        labels : Volume of integers or bool
+            Any label above 0 is bone.
+        sigma_voxels, sigma_mm : float
+            Width of the Gaussian, in voxels of `labels` (the paper: 10) or, when given, in mm along every axis.
+        labels_to_reference : (4, 4) array or None
+            The registration of the CT, when its volume does not hold Reference coordinates already.
+
+        Raises
+        ------
+        GeometryError
+            When no voxel is labeled.
+
+        Notes
+        -----
+        Only the box around the labels that the Gaussian reaches is computed and kept; the rest is 0 in any case.
+        """
+        report(progress, 0.0, "Making the bone map")
+        bone = labels.array > 0
+        if not bone.any():
+            raise GeometryError("Input labels must have voxels above 0; got none. Was the right segmentation chosen?")
+        if bone.all():
+            raise GeometryError("Input labels must leave voxels that are not bone; got bone everywhere. Was the right segmentation chosen?")
+        sigma_kji = np.full(3, float(sigma_voxels)) if sigma_mm is None else float(sigma_mm) / labels.grid.spacing[::-1]
+        if not (np.isfinite(sigma_kji).all() and (sigma_kji > 0).all()):
+            raise GeometryError(f"Input sigma must be positive; got {sigma_voxels if sigma_mm is None else sigma_mm}.")
+        margin = np.ceil(GAUSSIAN_REACH * sigma_kji).astype(int) + 2
+        box = _box_around(bone, margin)
+        bone = bone[box]
+        report(progress, 0.1, "Making the bone map")
+        probability = _sobel_magnitude(bone.astype(np.float32))
+        report(progress, 0.4, "Making the bone map")
+        probability = ndimage.gaussian_filter(probability, sigma_kji, mode="nearest", truncate=GAUSSIAN_REACH)
+        probability /= probability.max()
+        report(progress, 0.9, "Making the bone map")
+        matrix = _matrix_of_box(labels, box)
+        placed = matrix if labels_to_reference is None else np.asarray(labels_to_reference, dtype=np.float64) @ matrix
+        bone_map = cls(Volume(probability, placed), Volume(bone.astype(np.uint8), placed))
+        report(progress, 1.0, "Made the bone map")
+        return bone_map
+
+    @classmethod
+    def from_probability(cls, probability: Volume, probability_to_reference: np.ndarray | None = None) -> BoneMap:
+        """A ready probability volume (a network's output), limited to 0 to 1; not finite values count as 0."""
+        array = np.clip(np.nan_to_num(probability.array.astype(np.float32), nan=0.0), 0.0, 1.0)
+        volume = Volume(array, probability.ijk_to_reference)
+        return cls(volume if probability_to_reference is None else volume.placed_by(probability_to_reference))
+
+    def on_grid(self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None) -> BoneOnGrid:
+        """Sample the map on the voxels of a reconstruction.
+
+        Parameters
+        ----------
+        grid : VoxelGrid
+        direction : "gradient" or "surface"
+            Gradient of the probability (the paper's), which flips its sign at the ridge; or of the smoothed bone itself.
+
+        Notes
+        -----
+        V_dir is scipy's Sobel (mode "nearest") along x, y, z in the map's own geometry, taken to mm in Reference as a covector
+        (the inverse transpose of the matrix), interpolated linearly to the grid and normalized; zero where there is no gradient.
+        """
+        sample = _sampler(self.probability, grid)
+        report(progress, 0.0, "Placing the bone map")
+        probability = sample(self.probability.array, np.float32)
+        report(progress, 0.2, "Placing the bone map")
+        bone = self.inside.array if self.inside is not None else (self.probability.array > 0.5).astype(np.uint8)
+        inside = sample(bone, np.uint8)
+        potential = self.probability.array
+        if direction == "surface":
+            potential = ndimage.gaussian_filter(bone.astype(np.float32), SURFACE_SIGMA_VOXELS, mode="nearest")
+        report(progress, 0.3, "Placing the bone map")
+        to_reference = np.linalg.inv(self.probability.ijk_to_reference[:3, :3]).T.astype(np.float32)
+        directions = np.zeros((*grid.shape, 3), dtype=np.float32)
+        for axis in range(3):
+            slope = sample(ndimage.sobel(potential, axis=2 - axis, mode="nearest"), np.float32)
+            for component in range(3):
+                directions[..., component] += to_reference[component, axis] * slope
+            report(progress, 0.3 + 0.2 * (axis + 1), "Placing the bone map")
+        _normalize(directions)
+        report(progress, 1.0, "Placed the bone map")
+        return BoneOnGrid(probability, directions, inside)
+
+
+def _sobel_magnitude(array: np.ndarray) -> np.ndarray:
+    squared = np.zeros_like(array)
+    for axis in range(3):
+        slope = ndimage.sobel(array, axis=axis, mode="nearest")
+        slope *= slope
+        squared += slope
+    return np.sqrt(squared, out=squared)
+
+
+def _normalize(vectors: np.ndarray) -> None:
+    """Scale vectors [k, j, i, 3] to unit length in place, slab by slab; vectors too short to have a direction become zero."""
+    for slab in vectors:
+        length = np.sqrt(np.einsum("jic,jic->ji", slab, slab, dtype=np.float64))
+        too_short = length < np.finfo(np.float32).tiny
+        length[too_short] = 1.0
+        slab /= length[..., None].astype(np.float32)
+        slab[too_short] = 0.0
+
+
+def _box_around(mask: np.ndarray, margin: np.ndarray) -> tuple[slice, slice, slice]:
+    """The part of `mask` within `margin` (k, j, i) voxels of a True one."""
+    (found,) = ndimage.find_objects(mask.view(np.uint8))
+    return tuple(slice(max(s.start - m, 0), min(s.stop + m, n)) for s, m, n in zip(found, margin, mask.shape, strict=True))
+
+
+def _matrix_of_box(volume: Volume, box: tuple[slice, slice, slice]) -> np.ndarray:
+    """ijk_to_reference of the part `box` [k, j, i] of a volume."""
+    shift = np.eye(4)
+    shift[:3, 3] = [s.start for s in box[::-1]]
+    return volume.ijk_to_reference @ shift
+
+
+def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[np.ndarray, type], np.ndarray]:
+    """A function that brings arrays [k, j, i] on the source's voxels onto the grid: linear for float, nearest for integers, 0 outside."""
+    if source.grid.matches(grid):
+        return lambda array, dtype: array.astype(dtype)
+    to_source = source.grid.reference_to_ijk @ grid.ijk_to_reference
+    box = _overlap(to_source, grid, source.grid)
+
+    def sample(array: np.ndarray, dtype: type) -> np.ndarray:
+        result = np.zeros(grid.shape, dtype=dtype)
+        if box is not None:
+            matrix = to_source[2::-1, 2::-1]
+            offset = to_source[2::-1, 3] + matrix @ [s.start for s in box]
+            order = 1 if np.issubdtype(dtype, np.floating) else 0
+            ndimage.affine_transform(
+                array, matrix, offset, output=result[box], output_shape=result[box].shape, order=order, prefilter=False
+            )
+        return result
+
+    return sample
+
+
+def _overlap(to_source: np.ndarray, grid: VoxelGrid, source: VoxelGrid) -> tuple[slice, slice, slice] | None:
+    """The box [k, j, i] of the grid outside of which the source has no voxel; None when they do not meet."""
+    to_grid = np.linalg.inv(to_source)
+    last = np.array(source.size) - 1
+    corners = np.array([(i, j, k) for k in (0, last[2]) for j in (0, last[1]) for i in (0, last[0])], dtype=np.float64)
+    ijk = corners @ to_grid[:3, :3].T + to_grid[:3, 3]
+    first = np.maximum(np.floor(ijk.min(axis=0)).astype(int) - 1, 0)
+    stop = np.minimum(np.ceil(ijk.max(axis=0)).astype(int) + 2, grid.size)
+    if (first >= stop).any():
+        return None
+    return tuple(slice(int(a), int(b)) for a, b in zip(first[::-1], stop[::-1], strict=True))

@@ -1,0 +1,101 @@
+"""What is the same for every frame of a sweep: which pixels count, and which way sound travels through them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..beams import ProbeGeometry
+from ..region import ImageRegion
+
+SPACING_TOLERANCE = 1e-3
+"""Relative change of pixel spacing at which beam directions are computed anew; recorded matrices jitter in the sixth digit."""
+
+
+@dataclass(frozen=True, eq=False)
+class PixelLayout:
+    """The pixels that enter a volume, in row-major order.
+
+    Parameters
+    ----------
+    size : (columns, rows) of the image
+    spacing : (x, y), mm
+    window : (top, bottom, left, right)
+        Smallest rectangle around all of them, bottom and right not included.
+    inside : (n,) int64 array
+        Their flat numbers within the window, rising.
+    beam_x, beam_y : (n,) float32 arrays or None
+        Beam direction through each, in the image plane.
+    """
+
+    size: tuple[int, int]
+    spacing: tuple[float, float]
+    window: tuple[int, int, int, int]
+    inside: np.ndarray
+    beam_x: np.ndarray | None
+    beam_y: np.ndarray | None
+
+    @classmethod
+    def build(cls, size: tuple[int, int], spacing: tuple[float, float], region: ImageRegion, probe: ProbeGeometry | None) -> PixelLayout:
+        """Lay out an image of `size` (columns, rows); `probe` is None where no beam directions are needed."""
+        columns, rows = size
+        mask = region.mask(columns, rows)
+        kept_rows, kept_columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+        window = int(kept_rows[0]), int(kept_rows[-1]) + 1, int(kept_columns[0]), int(kept_columns[-1]) + 1
+        mask = mask[window[0] : window[1], window[2] : window[3]]
+        beam_x = beam_y = None
+        if probe is not None:
+            directions = probe.directions(columns, rows, spacing)[window[0] : window[1], window[2] : window[3]]
+            beam_x, beam_y = directions[mask].T.copy()
+        return cls(size, spacing, window, np.flatnonzero(mask), beam_x, beam_y)
+
+    def fits(self, size: tuple[int, int], spacing: tuple[float, float]) -> bool:
+        """Whether it serves a frame of this size and pixel spacing."""
+        return self.size == size and all(abs(new - old) <= SPACING_TOLERANCE * old for new, old in zip(spacing, self.spacing, strict=True))
+
+    def values(self, image: np.ndarray) -> np.ndarray:
+        """The pixels that count, (n,) float32, of an image (rows, columns)."""
+        top, bottom, left, right = self.window
+        return image[top:bottom, left:right].reshape(-1)[self.inside].astype(np.float32)
+
+    def voxels(self, image_to_ijk: np.ndarray, grid_size: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
+        """Which voxel each pixel falls into.
+
+        Parameters
+        ----------
+        image_to_ijk : (4, 4) float64 array
+        grid_size : (i, j, k)
+
+        Returns
+        -------
+        pixels : (m,) int64 array
+            Numbers of the pixels (of the n that count) that fall into the grid, rising.
+        voxels : (m,) int64 array
+            Their voxels, flat in [k, j, i].
+
+        Notes
+        -----
+        ijk = floor(image_to_ijk (column, row, 0, 1) + 0.5) in float64, summed as (row part + offset + 0.5) + column part; every
+        engine sums in this order, so that pixels on the border of two voxels fall into the same one everywhere.
+        """
+        top, bottom, left, right = self.window
+        columns, rows = np.arange(left, right, dtype=np.float64), np.arange(top, bottom, dtype=np.float64)
+        flat: np.ndarray | float = 0.0
+        outside: np.ndarray | None = None
+        for axis in (2, 1, 0):
+            along_rows = image_to_ijk[axis, 1] * rows + (image_to_ijk[axis, 3] + 0.5)
+            along_columns = image_to_ijk[axis, 0] * columns
+            ends = along_rows[[0, -1], None] + along_columns[None, [0, -1]]
+            position = along_rows[:, None] + along_columns[None, :]
+            np.floor(position, out=position)
+            if ends.min() < 0.0 or ends.max() >= grid_size[axis]:
+                beyond = (position < 0.0) | (position >= grid_size[axis])
+                outside = beyond if outside is None else np.logical_or(outside, beyond, out=outside)
+            # Voxel numbers stay below 2^31: exact in float64, and cheaper to add up there than as integers
+            flat = position if axis == 2 else np.add(np.multiply(flat, grid_size[axis], out=flat), position, out=flat)
+        flat = flat.reshape(-1)[self.inside]
+        if outside is None:
+            return np.arange(flat.size), flat.astype(np.int64)
+        pixels = np.flatnonzero(~outside.reshape(-1)[self.inside])
+        return pixels, flat[pixels].astype(np.int64)

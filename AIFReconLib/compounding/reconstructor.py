@@ -1,0 +1,253 @@
+"""Frames in, voxels out: the one class that turns tracked frames into a volume, whether they come from a file or a probe."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..beams import ProbeGeometry
+from ..bone import BoneMap, BoneOnGrid
+from ..errors import BeamGeometryError, GeometryError, SettingsError
+from ..frames import TrackedFrame
+from ..holes import EMPTY, MEASURED, fill_holes
+from ..memory import require_memory
+from ..progress import Progress
+from ..region import ImageRegion
+from ..settings import BONE_METHODS, ReconstructionSettings
+from ..transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
+from ..volume import Volume, VoxelGrid
+from .layout import PixelLayout
+from .numpy_engine import NumpyEngine
+from .shadow import ScanLines
+from .state import VoxelState, bytes_per_voxel
+
+
+@dataclass(frozen=True, eq=False)
+class Reconstruction:
+    """The result of a reconstruction, all volumes on one grid.
+
+    Parameters
+    ----------
+    intensity : Volume of uint8 or float32
+        The reconstructed ultrasound.
+    score : Volume of float32
+        Sum of the weights of all pixels that entered (the paper's V_count); the number of pixels for methods without weights.
+    hits : Volume of uint32
+        Pixels that entered.
+    mask : Volume of uint8
+        0 empty, 1 measured, 2 filled from a neighbor.
+    cosine : Volume of float32 or None
+        Best cosine of incidence, when it was asked for.
+    method : str
+    frames_inserted : int
+    skipped : dict of str to list of int
+        Numbers of the frames that were not inserted, by reason.
+    notes : tuple of str
+        What a user should know about how this result came about.
+    """
+
+    intensity: Volume
+    score: Volume
+    hits: Volume
+    mask: Volume
+    cosine: Volume | None
+    method: str
+    frames_inserted: int
+    skipped: dict[str, list[int]]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def grid(self) -> VoxelGrid:
+        return self.intensity.grid
+
+
+@dataclass(eq=False)
+class FrameCounts:
+    """Which frames entered and which did not."""
+
+    inserted: int = 0
+    skipped: dict[str, list[int]] = field(default_factory=dict)
+
+    def skip(self, reason: str, number: int) -> None:
+        self.skipped.setdefault(reason, []).append(number)
+
+
+class Reconstructor:
+    """Collects tracked frames into a volume.
+
+    Parameters
+    ----------
+    grid : VoxelGrid
+        The voxels to fill.
+    settings : ReconstructionSettings
+    bone : BoneMap or None
+        Needed by the methods that weight by incidence.
+    probe : ProbeGeometry or None
+        Where the beams go; needed where `bone` is used.
+    region : ImageRegion
+        Pixels outside it never enter.
+
+    Raises
+    ------
+    SettingsError
+        When the method needs a bone map and there is none.
+    BeamGeometryError
+        When it needs the beams' directions and there are none.
+    InsufficientMemoryError
+        When the grid does not fit into memory; nothing has been allocated then.
+
+    Examples
+    --------
+    >>> grid = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (8, 8, 8), 1.0)
+    >>> reconstructor = Reconstructor(grid)
+    >>> reconstructor.insert(TrackedFrame(np.full((4, 4), 7, np.uint8), np.eye(4)))
+    >>> int(reconstructor.reconstruction().intensity.array.max())
+    7
+    """
+
+    def __init__(
+        self,
+        grid: VoxelGrid,
+        settings: ReconstructionSettings | None = None,
+        bone: BoneMap | None = None,
+        *,
+        probe: ProbeGeometry | None = None,
+        region: ImageRegion | None = None,
+        progress: Progress | None = None,
+    ):
+        self.settings = settings or ReconstructionSettings()
+        self.grid = grid
+        self.method = self.settings.method_for(bone is not None)
+        self.counts = FrameCounts()
+        self._probe = probe
+        self._region = region or ImageRegion()
+        self._notes: list[str] = []
+        self._needs_beams = needs_beams(self.method, self.settings)
+        if self._needs_beams and bone is None:
+            wish = f"Method {self.method}" if self.method in BONE_METHODS else "The cosine of incidence"
+            raise SettingsError(f"{wish} needs to know where bone is. Give labels or a bone probability, or choose method average.")
+        if self._needs_beams and probe is None:
+            raise BeamGeometryError(
+                f"Method {self.method} needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
+            )
+        require_memory(grid.size, grid.spacing, bytes_per_voxel(self.method, self._needs_beams, self.settings.best_cosine))
+        self._bone = self._place_bone(bone, progress) if self._needs_beams else None
+        self._state = VoxelState.empty(grid, self.method, self.settings.best_cosine)
+        self._layout: PixelLayout | None = None
+        self._scan_lines: ScanLines | None = None
+        self._engine: NumpyEngine | None = None
+        self._image_type: np.dtype | None = None
+
+    def insert(self, frames: TrackedFrame | Iterable[TrackedFrame]) -> None:
+        """Put a frame, or several in their order, into the volume.
+
+        Frames whose status is not OK are counted with their reason and change nothing.
+
+        Raises
+        ------
+        GeometryError
+            When the size or pixel type of an image differs from that of the first.
+        """
+        if isinstance(frames, TrackedFrame):
+            frames = (frames,)
+        for frame in frames:
+            self._insert_one(frame)
+
+    def reconstruction(self, progress: Progress | None = None) -> Reconstruction:
+        """The volume as it is now, holes filled; more frames may follow."""
+        state, shape = self._state, self.grid.shape
+        values = state.intensity().reshape(shape)
+        mask = np.where(state.hits > 0, np.uint8(MEASURED), np.uint8(EMPTY)).reshape(shape)
+        if self.settings.hole_limit > 0:
+            fill_holes(values, mask, self.grid.spacing, self.settings.hole_limit, progress)
+        return Reconstruction(
+            intensity=self._volume(self._to_output_type(values)),
+            score=self._volume(state.score().reshape(shape)),
+            hits=self._volume(state.hits.reshape(shape).copy()),
+            mask=self._volume(mask),
+            cosine=None if state.cosine is None else self._volume(state.cosine.reshape(shape).astype(np.float32)),
+            method=self.method,
+            frames_inserted=self.counts.inserted,
+            skipped={reason: list(numbers) for reason, numbers in self.counts.skipped.items()},
+            notes=tuple(self._notes),
+        )
+
+    def finish(self, progress: Progress | None = None) -> Reconstruction:
+        """The final volume. Releases the bone map first, so no frame can follow."""
+        self._bone = self._engine = None
+        self._probe = None
+        return self.reconstruction(progress)
+
+    def _place_bone(self, bone: BoneMap, progress: Progress | None) -> BoneOnGrid:
+        placed = bone.on_grid(self.grid, self.settings.bone_direction, progress)
+        if not placed.overlaps:
+            self._notes.append(
+                "Warning: the bone map does not overlap the volume, so incidence weights nothing. "
+                "Check the registration of the CT (--bone-transform)."
+            )
+        return placed
+
+    def _insert_one(self, frame: TrackedFrame) -> None:
+        problem = self._why_not(frame)
+        if problem is not None:
+            self.counts.skip(problem, frame.number)
+            return
+        image, pose = frame.image, frame.image_to_reference
+        if self._engine is None:
+            self._start(image)
+        self._check_like_first(frame)
+        spacing = pixel_spacing(pose)
+        size = image.shape[1], image.shape[0]
+        if self._layout is None or not self._layout.fits(size, spacing):
+            self._layout = PixelLayout.build(size, spacing, self._region, self._probe if self._needs_beams else None)
+            self._scan_lines = ScanLines(self._layout, self._probe) if self.method == "weighted" else None
+        axes = tuple(axis.astype(np.float32) for axis in image_plane_axes(pose))
+        pixels = self._engine.insert(image, self.grid.reference_to_ijk @ pose, axes, self._layout, self._scan_lines)
+        if pixels:
+            self.counts.inserted += 1
+        else:
+            self.counts.skip("outside the volume", frame.number)
+
+    @staticmethod
+    def _why_not(frame: TrackedFrame) -> str | None:
+        if frame.status != "OK":
+            return frame.status
+        if frame.image is None:
+            return "no image"
+        if frame.image_to_reference is None:
+            return "no pose"
+        problem = why_not_an_image_pose(frame.image_to_reference)
+        return f"image pose {problem}" if problem else None
+
+    def _start(self, image: np.ndarray) -> None:
+        self._image_type = image.dtype
+        self._image_shape = image.shape
+        maximum = self.settings.intensity_maximum
+        if maximum is None:
+            maximum = np.iinfo(image.dtype).max if image.dtype.kind in "iu" else np.inf
+        self._engine = NumpyEngine(self._state, self.grid.size, self.settings, maximum, self._bone)
+
+    def _check_like_first(self, frame: TrackedFrame) -> None:
+        image = frame.image
+        if image.shape != self._image_shape or image.dtype != self._image_type:
+            raise GeometryError(
+                f"Input images must all be alike; got {image.shape} {image.dtype} in frame {frame.number} "
+                f"after {self._image_shape} {self._image_type}."
+            )
+
+    def _to_output_type(self, values: np.ndarray) -> np.ndarray:
+        wanted = self.settings.output_type or ("uint8" if self._image_type == np.uint8 else "float32")
+        if wanted == "float32":
+            return values
+        np.floor(np.clip(values, 0.0, 255.0, out=values) + np.float32(0.5), out=values)
+        return values.astype(np.uint8)
+
+    def _volume(self, array: np.ndarray) -> Volume:
+        return Volume(array, self.grid.ijk_to_reference)
+
+
+def needs_beams(method: str, settings: ReconstructionSettings) -> bool:
+    """Whether a reconstruction reads the bone map and the beams' directions."""
+    return method in BONE_METHODS or settings.best_cosine

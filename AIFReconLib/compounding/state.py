@@ -1,0 +1,81 @@
+"""What is remembered of every voxel while frames come in, and what that costs in memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..settings import BONE_METHODS
+from ..volume import VoxelGrid
+
+MAP_BYTES = 4 + 3 * 4
+"""Probability and direction of the bone map, per voxel."""
+
+OUTPUT_BYTES = 4 + 1
+"""Intensity and mask of a result, per voxel, beside the state."""
+
+
+@dataclass(eq=False)
+class VoxelState:
+    """Running values of one reconstruction; flat arrays over [k, j, i] in C order.
+
+    Parameters
+    ----------
+    method : str
+    hits : (voxels,) uint32 array
+        Pixels that entered.
+    value : (voxels,) array
+        float32: the running average (aif), the last (latest) or the largest (maximum) value; the sum of w v (weighted).
+        float64: the sum (average), so that its mean is exact.
+    weight : (voxels,) float32 array or None
+        The paper's V_count (aif), the sum of w (weighted).
+    cosine : (voxels,) float16 array or None
+        Best cosine of incidence so far; kept to 3 digits.
+    """
+
+    method: str
+    hits: np.ndarray
+    value: np.ndarray
+    weight: np.ndarray | None
+    cosine: np.ndarray | None
+
+    @classmethod
+    def empty(cls, grid: VoxelGrid, method: str, best_cosine: bool) -> VoxelState:
+        """State before the first frame."""
+        value = np.zeros(grid.voxels, dtype=np.float64 if method == "average" else np.float32)
+        if method == "maximum":
+            value.fill(-np.inf)
+        return cls(
+            method=method,
+            hits=np.zeros(grid.voxels, dtype=np.uint32),
+            value=value,
+            weight=np.zeros(grid.voxels, dtype=np.float32) if method in BONE_METHODS else None,
+            cosine=np.zeros(grid.voxels, dtype=np.float16) if best_cosine else None,
+        )
+
+    def intensity(self) -> np.ndarray:
+        """The reconstructed values, (voxels,) float32; 0 where nothing was measured."""
+        if self.method in ("average", "weighted"):
+            divisor = self.hits if self.method == "average" else self.weight
+            result = np.zeros(self.value.shape, dtype=np.float32)
+            np.divide(self.value, divisor, out=result, where=self.hits > 0, casting="same_kind")
+            return result
+        return np.where(self.hits > 0, self.value, np.float32(0))
+
+    def score(self) -> np.ndarray:
+        """How much good evidence each voxel has, (voxels,) float32: the sum of weights; methods without weights count each pixel as 1."""
+        return self.hits.astype(np.float32) if self.weight is None else self.weight.copy()
+
+
+def bytes_per_voxel(method: str, has_bone: bool, best_cosine: bool) -> int:
+    """Memory that a reconstruction takes, per voxel, its bone map and results included.
+
+    Notes
+    -----
+    The bone map is released before the results are made when a whole sequence is reconstructed at once; a live session keeps both.
+    """
+    state = 4 + (8 if method == "average" else 4) + (4 if method in BONE_METHODS else 0) + (2 if best_cosine else 0)
+    uses_map = has_bone and (method in BONE_METHODS or best_cosine)
+    bone = (MAP_BYTES + (1 if method == "weighted" else 0)) if uses_map else 0
+    return state + max(bone, OUTPUT_BYTES)

@@ -1,0 +1,152 @@
+"""Recognizing the probe from its images: ultrasound stands on a black surround as a rectangle (linear) or a sector.
+
+Used where neither options nor a configuration say what the image shows. It refuses rather than guesses.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+
+from .beams import LINEAR, SECTOR, ProbeGeometry
+from .errors import BeamGeometryError
+from .frames import ImageStack
+from .region import ClipRectangle, Fan, ImageRegion
+
+FRAMES_LOOKED_AT = 24
+LIT = 0.01
+"""A pixel is lit when it exceeds this share of the brightest pixel in any of the frames looked at."""
+
+VERTICAL_SLOPE = 0.03
+"""Sides that lean less than this (columns per row) are those of a linear probe."""
+
+LINE_TOLERANCE_PX = 2.0
+"""How far a side may be from its straight line."""
+
+
+@dataclass(frozen=True)
+class DetectedImaging:
+    """What was recognized: probe, the pixels that are ultrasound, and the finding in words."""
+
+    probe: ProbeGeometry
+    region: ImageRegion
+    description: str
+
+
+def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)) -> DetectedImaging:
+    """Recognize a linear or sector image by its black surround.
+
+    Parameters
+    ----------
+    images : ImageStack, (frames, rows, columns)
+    spacing : (x, y), mm
+        Pixel pitch; a sector is round in mm.
+
+    Raises
+    ------
+    BeamGeometryError
+        When the outline is neither a rectangle nor a sector.
+    """
+    lit = _lit_area(images)
+    rows = np.flatnonzero(lit.any(axis=1))
+    columns = np.flatnonzero(lit.any(axis=0))
+    box = lit[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    sides = _straight_sides(box)
+    upright = sides is not None and max(abs(sides[0][1]), abs(sides[1][1])) < VERTICAL_SLOPE
+    if box.mean() > 0.97 or (upright and box.mean() > 0.85):
+        clip = ClipRectangle(
+            (float(columns[0]), float(rows[0])), (float(columns[-1] - columns[0]) or 1.0, float(rows[-1] - rows[0]) or 1.0)
+        )
+        words = f"a linear probe, columns {columns[0]} to {columns[-1]}, rows {rows[0]} to {rows[-1]}"
+        return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
+    if sides is None or upright:
+        raise _unrecognized("its outline is neither a rectangle nor a sector")
+    return _sector(lit, sides, (int(columns[0]), int(rows[0])), spacing)
+
+
+def _lit_area(images: ImageStack) -> np.ndarray:
+    """The largest connected area that is lit in any of the frames looked at, without its holes, (rows, columns) bool."""
+    numbers = np.unique(np.linspace(0, len(images) - 1, FRAMES_LOOKED_AT).astype(int))
+    brightest = None
+    for number in numbers:
+        image = np.nan_to_num(np.asarray(images[int(number)], dtype=np.float32))
+        brightest = image if brightest is None else np.maximum(brightest, image)
+    if brightest is None or brightest.max() <= 0:
+        raise _unrecognized("all images are black")
+    lit = ndimage.binary_closing(np.pad(brightest > LIT * brightest.max(), 4), iterations=4)[4:-4, 4:-4]
+    # An opening drops rulers, text and borders that touch the sector by a thin line
+    lit = ndimage.binary_opening(lit, iterations=2)
+    labels, count = ndimage.label(lit)
+    if count == 0:
+        raise _unrecognized("no connected bright area was found")
+    sizes = np.bincount(labels.ravel())
+    sizes[0] = 0
+    return ndimage.binary_fill_holes(labels == sizes.argmax())
+
+
+def _straight_sides(box: np.ndarray) -> tuple[tuple[float, float], tuple[float, float]] | None:
+    """Left and right side of a lit box as (column at row 0, columns per row); None where they are not straight."""
+    height, width = box.shape
+    left = box.argmax(axis=1)
+    right = width - 1 - box[:, ::-1].argmax(axis=1)
+    row = np.arange(height)
+    sides = []
+    for edge, outermost in ((left, left.min()), (right, right.max())):
+        # Below its widest row a sector is bounded by its arc, not by its side
+        widest = int(np.flatnonzero(np.abs(edge - outermost) <= 1)[0])
+        last = height if widest < 0.2 * height else widest + 1
+        line = _robust_line(row[:last], edge[:last])
+        if line is None:
+            return None
+        sides.append(line)
+    return sides[0], sides[1]
+
+
+def _robust_line(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
+    """Offset and slope of the line that most points are on; None when fewer than 6 in 10 are."""
+    if x.size < 10:
+        return None
+    x, y = x.astype(np.float64), y.astype(np.float64)
+    step = max(x.size // 3, 1)
+    slope = float(np.median((y[step:] - y[:-step]) / (x[step:] - x[:-step])))
+    offset = float(np.median(y - slope * x))
+    for _ in range(5):
+        near = np.abs(y - offset - slope * x) <= LINE_TOLERANCE_PX
+        if near.sum() < 10:
+            return None
+        slope, offset = (float(v) for v in np.polyfit(x[near], y[near], 1))
+    near = np.abs(y - offset - slope * x) <= LINE_TOLERANCE_PX
+    return (offset, slope) if near.mean() >= 0.6 else None
+
+
+def _sector(lit: np.ndarray, sides, corner: tuple[int, int], spacing: tuple[float, float]) -> DetectedImaging:
+    (left_offset, left_slope), (right_offset, right_slope) = sides
+    if left_slope >= -VERTICAL_SLOPE or right_slope <= VERTICAL_SLOPE:
+        raise _unrecognized("its sides do not spread downward")
+    row = (left_offset - right_offset) / (right_slope - left_slope)
+    apex = (left_offset + left_slope * row + corner[0], row + corner[1])
+    aspect = spacing[0] / spacing[1]
+    angles = tuple(math.degrees(math.atan(slope * aspect)) for slope in (left_slope, right_slope))
+    y, x = np.nonzero(lit)
+    radius = np.hypot((x - apex[0]) * spacing[0], (y - apex[1]) * spacing[1])
+    angle = np.degrees(np.arctan2((x - apex[0]) * spacing[0], (y - apex[1]) * spacing[1]))
+    middle = radius[np.abs(angle - np.mean(angles)) < 0.25 * (angles[1] - angles[0])]
+    if not middle.size:
+        raise _unrecognized("its sides do not enclose it")
+    first, last = float(middle.min()), float(np.quantile(radius, 0.9995))
+    fan = Fan(apex, angles, (max(first - 0.5 * spacing[1], 0.0), last), spacing)
+    inside = fan.mask(lit.shape[1], lit.shape[0])
+    if (lit & inside).sum() < 0.95 * lit.sum() or (lit & inside).sum() < 0.7 * inside.sum():
+        raise _unrecognized("its outline is not that of a sector")
+    words = f"a sector probe, apex at column {apex[0]:.1f}, row {apex[1]:.1f}, {angles[0]:.1f} to {angles[1]:.1f} degrees"
+    return DetectedImaging(ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan), words)
+
+
+def _unrecognized(why: str) -> BeamGeometryError:
+    return BeamGeometryError(
+        f"The probe cannot be told from the images: {why}. Give --probe linear, or --probe sector with --apex-px COLUMN ROW; "
+        "a configuration with ScanConversion serves too."
+    )

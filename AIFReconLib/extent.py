@@ -1,0 +1,62 @@
+"""The box around a sweep: a grid that holds every pixel of every usable frame."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .errors import GeometryError
+from .memory import require_memory
+from .region import ImageRegion, extreme_pixels
+from .volume import VoxelGrid
+
+LARGEST_EXTENT = 5000.0
+"""mm. Poses that span more are not those of one patient."""
+
+
+def grid_around_sweep(
+    image_to_reference: np.ndarray,
+    frame_size: tuple[int, int],
+    region: ImageRegion,
+    spacing: tuple[float, float, float],
+    bytes_per_voxel: int = 1,
+) -> VoxelGrid:
+    """The smallest grid along the axes of Reference that holds the region of every frame.
+
+    Parameters
+    ----------
+    image_to_reference : (frames, 4, 4) array, pixels to mm
+        Poses of the usable frames.
+    frame_size : (columns, rows)
+    region : ImageRegion
+    spacing : (x, y, z), mm
+    bytes_per_voxel : int
+        What the reconstruction will take, so that a grid that cannot fit is refused before it is made.
+
+    Raises
+    ------
+    InsufficientMemoryError
+        Says how much is needed and which spacing would fit.
+    GeometryError
+        When there is no pose, or the poses span what no scanner does.
+
+    Notes
+    -----
+    IGSIO's rule: the origin is the least coordinate of any pixel center and the center of voxel 0; the size is
+    round((most - least) / spacing) + 1. So the last pixel is less than half a voxel past the last voxel's center.
+    """
+    if not len(image_to_reference):
+        raise GeometryError("Input poses must be at least one; got none.")
+    pixels = extreme_pixels(region.mask(*frame_size))
+    least, most = np.full(3, np.inf), np.full(3, -np.inf)
+    for matrix in image_to_reference:
+        points = pixels @ matrix[:3, :2].T + matrix[:3, 3]
+        np.minimum(least, points.min(axis=0), out=least)
+        np.maximum(most, points.max(axis=0), out=most)
+    size = np.floor((most - least) / np.asarray(spacing) + 0.5) + 1
+    extent = most - least
+    if not np.isfinite(extent).all() or extent.max() > LARGEST_EXTENT:
+        spans = " x ".join(f"{mm:.0f}" for mm in extent)
+        raise GeometryError(f"The sweep spans {spans} mm, which no scan does. Are its poses in mm and in the right frame?")
+    size = tuple(int(n) for n in size)
+    require_memory(size, spacing, bytes_per_voxel)
+    return VoxelGrid.from_spacing(least, size, spacing)

@@ -1,0 +1,119 @@
+"""How much memory a reconstruction needs and how much there is, so that a too fine spacing is an answer and not a crash."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from pathlib import Path
+
+from .errors import InsufficientMemoryError
+from .volume import MAXIMUM_VOXELS
+
+SAFETY = 0.9
+"""Share of the free memory that a volume may take."""
+
+
+def available_memory() -> int | None:
+    """Bytes that this process may still allocate; None where the system does not tell.
+
+    Notes
+    -----
+    The least of the system's free memory, the control group's limit (containers) and the process's own address-space limit.
+    """
+    limits = [n for n in (_system_free(), _cgroup_free(), _address_space_free()) if n is not None]
+    return max(min(limits), 0) if limits else None
+
+
+def require_memory(size: tuple[int, int, int], spacing, bytes_per_voxel: int, available: int | None = None) -> None:
+    """Raise `InsufficientMemoryError` unless a volume with this many bytes per voxel fits.
+
+    Parameters
+    ----------
+    size : tuple of 3 int
+        Voxels along i, j, k.
+    spacing : (3,) mm
+        For the advice in the message.
+    bytes_per_voxel : int
+    available : int or None
+        Bytes; asked from the system by default.
+    """
+    available = available_memory() if available is None else available
+    voxels = math.prod(size)
+    needed = voxels * bytes_per_voxel
+    if (available is None or needed <= SAFETY * available) and voxels <= MAXIMUM_VOXELS:
+        return
+    usable = MAXIMUM_VOXELS * bytes_per_voxel if available is None else min(SAFETY * available, MAXIMUM_VOXELS * bytes_per_voxel)
+    factor = (needed / max(usable, 1.0)) ** (1 / 3)
+    fits = _round_up(float(max(spacing)) * factor)
+    raise InsufficientMemoryError(
+        f"A volume of {' x '.join(str(n) for n in size)} voxels ({' x '.join(f'{s:.3g}' for s in spacing)} mm) needs "
+        f"{_gigabytes(needed)} of memory, and {'at most ' if available is None else ''}{_gigabytes(usable)} can be used. "
+        f"A spacing of {fits:g} mm would fit."
+    )
+
+
+def _gigabytes(count: float) -> str:
+    return f"{count / 1e9:.1f} GB" if count >= 1e8 else f"{count / 1e6:.1f} MB"
+
+
+def _round_up(spacing: float) -> float:
+    """Up to two digits, with a little to spare for the rounding of the grid's size."""
+    spacing *= 1.02
+    for step in (0.01, 0.05, 0.1, 0.5, 1.0, 5.0):
+        if spacing <= 20 * step:
+            break
+    return -(-spacing // step) * step
+
+
+def _system_free() -> int | None:
+    meminfo = Path("/proc/meminfo")
+    if meminfo.is_file():
+        for line in meminfo.read_text().splitlines():
+            if line.startswith("MemAvailable:"):
+                return int(line.split()[1]) * 1024
+    if sys.platform == "win32":
+        return _windows_free()
+    try:
+        # macOS does not report free memory without a shell; half of what is installed is a fair guess
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
+    except (ValueError, OSError, AttributeError):
+        return None
+
+
+def _windows_free() -> int | None:
+    import ctypes
+
+    class MemoryStatus(ctypes.Structure):
+        _fields_ = [("length", ctypes.c_ulong), ("load", ctypes.c_ulong)] + [
+            (name, ctypes.c_ulonglong)
+            for name in ("total", "available", "total_page", "available_page", "total_virtual", "available_virtual", "extended")
+        ]
+
+    status = MemoryStatus(length=ctypes.sizeof(MemoryStatus))
+    if not ctypes.windll.kernel32.GlobalMemoryStatusEx(ctypes.byref(status)):
+        return None
+    return int(min(status.available, status.available_virtual))
+
+
+def _cgroup_free() -> int | None:
+    folder = Path("/sys/fs/cgroup")
+    try:
+        limit = (folder / "memory.max").read_text().strip()
+        used = int((folder / "memory.current").read_text())
+        return None if limit == "max" else int(limit) - used
+    except (OSError, ValueError):
+        return None
+
+
+def _address_space_free() -> int | None:
+    try:
+        import resource
+
+        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+        if limit == resource.RLIM_INFINITY:
+            return None
+        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        return limit - used
+    except (ImportError, OSError, ValueError):
+        return None

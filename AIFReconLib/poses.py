@@ -1,0 +1,200 @@
+"""Where every frame of a sequence lies, and why a frame cannot be used.
+
+The chain from Image to Reference is looked up once for the whole sequence and then followed frame by frame, so that a tool that was
+out of view in some frames costs those frames and no others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .errors import NoUsableFramesError, TransformError
+from .frames import TrackedFrame, TrackedSequence
+from .transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
+from .transforms import invert, why_not_an_image_pose, why_not_rigid
+
+
+@dataclass(frozen=True, eq=False)
+class SweepPoses:
+    """The poses of a sequence.
+
+    Parameters
+    ----------
+    image_to_reference : (frames, 4, 4) float64 array, pixels to mm
+        NaN where the frame cannot be used.
+    problems : tuple of str or None, one per frame
+        Why a frame cannot be used: ``"ProbeToTracker OUT_OF_VIEW"``, ``"no image (MISSING)"``.
+    path : tuple of TransformName
+        The chain that was followed.
+    notes : tuple of str
+        What a user should know about the choice.
+    """
+
+    image_to_reference: np.ndarray
+    problems: tuple[str | None, ...]
+    path: tuple[TransformName, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def usable(self) -> np.ndarray:
+        """The numbers of the frames that have an image and a valid pose, in file order."""
+        return np.array([i for i, problem in enumerate(self.problems) if problem is None], dtype=np.int64)
+
+    def skipped(self) -> dict[str, list[int]]:
+        """Numbers of the frames that cannot be used, by reason."""
+        reasons: dict[str, list[int]] = {}
+        for number, problem in enumerate(self.problems):
+            if problem is not None:
+                reasons.setdefault(problem, []).append(number)
+        return reasons
+
+    def require_usable(self, name: str) -> np.ndarray:
+        """`usable`, or an error that says why there is none."""
+        usable = self.usable
+        if not usable.size:
+            reasons = "; ".join(f"{reason}: {describe_frames(numbers)}" for reason, numbers in self.skipped().items())
+            raise NoUsableFramesError(
+                f"{name}: no frame can be placed ({reasons or 'it has no frames'}). Check the tracking of this recording."
+            )
+        return usable
+
+
+def chain_ends(sequence: TrackedSequence, image_to_reference: str | None, reference: str | None) -> tuple[TransformName, bool]:
+    """The transform to look up, and whether the caller named it: options first, then the configuration, then Plus's usual names."""
+    if image_to_reference is not None:
+        name = TransformName.parse(image_to_reference)
+        return TransformName(name.source, reference or name.target), True
+    configuration = sequence.configuration
+    source = getattr(configuration, "image_frame", None) or "Image"
+    target = reference or getattr(configuration, "reference_frame", None) or "Reference"
+    return TransformName(source, target), False
+
+
+def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None, reference: str | None = None) -> SweepPoses:
+    """Find the image's place in every frame.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+        Its configuration, if any, contributes calibration and other static transforms.
+    image_to_reference : str or None
+        The transform that places the image. When the recording holds one of that very name it is used alone, whatever other paths
+        there are; else it is looked up as a chain. Default: from the configuration's image frame to its reference frame.
+    reference : str or None
+        Frame to reconstruct in, e.g. "Tracker" when there is no reference marker.
+
+    Raises
+    ------
+    TransformError
+        When no chain, or more than one, leads from image to reference.
+    """
+    wanted, named = chain_ends(sequence, image_to_reference, reference)
+    recorded = sequence.transform_names()
+    configured = dict(getattr(sequence.configuration, "transforms", None) or {})
+    notes = [f"{name} is in the recording and in the configuration; the recording's is used." for name in recorded if name in configured]
+    path = (wanted,) if named and wanted in recorded else _find_chain(sequence, wanted, recorded, configured)
+    static = {**configured, **sequence.transforms}
+    count = len(sequence)
+    matrices = np.full((count, 4, 4), np.nan)
+    problems: list[str | None] = []
+    for number, record in enumerate(sequence.records):
+        if record.image_status is not TransformStatus.OK:
+            problems.append(f"no image ({record.image_status.value})")
+            continue
+        matrix, problem = _follow(path, record.transforms, static, image_frame=wanted.source)
+        problems.append(problem)
+        if problem is None:
+            matrices[number] = matrix
+    return SweepPoses(matrices, tuple(problems), path, tuple(notes))
+
+
+def tracked_frames(sequence: TrackedSequence, poses: SweepPoses, numbers: Iterable[int]) -> Iterable[TrackedFrame]:
+    """The frames with these numbers, one after the other, images read when asked for."""
+    for number in numbers:
+        record, problem = sequence.records[number], poses.problems[number]
+        yield TrackedFrame(
+            image=sequence.images[number] if problem is None else None,
+            image_to_reference=poses.image_to_reference[number] if problem is None else None,
+            timestamp=record.timestamp if record.timestamp is not None else float(number),
+            status=problem or "OK",
+            number=number,
+        )
+
+
+def time_order(sequence: TrackedSequence) -> np.ndarray:
+    """Frame numbers in order of their timestamps; in file order where a timestamp is missing, and among equal ones."""
+    timestamps = [record.timestamp for record in sequence.records]
+    if any(t is None or not np.isfinite(t) for t in timestamps):
+        return np.arange(len(sequence))
+    return np.argsort(np.array(timestamps), kind="stable")
+
+
+def describe_frames(numbers: list[int], at_most: int = 4) -> str:
+    """Frame numbers in words: ``12 frames (0-8, 11, 13-14)``."""
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and number == runs[-1][1] + 1:
+            runs[-1][1] = number
+        else:
+            runs.append([number, number])
+    spelled = [str(a) if a == b else f"{a}-{b}" for a, b in runs[:at_most]]
+    more = ", ..." if len(runs) > at_most else ""
+    return f"{len(numbers)} frame{'s' if len(numbers) != 1 else ''} ({', '.join(spelled)}{more})"
+
+
+def _find_chain(sequence, wanted: TransformName, recorded, configured) -> tuple[TransformName, ...]:
+    """The chain from image to reference over everything that any frame or the configuration holds."""
+    graph = TransformGraph()
+    for name in dict.fromkeys([*configured, *recorded]):
+        graph.set(name, np.eye(4))
+    try:
+        return graph.lookup(wanted.source, wanted.target).path
+    except TransformError as error:
+        raise TransformError(f"{sequence.name}: {error}{_advice(graph, wanted)}") from None
+
+
+def _advice(graph: TransformGraph, wanted: TransformName) -> str:
+    """What to do about a missing chain, in one sentence."""
+    if len(graph) == 0:
+        return " The recording has no transforms at all: was a tracker connected?"
+    if wanted.target in graph.connected(wanted.source):
+        return ""
+    frames = {frame for name in graph.names for frame in (name.source, name.target)}
+    if wanted.source not in frames:
+        return f" Give the calibration (for example {wanted.source}ToProbe) with --config PlusDeviceSet.xml."
+    if wanted.target not in frames:
+        return f" Choose another frame to reconstruct in with --reference, one of: {', '.join(sorted(frames - {wanted.source}))}."
+    return " Give the missing link with --config PlusDeviceSet.xml."
+
+
+def _follow(
+    path: tuple[TransformName, ...],
+    recorded: dict[TransformName, TransformSample],
+    static: dict[TransformName, TransformSample],
+    image_frame: str,
+) -> tuple[np.ndarray, str | None]:
+    """The product of one frame's transforms along `path`, or what is wrong with the first link that cannot be used."""
+    matrix = np.eye(4)
+    for name in path:
+        stored = name if name in recorded or name in static else name.inverse
+        is_recorded = stored in recorded
+        sample = recorded.get(stored) if is_recorded else static.get(stored)
+        if sample is None:
+            return matrix, f"{stored} not recorded"
+        if sample.status is not TransformStatus.OK:
+            return matrix, f"{stored} {sample.status.value}"
+        if not np.isfinite(sample.matrix).all():
+            return matrix, f"{stored} not finite"
+        scales_pixels = image_frame in (name.source, name.target)
+        problem = why_not_rigid(sample.matrix) if is_recorded and not scales_pixels else None
+        if problem:
+            return matrix, f"{stored} {problem}"
+        try:
+            matrix = (sample.matrix if stored == name else invert(sample.matrix)) @ matrix
+        except np.linalg.LinAlgError:
+            return matrix, f"{stored} singular"
+    problem = why_not_an_image_pose(matrix)
+    return matrix, f"image pose {problem}" if problem else None

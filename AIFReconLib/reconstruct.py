@@ -1,0 +1,136 @@
+"""A recorded sweep becomes a volume, in one call: what the command line, the Slicer module and scripts use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from .beams import ProbeGeometry
+from .bone import BoneMap
+from .compounding.reconstructor import Reconstruction, Reconstructor, needs_beams
+from .compounding.state import bytes_per_voxel
+from .detection import detect_imaging
+from .errors import BeamGeometryError, NoUsableFramesError
+from .extent import grid_around_sweep
+from .frames import TrackedSequence
+from .poses import SweepPoses, sweep_poses, time_order, tracked_frames
+from .progress import Progress, part, report
+from .region import ImageRegion
+from .settings import ReconstructionSettings
+from .transforms import pixel_spacing
+from .volume import VoxelGrid
+
+
+@dataclass(frozen=True)
+class Imaging:
+    """How the images are to be read: the pixels that count, the probe where it is known, and where that knowledge is from."""
+
+    region: ImageRegion
+    probe: ProbeGeometry | None
+    notes: tuple[str, ...] = ()
+
+
+def resolve_settings(settings: ReconstructionSettings, sequence: TrackedSequence, has_bone: bool) -> ReconstructionSettings:
+    """`settings` with what they leave open taken from the sequence's configuration: method (where there is no bone) and spacing."""
+    configuration = sequence.configuration
+    method, spacing = settings.method, settings.spacing
+    if method is None and not has_bone:
+        method = getattr(configuration, "method", None)
+    if spacing is None:
+        spacing = getattr(configuration, "spacing", None)
+    return replace(settings, method=method or settings.method_for(has_bone), spacing=spacing)
+
+
+def resolve_imaging(
+    sequence: TrackedSequence, poses: SweepPoses, need_probe: bool, region: ImageRegion | None = None, probe: ProbeGeometry | None = None
+) -> Imaging:
+    """Probe and region: as given, else from the configuration, else recognized in the images.
+
+    Raises
+    ------
+    BeamGeometryError
+        When the probe is needed and cannot be told.
+    """
+    configuration = sequence.configuration
+    notes: list[str] = []
+    probe = probe or getattr(configuration, "probe", None)
+    if region is None:
+        for candidate in (getattr(configuration, "region", None), getattr(configuration, "scan_region", None)):
+            if region is None and candidate is not None and (candidate.clip or candidate.fan):
+                region = candidate
+    if region is None or (need_probe and probe is None):
+        try:
+            detected = detect_imaging(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
+        except BeamGeometryError as error:
+            if need_probe and probe is None:
+                raise BeamGeometryError(f"{sequence.name}: {error}") from None
+            detected = None
+        if detected is not None:
+            notes.append(f"Recognized in the images: {detected.description}.")
+            probe = probe or detected.probe
+            region = region or detected.region
+    return Imaging(region or ImageRegion(), probe, tuple(notes))
+
+
+def reconstruct(
+    sequence: TrackedSequence,
+    settings: ReconstructionSettings | None = None,
+    bone: BoneMap | None = None,
+    grid: VoxelGrid | None = None,
+    *,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+    image_to_reference: str | None = None,
+    reference: str | None = None,
+    progress: Progress | None = None,
+) -> Reconstruction:
+    """Reconstruct a volume from a recorded sequence.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+        As `read_sequence` returns it; its configuration gives what the other arguments leave open.
+    settings : ReconstructionSettings
+    bone : BoneMap or None
+        Needed by methods that weight by incidence.
+    grid : VoxelGrid or None
+        Where to reconstruct; by default the box around the sweep, along the axes of Reference.
+    region, probe : ImageRegion, ProbeGeometry or None
+        Override the configuration and what the images show.
+    image_to_reference, reference : str or None
+        See `sweep_poses`.
+    progress : Progress or None
+
+    Returns
+    -------
+    Reconstruction
+
+    Raises
+    ------
+    AIFReconError
+        One of its kinds, with a message that says what is wrong, where, and what to do. Inputs are untouched.
+    """
+    settings = resolve_settings(settings or ReconstructionSettings(), sequence, bone is not None)
+    report(progress, 0.0, "Looking at the sweep")
+    poses = sweep_poses(sequence, image_to_reference, reference)
+    poses.require_usable(sequence.name)
+    order = time_order(sequence)[:: settings.skip]
+    chosen = order[[poses.problems[number] is None for number in order]]
+    if not chosen.size:
+        raise NoUsableFramesError(f"{sequence.name}: none of every {settings.skip}th frames can be placed. Use a smaller --skip.")
+    uses_beams = needs_beams(settings.method, settings)
+    imaging = resolve_imaging(sequence, poses, uses_beams, region, probe)
+    if grid is None:
+        cost = bytes_per_voxel(settings.method, uses_beams, settings.best_cosine)
+        grid = grid_around_sweep(poses.image_to_reference[chosen], sequence.frame_size, imaging.region, settings.spacing_xyz(), cost)
+    report(progress, 0.02, "Preparing the volume")
+    bone_share = 0.15 if uses_beams else 0.02
+    reconstructor = Reconstructor(
+        grid, settings, bone, probe=imaging.probe, region=imaging.region, progress=part(progress, 0.02, bone_share)
+    )
+    inserting = part(progress, bone_share, 0.95)
+    for done, frame in enumerate(tracked_frames(sequence, poses, order)):
+        report(inserting, done / len(order), "Reconstructing")
+        reconstructor.insert(frame)
+    result = reconstructor.finish(part(progress, 0.95, 1.0))
+    report(progress, 1.0, "Reconstructed")
+    return replace(result, notes=(*poses.notes, *imaging.notes, *result.notes))
