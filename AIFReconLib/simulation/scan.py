@@ -1,0 +1,360 @@
+"""Probe paths over a back, and the tracked sequence that a scanner and an optical tracker record along them.
+
+The face stays on the skin and the middle beam meets the spine in the midline (or at another place that the path says), 30 mm deep, so
+that tilts turn about the target as those of a wearable or hand-held probe do.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy import ndimage
+from scipy.spatial.transform import Rotation, Slerp
+
+from ..errors import SettingsError
+from ..frames import FrameRecord, TrackedSequence
+from ..progress import Progress, report
+from ..transform_graph import TransformName, TransformSample, TransformStatus
+from .phased_array import PhasedArray
+from .ultrasound import UltrasoundEffects, UltrasoundTarget, simulate_frame
+
+FRAME_RATE = 20.0
+"""Hz."""
+
+AIM_DEPTH = 30.0
+"""mm under the skin of the point that every tilt keeps in the middle beam."""
+
+TRANSVERSE, SAGITTAL = "transverse", "sagittal"
+PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
+REFERENCE_TO_TRACKER = TransformName("Reference", "Tracker")
+
+
+class ScannedBack(UltrasoundTarget, Protocol):
+    """A target with a skin to put the probe on and a spine to aim at."""
+
+    def skin_y(self, x, z) -> np.ndarray: ...
+
+    def spinous_tips(self) -> np.ndarray: ...
+
+
+@dataclass(frozen=True, eq=False)
+class ProbePath:
+    """Where the transducer is and when: (frames, 4, 4) transducer_to_reference in mm and (frames,) timestamps in s, rising."""
+
+    transducer_to_reference: np.ndarray
+    timestamps: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.timestamps)
+
+    def delayed(self, seconds: float) -> ProbePath:
+        """The path as poses that arrive late: at each timestamp, where the transducer was `seconds` before (held at the ends)."""
+        if seconds == 0 or len(self) < 2:
+            return self
+        times = np.clip(self.timestamps - seconds, self.timestamps[0], self.timestamps[-1])
+        poses = np.tile(np.eye(4), (len(self), 1, 1))
+        poses[:, :3, :3] = Slerp(self.timestamps, Rotation.from_matrix(self.transducer_to_reference[:, :3, :3]))(times).as_matrix()
+        for axis in range(3):
+            poses[:, axis, 3] = np.interp(times, self.timestamps, self.transducer_to_reference[:, axis, 3])
+        return ProbePath(poses, self.timestamps)
+
+
+@dataclass(frozen=True)
+class TrackingErrors:
+    """What goes wrong between the true poses and the recorded ones; nothing by default.
+
+    Parameters
+    ----------
+    noise : float, mm
+        Standard deviation of the probe's position per axis and frame.
+    noise_deg : float
+        Standard deviation of its rotation about each axis.
+    calibration : float, mm
+        Length of the error of the recorded ImageToProbe.
+    calibration_deg : float
+        Angle of that error.
+    time_offset : float, s
+        By how much recorded poses are late; between two passes they are interpolated over the turn.
+    dropout : float, 0 to 1
+        Share of frames in which the probe is out of the tracker's view, in runs.
+    """
+
+    noise: float = 0.0
+    noise_deg: float = 0.0
+    calibration: float = 0.0
+    calibration_deg: float = 0.0
+    time_offset: float = 0.0
+    dropout: float = 0.0
+
+    def __post_init__(self):
+        values = (self.noise, self.noise_deg, self.calibration, self.calibration_deg)
+        if min(values) < 0 or not math.isfinite(sum(values) + self.time_offset):
+            raise SettingsError(f"Input tracking errors must be finite and not negative; got {self}.")
+        if not 0.0 <= self.dropout < 1.0:
+            raise SettingsError(f"Input dropout must be 0 to below 1; got {self.dropout!r}.")
+
+
+def contact_pose(
+    phantom: ScannedBack,
+    target_x: float,
+    target_z: float,
+    *,
+    orientation: str = TRANSVERSE,
+    in_plane_tilt_deg: float = 0.0,
+    elevational_tilt_deg: float = 0.0,
+) -> np.ndarray:
+    """The transducer on the skin, its middle beam through a point 30 mm under the skin at (target_x, target_z).
+
+    Parameters
+    ----------
+    phantom : ScannedBack
+    target_x, target_z : float, mm, Reference
+    orientation : "transverse" or "sagittal"
+        Image columns along +x (to the patient's right) or along +z (superior).
+    in_plane_tilt_deg : float
+        Turns the middle beam toward the image's columns.
+    elevational_tilt_deg : float
+        Turns it toward the transducer's z axis.
+
+    Returns
+    -------
+    transducer_to_reference : (4, 4) float64 array, mm
+    """
+    if orientation not in (TRANSVERSE, SAGITTAL):
+        raise SettingsError(f"Input orientation must be transverse or sagittal; got {orientation!r}.")
+    if max(abs(in_plane_tilt_deg), abs(elevational_tilt_deg)) > 60:
+        raise SettingsError(f"Input tilts must be within 60 degrees; got {in_plane_tilt_deg!r}, {elevational_tilt_deg!r}.")
+    upright = np.eye(3) if orientation == TRANSVERSE else np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+    tilt = Rotation.from_euler("ZX", [-in_plane_tilt_deg, elevational_tilt_deg], degrees=True).as_matrix()
+    pose = np.eye(4)
+    pose[:3, :3] = upright @ tilt
+    beam = pose[:3, 1]
+    target = np.array([target_x, float(phantom.skin_y(target_x, target_z)) + AIM_DEPTH, target_z])
+    near, far = 0.0, 4.0 * AIM_DEPTH
+    for _ in range(50):
+        middle = (near + far) / 2
+        point = target - middle * beam
+        near, far = (middle, far) if point[1] > phantom.skin_y(point[0], point[2]) else (near, middle)
+    pose[:3, 3] = target - near * beam
+    return pose
+
+
+def single_angle_sweep(
+    phantom: ScannedBack,
+    frames: int = 60,
+    *,
+    orientation: str = TRANSVERSE,
+    in_plane_tilt_deg: float = 0.0,
+    elevational_tilt_deg: float = 0.0,
+    margin: float = 16.0,
+    offset: float = 0.5,
+) -> ProbePath:
+    """One pass at fixed tilts: along the spine for transverse images, across it for sagittal ones.
+
+    Parameters
+    ----------
+    margin : float, mm
+        How far the pass goes beyond the first and last spinous process's tip (transverse); sagittal passes cover 26 mm either side.
+    offset : float, 0 to 1
+        Where in its share of the way each frame is taken: passes of different offsets interleave.
+    """
+    if frames < 1:
+        raise SettingsError(f"Input frames must be 1 or more; got {frames!r}.")
+    tips = phantom.spinous_tips()
+    share = (np.arange(frames) + offset) / frames
+    middle = tips[:, 2].mean()
+    if orientation == TRANSVERSE:
+        positions_z = tips[:, 2].max() + margin - share * (np.ptp(tips[:, 2]) + 2 * margin)
+        targets = [(0.0, z) for z in positions_z]
+    else:
+        targets = [(x, middle) for x in -26.0 + 52.0 * share]
+    tilts = {"in_plane_tilt_deg": in_plane_tilt_deg, "elevational_tilt_deg": elevational_tilt_deg}
+    poses = [contact_pose(phantom, x, z, orientation=orientation, **tilts) for x, z in targets]
+    return ProbePath(np.array(poses), np.arange(frames) / FRAME_RATE)
+
+
+def multi_angle_sweep(
+    phantom: ScannedBack,
+    frames: int = 144,
+    *,
+    in_plane_tilts_deg: tuple[float, ...] = (-30.0, 0.0, 30.0),
+    elevational_tilts_deg: tuple[float, ...] = (-15.0, 0.0, 15.0),
+    orientation: str = TRANSVERSE,
+    margin: float = 16.0,
+) -> ProbePath:
+    """A pass along the spine at every pair of tilts, to and fro, `frames` in all; the passes' planes interleave.
+
+    Notes
+    -----
+    This is what a wearable device with a translation and two rotations does (Xu et al. 2022, AutoInFocus). Two seconds of turning lie
+    between passes, in which nothing is recorded.
+    """
+    pairs = [(a, e) for e in elevational_tilts_deg for a in in_plane_tilts_deg]
+    if frames < len(pairs):
+        raise SettingsError(f"Input frames must be at least one per pair of tilts ({len(pairs)}); got {frames!r}.")
+    counts = [frames // len(pairs) + (n < frames % len(pairs)) for n in range(len(pairs))]
+    poses, times, start = [], [], 0.0
+    for n, ((in_plane, elevational), count) in enumerate(zip(pairs, counts)):
+        one = single_angle_sweep(
+            phantom,
+            count,
+            orientation=orientation,
+            in_plane_tilt_deg=in_plane,
+            elevational_tilt_deg=elevational,
+            margin=margin,
+            offset=((n * 4) % len(pairs) + 0.5) / len(pairs),
+        )
+        poses.append(one.transducer_to_reference[:: -1 if n % 2 else 1])
+        times.append(start + one.timestamps)
+        start = times[-1][-1] + 2.0
+    return ProbePath(np.concatenate(poses), np.concatenate(times))
+
+
+def freehand_sweep(phantom: ScannedBack, frames: int = 150, *, seed: int = 0, tilt_deg: float = 20.0, margin: float = 16.0) -> ProbePath:
+    """Along the spine as a hand does it: uneven speed, wandering a few mm sideways, with slow tilts of up to about `tilt_deg`."""
+    if frames < 2:
+        raise SettingsError(f"Input frames must be 2 or more; got {frames!r}.")
+    rng = np.random.default_rng([seed, 10])
+    wander = ndimage.gaussian_filter1d(rng.standard_normal((5, frames)), frames / 12, axis=1, mode="reflect")
+    wander /= np.abs(wander).max(axis=1, keepdims=True)
+    speed = np.maximum(1.0 + 0.6 * wander[0], 0.2)
+    share = np.cumsum(speed) - speed[0]
+    tips = phantom.spinous_tips()
+    positions_z = tips[:, 2].max() + margin - share / share[-1] * (np.ptp(tips[:, 2]) + 2 * margin)
+    poses = [
+        contact_pose(phantom, 5.0 * side, z, in_plane_tilt_deg=1.2 * tilt_deg * a, elevational_tilt_deg=0.7 * tilt_deg * e)
+        for z, side, a, e in zip(positions_z, *wander[1:4])
+    ]
+    poses = np.array(poses)
+    turns = Rotation.from_rotvec(np.deg2rad(8.0) * wander[4][:, None] * np.array([[0.0, 1.0, 0.0]])).as_matrix()
+    poses[:, :3, :3] = poses[:, :3, :3] @ turns
+    return ProbePath(poses, np.arange(frames) / FRAME_RATE)
+
+
+def random_rigid(translation: float, rotation_deg: float, rng: np.random.Generator, about=(0.0, 0.0, 0.0)) -> np.ndarray:
+    """A rigid motion of exactly this length (mm) of the point `about`, and this angle, in random directions; (4, 4)."""
+    direction, axis = (v / np.linalg.norm(v) for v in rng.standard_normal((2, 3)))
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.from_rotvec(math.radians(rotation_deg) * axis).as_matrix()
+    matrix[:3, 3] = np.asarray(about) - matrix[:3, :3] @ np.asarray(about) + translation * direction
+    return matrix
+
+
+def ct_misregistration(translation: float, rotation_deg: float, seed: int, about=(0.0, 0.0, 0.0)) -> np.ndarray:
+    """A wrong registration, (4, 4) from Reference to Reference: `error @ ct_to_reference` moves `about` by exactly `translation` mm."""
+    return random_rigid(translation, rotation_deg, np.random.default_rng([seed, 20]), about)
+
+
+def tracker_poses(timestamps: np.ndarray) -> np.ndarray:
+    """ReferenceToTracker, (n, 4, 4), mm: a camera 1.4 m away; the patient's marker rocks by half a millimeter as they breathe."""
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_euler("xyz", [112.0, -17.0, 38.0], degrees=True).as_matrix()
+    pose[:3, 3] = (86.0, -145.0, -1390.0)
+    poses = np.tile(pose, (len(timestamps), 1, 1))
+    breath = np.sin(2 * math.pi * 0.25 * np.asarray(timestamps))
+    poses[:, :3, 3] += 0.5 * breath[:, None] * np.array([0.3, 0.8, 0.5])
+    poses[:, :3, :3] = poses[:, :3, :3] @ Rotation.from_rotvec(np.deg2rad(0.1) * breath[:, None] * np.array([[1.0, 0.0, 0.0]])).as_matrix()
+    return poses
+
+
+def simulate_sweep(
+    phantom: UltrasoundTarget,
+    probe: PhasedArray,
+    path: ProbePath,
+    *,
+    errors: TrackingErrors | None = None,
+    effects: UltrasoundEffects | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> TrackedSequence:
+    """The recording of a scan, as Plus would write it.
+
+    Returns
+    -------
+    sequence : TrackedSequence
+        uint8 images; per frame ProbeToTracker and ReferenceToTracker with their statuses, timestamps and an OK image status.
+        ImageToProbe is not in it: it belongs to the configuration (`plus_configuration_xml`).
+
+    Notes
+    -----
+    Errors never touch the images: those are taken at the true poses, by a probe whose transducer is where the true calibration puts it.
+    Recorded poses are late, noisy or missing. Images and errors draw from separate generators, so the same seed gives the same images
+    under any errors of tracking.
+    """
+    errors = errors or TrackingErrors()
+    rng = np.random.default_rng([seed, 30])
+    wrong = random_rigid(errors.calibration, errors.calibration_deg, rng)
+    true_probe = probe.miscalibrated(wrong)
+    probe_to_reference = np.array([true_probe.probe_to_reference(pose) for pose in path.transducer_to_reference])
+    late = np.array([true_probe.probe_to_reference(pose) for pose in path.delayed(errors.time_offset).transducer_to_reference])
+    reference_to_tracker = tracker_poses(path.timestamps)
+    statuses = _dropouts(len(path), errors.dropout, rng)
+    images = np.empty((len(path), probe.rows, probe.columns), dtype=np.uint8)
+    records = []
+    for n, timestamp in enumerate(path.timestamps):
+        report(progress, n / len(path), "Simulating ultrasound frames")
+        images[n] = simulate_frame(phantom, true_probe, probe_to_reference[n], np.random.default_rng([seed, 31, n]), effects)
+        shake = np.eye(4)
+        shake[:3, :3] = Rotation.from_rotvec(np.deg2rad(errors.noise_deg) * rng.standard_normal(3)).as_matrix()
+        shake[:3, 3] = errors.noise * rng.standard_normal(3)
+        seen = statuses[n] is TransformStatus.OK
+        probe_to_tracker = reference_to_tracker[n] @ late[n] @ shake if seen else np.eye(4)
+        transforms = {
+            PROBE_TO_TRACKER: TransformSample(probe_to_tracker, statuses[n]),
+            REFERENCE_TO_TRACKER: TransformSample(reference_to_tracker[n]),
+        }
+        records.append(FrameRecord(float(timestamp), float(timestamp), TransformStatus.OK, transforms))
+    report(progress, 1.0, "Sweep simulated")
+    return TrackedSequence(images, records)
+
+
+def _dropouts(frames: int, share: float, rng: np.random.Generator) -> list[TransformStatus]:
+    """Statuses of the probe: out of view in runs of some frames, `share` of all frames rounded."""
+    smooth = ndimage.gaussian_filter1d(rng.standard_normal(frames), 1.5, mode="reflect") + 1e-9 * np.arange(frames)
+    lost = np.argsort(smooth)[: round(share * frames)]
+    return [TransformStatus.OUT_OF_VIEW if n in set(lost.tolist()) else TransformStatus.OK for n in range(frames)]
+
+
+def plus_configuration_xml(probe: PhasedArray, image_to_probe: np.ndarray | None = None, output_spacing: float = 0.5) -> str:
+    """The text of a Plus device set configuration: calibration, scan conversion and volume reconstruction of this probe.
+
+    Parameters
+    ----------
+    probe : PhasedArray
+    image_to_probe : (4, 4) array, pixels to mm, optional
+        The calibration to write; the probe's own by default.
+    output_spacing : float, mm
+
+    Notes
+    -----
+    Plus measures ScanConversion in mm from the transducer's center, which lies `RadiusStartMm` below the apex, and the fan of a volume
+    reconstruction in pixels.
+    """
+    matrix = probe.image_to_probe if image_to_probe is None else np.asarray(image_to_probe)
+    rows = "\n".join("        " + " ".join(f"{value:.9g}" for value in row) for row in matrix)
+    spacing, half, fan = probe.pixel_spacing, probe.field_of_view_deg / 2, probe.fan
+    apex, center = fan.apex_px, (fan.apex_px[0], fan.apex_px[1] + probe.radii[0] / spacing)
+    return f"""<PlusConfiguration version="2.9">
+  <DataCollection StartupDelaySec="1.0">
+    <DeviceSet Name="AIFRecon simulation" Description="Simulated phased array with optical tracking." />
+  </DataCollection>
+  <CoordinateDefinitions>
+    <Transform From="Image" To="Probe"
+      Matrix="
+{rows}" />
+  </CoordinateDefinitions>
+  <ScanConversion TransducerName="Simulated phased array" TransducerGeometry="CURVILINEAR"
+    RadiusStartMm="{probe.radii[0]:.9g}" RadiusStopMm="{probe.radii[1]:.9g}" ThetaStartDeg="{-half:.9g}" ThetaStopDeg="{half:.9g}"
+    OutputImageSizePixel="{probe.columns} {probe.rows}" OutputImageSpacingMmPerPixel="{spacing:.9g} {spacing:.9g}"
+    TransducerCenterPixel="{center[0]:.9g} {center[1]:.9g}" />
+  <VolumeReconstruction ImageCoordinateFrame="Image" ReferenceCoordinateFrame="Reference"
+    OutputSpacing="{output_spacing:g} {output_spacing:g} {output_spacing:g}"
+    ClipRectangleOrigin="0 0" ClipRectangleSize="{probe.columns} {probe.rows}"
+    FanAnglesDeg="{fan.angles_deg[0]:.9g} {fan.angles_deg[1]:.9g}" FanOriginPixel="{apex[0]:.9g} {apex[1]:.9g}"
+    FanRadiusStartPixel="{fan.radii[0]:.9g}" FanRadiusStopPixel="{fan.radii[1]:.9g}"
+    Interpolation="NEAREST_NEIGHBOR" Optimization="NONE" CompoundingMode="MEAN" FillHoles="OFF" />
+</PlusConfiguration>
+"""

@@ -1,0 +1,337 @@
+"""How a phased array sees bone and soft tissue: one B-mode frame at a time.
+
+The model works on scan lines (polar samples), in amplitudes relative to the smallest echo on the screen, and adds in this order:
+soft tissue scattering with full shadow behind the first bone surface of each ray; the echo of that surface, by its angle of incidence;
+reverberation between face and skin; the point spread; attenuation, time gain and electronic noise; log compression; scan conversion.
+
+References
+----------
+Burger et al. (2013), Real-time GPU-based ultrasound simulation using deformable mesh models, IEEE TMI 32:609-618,
+doi:10.1109/TMI.2012.2234474 (ray-based echo and shadow). Szabo (2014), Diagnostic Ultrasound Imaging, chapters 6 to 9 (beams, speckle,
+log compression). Jain and Taylor (2004), Understanding bone responses in B-mode ultrasound images, doi:10.1117/12.535984 (bone echo,
+its thickness by beam width).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy import ndimage
+
+from ..volume import Volume
+from .phased_array import PhasedArray
+
+DYNAMIC_RANGE_DB = 58.0
+"""From gray level 1 to 255."""
+
+BONE_ECHO_DB = 58.0
+"""Echo of a smooth bone surface met squarely."""
+
+SPECULAR_SLOPE = 0.38
+"""Root mean square slope of bone's facets at the scale of the wavelength."""
+
+DIFFUSE_SHARE = 0.045
+"""Amplitude of the diffuse echo relative to the specular one at normal incidence."""
+
+ATTENUATION_DB_PER_MM = 0.5
+"""Both ways: 0.5 dB/(cm MHz) at 5 MHz."""
+
+TIME_GAIN_DB_PER_MM = 0.47
+"""A little less than the attenuation, so that depth is a little darker."""
+
+NOISE_DB = -36.0
+"""Electronic noise at the face, before time gain."""
+
+RAY_STEP = 1.0
+"""mm between looks at the distance to bone along a ray; bone is thicker."""
+
+ELEVATIONS = np.linspace(-2.0, 2.0, 5)
+"""Rays across the beam, in standard deviations of its elevational profile."""
+
+FINE_ELEVATIONS = np.linspace(-2.0, 2.0, 25)
+"""Where echoes are deposited, by interpolation between those rays."""
+
+SHADOW_FALL = 0.4
+"""mm over which the shadow sets in."""
+
+
+class UltrasoundTarget(Protocol):
+    """What can be scanned: a signed distance to bone in Reference, and how strongly soft tissue scatters."""
+
+    @property
+    def bone_distance(self) -> Volume: ...
+
+    def scattering_db(self, points_reference: np.ndarray, beams_reference: np.ndarray) -> np.ndarray: ...
+
+
+@dataclass(frozen=True)
+class UltrasoundEffects:
+    """What the simulation includes; everything by default.
+
+    Parameters
+    ----------
+    tissue : bool
+        Echoes of soft tissue.
+    specular, diffuse : bool
+        The two parts of a bone surface's echo.
+    shadow : bool
+        No soft tissue behind bone.
+    beam_thickness : bool
+        An elevational width: an oblique surface echoes early and late.
+    point_spread : bool
+        Axial and lateral blur, growing with depth. Off: one sample, one line.
+    speckle : bool
+        Random phases. Off: tissue and bone show their mean amplitudes.
+    attenuation : bool
+        Loss with depth, and the time gain that makes up for it and lifts the noise.
+    reverberation : bool
+        Bright bands between face and skin.
+    noise : bool
+        Of the receiver.
+    log_compression : bool
+        Off: gray is amplitude, 255 for bone met squarely.
+    """
+
+    tissue: bool = True
+    specular: bool = True
+    diffuse: bool = True
+    shadow: bool = True
+    beam_thickness: bool = True
+    point_spread: bool = True
+    speckle: bool = True
+    attenuation: bool = True
+    reverberation: bool = True
+    noise: bool = True
+    log_compression: bool = True
+
+
+def surface_echo(cosine, effects: UltrasoundEffects) -> np.ndarray:
+    """Amplitude of a bone surface's echo, 1 for a specular one at normal incidence.
+
+    Parameters
+    ----------
+    cosine : array or float
+        Of the angle a between beam and surface normal; 0 and below: no echo.
+
+    Notes
+    -----
+    A rough surface reflects as its facets do that face the probe. With normally distributed slopes of root mean square m, their share
+    is exp(-tan^2 a / (2 m^2)) (Beckmann and Spizzichino 1963); m = 0.38. Beside it a diffuse part falls as cos a (Lambert).
+    """
+    cosine = np.clip(cosine, 0.0, 1.0)
+    tangent_squared = 1.0 / np.maximum(cosine, 1e-3) ** 2 - 1.0
+    echo = np.zeros_like(cosine, dtype=np.float64)
+    if effects.specular:
+        echo = echo + np.exp(-tangent_squared / (2 * SPECULAR_SLOPE**2))
+    if effects.diffuse:
+        echo = echo + DIFFUSE_SHARE * cosine
+    return np.where(cosine > 0, echo, 0.0)
+
+
+def simulate_frame(
+    phantom: UltrasoundTarget,
+    probe: PhasedArray,
+    probe_to_reference: np.ndarray,
+    rng: np.random.Generator,
+    effects: UltrasoundEffects | None = None,
+) -> np.ndarray:
+    """One B-mode frame.
+
+    Parameters
+    ----------
+    phantom : UltrasoundTarget
+    probe : PhasedArray
+    probe_to_reference : (4, 4) array, mm
+        Of the probe's marker.
+    rng : numpy.random.Generator
+    effects : UltrasoundEffects, optional
+
+    Returns
+    -------
+    image : (rows, columns) uint8 array
+        0 outside the sector, at least 1 inside.
+    """
+    effects = effects or UltrasoundEffects()
+    transducer_to_reference = probe_to_reference @ probe.transducer_to_probe
+    hits, cosines = _first_surfaces(phantom.bone_distance, probe, transducer_to_reference, effects)
+    field = np.zeros((probe.lines, probe.samples), dtype=np.complex64)
+    if effects.tissue:
+        field += _tissue(phantom, probe, transducer_to_reference, hits, rng, effects)
+    field += _bone_echoes(probe, hits, cosines, rng, effects)
+    if effects.reverberation:
+        field += _reverberation(probe, rng)
+    field = _receive(field, probe, rng, effects)
+    return _to_image(np.abs(field), probe, effects)
+
+
+def _first_surfaces(distance: Volume, probe: PhasedArray, transducer_to_reference: np.ndarray, effects: UltrasoundEffects):
+    """Where rays first meet bone.
+
+    Returns
+    -------
+    hits : (lines, elevations) float64 array, mm
+        Distance from the apex; infinite for a ray that meets none.
+    cosines : (lines, elevations) float64 array
+        Of the angle of incidence there; 0 without a hit.
+    """
+    ranges = np.arange(probe.radii[0], probe.radii[1] + RAY_STEP, RAY_STEP)
+    sigma = probe.elevation_fwhm(ranges - probe.apex_offset) / 2.3548
+    elevations = ELEVATIONS if effects.beam_thickness else np.zeros(1)
+    to_ijk = distance.grid.reference_to_ijk @ transducer_to_reference
+    flat = probe.beam_points(ranges) @ to_ijk[:3, :3].T + to_ijk[:3, 3]
+    offsets = (elevations[:, None] * sigma)[..., None] * to_ijk[:3, 2]
+    points_ijk = (flat[:, None] + offsets[None]).astype(np.float32)
+    values = _sample(distance.array, points_ijk)
+
+    inside = values <= 0
+    found = inside.any(axis=2)
+    after = np.maximum(inside.argmax(axis=2), 1)
+    line, ray = np.ogrid[: probe.lines, : len(elevations)]
+    before_value, after_value = values[line, ray, after - 1], values[line, ray, after]
+    drop = np.maximum(before_value - after_value, 1e-6)
+    share = np.clip(before_value / drop, 0.0, 1.0)
+    at_surface = points_ijk[line, ray, after - 1] + share[..., None] * (points_ijk[line, ray, after] - points_ijk[line, ray, after - 1])
+    hits = np.where(found, ranges[after - 1] + share * RAY_STEP, np.inf)
+
+    steps = np.concatenate([np.eye(3), -np.eye(3)]).astype(np.float32) * 0.75
+    around = _sample(distance.array, at_surface[:, :, None, :].astype(np.float32) + steps)
+    gradient = (around[..., :3] - around[..., 3:]) @ np.linalg.inv(distance.grid.ijk_to_reference[:3, :3])
+    normals = gradient / np.maximum(np.linalg.norm(gradient, axis=-1, keepdims=True), 1e-9)
+    beams = _beams(probe, transducer_to_reference)
+    cosines = np.where(found, -np.einsum("lec,lc->le", normals, beams), 0.0)
+    return hits, np.maximum(cosines, 0.0)
+
+
+def _beams(probe: PhasedArray, transducer_to_reference: np.ndarray) -> np.ndarray:
+    """Direction of each beam in Reference, (lines, 3) unit vectors."""
+    directions = np.stack([np.sin(probe.beam_angles), np.cos(probe.beam_angles), np.zeros(probe.lines)], axis=1)
+    return directions @ transducer_to_reference[:3, :3].T
+
+
+def _sample(array: np.ndarray, points_ijk: np.ndarray) -> np.ndarray:
+    """Trilinear values of a [k, j, i] array at points (..., 3) given as (i, j, k); 6 outside."""
+    coordinates = points_ijk.reshape(-1, 3).T[::-1]
+    return ndimage.map_coordinates(array, coordinates, order=1, mode="constant", cval=6.0, output=np.float32).reshape(points_ijk.shape[:-1])
+
+
+def _tissue(phantom, probe: PhasedArray, transducer_to_reference, hits, rng, effects: UltrasoundEffects) -> np.ndarray:
+    """Echoes of soft tissue on the scan lines, (lines, samples) complex64; every second sample is computed, the others interpolated."""
+    ranges = probe.ranges[::2]
+    points = probe.beam_points(ranges) @ transducer_to_reference[:3, :3].T + transducer_to_reference[:3, 3]
+    amplitude = 10.0 ** (phantom.scattering_db(points, _beams(probe, transducer_to_reference)[:, None, :]) / 20.0)
+    if effects.shadow:
+        weights = _elevation_weights(hits.shape[1])
+        reached = np.clip((hits[:, None, :] - ranges[None, :, None]) / SHADOW_FALL + 1.0, 0.0, 1.0)
+        amplitude = amplitude * np.sqrt(reached @ weights)
+    full = np.empty((probe.lines, probe.samples), dtype=np.float32)
+    full[:, ::2] = amplitude
+    full[:, 1:-1:2] = (amplitude[:, : full[:, 1:-1:2].shape[1]] + amplitude[:, 1 : full[:, 1:-1:2].shape[1] + 1]) / 2
+    if probe.samples % 2 == 0:
+        full[:, -1] = amplitude[:, -1]
+    if not effects.speckle:
+        return full.astype(np.complex64)
+    return full * _random_phasors(rng, full.shape)
+
+
+def _random_phasors(rng: np.random.Generator, shape) -> np.ndarray:
+    """Circular complex normal numbers of unit mean power, complex64: many scatterers in one cell."""
+    parts = rng.standard_normal((*shape, 2), dtype=np.float32) * np.float32(math.sqrt(0.5))
+    return parts.view(np.complex64)[..., 0]
+
+
+def _elevation_weights(rays: int) -> np.ndarray:
+    """Share of the beam's power that each ray stands for, (rays,); they sum to 1."""
+    offsets = np.linspace(-2.0, 2.0, rays) if rays > 1 else np.zeros(1)
+    weights = np.exp(-(offsets**2) / 2)
+    return weights / weights.sum()
+
+
+def _bone_echoes(probe: PhasedArray, hits, cosines, rng, effects: UltrasoundEffects) -> np.ndarray:
+    """Echoes of the first bone surfaces, each in the sample where it arrives, (lines, samples) complex64.
+
+    Notes
+    -----
+    Between two rays of a line that meet one surface, arrival and strength are interpolated, so that an oblique surface gives one long
+    echo and not five short ones. The beam's profile in amplitude weighs them.
+    """
+    amplitude = surface_echo(cosines, effects) * 10.0 ** (BONE_ECHO_DB / 20.0)
+    if hits.shape[1] > 1:
+        position = np.interp(FINE_ELEVATIONS, ELEVATIONS, np.arange(len(ELEVATIONS)))
+        low = np.minimum(position.astype(int), len(ELEVATIONS) - 2)
+        share = position - low
+        near, far = hits[:, low], hits[:, low + 1]
+        with np.errstate(invalid="ignore"):
+            one_surface = np.abs(far - near) < 4.0
+            arrival = np.where(one_surface, near + share * (far - near), np.where(share < 0.5, near, far))
+        blended = amplitude[:, low] + share * (amplitude[:, low + 1] - amplitude[:, low])
+        strength = np.where(one_surface, blended, np.where(share < 0.5, amplitude[:, low], amplitude[:, low + 1]))
+        strength = strength * _elevation_weights(len(FINE_ELEVATIONS))
+    else:
+        arrival, strength = hits, amplitude
+    sample = (arrival - probe.radii[0]) / probe.depth * (probe.samples - 1)
+    seen = np.isfinite(sample) & (sample < probe.samples - 1.001) & (sample >= 0)
+    line = np.broadcast_to(np.arange(probe.lines)[:, None], sample.shape)[seen]
+    first = sample[seen].astype(int)
+    share, strength = sample[seen] - first, strength[seen]
+    number, size = line * probe.samples + first, probe.lines * probe.samples
+    field = np.bincount(number, strength * (1 - share), size) + np.bincount(number + 1, strength * share, size)
+    field = field.reshape(probe.lines, probe.samples)
+    if not effects.speckle:
+        return field.astype(np.complex64)
+    texture = 0.8 + 0.55 * ndimage.gaussian_filter(_random_phasors(rng, field.shape), 0.7, mode="nearest") * 2.5
+    return (field * texture).astype(np.complex64)
+
+
+def _reverberation(probe: PhasedArray, rng: np.random.Generator) -> np.ndarray:
+    """Echoes that go to and fro between face and skin, (lines, samples) complex64: bands that fade, 1.9 mm apart."""
+    depth = probe.ranges - probe.apex_offset
+    bands = sum(10.0 ** ((44.0 - 6.5 * n) / 20.0) * np.exp(-(((depth - 0.5 - 1.9 * n) / 0.35) ** 2)) for n in range(5))
+    uneven = ndimage.gaussian_filter1d(rng.standard_normal(probe.lines), 5.0) * 0.5 + 1.0
+    return (0.35 * uneven[:, None] * bands[None, :]).astype(np.complex64)
+
+
+def _receive(field: np.ndarray, probe: PhasedArray, rng, effects: UltrasoundEffects) -> np.ndarray:
+    """What the receiver gives: blurred, attenuated, with noise and gained by depth; (lines, samples) complex64.
+
+    Notes
+    -----
+    Resolution along a line falls with depth, as high frequencies are lost, and across lines it is an angle, so it grows in mm. Two
+    filters, for the first and the last sample, are mixed by depth. Each keeps the mean power of speckle (weights' squares sum to 1)
+    and is scaled to leave an echo's peak about as it was.
+    """
+    depth = (probe.ranges - probe.apex_offset).astype(np.float32)
+    if effects.point_spread:
+        pitch = probe.depth / (probe.samples - 1)
+        line_pitch = 2 * probe.half_angle / (probe.lines - 1)
+        mix = depth / probe.depth
+        near = _blur(field, math.radians(1.0) / line_pitch, 0.26 / pitch)
+        far = _blur(field, math.radians(0.75) / line_pitch, 0.42 / pitch)
+        field = near * (1 - mix) + far * mix
+    loss = ATTENUATION_DB_PER_MM * depth if effects.attenuation else np.zeros_like(depth)
+    gain = TIME_GAIN_DB_PER_MM * depth if effects.attenuation else np.zeros_like(depth)
+    field = field * 10.0 ** (-loss / 20.0)
+    if effects.noise:
+        noise = ndimage.gaussian_filter1d(_random_phasors(rng, field.shape), 1.0, axis=1) * np.float32(math.sqrt(2 * math.sqrt(math.pi)))
+        field = field + noise * np.float32(10.0 ** (NOISE_DB / 20.0))
+    return (field * 10.0 ** (gain / 20.0)).astype(np.complex64)
+
+
+def _blur(field: np.ndarray, lines: float, samples: float) -> np.ndarray:
+    """A Gaussian point spread of these standard deviations that keeps the power of uncorrelated echoes."""
+    blurred = ndimage.gaussian_filter1d(ndimage.gaussian_filter1d(field, samples, axis=1, truncate=3.2), lines, axis=0, truncate=3.2)
+    return blurred * np.float32(2 * math.sqrt(math.pi * lines * samples))
+
+
+def _to_image(amplitude: np.ndarray, probe: PhasedArray, effects: UltrasoundEffects) -> np.ndarray:
+    """Gray levels of the sector image, (rows, columns) uint8."""
+    if effects.log_compression:
+        gray = 1.0 + np.log10(np.maximum(amplitude, 1e-3)) * np.float32(20.0 * 254.0 / DYNAMIC_RANGE_DB)
+    else:
+        gray = amplitude * np.float32(255.0 * 10.0 ** (-BONE_ECHO_DB / 20.0))
+    pixels, weights = probe.scan_conversion
+    image = np.zeros(probe.rows * probe.columns, dtype=np.uint8)
+    image[pixels] = np.clip(np.rint(weights @ np.clip(gray, 1.0, 255.0).astype(np.float32).ravel()), 1, 255)
+    return image.reshape(probe.rows, probe.columns)

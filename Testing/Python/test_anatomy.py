@@ -1,0 +1,234 @@
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from AIFReconLib.errors import OperationCanceled, SettingsError
+from AIFReconLib.simulation.anatomy import DISTANCE_LIMIT, LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
+from AIFReconLib.simulation.implicit_shapes import ellipse, rounded_box, smooth_union, swept_ellipsoid
+from AIFReconLib.simulation.vertebra import LAMINA_THICKNESS
+from AIFReconLib.transforms import invert, transform_points
+from AIFReconLib.volume import Volume
+
+COARSE = 2.0
+
+
+@pytest.fixture(scope="module")
+def regular() -> LumbarPhantom:
+    """Three vertebrae of the default sizes, all alike; the middle one is upright in the middle of Reference."""
+    return make_lumbar_phantom(LumbarAnatomy(irregularity=0.0), spacing=1.0)
+
+
+@pytest.fixture(scope="module")
+def person() -> LumbarPhantom:
+    return make_lumbar_phantom(LumbarAnatomy.from_seed(3), spacing=COARSE)
+
+
+def values_along(volume: Volume, start, stop, step: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
+    """Distances from `start` and the nearest voxels' values on the way to `stop`."""
+    start, stop = np.asarray(start, dtype=float), np.asarray(stop, dtype=float)
+    length = np.linalg.norm(stop - start)
+    way = np.arange(0.0, length, step)
+    ijk = np.rint(transform_points(volume.grid.reference_to_ijk, start + way[:, None] * (stop - start) / length)).astype(int)
+    return way, volume.array[ijk[:, 2], ijk[:, 1], ijk[:, 0]]
+
+
+def bone_runs(volume: Volume, start, stop) -> list[tuple[float, float]]:
+    """Where bone begins and ends along a straight line, mm from its start."""
+    way, values = values_along(volume, start, stop)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], (values > 0).astype(int), [0]])))
+    return [(way[a], way[min(b, len(way) - 1)]) for a, b in edges.reshape(-1, 2)]
+
+
+def test_spinous_process_is_as_long_as_asked(regular):
+    tip = regular.spinous_tips()[1]
+    lengths = []
+    for z in np.arange(-8.0, 4.0, 1.0):
+        first = bone_runs(regular.labels, (0.0, 2.0, z), (0.0, 70.0, z))[0]
+        lengths.append((first[0] + 2.0, first[1] + 2.0))
+    back = min(a for a, _ in lengths)
+    canal_wall = max(b for _, b in lengths)
+    assert back == pytest.approx(tip[1], abs=1.0)
+    assert canal_wall - back == pytest.approx(regular.anatomy.spinous_length + LAMINA_THICKNESS, abs=1.8)
+
+
+def test_interspinous_gap_is_as_wide_as_asked(regular):
+    tips, roots = regular.spinous_tips(), regular.spinolaminar_junctions()
+    middles = (tips + roots) / 2
+    runs = bone_runs(regular.labels, middles[0], middles[1])
+    assert runs[1][0] - runs[0][1] == pytest.approx(regular.anatomy.interspinous_gap, abs=1.2)
+
+
+def test_lamina_lies_as_deep_under_the_skin_as_asked(regular):
+    way, hounsfield = values_along(regular.ct, (0.0, -15.0, 0.0), (0.0, 70.0, 0.0))
+    skin = way[np.argmax(hounsfield > -500)]
+    canal_wall = bone_runs(regular.labels, (0.0, -15.0, 0.0), (0.0, 70.0, 0.0))[0][1]
+    assert canal_wall - LAMINA_THICKNESS - skin == pytest.approx(regular.anatomy.skin_to_lamina, abs=1.8)
+
+
+def test_vertebral_body_is_as_wide_as_asked(regular):
+    center = regular.vertebrae[1].vertebra_to_reference[:3, 3] + regular.vertebrae[1].body_center
+    widths = []
+    for z in np.arange(-12.0, 13.0):
+        left, right = np.add(center, (-33.0, 0.0, z)), np.add(center, (33.0, 0.0, z))
+        widths += [b - a for a, b in bone_runs(regular.labels, left, right)]
+    assert max(widths) == pytest.approx(regular.anatomy.body_width, abs=2.0)
+
+
+def test_vertebral_body_is_as_deep_as_asked(regular):
+    center = regular.vertebrae[1].vertebra_to_reference[:3, 3] + regular.vertebrae[1].body_center
+    depths = [bone_runs(regular.labels, np.add(center, (0, -18.0, z)), np.add(center, (0, 22.0, z)))[0] for z in np.arange(-11.0, 12.0)]
+    assert max(b - a for a, b in depths) == pytest.approx(regular.anatomy.body_depth, abs=2.0)
+
+
+def test_vertebral_body_is_as_high_as_asked(regular):
+    center = regular.vertebrae[1].vertebra_to_reference[:3, 3] + regular.vertebrae[1].body_center
+    rim = np.add(center, (0.0, 12.5, 0.0))
+    a, b = bone_runs(regular.labels, np.add(rim, (0, 0, -16.0)), np.add(rim, (0, 0, 16.0)))[0]
+    assert b - a == pytest.approx(regular.anatomy.body_height, abs=2.5)
+
+
+def test_spinal_canal_holds_no_bone(regular):
+    middle = regular.vertebrae[1].vertebra_to_reference[:3, 3] + np.array([0.0, LAMINA_THICKNESS + regular.anatomy.canal_depth / 2, 0.0])
+    assert bone_runs(regular.labels, np.add(middle, (0, 0, -35.0)), np.add(middle, (0, 0, 35.0))) == []
+
+
+def test_each_vertebra_has_its_own_label(regular):
+    assert np.unique(regular.labels.array).tolist() == [0, 1, 2, 3]
+
+
+def test_labels_of_neighbors_do_not_touch(regular):
+    labels = regular.labels.array.astype(int)
+    for axis in range(3):
+        a, b = np.moveaxis(labels, axis, 0)[:-1], np.moveaxis(labels, axis, 0)[1:]
+        assert not ((a != b) & (a > 0) & (b > 0)).any()
+
+
+def test_vertebrae_are_whole_within_the_scan(regular):
+    inner = regular.labels.array[1:-1, 1:-1, 1:-1]
+    assert np.count_nonzero(inner) == np.count_nonzero(regular.labels.array)
+
+
+@pytest.mark.parametrize("vertebrae", [2, 4])
+def test_as_many_vertebrae_as_asked(vertebrae):
+    phantom = make_lumbar_phantom(LumbarAnatomy(vertebrae=vertebrae), spacing=3.0)
+    assert phantom.labels.array.max() == len(phantom.vertebrae) == vertebrae
+
+
+def test_ct_shows_air_fat_muscle_and_cortical_bone(regular):
+    air, fat = regular.ct.array[:, 0].mean(), values_along(regular.ct, (8.0, 4.0, 0.0), (8.0, 8.0, 0.0))[1].mean()
+    muscle = values_along(regular.ct, (12.0, 20.0, -20.0), (12.0, 20.0, 20.0))[1].mean()
+    shell = regular.ct.array[np.abs(regular.bone_distance.array + 0.8) < 0.2].mean()
+    assert (round(air, -2), round(fat, -2)) == (-1000, -100)
+    assert 30 < muscle < 70
+    assert 700 < shell < 1100
+
+
+def test_bone_distance_is_negative_exactly_in_labeled_bone(regular):
+    assert np.array_equal(regular.bone_distance.array <= 0, regular.labels.array > 0)
+
+
+def test_bone_distance_grows_by_one_mm_per_mm_near_the_surface(regular):
+    distance = regular.bone_distance.array.astype(float)
+    slope = np.sqrt(sum(g**2 for g in np.gradient(distance, 1.0)))
+    near = (distance > 0.5) & (distance < 2.5)
+    assert np.median(slope[near]) == pytest.approx(1.0, abs=0.08)
+    assert np.abs(distance).max() <= 30
+    assert distance.max() == DISTANCE_LIMIT
+
+
+def test_the_same_seed_gives_the_same_phantom(person):
+    again = make_lumbar_phantom(LumbarAnatomy.from_seed(3), spacing=COARSE)
+    assert np.array_equal(person.ct.array, again.ct.array)
+    assert np.array_equal(person.labels.array, again.labels.array)
+
+
+def test_another_seed_gives_another_person(person):
+    other = make_lumbar_phantom(LumbarAnatomy.from_seed(4), spacing=COARSE)
+    assert other.anatomy.skin_to_lamina != person.anatomy.skin_to_lamina
+    assert not np.allclose(other.spinous_tips(), person.spinous_tips(), atol=0.2)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_drawn_gaps_stay_within_5_and_12_mm(seed):
+    anatomy = LumbarAnatomy.from_seed(seed, vertebrae=4)
+    vertebrae = anatomy.vertebrae_in_place()
+    pitch = np.radians(anatomy.lordosis_deg) * (anatomy.arc_radius - anatomy.body_depth_from_lamina)
+    gaps = [pitch + upper.spinous_bottom[0] - lower.spinous_top[0] for upper, lower in pairwise(vertebrae)]
+    assert min(gaps) >= 5.0
+    assert max(gaps) <= 12.0
+
+
+def test_sizes_of_people_differ_within_the_published_ranges():
+    people = [LumbarAnatomy.from_seed(seed) for seed in range(200)]
+    depths = [person.skin_to_lamina for person in people]
+    assert min(depths) >= 35
+    assert max(depths) <= 55
+    assert np.std(depths) > 2
+
+
+def test_a_ct_in_its_own_frame_shows_the_same_bone(person):
+    ct_to_reference = np.eye(4)
+    angle = np.deg2rad(8.0)
+    ct_to_reference[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    ct_to_reference[:3, 3] = 120.0, -80.0, 1000.0
+    turned = make_lumbar_phantom(person.anatomy, spacing=COARSE, ct_to_reference=ct_to_reference)
+    placed = turned.labels.placed_by(turned.ct_to_reference)
+    ijk = np.argwhere(placed.array > 0)[:, ::-1]
+    inside = transform_points(person.bone_distance.grid.reference_to_ijk @ placed.ijk_to_reference, ijk)
+    i, j, k = np.rint(inside).astype(int).T
+    assert person.bone_distance.array[k, j, i].max() < 2.0
+    assert np.count_nonzero(placed.array) == pytest.approx(np.count_nonzero(person.labels.array), rel=0.02)
+    assert np.allclose(turned.labels.grid.ijk_to_reference[:3, :3], COARSE * np.eye(3))
+    assert np.allclose(invert(turned.ct_to_reference) @ placed.ijk_to_reference, turned.labels.ijk_to_reference)
+
+
+def test_skin_passes_through_the_origin(person):
+    assert person.skin_y(0.0, 0.0) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_ct_changes_from_air_to_body_at_the_skin(person):
+    _, outside = values_along(person.ct, (20.0, person.skin_y(20, 10) - 6, 10.0), (20.0, person.skin_y(20, 10) - 2, 10.0))
+    _, inside = values_along(person.ct, (20.0, person.skin_y(20, 10) + 2, 10.0), (20.0, person.skin_y(20, 10) + 6, 10.0))
+    assert outside.max() < -850
+    assert inside.min() > -250
+
+
+@pytest.mark.parametrize("wrong", [{"vertebrae": 5}, {"interspinous_gap": 30.0}, {"spinous_length": 34.0, "skin_to_lamina": 36.0}])
+def test_sizes_beyond_anatomy_are_refused(wrong):
+    with pytest.raises(SettingsError, match="must"):
+        LumbarAnatomy(**wrong)
+
+
+def test_irregularity_beyond_its_range_is_refused():
+    with pytest.raises(SettingsError, match="irregularity"):
+        LumbarAnatomy(irregularity=9.0)
+
+
+def test_spacing_beyond_its_range_is_refused():
+    with pytest.raises(SettingsError, match="spacing"):
+        make_lumbar_phantom(spacing=0.01)
+
+
+def test_making_a_phantom_can_be_canceled():
+    with pytest.raises(OperationCanceled):
+        make_lumbar_phantom(spacing=3.0, progress=lambda fraction, message: False)
+
+
+def test_a_swept_sphere_is_a_capsule():
+    x = np.array([0.0, 5.0, 10.0, 13.0], dtype=np.float32)
+    distance = swept_ellipsoid(x, x * 0 + 4.0, x * 0, (0, 0, 0), (10, 0, 0), (2, 2, 2), (2, 2, 2))
+    assert distance == pytest.approx([2.0, 2.0, 2.0, 3.0], abs=1e-4)
+
+
+def test_a_box_keeps_its_outer_size_when_rounded():
+    at_face = rounded_box(np.float32([3.0]), np.float32([0.0]), np.float32([0.0]), 3.0, 4.0, 5.0, 1.0)
+    assert at_face == pytest.approx([0.0], abs=1e-6)
+
+
+def test_a_circle_is_an_ellipse_with_exact_distance():
+    assert ellipse(np.float32([7.0]), np.float32([0.0]), 4.0, 4.0) == pytest.approx([3.0], abs=1e-5)
+
+
+def test_a_union_far_from_both_solids_is_the_nearer_one():
+    assert smooth_union(np.float32([1.0]), np.float32([9.0]), 2.0) == pytest.approx([1.0])

@@ -1,0 +1,256 @@
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from AIFReconLib.errors import OperationCanceled, SettingsError
+from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
+from AIFReconLib.simulation.phased_array import PhasedArray
+from AIFReconLib.simulation.scan import (
+    AIM_DEPTH,
+    ProbePath,
+    TrackingErrors,
+    contact_pose,
+    ct_misregistration,
+    freehand_sweep,
+    multi_angle_sweep,
+    plus_configuration_xml,
+    simulate_sweep,
+    single_angle_sweep,
+)
+from AIFReconLib.simulation.ultrasound import UltrasoundEffects
+from AIFReconLib.transform_graph import TransformGraph, TransformStatus
+from AIFReconLib.transforms import invert, transform_points, why_not_rigid
+
+PROBE = PhasedArray(columns=320, rows=240, lines=96, samples=300)
+SILENT = UltrasoundEffects(tissue=False, reverberation=False, noise=False)
+
+
+@pytest.fixture(scope="module")
+def phantom():
+    return make_lumbar_phantom(LumbarAnatomy.from_seed(2), spacing=1.25)
+
+
+@pytest.fixture(scope="module")
+def path(phantom):
+    return multi_angle_sweep(phantom, 36)
+
+
+@pytest.fixture(scope="module")
+def sequence(phantom, path):
+    return simulate_sweep(phantom, PROBE, path, effects=SILENT, seed=4)
+
+
+def image_to_reference(record, image_to_probe=PROBE.image_to_probe) -> np.ndarray:
+    graph = TransformGraph()
+    graph.set("ImageToProbe", image_to_probe)
+    return graph.updated(record.transforms).lookup("Image", "Reference").matrix
+
+
+def bright_points(image: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """The brightest pixel of every column that shows a strong echo, in Reference."""
+    rows, columns = image.argmax(axis=0), np.arange(image.shape[1])
+    strong = image.max(axis=0) > 190
+    pixels = np.stack([columns, rows, 0 * rows], axis=1)[strong]
+    return transform_points(pose, pixels)
+
+
+def distances_to_bone(phantom, points) -> np.ndarray:
+    ijk = transform_points(phantom.bone_distance.grid.reference_to_ijk, points)
+    return np.abs(ndimage.map_coordinates(phantom.bone_distance.array, ijk.T[::-1], order=1, cval=6.0))
+
+
+def echo_errors(phantom, sequence, image_to_probe=PROBE.image_to_probe) -> np.ndarray:
+    points = [bright_points(sequence.images[n], image_to_reference(r, image_to_probe)) for n, r in enumerate(sequence.records)]
+    return distances_to_bone(phantom, np.concatenate(points))
+
+
+def test_recorded_poses_put_bright_echoes_on_the_bone(phantom, sequence):
+    errors = echo_errors(phantom, sequence)
+    assert len(errors) > 500
+    assert np.median(errors) < 0.5
+    assert np.percentile(errors, 95) < 1.5
+
+
+def test_every_frame_of_a_sweep_shows_bone(sequence):
+    assert min((image > 150).sum() for image in sequence.images) > 20
+
+
+@pytest.mark.parametrize("make", [single_angle_sweep, multi_angle_sweep, freehand_sweep])
+def test_the_face_stays_on_the_skin(phantom, make):
+    faces = make(phantom, 20).transducer_to_reference[:, :3, 3]
+    assert faces[:, 1] == pytest.approx(phantom.skin_y(faces[:, 0], faces[:, 2]), abs=0.05)
+
+
+@pytest.mark.parametrize(("in_plane", "elevational"), [(30.0, 0.0), (-30.0, 15.0), (0.0, -15.0)])
+def test_a_tilted_probe_still_aims_at_its_target(phantom, in_plane, elevational):
+    pose = contact_pose(phantom, 2.0, 9.0, in_plane_tilt_deg=in_plane, elevational_tilt_deg=elevational)
+    target = np.array([2.0, phantom.skin_y(2.0, 9.0) + AIM_DEPTH, 9.0])
+    ahead = target - pose[:3, 3]
+    assert pose[:3, 1] == pytest.approx(ahead / np.linalg.norm(ahead), abs=1e-3)
+
+
+def test_an_in_plane_tilt_turns_the_beam_within_the_image_plane(phantom):
+    pose = contact_pose(phantom, 0.0, 0.0, in_plane_tilt_deg=30.0)
+    assert pose[:3, 1] == pytest.approx([0.5, np.sqrt(0.75), 0.0], abs=1e-12)
+
+
+def test_a_sagittal_image_runs_along_the_spine(phantom):
+    pose = contact_pose(phantom, 0.0, 0.0, orientation="sagittal")
+    assert pose[:3, 0] == pytest.approx([0.0, 0.0, 1.0])
+
+
+@pytest.mark.parametrize("make", [single_angle_sweep, multi_angle_sweep, freehand_sweep])
+def test_poses_of_a_path_are_rigid(phantom, make):
+    assert [why_not_rigid(pose) for pose in make(phantom, 20).transducer_to_reference] == [None] * 20
+
+
+def test_multi_angle_sweep_visits_every_pair_of_tilts(path):
+    beams = {tuple(np.round(pose[:3, 1], 3)) for pose in path.transducer_to_reference}
+    assert len(beams) == 9
+
+
+def test_multi_angle_sweep_has_as_many_frames_as_asked(phantom):
+    assert len(multi_angle_sweep(phantom, 31)) == 31
+
+
+def test_timestamps_of_a_path_rise(path):
+    assert np.diff(path.timestamps).min() == pytest.approx(1 / 20)
+
+
+def test_a_sweep_covers_all_spinous_processes(phantom, path):
+    z = path.transducer_to_reference[:, 2, 3]
+    tips = phantom.spinous_tips()[:, 2]
+    assert z.min() < tips.min() - 5
+    assert z.max() > tips.max() + 5
+
+
+def test_a_freehand_sweep_is_decided_by_its_seed(phantom):
+    one, same, other = (freehand_sweep(phantom, 12, seed=s).transducer_to_reference for s in (1, 1, 2))
+    assert np.array_equal(one, same)
+    assert not np.allclose(one, other)
+
+
+def test_a_sagittal_sweep_moves_across_the_spine(phantom):
+    x = single_angle_sweep(phantom, 12, orientation="sagittal").transducer_to_reference[:, 0, 3]
+    assert x.min() < -20
+    assert x.max() > 20
+
+
+def test_a_sequence_records_both_tracked_transforms_as_ok(sequence):
+    names = {str(name): dict(sequence.status_counts(name)) for name in sequence.transform_names()}
+    assert names == {name: {TransformStatus.OK: 36} for name in ("ProbeToTracker", "ReferenceToTracker")}
+
+
+def test_the_reference_marker_does_not_coincide_with_the_tracker(sequence):
+    sample = next(s for name, s in sequence.records[0].transforms.items() if name.source == "Reference")
+    assert np.linalg.norm(sample.matrix[:3, 3]) > 500
+
+
+def test_the_same_seed_gives_the_same_sequence(phantom):
+    short = single_angle_sweep(phantom, 3)
+    one, same = (simulate_sweep(phantom, PROBE, short, seed=9, errors=TrackingErrors(noise=1.0)) for _ in range(2))
+    assert np.array_equal(one.images, same.images)
+    assert np.array_equal(image_to_reference(one.records[2]), image_to_reference(same.records[2]))
+
+
+def test_tracker_noise_leaves_the_images_as_they_are(phantom, sequence, path):
+    noisy = simulate_sweep(phantom, PROBE, path, effects=SILENT, seed=4, errors=TrackingErrors(noise=0.5, noise_deg=1.0))
+    assert np.array_equal(noisy.images, sequence.images)
+
+
+def test_tracker_noise_moves_the_probe_by_its_standard_deviation(phantom):
+    still = ProbePath(np.tile(contact_pose(phantom, 0, 0), (300, 1, 1)), np.arange(300) / 20)
+    tiny = PhasedArray(columns=16, rows=16, lines=16, samples=16)
+    noisy = simulate_sweep(phantom, tiny, still, effects=SILENT, errors=TrackingErrors(noise=0.5))
+    positions = np.array([image_to_reference(r, np.eye(4))[:3, 3] for r in noisy.records])
+    assert positions.std(axis=0) == pytest.approx([0.5] * 3, rel=0.15)
+
+
+def test_a_calibration_error_moves_echoes_off_the_bone(phantom, path):
+    few = ProbePath(path.transducer_to_reference[::4], path.timestamps[::4])
+    wrong = simulate_sweep(phantom, PROBE, few, effects=SILENT, errors=TrackingErrors(calibration=4.0))
+    assert np.median(echo_errors(phantom, wrong)) > 0.7
+
+
+def test_late_poses_lag_behind_the_images(phantom):
+    sweep = single_angle_sweep(phantom, 40)
+    late = sweep.delayed(0.1)
+    assert late.transducer_to_reference[20, :3, 3] == pytest.approx(sweep.transducer_to_reference[18, :3, 3], abs=1e-9)
+
+
+def test_a_time_offset_records_late_poses(phantom):
+    sweep = single_angle_sweep(phantom, 8)
+    tiny = PhasedArray(columns=16, rows=16, lines=16, samples=16)
+    late = simulate_sweep(phantom, tiny, sweep, effects=SILENT, errors=TrackingErrors(time_offset=0.05))
+    recorded = image_to_reference(late.records[5], tiny.transducer_to_probe)
+    assert recorded == pytest.approx(sweep.transducer_to_reference[4], abs=1e-6)
+
+
+def test_dropout_takes_its_share_of_frames_out_of_view(phantom):
+    tiny = PhasedArray(columns=16, rows=16, lines=16, samples=16)
+    lossy = simulate_sweep(phantom, tiny, single_angle_sweep(phantom, 50), effects=SILENT, errors=TrackingErrors(dropout=0.2))
+    name = next(n for n in lossy.transform_names() if n.source == "Probe")
+    assert lossy.status_counts(name) == {TransformStatus.OK: 40, TransformStatus.OUT_OF_VIEW: 10}
+
+
+def test_misregistration_moves_its_point_by_exactly_that_much():
+    point = np.array([3.0, 40.0, -8.0])
+    error = ct_misregistration(2.0, 5.0, seed=7, about=point)
+    assert np.linalg.norm(transform_points(error, point) - point) == pytest.approx(2.0)
+
+
+def test_misregistration_turns_by_exactly_that_angle():
+    error = ct_misregistration(2.0, 5.0, seed=7)
+    assert np.rad2deg(np.arccos((np.trace(error[:3, :3]) - 1) / 2)) == pytest.approx(5.0)
+
+
+def test_configuration_holds_the_calibration():
+    root = ElementTree.fromstring(plus_configuration_xml(PROBE))
+    transform = root.find("CoordinateDefinitions/Transform")
+    matrix = np.array(transform.get("Matrix").split(), dtype=float).reshape(4, 4)
+    assert (transform.get("From"), transform.get("To")) == ("Image", "Probe")
+    assert matrix == pytest.approx(PROBE.image_to_probe, abs=1e-6)
+
+
+def test_configuration_holds_the_apex_by_the_rule_of_plus():
+    scan_conversion = ElementTree.fromstring(plus_configuration_xml(PROBE)).find("ScanConversion")
+    column, row = map(float, scan_conversion.get("TransducerCenterPixel").split())
+    spacing = float(scan_conversion.get("OutputImageSpacingMmPerPixel").split()[1])
+    assert (column, row - float(scan_conversion.get("RadiusStartMm")) / spacing) == pytest.approx(PROBE.apex_px)
+
+
+def test_configuration_holds_the_fan_in_pixels():
+    fan = ElementTree.fromstring(plus_configuration_xml(PROBE)).find("VolumeReconstruction")
+    assert tuple(map(float, fan.get("FanOriginPixel").split())) == pytest.approx(PROBE.fan.apex_px)
+    assert float(fan.get("FanRadiusStopPixel")) == pytest.approx(PROBE.fan.radii[1])
+    assert tuple(map(float, fan.get("FanAnglesDeg").split())) == PROBE.fan.angles_deg
+
+
+def test_a_sweep_can_be_canceled(phantom, path):
+    with pytest.raises(OperationCanceled):
+        simulate_sweep(phantom, PROBE, path, progress=lambda fraction, message: fraction < 0.05)
+
+
+def test_probe_poses_come_from_the_true_transducer(phantom, path, sequence):
+    found = image_to_reference(sequence.records[3]) @ invert(PROBE.image_to_transducer)
+    assert found == pytest.approx(path.transducer_to_reference[3], abs=1e-6)
+
+
+@pytest.mark.parametrize("wrong", [{"dropout": 1.0}, {"noise": -1.0}, {"time_offset": float("nan")}])
+def test_errors_that_cannot_be_are_refused(wrong):
+    with pytest.raises(SettingsError, match="must"):
+        TrackingErrors(**wrong)
+
+
+@pytest.mark.parametrize("wrong", [{"orientation": "coronal"}, {"in_plane_tilt_deg": 80.0}])
+def test_poses_that_cannot_be_are_refused(phantom, wrong):
+    with pytest.raises(SettingsError, match="must"):
+        contact_pose(phantom, 0.0, 0.0, **wrong)
+
+
+@pytest.mark.parametrize(("make", "frames"), [(single_angle_sweep, 0), (multi_angle_sweep, 5), (freehand_sweep, 1)])
+def test_too_few_frames_are_refused(phantom, make, frames):
+    with pytest.raises(SettingsError, match="frames"):
+        make(phantom, frames)

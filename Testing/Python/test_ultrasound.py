@@ -1,0 +1,256 @@
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from AIFReconLib.errors import SettingsError
+from AIFReconLib.simulation.phased_array import PhasedArray
+from AIFReconLib.simulation.ultrasound import (
+    DIFFUSE_SHARE,
+    DYNAMIC_RANGE_DB,
+    SPECULAR_SLOPE,
+    UltrasoundEffects,
+    simulate_frame,
+    surface_echo,
+)
+from AIFReconLib.transforms import transform_points
+from AIFReconLib.volume import Volume, VoxelGrid
+
+NOTHING = UltrasoundEffects(**dict.fromkeys(UltrasoundEffects.__dataclass_fields__, False))
+BONE_ONLY = replace(NOTHING, specular=True, diffuse=True, log_compression=True)
+SPACING = 2.0
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A flat bone surface `depth` mm below the origin along +y, turned by `angle_deg` about z ("in-plane") or x, in even tissue."""
+
+    depth: float = 45.0
+    angle_deg: float = 0.0
+    axis: str = "in-plane"
+    tissue_db: float = 20.0
+
+    @property
+    def bone_distance(self) -> Volume:
+        grid = VoxelGrid.from_spacing((-70.0, -10.0, -30.0), (71, 61, 31), SPACING)
+        k, j, i = np.indices(grid.shape)
+        x, y, z = (-70 + SPACING * i, -10 + SPACING * j - self.depth, -30 + SPACING * k)
+        angle = np.deg2rad(self.angle_deg)
+        side = x if self.axis == "in-plane" else z
+        distance = -(y * np.cos(angle) + side * np.sin(angle))
+        return Volume(np.clip(distance, -6, 6).astype(np.float32), grid.ijk_to_reference)
+
+    def scattering_db(self, points_reference, beams_reference):
+        return np.full(points_reference.shape[:-1], self.tissue_db, dtype=np.float32)
+
+
+NO_BONE = Plane(depth=500.0)
+PROBE = PhasedArray()
+
+
+def frame(target, effects, seed: int = 1, probe: PhasedArray = PROBE) -> np.ndarray:
+    """The face's middle at the origin of Reference, beams along +y, image columns along +x."""
+    return simulate_frame(target, probe, probe.probe_to_reference(np.eye(4)), np.random.default_rng(seed), effects)
+
+
+def row_of(depth: float) -> int:
+    return round((depth - PROBE.image_to_transducer[1, 3]) / PROBE.pixel_spacing)
+
+
+def middle_column(image: np.ndarray) -> np.ndarray:
+    """Gray levels straight down from the face, one per pixel row."""
+    return image[:, (PROBE.columns - 1) // 2].astype(float)
+
+
+def middle_band(image: np.ndarray, first: float, last: float) -> np.ndarray:
+    """Pixels within 8 mm of the middle between two depths, mm."""
+    half = round(8 / PROBE.pixel_spacing)
+    middle = PROBE.columns // 2
+    return image[row_of(first) : row_of(last), middle - half : middle + half].astype(float)
+
+
+def half_amplitude_thickness(image: np.ndarray) -> float:
+    """Of the brightest echo in the middle column, mm, between the crossings 6 dB below its peak."""
+    column = middle_column(image)
+    threshold = column.max() - 20 * np.log10(2) * 254 / DYNAMIC_RANGE_DB
+    above = np.flatnonzero(column >= threshold)
+    low, high = above[0], above[-1]
+    start = low - (column[low] - threshold) / (column[low] - column[low - 1])
+    stop = high + (column[high] - threshold) / (column[high] - column[high + 1])
+    return (stop - start) * PROBE.pixel_spacing
+
+
+def test_image_is_black_outside_the_sector():
+    assert not frame(Plane(), UltrasoundEffects())[~PROBE.fan.mask(PROBE.columns, PROBE.rows)].any()
+
+
+def test_image_is_never_black_inside_the_sector():
+    assert frame(NO_BONE, NOTHING)[PROBE.fan.mask(PROBE.columns, PROBE.rows)].min() == 1
+
+
+def test_image_has_the_size_asked_for():
+    probe = PhasedArray(columns=320, rows=240, lines=64, samples=201)
+    assert frame(Plane(), UltrasoundEffects(), probe=probe).shape == (240, 320)
+
+
+def test_sector_fits_into_the_image():
+    mask = PROBE.fan.mask(PROBE.columns, PROBE.rows)
+    assert not np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]]).any()
+
+
+def test_the_same_generator_gives_the_same_frame():
+    assert np.array_equal(frame(Plane(), UltrasoundEffects(), 5), frame(Plane(), UltrasoundEffects(), 5))
+
+
+def test_another_seed_gives_another_speckle():
+    assert not np.array_equal(frame(Plane(), UltrasoundEffects(), 5), frame(Plane(), UltrasoundEffects(), 6))
+
+
+@pytest.mark.parametrize("depth", [25.0, 45.0, 70.0])
+def test_echo_lies_where_the_surface_is(depth):
+    assert np.argmax(middle_column(frame(Plane(depth), BONE_ONLY))) == pytest.approx(row_of(depth), abs=1)
+
+
+def test_a_flat_surface_is_flat_in_the_image():
+    image = frame(Plane(60.0), BONE_ONLY)
+    columns = np.arange(150, 330)
+    assert np.ptp(image[:, columns].argmax(axis=0)) <= 2
+
+
+def test_nothing_but_noise_lies_behind_bone():
+    quiet = replace(UltrasoundEffects(), tissue=False, specular=False, diffuse=False)
+    behind = middle_band(frame(Plane(), UltrasoundEffects()), 52, 80)
+    noise = middle_band(frame(Plane(), quiet), 52, 80)
+    assert behind.mean() == pytest.approx(noise.mean(), abs=2.0)
+    assert behind.mean() < 0.4 * middle_band(frame(NO_BONE, UltrasoundEffects()), 52, 80).mean()
+
+
+def test_without_noise_the_shadow_is_empty():
+    assert middle_band(frame(Plane(), replace(UltrasoundEffects(), noise=False)), 52, 80).max() == 1
+
+
+def test_without_shadow_tissue_shows_behind_bone():
+    lit = middle_band(frame(Plane(), replace(UltrasoundEffects(), shadow=False)), 52, 80).mean()
+    assert lit == pytest.approx(middle_band(frame(NO_BONE, UltrasoundEffects()), 52, 80).mean(), abs=4)
+
+
+def test_without_tissue_the_way_to_bone_is_dark():
+    assert middle_band(frame(Plane(), replace(UltrasoundEffects(), tissue=False, noise=False)), 20, 40).max() == 1
+
+
+@pytest.mark.parametrize("angle_deg", [20.0, 40.0, 60.0])
+def test_a_surface_hit_squarely_is_brighter_than_one_hit_obliquely(angle_deg):
+    assert (
+        middle_column(frame(Plane(), UltrasoundEffects())).max()
+        > middle_column(frame(Plane(angle_deg=angle_deg), UltrasoundEffects())).max() + 10
+    )
+
+
+@pytest.mark.parametrize("angle_deg", [30.0, 40.0, 50.0, 65.0])
+def test_echo_against_angle_follows_the_model(angle_deg):
+    angles = np.deg2rad([20.0, angle_deg])
+    model = np.exp(-(np.tan(angles) ** 2) / (2 * SPECULAR_SLOPE**2)) + DIFFUSE_SHARE * np.cos(angles)
+    near, far = (middle_column(frame(Plane(angle_deg=a, axis="elevational"), BONE_ONLY)).max() for a in (20.0, angle_deg))
+    assert (near - far) * DYNAMIC_RANGE_DB / 254 == pytest.approx(20 * np.log10(model[0] / model[1]), abs=0.8)
+
+
+def test_without_the_diffuse_part_a_grazing_surface_is_dark():
+    plane = Plane(angle_deg=65.0)
+    assert middle_column(frame(plane, replace(BONE_ONLY, diffuse=False))).max() < 2 < 40 < middle_column(frame(plane, BONE_ONLY)).max()
+
+
+def test_without_the_specular_part_the_echo_falls_with_the_cosine():
+    diffuse = replace(BONE_ONLY, specular=False)
+    square, oblique = (middle_column(frame(Plane(angle_deg=a, axis="elevational"), diffuse)).max() for a in (0.0, 60.0))
+    assert (square - oblique) * DYNAMIC_RANGE_DB / 254 == pytest.approx(20 * np.log10(2), abs=0.4)
+
+
+def test_a_surface_seen_from_behind_gives_no_echo():
+    assert surface_echo(np.array([-0.5, 0.0]), UltrasoundEffects()).tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("angle_deg", [25.0, 35.0, 45.0])
+def test_an_oblique_plane_is_thicker_by_beam_width_times_tangent(angle_deg):
+    plane = Plane(PROBE.elevation_focus, angle_deg, axis="elevational")
+    thick = half_amplitude_thickness(frame(plane, replace(BONE_ONLY, beam_thickness=True)))
+    thin = half_amplitude_thickness(frame(plane, BONE_ONLY))
+    beam = PROBE.elevation_fwhm(PROBE.elevation_focus) * np.tan(np.deg2rad(angle_deg))
+    assert np.sqrt(max(thick**2 - thin**2, 0)) == pytest.approx(beam, rel=0.15)
+
+
+def test_the_beam_is_thinnest_at_its_focus():
+    widths = PROBE.elevation_fwhm(np.array([10.0, 50.0, 85.0]))
+    assert widths[1] == PROBE.elevation_width
+    assert widths[0] > 2 * widths[1]
+    assert widths[2] > 1.5 * widths[1]
+
+
+def test_point_spread_widens_speckle_across_the_beams_with_depth():
+    image = frame(NO_BONE, replace(NOTHING, tissue=True, speckle=True, point_spread=True, log_compression=True))
+
+    def correlation(depth):
+        band = middle_band(image, depth, depth + 12)
+        band = band - band.mean()
+        shift = round(1.0 / PROBE.pixel_spacing)
+        return (band[:, shift:] * band[:, :-shift]).mean() / (band**2).mean()
+
+    assert correlation(70) > correlation(25) + 0.2
+
+
+def test_point_spread_thickens_an_echo():
+    spread = replace(BONE_ONLY, point_spread=True)
+    assert half_amplitude_thickness(frame(Plane(), spread)) > 1.5 * half_amplitude_thickness(frame(Plane(), BONE_ONLY))
+
+
+def test_speckle_is_rayleigh_distributed():
+    effects = replace(NOTHING, tissue=True, speckle=True, point_spread=True, log_compression=True)
+    band = middle_band(frame(Plane(500.0, tissue_db=30.0), effects), 20, 80)
+    assert band.std() * DYNAMIC_RANGE_DB / 254 == pytest.approx(5.57, abs=0.8)
+
+
+def test_without_speckle_even_tissue_is_even():
+    band = middle_band(frame(NO_BONE, replace(NOTHING, tissue=True, log_compression=True)), 20, 80)
+    assert np.ptp(band) == 0
+
+
+def test_time_gain_lifts_the_noise_with_depth():
+    image = frame(NO_BONE, replace(NOTHING, noise=True, attenuation=True, log_compression=True))
+    assert middle_band(image, 75, 85).mean() > middle_band(image, 20, 40).mean() + 5
+
+
+def test_without_attenuation_even_tissue_is_as_bright_far_as_near():
+    without = frame(NO_BONE, replace(NOTHING, tissue=True, log_compression=True))
+    with_loss = frame(NO_BONE, replace(NOTHING, tissue=True, attenuation=True, log_compression=True))
+    assert middle_band(without, 75, 80).mean() == middle_band(without, 20, 25).mean()
+    assert middle_band(with_loss, 75, 80).mean() < middle_band(with_loss, 20, 25).mean() - 4
+
+
+def test_reverberation_puts_fading_bands_under_the_face():
+    column = middle_column(frame(NO_BONE, replace(NOTHING, reverberation=True, log_compression=True)))
+    peaks = [column[row_of(0.5 + 1.9 * n) - 2 : row_of(0.5 + 1.9 * n) + 3].max() for n in range(4)]
+    assert peaks == sorted(peaks, reverse=True)
+    assert peaks[-1] > 30
+    assert column[row_of(16) :].max() == 1
+
+
+def test_without_log_compression_gray_is_amplitude():
+    linear = replace(BONE_ONLY, log_compression=False)
+    grays = [middle_column(frame(Plane(angle_deg=a, axis="elevational"), linear)).max() for a in (10.0, 25.0)]
+    model = surface_echo(np.cos(np.deg2rad([10.0, 25.0])), UltrasoundEffects())
+    assert grays[1] / grays[0] == pytest.approx(model[1] / model[0], rel=0.03)
+
+
+def test_apex_in_the_image_is_behind_the_face():
+    apex = np.array([*PROBE.apex_px, 0.0])
+    assert transform_points(PROBE.image_to_transducer, apex) == pytest.approx([0.0, -PROBE.apex_offset, 0.0], abs=1e-9)
+
+
+def test_calibration_puts_the_face_where_the_transducer_is_on_the_probe():
+    face = np.array([PROBE.apex_px[0], PROBE.apex_px[1] + PROBE.apex_offset / PROBE.pixel_spacing, 0.0])
+    assert transform_points(PROBE.image_to_probe, face) == pytest.approx(PROBE.transducer_to_probe[:3, 3])
+
+
+@pytest.mark.parametrize("wrong", [{"field_of_view_deg": 170.0}, {"depth": 3.0}, {"lines": 2}])
+def test_a_probe_that_cannot_be_is_refused(wrong):
+    with pytest.raises(SettingsError, match="must"):
+        PhasedArray(**wrong)
