@@ -1,0 +1,52 @@
+"""Small made-up sweeps for tests: oblique poses, anisotropic pixels, rotated grids, and a bone map around a sphere."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from AIFReconLib.bone import BoneMap
+from AIFReconLib.frames import TrackedFrame
+from AIFReconLib.volume import Volume, VoxelGrid
+
+
+def rigid(rotation_vector_deg=(0.0, 0.0, 0.0), translation=(0.0, 0.0, 0.0)) -> np.ndarray:
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.from_rotvec(np.deg2rad(rotation_vector_deg)).as_matrix()
+    matrix[:3, 3] = translation
+    return matrix
+
+
+def image_pose(spacing=(0.4, 0.7), rotation_vector_deg=(0.0, 0.0, 0.0), translation=(0.0, 0.0, 0.0)) -> np.ndarray:
+    """image_to_reference of an image with this pixel spacing in mm."""
+    return rigid(rotation_vector_deg, translation) @ np.diag([spacing[0], spacing[1], 0.5 * sum(spacing), 1.0])
+
+
+def oblique_frames(seed=0, count=5, shape=(26, 34), spacing=(0.4, 0.7), dtype=np.uint8) -> list[TrackedFrame]:
+    """Frames about the origin, each turned and shifted at random; integers fill their type's range, floats 0 to 300."""
+    rng = np.random.default_rng(seed)
+    frames = []
+    for number in range(count):
+        pose = image_pose(spacing, rng.normal(0, 25, 3), rng.normal(0, 1.0, 3))
+        pose[:3, 3] -= pose[:3, 0] * shape[1] / 2 + pose[:3, 1] * shape[0] / 2
+        top = np.iinfo(dtype).max + 1 if np.issubdtype(dtype, np.integer) else 300
+        image = (rng.random(shape) * top).astype(dtype)
+        frames.append(TrackedFrame(image, pose, timestamp=0.05 * number, number=number))
+    return frames
+
+
+def turned_grid(spacing=(0.9, 1.1, 1.3), size=(14, 15, 13), rotation_vector_deg=(12.0, -25.0, 40.0)) -> VoxelGrid:
+    """A grid about the origin, smaller than the sweep, so that pixels fall outside too."""
+    matrix = rigid(rotation_vector_deg) @ np.diag([*spacing, 1.0])
+    matrix[:3, 3] = -matrix[:3, :3] @ (np.array(size) / 2)
+    return VoxelGrid(size, matrix)
+
+
+def sphere_bone(radius=4.0, center=(0.5, -0.3, 0.8), sigma_mm=1.5) -> BoneMap:
+    """A ball of bone, in a rotated label volume with voxels of 0.8 mm."""
+    size, spacing = 30, 0.8
+    matrix = rigid((5.0, 10.0, -20.0)) @ np.diag([spacing, spacing, spacing, 1.0])
+    matrix[:3, 3] = np.asarray(center) - matrix[:3, :3] @ np.full(3, (size - 1) / 2)
+    k, j, i = np.indices((size,) * 3)
+    distance = np.sqrt(((np.stack([i, j, k]) - (size - 1) / 2) ** 2).sum(axis=0)) * spacing
+    return BoneMap.from_labels(Volume((distance < radius).astype(np.uint8), matrix), sigma_mm=sigma_mm)

@@ -1,0 +1,286 @@
+"""The distribution step: the engine is the plain loop, whatever the poses, pixels, voxels and chunks."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from plain_loop import gray, plain_loop
+from sweeps import image_pose, oblique_frames, rigid, sphere_bone, turned_grid
+
+from AIFReconLib.beams import ProbeGeometry
+from AIFReconLib.compounding.layout import PixelLayout
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.compounding.shadow import ScanLines
+from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMemoryError, SettingsError
+from AIFReconLib.frames import TrackedFrame
+from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.transforms import pixel_spacing
+from AIFReconLib.volume import VoxelGrid
+
+SECTOR = ProbeGeometry("sector", (16.0, -6.0))
+LINEAR = ProbeGeometry("linear")
+FAN = ImageRegion(ClipRectangle((2, 1), (28, 22)), Fan((16.0, -6.0), (-40.0, 35.0), (7.0, 29.0)))
+EVERYTHING = ImageRegion()
+
+
+def reconstruct_both(method, frames, grid, bone=None, probe=SECTOR, region=EVERYTHING, double=False, **options):
+    """The library's result and the plain loop's, on the same frames."""
+    wanted = ReconstructionSettings(method=method, output_type="float32", best_cosine=bone is not None, **options)
+    reconstructor = Reconstructor(grid, wanted, bone, probe=probe, region=region)
+    reconstructor.insert(frames)
+    ours = reconstructor.finish()
+    rows, columns = frames[0].image.shape
+    spacing = pixel_spacing(frames[0].image_to_reference)
+    on_grid = bone.on_grid(grid) if bone is not None else None
+    transmissions = None
+    if method == "weighted":
+        transmissions = transmission_images(frames, grid, region, probe, on_grid, wanted)
+    maximum = np.iinfo(frames[0].image.dtype).max if frames[0].image.dtype.kind in "iu" else np.inf
+    theirs = plain_loop(
+        [(frame.image, frame.image_to_reference) for frame in frames],
+        grid,
+        method,
+        mask=region.mask(columns, rows),
+        directions=probe.directions(columns, rows, spacing),
+        bone=on_grid,
+        alpha=wanted.alpha,
+        beta=wanted.beta,
+        maximum=maximum,
+        transmissions=transmissions,
+        double=double,
+    )
+    return ours, theirs
+
+
+def transmission_images(frames, grid, region, probe, on_grid, wanted):
+    """What `ScanLines` gives for each frame, as images; it has tests of its own."""
+    rows, columns = frames[0].image.shape
+    layout = PixelLayout.build((columns, rows), pixel_spacing(frames[0].image_to_reference), region, probe)
+    lines = ScanLines(layout, probe)
+    images = []
+    for frame in frames:
+        images.append(np.zeros((rows, columns), np.float32))
+        images[-1][region.mask(columns, rows)] = lines.transmission(
+            grid.reference_to_ijk @ frame.image_to_reference, on_grid.inside, wanted.shadow_depth, wanted.shadow_length
+        )
+    return images
+
+
+@pytest.mark.parametrize("region", [EVERYTHING, FAN], ids=["full image", "clip and fan"])
+@pytest.mark.parametrize("probe", [SECTOR, LINEAR], ids=["sector", "linear"])
+@pytest.mark.parametrize("method", METHODS)
+def test_the_engine_gives_the_voxels_of_the_plain_loop_to_the_last_bit(method, probe, region):
+    bone = sphere_bone() if method in BONE_METHODS else None
+    ours, theirs = reconstruct_both(method, oblique_frames(), turned_grid(), bone, probe, region)
+    np.testing.assert_array_equal(ours.hits.array, theirs.hits)
+    np.testing.assert_array_equal(ours.intensity.array, theirs.intensity)
+    np.testing.assert_array_equal(ours.score.array, theirs.score)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_best_cosine_is_that_of_the_plain_loop_to_three_digits(method):
+    ours, theirs = reconstruct_both(method, oblique_frames(), turned_grid(), sphere_bone())
+    assert theirs.cosine.max() > 0.9
+    np.testing.assert_allclose(ours.cosine.array, theirs.cosine, atol=5e-4)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    method=st.sampled_from(METHODS),
+    seed=st.integers(0, 10_000),
+    spacing=st.tuples(st.floats(0.3, 2.5), st.floats(0.3, 2.5), st.floats(0.3, 2.5)),
+    turn=st.tuples(*[st.floats(-90, 90)] * 3),
+    pixel=st.tuples(st.floats(0.15, 1.2), st.floats(0.15, 1.2)),
+)
+def test_any_sweep_into_any_grid_gives_the_gray_levels_of_the_plain_loop(method, seed, spacing, turn, pixel):
+    frames = oblique_frames(seed, count=3, shape=(15, 17), spacing=pixel)
+    grid = turned_grid(spacing, (9, 8, 7), turn)
+    bone = sphere_bone() if method in BONE_METHODS else None
+    ours, theirs = reconstruct_both(method, frames, grid, bone)
+    np.testing.assert_array_equal(ours.hits.array, theirs.hits)
+    np.testing.assert_array_equal(gray(ours.intensity.array), gray(theirs.intensity))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_single_precision_costs_less_than_a_hundredth_of_a_gray_level(method):
+    bone = sphere_bone() if method in BONE_METHODS else None
+    ours, theirs = reconstruct_both(method, oblique_frames(count=12), turned_grid(), bone, double=True)
+    np.testing.assert_allclose(ours.intensity.array, theirs.intensity, atol=0.01)
+
+
+@pytest.mark.parametrize("dtype", [np.uint16, np.int16, np.float32])
+@pytest.mark.parametrize("method", ["aif-compensated", "maximum"])
+def test_other_pixel_types_give_the_plain_loops_voxels(method, dtype):
+    ours, theirs = reconstruct_both(method, oblique_frames(dtype=dtype), turned_grid(), sphere_bone(), alpha=0.5)
+    np.testing.assert_array_equal(ours.intensity.array, theirs.intensity)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("chunk", [1, 2, 5])
+def test_chunks_of_any_size_give_the_same_volume(method, chunk):
+    frames, grid = oblique_frames(count=6), turned_grid()
+    bone = sphere_bone() if method in BONE_METHODS else None
+    whole, pieces = (Reconstructor(grid, ReconstructionSettings(method=method), bone, probe=SECTOR) for _ in range(2))
+    whole.insert(frames)
+    for start in range(0, len(frames), chunk):
+        pieces.insert(frames[start : start + chunk])
+    np.testing.assert_array_equal(whole.finish().intensity.array, pieces.finish().intensity.array)
+
+
+@pytest.mark.parametrize("method", ["average", "maximum", "weighted"])
+def test_order_free_methods_do_not_depend_on_the_order_of_frames(method):
+    frames, grid = oblique_frames(count=8), turned_grid()
+    bone = sphere_bone() if method in BONE_METHODS else None
+    forward, backward = (
+        Reconstructor(grid, ReconstructionSettings(method=method, output_type="float32"), bone, probe=SECTOR) for _ in range(2)
+    )
+    forward.insert(frames)
+    backward.insert(frames[::-1])
+    np.testing.assert_allclose(forward.finish().intensity.array, backward.finish().intensity.array, rtol=2e-6)
+
+
+def test_where_no_good_beam_passes_the_paper_rule_keeps_the_last_frame():
+    grid = VoxelGrid.from_spacing((-20, -20, -20), (3, 3, 3), 1.0)
+    pose = image_pose((1.0, 1.0), translation=(-20, -20, -20))
+    reconstructor = Reconstructor(grid, ReconstructionSettings(method="aif"), sphere_bone(), probe=LINEAR)
+    for value in (10, 200, 90):
+        reconstructor.insert(TrackedFrame(np.full((3, 3), value, np.uint8), pose))
+    assert set(np.unique(reconstructor.finish().intensity.array[0])) == {90}
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_moving_poses_bone_and_grid_together_changes_nothing(method):
+    frames, grid, bone = oblique_frames(), turned_grid(), sphere_bone() if method in BONE_METHODS else None
+    move = rigid((0.0, 0.0, 90.0), (64.0, -32.0, 16.0))
+    moved_frames = [TrackedFrame(f.image, move @ f.image_to_reference) for f in frames]
+    moved_bone = None if bone is None else type(bone)(bone.probability.placed_by(move), bone.inside.placed_by(move))
+    here = Reconstructor(grid, ReconstructionSettings(method=method, output_type="float32"), bone, probe=SECTOR)
+    there = Reconstructor(
+        VoxelGrid(grid.size, move @ grid.ijk_to_reference),
+        ReconstructionSettings(method=method, output_type="float32"),
+        moved_bone,
+        probe=SECTOR,
+    )
+    here.insert(frames)
+    there.insert(moved_frames)
+    np.testing.assert_allclose(here.finish().intensity.array, there.finish().intensity.array, atol=2e-2)
+
+
+@pytest.mark.parametrize("method", [m for m in METHODS if m not in ("aif", "aif-compensated", "weighted")])
+def test_equal_pixels_stay_what_they_are(method):
+    frames = [TrackedFrame(np.full_like(f.image, 77), f.image_to_reference) for f in oblique_frames()]
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method=method))
+    reconstructor.insert(frames)
+    result = reconstructor.finish()
+    assert set(np.unique(result.intensity.array[result.mask.array == 1])) == {77}
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_black_pixels_stay_black_whatever_the_bone_map_expects(method):
+    frames = [TrackedFrame(np.zeros_like(f.image), f.image_to_reference) for f in oblique_frames()]
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method=method, alpha=10.0), sphere_bone(), probe=SECTOR)
+    reconstructor.insert(frames)
+    assert reconstructor.finish().intensity.array.max() == 0
+
+
+def test_a_point_seen_in_a_frame_ends_within_half_a_voxel_of_where_it_is():
+    rng = np.random.default_rng(3)
+    grid = turned_grid((0.7, 0.8, 0.9), (30, 30, 30))
+    for _ in range(40):
+        pose = image_pose((0.3, 0.55), rng.normal(0, 60, 3), rng.normal(0, 2, 3))
+        pixel = rng.integers(0, 12, 2)
+        image = np.zeros((12, 12), np.uint8)
+        image[pixel[1], pixel[0]] = 200
+        point = pose @ (*pixel, 0.0, 1.0)
+        reconstructor = Reconstructor(grid, ReconstructionSettings(method="maximum"))
+        reconstructor.insert(TrackedFrame(image, pose))
+        ((k, j, i),) = np.argwhere(reconstructor.finish().intensity.array == 200)
+        off = np.abs(grid.reference_to_ijk @ point - (i, j, k, 1))[:3]
+        assert off.max() <= 0.5 + 1e-9
+
+
+def test_pixels_outside_the_region_never_enter():
+    frame = oblique_frames(count=1)[0]
+    mask = FAN.mask(frame.image.shape[1], frame.image.shape[0])
+    image = np.where(mask, 50, 255).astype(np.uint8)
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method="maximum"), region=FAN)
+    reconstructor.insert(TrackedFrame(image, frame.image_to_reference))
+    assert reconstructor.finish().intensity.array.max() == 50
+
+
+def test_pixels_that_are_not_finite_never_enter():
+    frame = oblique_frames(count=1, dtype=np.float32)[0]
+    frame.image[::2] = np.nan
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method="average"))
+    reconstructor.insert(frame)
+    assert np.isfinite(reconstructor.finish().intensity.array).all()
+
+
+def test_frames_that_are_not_ok_are_counted_by_reason_and_change_nothing():
+    frame = oblique_frames(count=1)[0]
+    reconstructor = Reconstructor(turned_grid())
+    reconstructor.insert(TrackedFrame(frame.image, frame.image_to_reference, status="ProbeToTracker OUT_OF_VIEW", number=4))
+    reconstructor.insert(TrackedFrame(None, frame.image_to_reference, number=5))
+    reconstructor.insert(TrackedFrame(frame.image, None, number=6))
+    reconstructor.insert(TrackedFrame(frame.image, np.full((4, 4), np.nan), number=7))
+    result = reconstructor.reconstruction()
+    assert result.hits.array.max() == 0
+    assert result.skipped == {"ProbeToTracker OUT_OF_VIEW": [4], "no image": [5], "no pose": [6], "image pose not finite": [7]}
+
+
+def test_a_frame_beside_the_grid_is_counted_as_outside():
+    frame = oblique_frames(count=1)[0]
+    reconstructor = Reconstructor(turned_grid())
+    reconstructor.insert(TrackedFrame(frame.image, rigid(translation=(500, 0, 0)) @ frame.image_to_reference, number=9))
+    assert reconstructor.reconstruction().skipped == {"outside the volume": [9]}
+
+
+def test_images_of_another_size_are_refused_with_the_frame_number():
+    frames = oblique_frames(count=2)
+    reconstructor = Reconstructor(turned_grid())
+    reconstructor.insert(frames[0])
+    with pytest.raises(GeometryError, match="frame 1"):
+        reconstructor.insert(TrackedFrame(frames[1].image[:-1], frames[1].image_to_reference, number=1))
+
+
+@pytest.mark.parametrize("method", BONE_METHODS)
+def test_methods_that_weight_by_incidence_ask_for_bone(method):
+    with pytest.raises(SettingsError, match=f"{method} needs to know where bone is"):
+        Reconstructor(turned_grid(), ReconstructionSettings(method=method), probe=LINEAR)
+
+
+def test_methods_that_weight_by_incidence_ask_for_the_probe():
+    with pytest.raises(BeamGeometryError, match="--probe linear"):
+        Reconstructor(turned_grid(), ReconstructionSettings(method="aif"), sphere_bone())
+
+
+def test_a_bone_map_elsewhere_is_noted():
+    bone = sphere_bone(center=(400.0, 0.0, 0.0))
+    result = Reconstructor(turned_grid(), ReconstructionSettings(method="aif"), bone, probe=LINEAR).reconstruction()
+    assert "does not overlap" in result.notes[0]
+
+
+def test_a_volume_that_does_not_fit_is_refused_before_anything_is_allocated():
+    grid = VoxelGrid.from_spacing((0, 0, 0), (1290, 1290, 1290), 0.1)
+    with pytest.raises(InsufficientMemoryError, match=r"A spacing of \S+ mm would fit"):
+        Reconstructor(grid, ReconstructionSettings(method="aif"), sphere_bone(), probe=LINEAR)
+
+
+def test_a_reconstruction_may_be_looked_at_while_frames_go_on_coming():
+    frames, grid = oblique_frames(count=4), turned_grid()
+    looked_at, straight = (Reconstructor(grid, ReconstructionSettings(hole_limit=2.0)) for _ in range(2))
+    for frame in frames:
+        looked_at.insert(frame)
+        looked_at.reconstruction()
+    straight.insert(frames)
+    np.testing.assert_array_equal(looked_at.finish().intensity.array, straight.finish().intensity.array)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_memory_per_voxel_stays_within_the_promised_32_bytes(method):
+    from AIFReconLib.compounding.state import bytes_per_voxel
+
+    assert bytes_per_voxel(method, has_bone=True, best_cosine=True) <= 32
