@@ -1,1 +1,53 @@
-"""AIFRecon."""
+"""AIFRecon: 3D ultrasound of the spine from tracked 2D frames, every beam weighted by its angle of incidence to bone.
+
+Every source (a Plus sequence file, Slicer's nodes, a live stream) becomes `TrackedFrame`s: an image and the matrix that places it in
+Reference. A `Reconstructor` turns them into voxels of a `VoxelGrid`, reading a `BoneMap` where the method weights by incidence.
+`reconstruct` does all of it for a recorded sequence in one call. Matrices are `a_to_b` on column vectors in mm; arrays are [k, j, i];
+Reference is taken as RAS, and only files hold LPS.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+__version__ = "0.1.0"
+
+_PUBLIC = {
+    "AIFReconError": "errors",
+    "BoneMap": "bone",
+    "Fan": "region",
+    "ClipRectangle": "region",
+    "ImageRegion": "region",
+    "ProbeGeometry": "beams",
+    "Reconstruction": "compounding.reconstructor",
+    "ReconstructionSettings": "settings",
+    "Reconstructor": "compounding.reconstructor",
+    "TrackedFrame": "frames",
+    "TrackedSequence": "frames",
+    "TransformGraph": "transform_graph",
+    "Volume": "volume",
+    "VoxelGrid": "volume",
+    "read_labels": "io.volume_files",
+    "read_plus_configuration": "io.plus_config",
+    "read_sequence": "io.sequence_files",
+    "read_transform": "io.volume_files",
+    "read_volume": "io.volume_files",
+    "reconstruct": "reconstruct",
+    "write_sequence": "io.sequence_writer",
+    "write_volume": "io.volume_files",
+}
+
+__all__ = sorted(_PUBLIC)
+
+
+def __getattr__(name: str):
+    # Names are loaded when first used: Slicer imports this package at start-up, and SimpleITK alone takes longer than all else
+    if name not in _PUBLIC:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f".{_PUBLIC[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_PUBLIC])

@@ -1,0 +1,141 @@
+"""Output files that are either complete or not there: written under another name, then renamed.
+
+The other name is a folder beside the target that holds files of the same names. So libraries that choose a format by the
+suffix see the right one, a header that names its data file names the right one, and the rename stays on one disk.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from ..errors import OutputError
+
+_PREFIX = ".aifrecon-"
+
+_REMEDIES = {
+    "ENOENT": "its folder does not exist. Create the folder, or choose another path.",
+    "ENOTDIR": "a part of its path is a file, not a folder. Choose another path.",
+    "EACCES": "there is no permission to write there. Choose another folder, or close programs that hold the file open.",
+    "EPERM": "there is no permission to write there. Choose another folder, or close programs that hold the file open.",
+    "EROFS": "the disk is read-only. Choose another folder.",
+    "ENOSPC": "the disk is full. Free some space, or choose a folder on another disk.",
+    "EDQUOT": "the disk quota is used up. Free some space, or choose a folder on another disk.",
+    "EFBIG": "the file would be larger than the system allows. Choose a larger spacing, or another disk.",
+    "EISDIR": "it is a folder. Give the name of a file.",
+    "ENAMETOOLONG": "its name is too long. Choose a shorter one.",
+}
+
+
+@contextlib.contextmanager
+def atomic_output(path: str | Path) -> Iterator[Path]:
+    """A path to write to; it becomes `path` when the block ends without an exception.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to write. It is replaced if it exists.
+
+    Yields
+    ------
+    Path
+        Same file name, in a folder of its own on the same disk.
+
+    Raises
+    ------
+    OutputError
+        For every OSError of the block. Whatever the exception, Ctrl-C included, nothing is left and an older file is untouched.
+    """
+    with atomic_outputs(path) as (temporary,):
+        yield temporary
+
+
+@contextlib.contextmanager
+def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
+    """`atomic_output` for files that belong together, in one folder.
+
+    Notes
+    -----
+    They are renamed in the order given: data first, the header that names it last. A file that the block did not write is
+    left out.
+    """
+    targets = [_target(path) for path in paths]
+    if len({target.parent for target in targets}) != 1:
+        raise OutputError(f"Cannot write {paths[-1]}: its files must lie in one folder, but one of them is a link. Remove the link.")
+    with _output_errors(paths[-1]):
+        folder = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=targets[0].parent))
+        try:
+            temporaries = tuple(folder / target.name for target in targets)
+            yield temporaries
+            written = [(temporary, target) for temporary, target in zip(temporaries, targets) if temporary.exists()]
+            for temporary, _ in written:
+                _flush_to_disk(temporary)
+            for temporary, target in written:
+                os.replace(temporary, target)
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write `text` to `path`, UTF-8 with line feeds, completely or not at all.
+
+    Raises
+    ------
+    OutputError
+        When it cannot be written.
+    """
+    with atomic_output(path) as temporary:
+        temporary.write_bytes(text.encode("utf-8"))
+
+
+def check_writable(path: str | Path) -> None:
+    """Return if a file can be created at `path`; to be asked before a long computation. Leaves nothing behind.
+
+    Raises
+    ------
+    OutputError
+        When its folder does not exist or cannot be written to, its name is impossible, or it is no regular file.
+    """
+    target = _target(path)
+    with _output_errors(path):
+        folder = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=target.parent))
+        try:
+            (folder / target.name).touch()
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _target(path: str | Path) -> Path:
+    """Where `path` leads to, links followed, so that a link stays a link; only a regular file may be replaced."""
+    target = Path(os.path.realpath(path))
+    with _output_errors(path):
+        if target.is_dir():
+            raise OutputError(f"Cannot write {path}: it is a folder. Give the name of a file.")
+        if target.exists() and not target.is_file():
+            raise OutputError(f"Cannot write {path}: it is a device or a pipe. Give the name of a regular file.")
+        if not target.parent.exists():
+            raise OutputError(f"Cannot write {path}: the folder {target.parent} does not exist. Create it, or choose another path.")
+    return target
+
+
+@contextlib.contextmanager
+def _output_errors(path: str | Path) -> Iterator[None]:
+    """Turn an OSError into an `OutputError` of one sentence on the cause and one on the remedy."""
+    try:
+        yield
+    except OutputError:
+        raise
+    except OSError as error:
+        cause = _REMEDIES.get(errno.errorcode.get(error.errno, ""), f"{error.strerror or error}. Choose another path.")
+        raise OutputError(f"Cannot write {path}: {cause}") from error
+
+
+def _flush_to_disk(path: Path) -> None:
+    """Wait until the file is on the disk: a rename must not overtake the data, and a full disk may show only now."""
+    with open(path, "rb+") as file:
+        os.fsync(file.fileno())

@@ -1,0 +1,146 @@
+"""The images of a sequence file, read one at a time when asked for."""
+
+from __future__ import annotations
+
+import operator
+
+import numpy as np
+
+from .metafile import RAW, Metafile
+from .payload import Inflater, PayloadError
+
+MAXIMUM_FRAMES = 1_000_000
+MAXIMUM_FRAME_BYTES = 2**28
+"""Limits of what can be a recording: nine hours at 30 frames/s, and 256 MB in one image."""
+
+REC_601 = (0.299, 0.587, 0.114)
+"""Luminance of red, green and blue (ITU-R BT.601)."""
+
+_SPACE_KINDS = frozenset(("domain", "space"))
+_TIME_KINDS = frozenset(("list", "time"))
+
+
+class FileImages:
+    """Images in a sequence file, an `ImageStack` (frames, rows, columns).
+
+    Parameters
+    ----------
+    metafile : Metafile
+    flip_columns, flip_rows : bool
+        What brings the stored images to MF orientation.
+
+    Notes
+    -----
+    `images[n]` reads frame n: (rows, columns), in MF orientation, colors reduced to luminance, a new array each time. Compressed
+    data are one stream: reading in frame order decodes each byte once, going back starts over. No file stays open.
+    """
+
+    def __init__(self, metafile: Metafile, *, flip_columns: bool = False, flip_rows: bool = False):
+        self._metafile = metafile
+        frames, rows, columns = frame_layout(metafile)
+        self.shape = (frames, rows, columns)
+        self.dtype = metafile.dtype.newbyteorder("=")
+        self._flips = (slice(None, None, -1 if flip_rows else 1), slice(None, None, -1 if flip_columns else 1))
+        self._frame_bytes = metafile.pixel_bytes // frames
+        self._stream: Inflater | None = None
+        self._last: tuple[int, bytes] | None = None
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, index: int) -> np.ndarray:
+        index = operator.index(index)
+        if not -len(self) <= index < len(self):
+            raise IndexError(f"Input frame must be below {len(self)}; got {index}.")
+        return self._to_image(self._read(index % len(self)))
+
+    def __array__(self, dtype=None, copy=None) -> np.ndarray:
+        if copy is False:
+            raise ValueError("Images in a file cannot become an array without a copy.")
+        array = np.empty(self.shape, self.dtype if dtype is None else dtype)
+        for index in range(len(self)):
+            array[index] = self[index]
+        return array
+
+    def _to_image(self, data: bytes) -> np.ndarray:
+        _, rows, columns = self.shape
+        image = np.frombuffer(data, self._metafile.dtype)
+        if self._metafile.channels > 1:
+            image = luminance(image.reshape(rows, columns, self._metafile.channels))
+        return np.array(image.reshape(rows, columns)[self._flips], dtype=self.dtype, order="C")
+
+    def _read(self, index: int) -> bytes:
+        """The stored bytes of one frame."""
+        metafile = self._metafile
+        if self._last is not None and self._last[0] == index:
+            return self._last[1]
+        with metafile.open_payload() as file:
+            try:
+                if metafile.encoding == RAW:
+                    file.seek(metafile.data_offset + index * self._frame_bytes)
+                    data = file.read(self._frame_bytes)
+                    if len(data) != self._frame_bytes:
+                        raise PayloadError("are cut short")
+                    return data
+                data = self._decode(file, index)
+            except PayloadError as error:
+                broken = index if self._stream is None else min(self._stream.position // self._frame_bytes, len(self) - 1)
+                self._stream = None
+                raise metafile.failure(f"the pixel data {error}, in frame {broken}. Copy the file again, or record it again.") from error
+            except OSError as error:
+                self._stream = None
+                raise metafile.failure(f"frame {index} cannot be read ({error.strerror}). Copy the file again.") from error
+        self._last = (index, data)
+        return data
+
+    def _decode(self, file, index: int) -> bytes:
+        start = index * self._frame_bytes
+        if self._stream is None or self._stream.position > start:
+            self._stream = Inflater(self._metafile.data_offset, self._metafile.data_length)
+        self._stream.skip(file, start - self._stream.position)
+        data = self._stream.read(file, self._frame_bytes)
+        if index == len(self) - 1:
+            self._stream.finish(file)
+        return data
+
+
+def frame_layout(metafile: Metafile) -> tuple[int, int, int]:
+    """Frames, rows and columns of a sequence file.
+
+    Raises
+    ------
+    FileFormatError
+        The metafile's kind, when its axes are not columns, rows and time.
+    """
+    columns, rows, *others = metafile.size
+    kinds = metafile.kinds
+    if kinds and not set(kinds[:2]) <= _SPACE_KINDS:
+        raise metafile.failure(
+            f"its axes must be columns, rows and time; got the kinds {' '.join(kinds)}. Export the sequence from Plus or Slicer."
+        )
+    if kinds and kinds[-1] not in _TIME_KINDS:
+        others.append(1)  # no time axis: one frame
+    frames = others.pop() if others else 1
+    depth = others[0] if others else 1
+    if depth != 1 or len(others) > 1:
+        raise metafile.failure(
+            f"its images are 3D ({columns} x {rows} x {depth}), which is not supported: frames must be 2D. "
+            "If this is a recording of 2D frames, the last of its kinds must be list; if it is a volume, give it as one."
+        )
+    if metafile.channels not in (1, 3, 4):
+        raise metafile.failure(f"pixels must have 1 channel, or 3 or 4 (color); got {metafile.channels}. Convert the images to gray.")
+    if frames > MAXIMUM_FRAMES or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
+        raise metafile.failure(
+            f"{frames} frames of {columns} x {rows} pixels are beyond the limits ({MAXIMUM_FRAMES} frames, "
+            f"{MAXIMUM_FRAME_BYTES} bytes in each). The size in the header is wrong, or the recording must be split."
+        )
+    return frames, rows, columns
+
+
+def luminance(image: np.ndarray) -> np.ndarray:
+    """Gray levels (rows, columns) of a color image (rows, columns, 3 or 4), in its own type; a fourth channel is not used."""
+    red, green, blue = (image[..., channel].astype(np.float64) for channel in range(3))
+    gray = REC_601[0] * red + REC_601[1] * green + REC_601[2] * blue
+    if image.dtype.kind in "iu":
+        gray = np.rint(gray)
+    return gray.astype(image.dtype.newbyteorder("="))

@@ -1,0 +1,281 @@
+"""Headers of MetaImage (.mha, .mhd) and NRRD (.nrrd, .nhdr) files: what the pixels are and where their bytes lie.
+
+Everything that a header can get wrong is found here, before anyone allocates memory for what it promises.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from ..errors import FileFormatError
+from .text_values import one_line, shorten
+
+RAW = "raw"
+COMPRESSED = "compressed"
+"""Either zlib or gzip: decoders tell them apart."""
+
+METAIMAGE_SUFFIXES = (".mha", ".mhd")
+NRRD_SUFFIXES = (".nrrd", ".nhdr")
+
+MAXIMUM_LINE = 2**20
+"""Bytes. A line of a header holds a matrix or a note; a file without line ends is no header."""
+
+MAXIMUM_HEADER = 2**28
+"""Bytes. 10,000 frames of ten transforms each take 20 MB."""
+
+LARGEST_DEFLATE_RATIO = 1032
+"""No deflate stream expands by more, so a header that promises more is wrong whatever the stream holds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Metafile:
+    """A header that was understood, and its payload, whose length fits as far as that can be told without decoding it.
+
+    Parameters
+    ----------
+    path : Path
+    error : type of FileFormatError
+        What to raise for this file.
+    size : tuple of int
+        Pixels along each axis, fastest first, without the channels.
+    channels : int
+    dtype : numpy.dtype
+        With the file's byte order.
+    kinds : tuple of str
+        One per entry of `size`, lower case; empty when the header does not say.
+    encoding : "raw" or "compressed"
+    data_path, data_offset, data_length
+        File, first byte and number of bytes of the payload as stored.
+    fields : dict of str to str
+        What the format itself does not define, by name: custom and per-frame fields.
+    """
+
+    path: Path
+    error: type[FileFormatError]
+    size: tuple[int, ...]
+    channels: int
+    dtype: np.dtype
+    kinds: tuple[str, ...]
+    encoding: str
+    data_path: Path
+    data_offset: int
+    data_length: int
+    fields: dict[str, str] = field(repr=False)
+    data_stamp: tuple[int, int] = (0, 0)
+
+    @property
+    def pixel_bytes(self) -> int:
+        """Bytes of all pixels, decoded."""
+        return math.prod(self.size) * self.channels * self.dtype.itemsize
+
+    def failure(self, what: str) -> FileFormatError:
+        """The error to raise for this file."""
+        return self.error(f"{self.path}: {one_line(what)}")
+
+    def open_payload(self) -> BinaryIO:
+        """The data file, open for reading, provided that it is still the one whose header was read."""
+        try:
+            file = open(self.data_path, "rb")  # noqa: SIM115 (the caller closes it)
+        except OSError as error:
+            raise self.failure(
+                f"data file {self.data_path.name} cannot be read ({error.strerror}). Put it back beside the header."
+            ) from error
+        if _stamp(os.fstat(file.fileno())) != self.data_stamp:
+            file.close()
+            raise self.failure(f"data file {self.data_path.name} has changed since it was opened. Read the file again.")
+        return file
+
+
+class HeaderLines:
+    """The lines of a header, one at a time, with limits on their length."""
+
+    def __init__(self, file: BinaryIO, path: Path, error: type[FileFormatError]):
+        self._file = file
+        self.path = path
+        self.error = error
+
+    def failure(self, what: str) -> FileFormatError:
+        return self.error(f"{self.path}: {one_line(what)}")
+
+    @property
+    def position(self) -> int:
+        """Offset of the first byte behind the lines that were read."""
+        return self._file.tell()
+
+    def next(self) -> str | None:
+        """The next line without its end; None at the end of the file."""
+        line = self._file.readline(MAXIMUM_LINE + 1)
+        if not line:
+            return None
+        if len(line) > MAXIMUM_LINE or b"\0" in line:
+            raise self.failure("this is not a text header. Give a MetaImage or NRRD file.")
+        if self._file.tell() > MAXIMUM_HEADER:
+            raise self.failure(f"the header is longer than {MAXIMUM_HEADER} bytes. Give a MetaImage or NRRD file.")
+        return line.rstrip(b"\r\n").decode("utf-8", errors="surrogateescape")
+
+
+def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
+    """The header of a MetaImage or NRRD file, by its suffix.
+
+    Parameters
+    ----------
+    path : str or Path
+    error : type of FileFormatError
+        What to raise when the file cannot be used.
+    """
+    from .metaimage_header import parse_metaimage
+    from .nrrd_header import parse_nrrd
+
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
+        raise error(f"{path}: its suffix must be one of {', '.join(METAIMAGE_SUFFIXES + NRRD_SUFFIXES)}. Give a MetaImage or NRRD file.")
+    require_regular_file(path, error)
+    try:
+        with open(path, "rb") as file:
+            return (parse_metaimage if suffix in METAIMAGE_SUFFIXES else parse_nrrd)(HeaderLines(file, path, error))
+    except OSError as cause:
+        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
+
+
+def require_regular_file(path: Path, error: type[FileFormatError]) -> None:
+    """Raise `error` unless `path` is a file: reading a pipe would wait forever."""
+    if path.is_dir():
+        raise error(f"{path}: this is a folder. Give the name of a file.")
+    if not path.exists():
+        raise error(f"{path}: there is no such file. Check the path.")
+    if not path.is_file():
+        raise error(f"{path}: this is not a regular file. Give the name of a file.")
+
+
+def build_metafile(
+    lines: HeaderLines,
+    *,
+    size_key: str,
+    size: tuple[int, ...],
+    channels: int,
+    dtype: np.dtype,
+    kinds: tuple[str, ...],
+    encoding: str,
+    data_file: str | None,
+    stored_length: int | None,
+    fields: dict[str, str],
+) -> Metafile:
+    """The `Metafile` of a parsed header, after checking that the payload is there.
+
+    Parameters
+    ----------
+    size_key : str
+        What the format calls the size, for messages.
+    data_file : str or None
+        Name of a detached data file; None when the data follow the header.
+    stored_length : int or None
+        Length of the compressed data that the header declares, if any.
+    """
+    offset = lines.position if data_file is None else 0
+    data_path = lines.path if data_file is None else _beside(lines, data_file)
+    if not data_path.is_file():
+        raise lines.failure(f"data file {data_path.name} is missing. Put it beside the header.")
+    status = data_path.stat()
+    metafile = Metafile(
+        lines.path,
+        lines.error,
+        size,
+        channels,
+        dtype,
+        kinds,
+        encoding,
+        data_path,
+        offset,
+        max(status.st_size - offset, 0),
+        fields,
+        _stamp(status),
+    )
+    _check_length(metafile, size_key, stored_length)
+    return metafile
+
+
+def parse_sizes(lines: HeaderLines, key: str, text: str, count: int) -> tuple[int, ...]:
+    """The `count` positive whole numbers of a size entry."""
+    words = text.split()
+    if len(words) != count or not all(re.fullmatch(r"[0-9]{1,12}", word) for word in words):
+        raise lines.failure(f"{key} must be {count} whole numbers; got {shorten(text)!r}. The header is damaged.")
+    sizes = tuple(int(word) for word in words)
+    if min(sizes) < 1:
+        raise lines.failure(f"{key} must be positive; got {text!r}. The file holds no image: record or export it again.")
+    return sizes
+
+
+def parse_count(lines: HeaderLines, key: str, text: str, lowest: int, highest: int) -> int:
+    """One whole number within limits."""
+    if not re.fullmatch(r"[0-9]{1,18}", text) or not lowest <= int(text) <= highest:
+        raise lines.failure(
+            f"{key} must be a whole number from {lowest} to {highest}; got {shorten(text)!r}. Such files are not supported."
+        )
+    return int(text)
+
+
+def require(lines: HeaderLines, entries: Mapping[str, str], key: str) -> str:
+    """The value of a header key that must be there."""
+    if key not in entries:
+        raise lines.failure(f"the header has no {key}. It is damaged, or this is not an image file.")
+    return entries[key]
+
+
+def store(lines: HeaderLines, entries: dict[str, str], key: str, value: str) -> None:
+    """Add an entry; two different values under one key leave it open which of them holds."""
+    if entries.setdefault(key, value) != value:
+        raise lines.failure(
+            f"{key} is given twice, as {shorten(entries[key])!r} and as {shorten(value)!r}. Remove one of the two lines from the header."
+        )
+
+
+def _stamp(status: os.stat_result) -> tuple[int, int]:
+    return status.st_size, status.st_mtime_ns
+
+
+def _beside(lines: HeaderLines, name: str) -> Path:
+    """The data file `name` in the header's folder. Nothing else is opened because a header says so."""
+    if not name or name in (".", "..") or re.search(r"[/\\:\0]", name):
+        raise lines.failure(
+            f"its data file must lie beside it and be given by its bare name; got {shorten(name)!r}. Move it there and correct the header."
+        )
+    return lines.path.parent / name
+
+
+def _check_length(metafile: Metafile, size_key: str, stored_length: int | None) -> None:
+    """Compare the length of the payload with what the header promises."""
+    size = " ".join(str(n) for n in metafile.size)
+    there, needed = metafile.data_length, metafile.pixel_bytes
+    if metafile.encoding == RAW:
+        if there < needed:
+            complete = there // (needed // metafile.size[-1])
+            raise metafile.failure(
+                f"the pixel data are cut short: {size_key} {size} needs {needed} bytes, there are {there} "
+                f"({complete} of {metafile.size[-1]} frames or slices). Copy the file again, or correct {size_key}."
+            )
+        if there > needed:
+            raise metafile.failure(
+                f"there are {there - needed} bytes more than {size_key} {size} needs ({needed}). Correct {size_key}, "
+                "or write the file again."
+            )
+        return
+    if stored_length is not None and there != stored_length:
+        what = "are cut short" if there < stored_length else "go on behind their end"
+        raise metafile.failure(
+            f"the pixel data {what}: CompressedDataSize is {stored_length} bytes, there are {there}. Copy the file again, "
+            "or write it again."
+        )
+    if needed > LARGEST_DEFLATE_RATIO * there + 4096:
+        raise metafile.failure(
+            f"{size_key} {size} needs {needed} bytes, more than {there} compressed bytes can hold. Copy the file again, "
+            f"or correct {size_key}."
+        )

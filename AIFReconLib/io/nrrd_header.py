@@ -1,0 +1,119 @@
+"""NRRD headers: a magic word, ``field: value`` and ``key:=value`` lines, and an empty line before attached data."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from .metafile import COMPRESSED, RAW, HeaderLines, Metafile, build_metafile, parse_count, parse_sizes, require, store
+
+_TYPE_NAMES = {
+    "i1": "int8, int8_t, signed char",
+    "u1": "uint8, uint8_t, uchar, unsigned char",
+    "i2": "int16, int16_t, short, short int, signed short, signed short int",
+    "u2": "uint16, uint16_t, ushort, unsigned short, unsigned short int",
+    "i4": "int32, int32_t, int, signed int",
+    "u4": "uint32, uint32_t, uint, unsigned int",
+    "i8": "int64, int64_t, longlong, long long, long long int, signed long long, signed long long int",
+    "u8": "uint64, uint64_t, ulonglong, unsigned long long, unsigned long long int",
+    "f4": "float",
+    "f8": "double",
+}
+TYPES = {name: code for code, names in _TYPE_NAMES.items() for name in names.split(", ")}
+"""Every spelling of a pixel type in the NRRD definition."""
+
+RAW_ENCODINGS = ("raw",)
+GZIP_ENCODINGS = ("gzip", "gz")
+
+CHANNEL_KINDS = frozenset(
+    ["vector", "rgb-color", "rgba-color", "hsv-color", "xyz-color", "2-vector", "3-vector", "4-vector", "3-color", "4-color"]
+)
+"""Kinds that make the first axis the channels of a pixel."""
+
+
+def parse_nrrd(lines: HeaderLines) -> Metafile:
+    """The header and where its payload lies."""
+    entries, fields = _read_entries(lines)
+    dimensions = parse_count(lines, "dimension", require(lines, entries, "dimension"), 2, 5)
+    size = parse_sizes(lines, "sizes", require(lines, entries, "sizes"), dimensions)
+    pixel_type = require(lines, entries, "type").lower()
+    if pixel_type not in TYPES:
+        raise lines.failure(f"type must be a whole-number or floating-point type; got {pixel_type!r}. Convert the file.")
+    kinds = tuple(entries.get("kinds", "").lower().split())
+    if kinds and len(kinds) != dimensions:
+        raise lines.failure(f"kinds must have {dimensions} words, one for each dimension; got {entries['kinds']!r}. Correct the header.")
+    channels = 1
+    if kinds and kinds[0] in CHANNEL_KINDS:
+        channels, size, kinds = size[0], size[1:], kinds[1:]
+    for key in ("line skip", "byte skip"):
+        parse_count(lines, key, entries.get(key, entries.get(key.replace(" ", ""), "0")), 0, 0)
+    return build_metafile(
+        lines,
+        size_key="sizes",
+        size=size,
+        channels=channels,
+        dtype=np.dtype(_byte_order(lines, entries, TYPES[pixel_type]) + TYPES[pixel_type]),
+        kinds=kinds if not {"???", "none"} & set(kinds) else (),
+        encoding=_encoding(lines, require(lines, entries, "encoding").lower()),
+        data_file=_data_file(lines, entries),
+        stored_length=None,
+        fields=fields,
+    )
+
+
+def unescape(text: str) -> str:
+    r"""Key or value as meant: NRRD writes a line feed as ``\n`` and a backslash as ``\\``."""
+    return re.sub(r"\\([n\\])", lambda match: "\n" if match[1] == "n" else "\\", text)
+
+
+def escape(text: str) -> str:
+    r"""Key or value as written. Only the backslash needs it here; line feeds are refused before."""
+    return text.replace("\\", "\\\\")
+
+
+def _read_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
+    """The format's own entries, and the key/value pairs."""
+    magic = lines.next() or ""
+    if not re.fullmatch(r"NRRD000[1-5]\s*", magic):
+        raise lines.failure("this is not an NRRD file: it does not begin with NRRD0001 to NRRD0005. Give a MetaImage or NRRD file.")
+    entries: dict[str, str] = {}
+    fields: dict[str, str] = {}
+    while line := lines.next():
+        if line.startswith("#"):
+            continue
+        key, colon, value = line.partition(":")
+        if not colon or not key.strip():
+            raise lines.failure("this is not an NRRD header: a line is neither 'field: value' nor 'key:=value'. Copy the file again.")
+        if value.startswith("="):
+            store(lines, fields, unescape(key.strip()), unescape(value[1:]).strip())
+        else:
+            store(lines, entries, key.strip().lower(), value.strip())
+            if key.strip().lower() in ("data file", "datafile") and value.split()[:1] == ["LIST"]:
+                break
+    if line is None and "data file" not in entries and "datafile" not in entries:
+        raise lines.failure("the header ends without the empty line before the data: the file is cut short. Copy it again.")
+    return entries, fields
+
+
+def _byte_order(lines: HeaderLines, entries: dict[str, str], code: str) -> str:
+    endian = entries.get("endian", "little" if code.endswith("1") else "").lower()
+    if endian not in ("little", "big"):
+        raise lines.failure(f"endian must be little or big; got {endian!r}. Correct the header.")
+    return "<" if endian == "little" else ">"
+
+
+def _encoding(lines: HeaderLines, encoding: str) -> str:
+    if encoding in RAW_ENCODINGS:
+        return RAW
+    if encoding in GZIP_ENCODINGS:
+        return COMPRESSED
+    reason = "ASCII data are not supported" if encoding in ("ascii", "txt", "text") else "no other encoding is supported"
+    raise lines.failure(f"encoding must be raw or gzip; got {encoding!r}: {reason}. Write the file again with one of these.")
+
+
+def _data_file(lines: HeaderLines, entries: dict[str, str]) -> str | None:
+    text = entries.get("data file", entries.get("datafile"))
+    if text is not None and (text.split()[:1] == ["LIST"] or "%" in text):
+        raise lines.failure(f"data file must be one file; got {text!r}. Lists of files are not supported: write it again as one file.")
+    return text.removeprefix("./") if text is not None else None

@@ -1,0 +1,181 @@
+"""Fields of a sequence header as frame records, and back.
+
+Per frame, ``Seq_Frame0012_`` and a name: Timestamp, UnfilteredTimestamp, ImageStatus, ProbeToTrackerTransform (16 numbers),
+ProbeToTrackerTransformStatus, and whatever a recorder adds. The number of digits is not fixed.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping
+
+import numpy as np
+
+from ..errors import SettingsError, TransformError
+from ..frames import FrameRecord
+from ..transform_graph import TransformName, TransformSample, TransformStatus
+from .metafile import Metafile
+from .text_values import format_number, parse_number, parse_numbers, shorten
+
+_FRAME_KEY = re.compile(r"Seq_Frame([0-9]+)_(.+)", re.DOTALL)
+_TIMES = ("Timestamp", "UnfilteredTimestamp")
+_IMAGE_STATUS = "ImageStatus"
+_MATRIX_SUFFIX = "Transform"
+_STATUS_SUFFIX = "TransformStatus"
+
+
+def split_fields(metafile: Metafile, frames: int) -> tuple[list[FrameRecord], dict[str, str], dict[TransformName, TransformSample]]:
+    """The records of all frames, and the header's own fields and transforms.
+
+    Raises
+    ------
+    SequenceFormatError
+        Names the key when a number is none, a matrix has not 16 of them, or a frame does not exist.
+    """
+    per_frame: dict[int, dict[str, str]] = {}
+    keys: dict[tuple[int, str], str] = {}
+    header: dict[str, str] = {}
+    for key, value in metafile.fields.items():
+        match = _FRAME_KEY.fullmatch(key)
+        if match is None:
+            header[key] = value
+            continue
+        number, name = int(match[1]), match[2]
+        if number >= frames:
+            raise metafile.failure(
+                f"{shorten(key)} belongs to frame {number}, but there are only {frames} frames (0 to {frames - 1}). Correct DimSize."
+            )
+        if keys.setdefault((number, name), key) != key:
+            raise metafile.failure(
+                f"frame {number} has {name} twice, as {keys[number, name]} and {key}. Remove one of them from the header."
+            )
+        per_frame.setdefault(number, {})[name] = value
+    records = [_record(metafile, f"frame {number}, ", per_frame.get(number, {})) for number in range(frames)]
+    transforms, fields = _take_transforms(metafile, "", header)
+    return records, fields, transforms
+
+
+def frame_entries(records: Iterable[FrameRecord]) -> Iterator[tuple[str, str]]:
+    """Header keys and values of all frames, frame by frame.
+
+    Raises
+    ------
+    SettingsError
+        When a custom field has the name of another one.
+    """
+    for number, record in enumerate(records):
+        prefix = f"Seq_Frame{number:04d}_"
+        for name, value in _transform_entries(record.transforms):
+            yield prefix + name, value
+        for name, time in zip(_TIMES, (record.timestamp, record.unfiltered_timestamp)):
+            if time is not None:
+                if not math.isfinite(time):
+                    raise SettingsError(f"Input {name} of frame {number} must be a finite number; got {time!r}.")
+                yield prefix + name, format_number(time)
+        yield prefix + _IMAGE_STATUS, record.image_status.value
+        for name, value in record.fields.items():
+            if not name or name in _TIMES or name == _IMAGE_STATUS or _transform_name(name) is not None:
+                raise SettingsError(
+                    f"Input field {name!r} of frame {number} must have a name, and not that of a time, status or transform. "
+                    "Set those in the record."
+                )
+            yield prefix + name, value
+
+
+def header_entries(fields: Mapping[str, str], transforms: Mapping[TransformName, TransformSample]) -> Iterator[tuple[str, str]]:
+    """Header keys and values that hold for the whole sequence.
+
+    Raises
+    ------
+    SettingsError
+        When a custom field would be read back as something else.
+    """
+    yield from _transform_entries(transforms)
+    for name, value in fields.items():
+        if _FRAME_KEY.fullmatch(name) or _transform_name(name) is not None:
+            raise SettingsError(
+                f"Input header field {name!r} must not have the name of a transform or of a frame's field. Set it where it belongs."
+            )
+        yield name, value
+
+
+def _record(metafile: Metafile, where: str, fields: dict[str, str]) -> FrameRecord:
+    """One frame's fields, with those of known meaning parsed."""
+    transforms, others = _take_transforms(metafile, where, fields)
+    times = [_time(metafile, where, name, others.pop(name, None)) for name in _TIMES]
+    status = TransformStatus.parse(others.pop(_IMAGE_STATUS, "OK"))
+    return FrameRecord(times[0], times[1], status, transforms, others)
+
+
+def _take_transforms(metafile: Metafile, where: str, fields: dict[str, str]) -> tuple[dict[TransformName, TransformSample], dict[str, str]]:
+    """The transforms among `fields`, and the rest. A status alone makes a transform that is NaN."""
+    matrices: dict[TransformName, np.ndarray] = {}
+    statuses: dict[TransformName, TransformStatus] = {}
+    others: dict[str, str] = {}
+    order: dict[TransformName, None] = {}
+    for key, value in fields.items():
+        name = _transform_name(key)
+        if name is None:
+            others[key] = value
+            continue
+        order[name] = None
+        if key.endswith(_STATUS_SUFFIX):
+            statuses[name] = TransformStatus.parse(value)
+        else:
+            matrices[name] = _matrix(metafile, f"{where}{key}", value)
+    missing = np.full((4, 4), np.nan)
+    return {name: TransformSample(matrices.get(name, missing), statuses.get(name, TransformStatus.OK)) for name in order}, others
+
+
+def _transform_name(key: str) -> TransformName | None:
+    """The transform whose matrix or status `key` holds; None for any other field."""
+    for suffix in (_STATUS_SUFFIX, _MATRIX_SUFFIX):
+        if key.endswith(suffix) and key != suffix:
+            try:
+                name = TransformName.parse(key.removesuffix(suffix))
+            except TransformError:
+                return None
+            # "TransformToTransform" would lose a word on the way.
+            return name if f"{name}{suffix}" == key else None
+    return None
+
+
+def _matrix(metafile: Metafile, where: str, text: str) -> np.ndarray:
+    """(4, 4) float64. NaN is allowed: recorders write it for poses that they do not have."""
+    try:
+        numbers = parse_numbers(text)
+    except ValueError as error:
+        raise metafile.failure(f"{where} must be 16 numbers; {error}. Correct the header, or set its status to INVALID.") from error
+    if len(numbers) != 16:
+        raise metafile.failure(f"{where} must be 16 numbers; got {len(numbers)}. Correct the header, or remove the entry.")
+    return np.array(numbers).reshape(4, 4)
+
+
+def _time(metafile: Metafile, where: str, name: str, text: str | None) -> float | None:
+    if text is None:
+        return None
+    try:
+        time = parse_number(text)
+    except ValueError:
+        time = math.nan
+    if not math.isfinite(time):
+        raise metafile.failure(
+            f"{where}{name} must be a number of seconds; got {shorten(text)!r}. Correct the header, or remove the entry."
+        )
+    return time
+
+
+def _transform_entries(transforms: Mapping[TransformName, TransformSample]) -> Iterator[tuple[str, str]]:
+    """Matrix and status of each transform. Without any number and not OK, the status alone, as it may have been read."""
+    for name, sample in transforms.items():
+        if _transform_name(f"{name}{_MATRIX_SUFFIX}") != name:
+            raise SettingsError(
+                f"Input transform {name} must be named FromToTo, with one 'To' before an upper-case letter. Rename its frames."
+            )
+        if sample.status is TransformStatus.OK or not np.isnan(sample.matrix).all():
+            numbers = np.asarray(sample.matrix, dtype=np.float64)
+            if numbers.shape != (4, 4):
+                raise SettingsError(f"Input transform {name} must have shape (4, 4); got {numbers.shape}.")
+            yield f"{name}{_MATRIX_SUFFIX}", " ".join(format_number(number) for number in numbers.ravel())
+        yield f"{name}{_STATUS_SUFFIX}", sample.status.value

@@ -1,0 +1,34 @@
+"""Fixtures for all tests: where the real recordings are."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="session")
+def data_dir() -> Path:
+    """The folder of real recordings: AIFRECON_DATA_DIR, else shared/data beside the repository."""
+    given = os.environ.get("AIFRECON_DATA_DIR")
+    folder = Path(given) if given else REPOSITORY.parent / "shared" / "data"
+    if not folder.is_dir():
+        pytest.skip(f"no real recordings in {folder} (set AIFRECON_DATA_DIR)")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def real_data(data_dir: Path) -> Callable[[str], Path]:
+    """The path of a real recording by its name; skips the test where it is not there."""
+
+    def find(name: str) -> Path:
+        path = data_dir / name
+        if not path.is_file():
+            pytest.skip(f"{path} is not there")
+        return path
+
+    return find

@@ -1,0 +1,173 @@
+"""Output files: complete under their name, or not there."""
+
+from __future__ import annotations
+
+import errno
+import os
+
+import pytest
+
+from AIFReconLib.errors import OutputError
+from AIFReconLib.io.atomic import atomic_output, atomic_outputs, check_writable, write_text
+
+
+def content_of(folder) -> dict[str, str]:
+    return {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
+
+
+def fail_with(code: int):
+    """A function that fails as the system would."""
+
+    def fail(*_args, **_keywords):
+        raise OSError(code, os.strerror(code))
+
+    return fail
+
+
+def test_the_file_appears_when_the_block_ends(tmp_path):
+    with atomic_output(tmp_path / "a.txt") as temporary:
+        temporary.write_text("new", encoding="utf-8")
+        assert not (tmp_path / "a.txt").exists()
+    assert content_of(tmp_path) == {"a.txt": "new"}
+
+
+@pytest.mark.parametrize("name", ["volume.nii.gz", "sweep.igs.mha"])
+def test_the_temporary_file_has_the_same_name_and_so_the_same_suffixes(tmp_path, name):
+    with atomic_output(tmp_path / name) as temporary:
+        assert temporary.name == name
+        assert temporary.parent.parent == tmp_path
+
+
+@pytest.mark.parametrize("exception", [RuntimeError, KeyboardInterrupt, SystemExit])
+def test_any_exception_leaves_the_older_file_and_nothing_else(tmp_path, exception):
+    write_text(tmp_path / "a.txt", "old")
+
+    def interrupted():
+        with atomic_output(tmp_path / "a.txt") as temporary:
+            temporary.write_text("half", encoding="utf-8")
+            raise exception
+
+    with pytest.raises(exception):
+        interrupted()
+    assert content_of(tmp_path) == {"a.txt": "old"}
+
+
+def test_files_that_belong_together_appear_together(tmp_path):
+    with atomic_outputs(tmp_path / "a.raw", tmp_path / "a.mhd") as (data, header):
+        data.write_text("data", encoding="utf-8")
+        header.write_text("header", encoding="utf-8")
+        assert data.parent == header.parent
+    assert content_of(tmp_path) == {"a.raw": "data", "a.mhd": "header"}
+
+
+def test_the_header_is_renamed_last(tmp_path, monkeypatch):
+    renamed = []
+    replace = os.replace
+    monkeypatch.setattr(os, "replace", lambda source, target: (renamed.append(target.name), replace(source, target)))
+    with atomic_outputs(tmp_path / "a.raw", tmp_path / "a.mhd") as paths:
+        for path in paths:
+            path.touch()
+    assert renamed == ["a.raw", "a.mhd"]
+
+
+def test_a_companion_that_was_not_written_is_left_out(tmp_path):
+    with atomic_outputs(tmp_path / "a.zraw", tmp_path / "a.mhd") as (_, header):
+        header.touch()
+    assert [path.name for path in tmp_path.iterdir()] == ["a.mhd"]
+
+
+@pytest.mark.parametrize(
+    ("code", "expected"),
+    [
+        (errno.ENOSPC, "the disk is full. Free some space"),
+        (errno.EACCES, "no permission"),
+        (errno.EROFS, "read-only"),
+        (errno.EIO, "Choose another path"),
+    ],
+)
+def test_a_system_error_becomes_an_output_error_and_leaves_nothing(tmp_path, code, expected):
+    def run_into_it():
+        with atomic_output(tmp_path / "a.txt") as temporary:
+            temporary.write_text("half", encoding="utf-8")
+            fail_with(code)()
+
+    with pytest.raises(OutputError, match=expected) as caught:
+        run_into_it()
+    assert str(tmp_path / "a.txt") in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("step", ["fsync", "replace"])
+def test_a_disk_that_is_full_at_the_end_leaves_the_older_file(tmp_path, monkeypatch, step):
+    write_text(tmp_path / "a.txt", "old")
+    monkeypatch.setattr(os, step, fail_with(errno.ENOSPC))
+    with pytest.raises(OutputError, match="the disk is full"):
+        write_text(tmp_path / "a.txt", "new")
+    assert content_of(tmp_path) == {"a.txt": "old"}
+
+
+def test_an_output_error_of_the_block_stays_as_it_is(tmp_path):
+    with pytest.raises(OutputError, match=r"^my own words$"), atomic_output(tmp_path / "a.txt"):
+        raise OutputError("my own words")
+
+
+@pytest.mark.parametrize("write", [check_writable, lambda path: write_text(path, "x")])
+class TestBothBeforeAndWhenWriting:
+    def test_a_missing_folder_is_named(self, tmp_path, write):
+        with pytest.raises(OutputError, match=r"missing does not exist\. Create it"):
+            write(tmp_path / "missing" / "a.txt")
+
+    def test_a_folder_is_no_file(self, tmp_path, write):
+        with pytest.raises(OutputError, match="it is a folder"):
+            write(tmp_path)
+
+    def test_a_file_is_no_folder(self, tmp_path, write):
+        (tmp_path / "file").touch()
+        with pytest.raises(OutputError, match=r"a file, not a folder|does not exist"):
+            write(tmp_path / "file" / "a.txt")
+
+    def test_a_name_that_is_too_long_is_refused(self, tmp_path, write):
+        with pytest.raises(OutputError, match="too long"):
+            write(tmp_path / ("a" * 300))
+
+    @pytest.mark.skipif(not os.path.exists("/dev/null"), reason="devices are POSIX")
+    def test_a_device_is_not_replaced(self, write):
+        with pytest.raises(OutputError, match="device"):
+            write("/dev/null")
+
+    def test_a_folder_without_permission_is_refused(self, tmp_path, monkeypatch, write):
+        monkeypatch.setattr("tempfile.mkdtemp", fail_with(errno.EACCES))
+        with pytest.raises(OutputError, match="no permission"):
+            write(tmp_path / "a.txt")
+
+
+def test_checking_leaves_nothing_behind(tmp_path):
+    check_writable(tmp_path / "a.txt")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_checking_leaves_an_older_file_as_it_is(tmp_path):
+    write_text(tmp_path / "a.txt", "old")
+    check_writable(tmp_path / "a.txt")
+    assert content_of(tmp_path) == {"a.txt": "old"}
+
+
+def test_text_is_utf_8_with_line_feeds(tmp_path):
+    write_text(tmp_path / "a.txt", "ä\n")
+    assert (tmp_path / "a.txt").read_bytes() == b"\xc3\xa4\n"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need rights on Windows")
+def test_a_link_stays_a_link_to_the_new_file(tmp_path):
+    (tmp_path / "real").mkdir()
+    write_text(tmp_path / "real" / "a.txt", "old")
+    (tmp_path / "a.txt").symlink_to(tmp_path / "real" / "a.txt")
+    write_text(tmp_path / "a.txt", "new")
+    assert (tmp_path / "a.txt").is_symlink()
+    assert (tmp_path / "real" / "a.txt").read_text(encoding="utf-8") == "new"
+
+
+def test_files_in_different_folders_do_not_belong_together(tmp_path):
+    (tmp_path / "b").mkdir()
+    with pytest.raises(OutputError, match="one folder"), atomic_outputs(tmp_path / "a.raw", tmp_path / "b" / "a.mhd"):
+        pass

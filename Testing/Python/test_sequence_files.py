@@ -1,0 +1,379 @@
+"""Tracked sequences: what is read from files, and that what is written reads back the same. SimpleITK is the oracle."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import SimpleITK as sitk
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from sequence_samples import FIELDS, IDENTITY, metaimage, nrrd, ramp
+
+from AIFReconLib.errors import OperationCanceled, OutputError, SequenceFormatError, SettingsError
+from AIFReconLib.frames import FrameRecord, TrackedSequence
+from AIFReconLib.io.metafile import read_metafile
+from AIFReconLib.io.plus_config import PlusConfiguration
+from AIFReconLib.io.sequence_files import read_sequence, write_sequence
+from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+
+PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
+SUFFIXES = (".mha", ".mhd", ".nrrd")
+DTYPES = ("u1", "i1", "u2", "i2", "i4", "f4", "f8")
+REAL_SEQUENCES = ("SpinePhantomFreehand.igs.mha", "BoneUltrasound_L14.igs.mha", "NwirePhantomFreehand.igs.nrrd")
+
+
+def sample(suffix: str):
+    """The function that writes a file of this suffix by hand."""
+    return metaimage if suffix == ".mha" else nrrd
+
+
+def sequence_of(images: np.ndarray, **parts) -> TrackedSequence:
+    return TrackedSequence(images=images, records=parts.pop("records", [FrameRecord() for _ in images]), **parts)
+
+
+def simpleitk_read(path) -> tuple[np.ndarray, dict[str, str]]:
+    """Pixels (frames, rows, columns) and fields as SimpleITK sees them; it takes the list axis of an NRRD for components."""
+    image = sitk.ReadImage(str(path))
+    array = sitk.GetArrayFromImage(image)
+    if image.GetDimension() == 2:
+        array = np.moveaxis(array, -1, 0)
+    return array, {key: image.GetMetaData(key) for key in image.GetMetaDataKeys() if key.startswith("Seq_")}
+
+
+def fields_of(path) -> dict[str, str]:
+    """Every per-frame field of a sequence as this library reads it, spelled as a header would."""
+    return {key: value for key, value in read_metafile(path, SequenceFormatError).fields.items() if key.startswith("Seq_")}
+
+
+def assert_same_records(actual: list[FrameRecord], expected: list[FrameRecord]) -> None:
+    assert len(actual) == len(expected)
+    for a, b in zip(actual, expected):
+        assert (a.timestamp, a.unfiltered_timestamp, a.image_status, a.fields) == (
+            b.timestamp,
+            b.unfiltered_timestamp,
+            b.image_status,
+            b.fields,
+        )
+        assert_same_transforms(a.transforms, b.transforms)
+
+
+def assert_same_transforms(actual, expected) -> None:
+    assert list(actual) == list(expected)
+    for name, sample_ in expected.items():
+        assert actual[name].status is sample_.status
+        np.testing.assert_array_equal(actual[name].matrix, sample_.matrix)
+
+
+# Reading
+
+
+@pytest.mark.parametrize("dtype", ["<u1", "<i1", "<u2", ">u2", "<i2", ">i2", "<i4", ">f4", "<f4", ">f8"])
+@pytest.mark.parametrize("compressed", [False, True])
+@pytest.mark.parametrize("suffix", [".mha", ".nrrd"])
+def test_pixels_equal_what_simpleitk_reads(tmp_path, suffix, compressed, dtype):
+    path = sample(suffix)(tmp_path / f"sweep{suffix}", ramp(dtype), compressed=compressed)
+    np.testing.assert_array_equal(np.asarray(read_sequence(path).images), simpleitk_read(path)[0])
+
+
+@pytest.mark.parametrize("suffix", [".mha", ".nrrd"])
+def test_fields_equal_what_simpleitk_reads(tmp_path, suffix):
+    fields = {**FIELDS, "Seq_Frame0001_Note": "a = b: c", "Seq_Frame0001_Empty": "", "Seq_Frame0001_Path": r"C:\\new\qed\\"}
+    path = sample(suffix)(tmp_path / f"sweep{suffix}", ramp(), fields)
+    assert fields_of(path) == simpleitk_read(path)[1]
+
+
+@pytest.mark.parametrize("name", REAL_SEQUENCES)
+def test_a_real_recording_equals_what_simpleitk_reads(real_data, name):
+    path = real_data(name)
+    pixels, fields = simpleitk_read(path)
+    assert fields_of(path) == fields
+    np.testing.assert_array_equal(np.asarray(read_sequence(path).images), pixels)
+
+
+def test_the_real_spine_recording_has_its_poses_and_times(real_data):
+    record = read_sequence(real_data("SpinePhantomFreehand.igs.mha")).records[20]
+    assert set(map(str, record.transforms)) == {"ProbeToTracker", "ReferenceToTracker", "StylusToTracker"}
+    assert record.timestamp == pytest.approx(216.8, abs=0.2)
+    assert record.image_status is TransformStatus.OK
+
+
+def test_the_real_nrrd_keeps_its_invalid_transforms_and_its_unusual_status_field(real_data):
+    sequence = read_sequence(real_data("NwirePhantomFreehand.igs.nrrd"))
+    assert sequence.status_counts(TransformName("Stylus", "Tracker")) == {TransformStatus.INVALID: 97}
+    assert {record.fields["Status"] for record in sequence.records} == {"OK"}
+
+
+@pytest.mark.parametrize("suffix", [".mha", ".nrrd"])
+def test_records_hold_poses_statuses_and_times(tmp_path, suffix):
+    first, second = read_sequence(sample(suffix)(tmp_path / f"sweep{suffix}", ramp())).records
+    assert first.transforms[PROBE_TO_TRACKER].matrix[:3, 3].tolist() == [10.5, -2.25, 3e-05]
+    assert second.transforms[PROBE_TO_TRACKER].status is TransformStatus.OUT_OF_VIEW
+    assert (first.timestamp, second.timestamp) == (215.102186, 215.190114)
+    assert second.image_status is TransformStatus.INVALID
+
+
+@pytest.mark.parametrize(
+    ("code", "flip"),
+    [
+        *[(code, np.s_[:, :]) for code in ("MF", "MFA", "MFD", "mf")],
+        *[(code, np.s_[:, ::-1]) for code in ("UF", "UFD", "UFA")],
+        *[(code, np.s_[::-1, :]) for code in ("MN", "MND", "MNA")],
+        *[(code, np.s_[::-1, ::-1]) for code in ("UN", "UNA", "UND")],
+    ],
+)
+def test_every_b_mode_orientation_is_flipped_to_marked_far(tmp_path, code, flip):
+    pixels = ramp()
+    path = metaimage(tmp_path / "sweep.mha", pixels, UltrasoundImageOrientation=code)
+    np.testing.assert_array_equal(read_sequence(path).images[1], pixels[1][flip])
+
+
+def test_the_orientation_of_an_nrrd_is_honored(tmp_path):
+    pixels = ramp()
+    path = nrrd(tmp_path / "sweep.nrrd", pixels, {**FIELDS, "ultrasound image orientation": "UN"})
+    np.testing.assert_array_equal(read_sequence(path).images[0], pixels[0, ::-1, ::-1])
+
+
+def test_a_file_without_orientation_is_marked_far(tmp_path):
+    path = metaimage(tmp_path / "sweep.mha", ramp(), UltrasoundImageOrientation=None)
+    np.testing.assert_array_equal(read_sequence(path).images[0], ramp()[0])
+
+
+@pytest.mark.parametrize("suffix", [".mha", ".nrrd"])
+@pytest.mark.parametrize("channels", [3, 4])
+@pytest.mark.parametrize("dtype", ["<u1", ">u2", "<f4"])
+def test_colors_become_luminance(tmp_path, suffix, channels, dtype):
+    pixels = ramp(dtype, channels=channels)
+    images = read_sequence(sample(suffix)(tmp_path / f"sweep{suffix}", pixels)).images
+    red, green, blue = (pixels[1, 2, 3, channel].astype(float) for channel in range(3))
+    expected = 0.299 * red + 0.587 * green + 0.114 * blue
+    assert images[1][2, 3] == (np.rint(expected) if dtype[1] == "u" else np.float32(expected))
+    assert images[1].dtype == np.dtype(dtype).newbyteorder("=")
+
+
+@pytest.mark.parametrize(
+    ("changes", "frames"),
+    [
+        ({"NDims": "2", "DimSize": "4 6", "Kinds": "domain domain"}, 1),
+        ({"NDims": "2", "DimSize": "4 6", "Kinds": None}, 1),
+        ({"Kinds": "domain domain time"}, 2),
+        ({"Kinds": None}, 2),
+        ({"NDims": "4", "DimSize": "4 3 1 2", "Kinds": "domain domain domain list"}, 2),
+        ({"NDims": "4", "DimSize": "4 3 1 2", "Kinds": None, "TransformMatrix": "1 0 0 0 1 0 0 0 1"}, 2),
+        ({"DimSize": "4 6 1", "Kinds": "domain domain domain"}, 1),
+    ],
+)
+def test_the_time_axis_is_found(tmp_path, changes, frames):
+    sequence = read_sequence(metaimage(tmp_path / "sweep.mha", ramp(), {}, **changes))
+    assert len(sequence) == frames
+    np.testing.assert_array_equal(np.asarray(sequence.images).ravel(), ramp().ravel())
+
+
+def test_frame_numbers_may_have_any_number_of_digits(tmp_path):
+    path = metaimage(tmp_path / "sweep.mha", ramp(), {"Seq_Frame0_Timestamp": "1.5", "Seq_Frame000001_Timestamp": "2.5"})
+    assert [record.timestamp for record in read_sequence(path).records] == [1.5, 2.5]
+
+
+def test_frames_without_fields_have_empty_records(tmp_path):
+    record = read_sequence(metaimage(tmp_path / "sweep.mha", ramp(), {})).records[1]
+    assert (record.timestamp, record.transforms, record.fields, record.image_status) == (None, {}, {}, TransformStatus.OK)
+
+
+def test_a_transform_without_status_is_ok(tmp_path):
+    path = metaimage(tmp_path / "sweep.mha", ramp(), {"Seq_Frame0000_ProbeToTrackerTransform": IDENTITY})
+    assert read_sequence(path).records[0].transforms[PROBE_TO_TRACKER].status is TransformStatus.OK
+
+
+def test_a_status_without_transform_is_a_transform_without_numbers(tmp_path):
+    path = metaimage(tmp_path / "sweep.mha", ramp(), {"Seq_Frame0000_ProbeToTrackerTransformStatus": "MISSING"})
+    found = read_sequence(path).records[0].transforms[PROBE_TO_TRACKER]
+    assert found.status is TransformStatus.MISSING
+    assert np.isnan(found.matrix).all()
+
+
+@pytest.mark.parametrize("spelling", ["nan", "-nan", "NaN", "-nan(ind)", "1.#QNAN", "-1.#IND00"])
+def test_nan_in_a_matrix_is_kept(tmp_path, spelling):
+    path = metaimage(
+        tmp_path / "sweep.mha", ramp(), {"Seq_Frame0000_ProbeToTrackerTransform": IDENTITY.replace("0 0 0 1", f"0 0 {spelling} 1", 1)}
+    )
+    assert np.isnan(read_sequence(path).records[0].transforms[PROBE_TO_TRACKER].matrix).sum() == 1
+
+
+@pytest.mark.parametrize("name", ["StationTransform", "ProbeToTrackerToImageTransform", "Transform", "ToTrackerTransform"])
+def test_a_field_that_names_no_transform_is_kept_as_it_is(tmp_path, name):
+    path = metaimage(tmp_path / "sweep.mha", ramp(), {f"Seq_Frame0000_{name}": "hello"})
+    assert read_sequence(path).records[0].fields == {name: "hello"}
+
+
+def test_header_transforms_and_fields_hold_for_the_sequence(tmp_path):
+    path = metaimage(
+        tmp_path / "sweep.mha", ramp(), {"ImageToProbeTransform": IDENTITY, "Operator": "JD", "UltrasoundImageType": "BRIGHTNESS"}
+    )
+    sequence = read_sequence(path)
+    assert list(sequence.transforms) == [TransformName("Image", "Probe")]
+    assert sequence.fields == {"Operator": "JD"}
+
+
+def test_lines_may_end_as_on_windows(tmp_path):
+    path = metaimage(tmp_path / "sweep.mha", ramp())
+    header, payload = path.read_bytes().split(b"LOCAL\n")
+    path.write_bytes(header.replace(b"\n", b"\r\n") + b"LOCAL\r\n" + payload)
+    assert read_sequence(path).records[1].timestamp == 215.190114
+
+
+@pytest.mark.parametrize("header_suffix", [".mhd", ".nhdr"])
+def test_pixels_may_lie_in_a_file_beside_the_header(tmp_path, header_suffix):
+    (tmp_path / "pixels.raw").write_bytes(ramp().tobytes())
+    if header_suffix == ".mhd":
+        path = metaimage(tmp_path / "sweep.mhd", ramp(), data=b"", ElementDataFile="pixels.raw")
+    else:
+        path = nrrd(tmp_path / "sweep.nhdr", ramp(), data=b"", data_file="pixels.raw")
+    np.testing.assert_array_equal(np.asarray(read_sequence(path).images), ramp())
+
+
+def test_a_configuration_comes_with_the_sequence(tmp_path):
+    configuration = tmp_path / "plus.xml"
+    configuration.write_text("<PlusConfiguration/>", encoding="utf-8")
+    sequence = read_sequence(metaimage(tmp_path / "sweep.mha", ramp()), config=configuration)
+    assert isinstance(sequence.configuration, PlusConfiguration)
+    assert sequence.configuration.path == configuration
+
+
+# Writing
+
+
+@pytest.mark.parametrize("code", ["MF", "MN", "UF", "UN"])
+@pytest.mark.parametrize("dtype", DTYPES)
+@pytest.mark.parametrize("compress", [False, True])
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_round_trip_keeps_pixels_and_records(tmp_path, suffix, compress, dtype, code):
+    original = read_sequence(metaimage(tmp_path / "original.mha", ramp("<" + dtype), UltrasoundImageOrientation=code))
+    write_sequence(original, tmp_path / f"copy{suffix}", compress=compress)
+    copy = read_sequence(tmp_path / f"copy{suffix}")
+    np.testing.assert_array_equal(np.asarray(copy.images), np.asarray(original.images))
+    assert copy.images.dtype == original.images.dtype
+    assert_same_records(copy.records, original.records)
+
+
+@pytest.mark.parametrize("compress", [False, True])
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_written_files_are_read_by_simpleitk(tmp_path, suffix, compress):
+    original = read_sequence(metaimage(tmp_path / "original.mha", ramp("<u2")))
+    write_sequence(original, tmp_path / f"copy{suffix}", compress=compress)
+    pixels, fields = simpleitk_read(tmp_path / f"copy{suffix}")
+    np.testing.assert_array_equal(pixels, ramp("<u2"))
+    assert fields == fields_of(tmp_path / f"copy{suffix}")
+
+
+def test_a_real_recording_survives_a_round_trip(real_data, tmp_path):
+    original = read_sequence(real_data("NwirePhantomFreehand.igs.nrrd"))
+    write_sequence(original, tmp_path / "copy.igs.mha")
+    assert_same_records(read_sequence(tmp_path / "copy.igs.mha").records, original.records)
+
+
+NUMBERS = st.floats(allow_infinity=False, width=64)
+TEXT = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\r\n\0"), max_size=20).map(str.strip)
+NAMES = st.from_regex(r"[A-Za-z][A-Za-z0-9 _]{0,12}[a-z0-9]", fullmatch=True)
+SAMPLES = st.builds(
+    TransformSample,
+    st.lists(NUMBERS, min_size=16, max_size=16).map(lambda values: np.array(values).reshape(4, 4)),
+    st.sampled_from(list(TransformStatus)),
+)
+TIMES = st.none() | st.floats(allow_nan=False, allow_infinity=False)
+TRANSFORMS = st.dictionaries(st.sampled_from([PROBE_TO_TRACKER, TransformName("Image", "Probe")]), SAMPLES)
+RECORDS = st.builds(FrameRecord, TIMES, TIMES, st.sampled_from(list(TransformStatus)), TRANSFORMS, st.dictionaries(NAMES, TEXT, max_size=3))
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    records=st.lists(RECORDS, min_size=1, max_size=3),
+    fields=st.dictionaries(NAMES, TEXT, max_size=3),
+    transforms=TRANSFORMS,
+    suffix=st.sampled_from(SUFFIXES),
+)
+def test_a_round_trip_keeps_every_field_and_every_digit(tmp_path, records, fields, transforms, suffix):
+    sequence = sequence_of(ramp(frames=len(records)), records=records, fields=fields, transforms=transforms)
+    write_sequence(sequence, tmp_path / f"copy{suffix}", compress=False)
+    copy = read_sequence(tmp_path / f"copy{suffix}")
+    assert_same_records(copy.records, records)
+    assert_same_transforms(copy.transforms, transforms)
+    assert copy.fields == fields
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_backslashes_are_what_simpleitk_reads_too(tmp_path, suffix):
+    record = FrameRecord(fields={"Path": r"C:\new\\sweep\n"})
+    write_sequence(sequence_of(ramp(frames=1), records=[record]), tmp_path / f"sweep{suffix}")
+    assert read_sequence(tmp_path / f"sweep{suffix}").records[0].fields == record.fields
+    assert simpleitk_read(tmp_path / f"sweep{suffix}")[1]["Seq_Frame0000_Path"] == record.fields["Path"]
+
+
+def test_the_header_is_as_plus_expects_it(tmp_path):
+    write_sequence(sequence_of(ramp()), tmp_path / "sweep.mha")
+    header = (tmp_path / "sweep.mha").read_bytes().split(b"LOCAL\n")[0].decode().split("\n")
+    assert header[0] == "ObjectType = Image"
+    assert header[-1] == "ElementDataFile = "
+    assert {"Kinds = domain domain list", "UltrasoundImageOrientation = MFA", "UltrasoundImageType = BRIGHTNESS"} <= set(header)
+
+
+def test_truth_values_are_written_as_bytes(tmp_path):
+    write_sequence(sequence_of(ramp() > 5), tmp_path / "sweep.mha")
+    assert read_sequence(tmp_path / "sweep.mha").images.dtype == np.uint8
+
+
+def test_progress_rises_to_one(tmp_path):
+    fractions = []
+    write_sequence(sequence_of(ramp(frames=5)), tmp_path / "sweep.mha", progress=lambda fraction, _: fractions.append(fraction))
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_canceling_leaves_nothing_behind(tmp_path, suffix):
+    with pytest.raises(OperationCanceled):
+        write_sequence(sequence_of(ramp()), tmp_path / f"sweep{suffix}", progress=lambda fraction, _: fraction < 0.5)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("text", ["a\nDimSize = 1 1 1", "a\rb", "a\0b", "\ud800"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_value_cannot_become_another_header_line(tmp_path, suffix, text):
+    with pytest.raises(SettingsError, match="one short line"):
+        write_sequence(sequence_of(ramp(frames=1), records=[FrameRecord(fields={"Note": text})]), tmp_path / f"sweep{suffix}")
+
+
+@pytest.mark.parametrize(
+    "name", ["", "a\nb", "a=b", "a:b", "a ", "Timestamp", "ImageStatus", "ProbeToTrackerTransform", "ProbeToTrackerTransformStatus"]
+)
+def test_a_frame_field_cannot_take_the_name_of_something_else(tmp_path, name):
+    with pytest.raises(SettingsError, match="name"):
+        write_sequence(sequence_of(ramp(frames=1), records=[FrameRecord(fields={name: "1"})]), tmp_path / "sweep.mha")
+
+
+@pytest.mark.parametrize("name", ["DimSize", "Seq_Frame0000_Note", "ImageToProbeTransform", "UltrasoundImageOrientation", "#note"])
+def test_a_header_field_cannot_take_the_name_of_something_else(tmp_path, name):
+    with pytest.raises(SettingsError, match="name"):
+        write_sequence(sequence_of(ramp(), fields={name: "1"}), tmp_path / "sweep.mha")
+
+
+@pytest.mark.parametrize(("shape", "dtype"), [((0, 2, 2), "u1"), ((1, 0, 2), "u1"), ((2, 2), "u1"), ((1, 2, 2), "f2"), ((1, 2, 2), "c16")])
+def test_images_that_no_file_can_hold_are_refused(tmp_path, shape, dtype):
+    with pytest.raises(SettingsError, match="Input images"):
+        write_sequence(sequence_of(np.zeros(shape, dtype)), tmp_path / "sweep.mha")
+
+
+def test_an_unknown_suffix_is_refused_with_those_that_are_known(tmp_path):
+    with pytest.raises(OutputError, match=r"\.mha, \.mhd, \.nrrd"):
+        write_sequence(sequence_of(ramp()), tmp_path / "sweep.avi")
+
+
+@pytest.mark.parametrize(
+    ("record", "expected"),
+    [
+        (FrameRecord(timestamp=float("nan")), "Timestamp of frame 0 must be a finite number"),
+        (FrameRecord(transforms={TransformName("image", "probe"): TransformSample(np.eye(4))}), "must be named FromToTo"),
+        (FrameRecord(transforms={PROBE_TO_TRACKER: TransformSample(np.eye(3))}), r"must have shape \(4, 4\)"),
+    ],
+)
+def test_a_record_that_could_not_be_read_back_is_refused(tmp_path, record, expected):
+    with pytest.raises(SettingsError, match=expected):
+        write_sequence(sequence_of(ramp(frames=1), records=[record]), tmp_path / "sweep.mha")
