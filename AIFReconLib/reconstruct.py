@@ -131,6 +131,11 @@ def reconstruct(
     for done, frame in enumerate(tracked_frames(sequence, poses, order)):
         report(inserting, done / len(order), "Reconstructing")
         reconstructor.insert(frame)
+    last = len(sequence) - 1
+    if last not in order or poses.problems[last] is not None:
+        # Nobody has looked at the end of the file yet: one that is cut short or of another size must not pass unnoticed
+        sequence.images[last]
     result = reconstructor.finish(part(progress, 0.95, 1.0))
     report(progress, 1.0, "Reconstructed")
-    return replace(result, notes=(*poses.notes, *imaging.notes, *result.notes))
+    warnings = getattr(sequence.configuration, "warnings", ())
+    return replace(result, notes=(*warnings, *poses.notes, *imaging.notes, *result.notes))

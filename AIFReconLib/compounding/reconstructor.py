@@ -11,7 +11,7 @@ from ..beams import ProbeGeometry
 from ..bone import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, GeometryError, SettingsError
 from ..frames import TrackedFrame
-from ..holes import EMPTY, MEASURED, fill_holes
+from ..holes import fill_holes
 from ..memory import require_memory
 from ..progress import Progress
 from ..region import ImageRegion
@@ -134,7 +134,7 @@ class Reconstructor:
             )
         require_memory(grid.size, grid.spacing, bytes_per_voxel(self.method, self._needs_beams, self.settings.best_cosine))
         self._bone = self._place_bone(bone, progress) if self._needs_beams else None
-        self._state = VoxelState.empty(grid, self.method, self.settings.best_cosine)
+        self._state: VoxelState | None = VoxelState.empty(grid, self.method, self.settings.best_cosine)
         self._layout: PixelLayout | None = None
         self._scan_lines: ScanLines | None = None
         self._engine: NumpyEngine | None = None
@@ -150,6 +150,8 @@ class Reconstructor:
         GeometryError
             When the size or pixel type of an image differs from that of the first.
         """
+        if self._state is None:
+            raise RuntimeError("finish() was called: this reconstructor takes no more frames. Make a new one.")
         if isinstance(frames, TrackedFrame):
             frames = (frames,)
         for frame in frames:
@@ -157,28 +159,36 @@ class Reconstructor:
 
     def reconstruction(self, progress: Progress | None = None) -> Reconstruction:
         """The volume as it is now, holes filled; more frames may follow."""
-        state, shape = self._state, self.grid.shape
+        return self._result(self._state.copy(), progress)
+
+    def finish(self, progress: Progress | None = None) -> Reconstruction:
+        """The final volume. No frame can follow: the bone map is released and the state handed over, which saves the memory of both."""
+        state, self._state = self._state, None
+        self._bone = self._engine = None
+        return self._result(state, progress)
+
+    def _result(self, state: VoxelState, progress: Progress | None) -> Reconstruction:
+        """The volumes of a state that is not used any more."""
+        shape = self.grid.shape
         values = state.intensity().reshape(shape)
-        mask = np.where(state.hits > 0, np.uint8(MEASURED), np.uint8(EMPTY)).reshape(shape)
+        mask = np.zeros(shape, dtype=np.uint8)
+        np.not_equal(state.hits.reshape(shape), 0, out=mask.view(bool))
+        score = state.score().reshape(shape)
+        hits, cosine = state.hits.reshape(shape), state.cosine
+        del state
         if self.settings.hole_limit > 0:
             fill_holes(values, mask, self.grid.spacing, self.settings.hole_limit, progress)
         return Reconstruction(
             intensity=self._volume(self._to_output_type(values)),
-            score=self._volume(state.score().reshape(shape)),
-            hits=self._volume(state.hits.reshape(shape).copy()),
+            score=self._volume(score),
+            hits=self._volume(hits),
             mask=self._volume(mask),
-            cosine=None if state.cosine is None else self._volume(state.cosine.reshape(shape).astype(np.float32)),
+            cosine=None if cosine is None else self._volume(cosine.reshape(shape).astype(np.float32)),
             method=self.method,
             frames_inserted=self.counts.inserted,
             skipped={reason: list(numbers) for reason, numbers in self.counts.skipped.items()},
             notes=tuple(self._notes),
         )
-
-    def finish(self, progress: Progress | None = None) -> Reconstruction:
-        """The final volume. Releases the bone map first, so no frame can follow."""
-        self._bone = self._engine = None
-        self._probe = None
-        return self.reconstruction(progress)
 
     def _place_bone(self, bone: BoneMap, progress: Progress | None) -> BoneOnGrid:
         placed = bone.on_grid(self.grid, self.settings.bone_direction, progress)

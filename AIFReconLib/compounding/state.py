@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -12,8 +12,9 @@ from ..volume import VoxelGrid
 MAP_BYTES = 4 + 3 * 4
 """Probability and direction of the bone map, per voxel."""
 
-OUTPUT_BYTES = 4 + 1
-"""Intensity and mask of a result, per voxel, beside the state."""
+OUTPUT_BYTES = 4 + 4 + 1 + 1
+"""What the results of a finished reconstruction take beside its state, at most: a float32 mean or cosine, the score of a method
+without weights, the mask, and the 8-bit intensity. Everything else is handed over without a copy."""
 
 
 @dataclass(eq=False)
@@ -55,17 +56,31 @@ class VoxelState:
         )
 
     def intensity(self) -> np.ndarray:
-        """The reconstructed values, (voxels,) float32; 0 where nothing was measured."""
+        """The reconstructed values, (voxels,) float32; 0 where nothing was measured.
+
+        It may be the state's own array, so no frame may follow; take a `copy` first where one will.
+        """
         if self.method in ("average", "weighted"):
             divisor = self.hits if self.method == "average" else self.weight
             result = np.zeros(self.value.shape, dtype=np.float32)
-            np.divide(self.value, divisor, out=result, where=self.hits > 0, casting="same_kind")
-            return result
-        return np.where(self.hits > 0, self.value, np.float32(0))
+            return np.divide(self.value, divisor, out=result, where=self.hits > 0, casting="same_kind")
+        if self.method == "maximum":
+            np.copyto(self.value, 0, where=self.hits == 0)
+        return self.value
 
     def score(self) -> np.ndarray:
-        """How much good evidence each voxel has, (voxels,) float32: the sum of weights; methods without weights count each pixel as 1."""
-        return self.hits.astype(np.float32) if self.weight is None else self.weight.copy()
+        """How much good evidence each voxel has, (voxels,) float32: the sum of weights; methods without weights count each pixel as 1.
+
+        May be the state's own array.
+        """
+        return self.hits.astype(np.float32) if self.weight is None else self.weight
+
+    def copy(self) -> VoxelState:
+        """A snapshot that later frames do not change."""
+        return replace(self, **{name: getattr(self, name).copy() for name in self._arrays()})
+
+    def _arrays(self) -> list[str]:
+        return [spec.name for spec in fields(self) if isinstance(getattr(self, spec.name), np.ndarray)]
 
 
 def bytes_per_voxel(method: str, has_bone: bool, best_cosine: bool) -> int:
@@ -73,7 +88,8 @@ def bytes_per_voxel(method: str, has_bone: bool, best_cosine: bool) -> int:
 
     Notes
     -----
-    The bone map is released before the results are made when a whole sequence is reconstructed at once; a live session keeps both.
+    The bone map is released before the results are made when a whole sequence is reconstructed at once. A snapshot of a live
+    reconstruction needs the results, a copy of the state and the map at the same time.
     """
     state = 4 + (8 if method == "average" else 4) + (4 if method in BONE_METHODS else 0) + (2 if best_cosine else 0)
     uses_map = has_bone and (method in BONE_METHODS or best_cosine)

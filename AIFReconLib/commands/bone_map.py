@@ -1,0 +1,35 @@
+"""`aifrecon bone-map`: the probability map alone."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ..bone import BoneMap
+from ..console import ProgressBar
+from ..io.volume_files import check_volume_path, read_labels
+from .options import add_sigma_options, refuse_to_overwrite
+
+
+def add_to(commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "bone-map",
+        help="make a bone probability map from a segmentation",
+        description="Make the bone probability map that the reconstruction would use, to look at or to reuse with --bone-probability.",
+    )
+    parser.add_argument("labels", type=Path, metavar="LABELS", help="segmentation of the CT; any label above 0 is bone")
+    parser.add_argument("--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)")
+    add_sigma_options(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Read, smooth, write."""
+    refuse_to_overwrite([arguments.output], [arguments.labels])
+    check_volume_path(arguments.output)
+    with ProgressBar() as progress:
+        bone = BoneMap.from_labels(read_labels(arguments.labels), arguments.bone_sigma_voxels, arguments.bone_sigma_mm, progress=progress)
+        bone.probability.write(arguments.output)
+    size = " x ".join(str(n) for n in bone.probability.grid.size)
+    print(f"bone probability on {size} voxels around the labels, 0 elsewhere\n  wrote {arguments.output}")

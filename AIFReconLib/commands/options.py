@@ -1,0 +1,155 @@
+"""Arguments that several commands share, and what they mean to the library."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import fields, replace
+from pathlib import Path
+
+from ..beams import LINEAR, SECTOR, ProbeGeometry
+from ..bone import SIGMA_VOXELS, BoneMap
+from ..detection import detect_imaging
+from ..errors import OutputError, SettingsError
+from ..frames import TrackedSequence
+from ..io.volume_files import read_labels, read_transform, read_volume
+from ..progress import Progress
+from ..region import ClipRectangle, Fan, ImageRegion
+from ..settings import ReconstructionSettings
+
+PARAMETERS = {spec.name: spec.metadata for spec in fields(ReconstructionSettings)}
+
+
+def add_setting(group, name: str, flag: str | None = None, metavar: str | None = None) -> None:
+    """Declare the option of one reconstruction parameter from its entry in `settings`."""
+    rule = PARAMETERS[name]
+    default = next(spec.default for spec in fields(ReconstructionSettings) if spec.name == name)
+    number = int if isinstance(default, int) and not isinstance(default, bool) else float
+    unit = f" [{rule['unit']}]" if rule["unit"] else ""
+    shown = "" if default is None else f" (default: {default:g})" if isinstance(default, int | float) else f" (default: {default})"
+    options = {"choices": rule["choices"]} if rule["choices"] else {"type": number, "metavar": metavar or "N"}
+    group.add_argument(flag or "--" + name.replace("_", "-"), dest=name, help=rule["help"] + unit + shown, **options)
+
+
+def settings_from(arguments: argparse.Namespace) -> ReconstructionSettings:
+    """The settings that the given options ask for; options that were not given keep their defaults."""
+    given = {name: value for name in PARAMETERS if (value := getattr(arguments, name, None)) is not None}
+    return replace(ReconstructionSettings(), **given)
+
+
+class SpacingAction(argparse.Action):
+    """One number, or three."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        if len(values) not in (1, 3):
+            parser.error(f"argument {option_string}: takes one number or three (x y z), got {len(values)}")
+        setattr(namespace, self.dest, values[0] if len(values) == 1 else tuple(values))
+
+
+def add_bone_options(parser: argparse.ArgumentParser) -> None:
+    """Where bone is: labels or a probability, and its registration."""
+    bone = parser.add_argument_group(
+        "bone", "a registered CT's segmentation, or a bone probability; methods that weight by incidence need one"
+    )
+    source = bone.add_mutually_exclusive_group()
+    source.add_argument("--bone-labels", type=Path, metavar="VOLUME", help="segmentation of the CT; any label above 0 is bone")
+    source.add_argument("--bone-probability", type=Path, metavar="VOLUME", help="ready bone probability, 0 to 1")
+    add_sigma_options(bone)
+    bone.add_argument(
+        "--bone-transform",
+        type=Path,
+        metavar="FILE",
+        help="transform CT -> Reference as Slicer saves it (.tfm, .txt, .h5); default: none needed",
+    )
+    add_setting(bone, "bone_direction")
+
+
+def add_sigma_options(group) -> None:
+    """Smoothing of the bone map, in voxels or mm."""
+    sigma = group.add_mutually_exclusive_group()
+    sigma.add_argument(
+        "--bone-sigma-voxels",
+        type=float,
+        default=SIGMA_VOXELS,
+        metavar="N",
+        help="smoothing of the bone map, in voxels of the labels (default: %(default)g)",
+    )
+    sigma.add_argument("--bone-sigma-mm", type=float, metavar="MM", help="the same in mm")
+
+
+def bone_from(arguments: argparse.Namespace, progress: Progress | None = None) -> BoneMap | None:
+    """The bone map that the options name, placed in Reference; None where they name none."""
+    to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+    if arguments.bone_labels:
+        return BoneMap.from_labels(
+            read_labels(arguments.bone_labels), arguments.bone_sigma_voxels, arguments.bone_sigma_mm, to_reference, progress
+        )
+    if arguments.bone_probability:
+        return BoneMap.from_probability(read_volume(arguments.bone_probability), to_reference)
+    if to_reference is not None:
+        raise SettingsError("--bone-transform places a bone input, and there is none. Give --bone-labels or --bone-probability.")
+    return None
+
+
+def add_imaging_options(parser: argparse.ArgumentParser) -> None:
+    """Probe, clip rectangle and fan."""
+    image = parser.add_argument_group("image", "what the image shows; default: the configuration's, else recognized by the black surround")
+    image.add_argument("--probe", choices=("auto", LINEAR, SECTOR), default="auto", help="shape of the beams (default: auto)")
+    image.add_argument("--apex-px", type=float, nargs=2, metavar=("COLUMN", "ROW"), help="virtual apex of a sector probe")
+    image.add_argument(
+        "--clip-px", type=float, nargs=4, metavar=("X", "Y", "W", "H"), help="use this rectangle of the image (columns X to X + W)"
+    )
+    image.add_argument("--fan-angles-deg", type=float, nargs=2, metavar=("A", "B"), help="use this fan about the apex, from +y toward +x")
+    image.add_argument("--fan-radius-px", type=float, nargs=2, metavar=("R0", "R1"), help="between these radii about the apex")
+
+
+def imaging_from(arguments: argparse.Namespace, sequence: TrackedSequence) -> tuple[ImageRegion | None, ProbeGeometry | None]:
+    """Region and probe that the options ask for; None where they leave it to the configuration or the images."""
+    configured: ImageRegion = getattr(sequence.configuration, "region", None) or ImageRegion()
+    apex = tuple(arguments.apex_px) if arguments.apex_px else None
+    probe = _probe(arguments.probe, apex, sequence)
+    clip = ClipRectangle(tuple(arguments.clip_px[:2]), tuple(arguments.clip_px[2:])) if arguments.clip_px else None
+    fan = None
+    if bool(arguments.fan_angles_deg) != bool(arguments.fan_radius_px):
+        raise SettingsError("A fan takes both --fan-angles-deg A B and --fan-radius-px R0 R1; got one of them.")
+    if arguments.fan_angles_deg:
+        about = (
+            apex or (configured.fan.apex_px if configured.fan else None) or getattr(probe or configured_probe(sequence), "apex_px", None)
+        )
+        if about is None:
+            raise SettingsError("A fan stands about the apex of a sector probe, which is not known. Give --apex-px COLUMN ROW.")
+        fan = Fan(about, tuple(arguments.fan_angles_deg), tuple(arguments.fan_radius_px))
+    region = ImageRegion(clip or configured.clip, fan or configured.fan) if clip or fan else None
+    return region, probe
+
+
+def configured_probe(sequence: TrackedSequence) -> ProbeGeometry | None:
+    """The probe of the sequence's configuration, if it tells."""
+    return getattr(sequence.configuration, "probe", None)
+
+
+def _probe(kind: str, apex: tuple[float, float] | None, sequence: TrackedSequence) -> ProbeGeometry | None:
+    if kind == LINEAR:
+        if apex:
+            raise SettingsError("A linear probe has no apex. Leave out --apex-px, or give --probe sector.")
+        return ProbeGeometry(LINEAR)
+    if apex:
+        return ProbeGeometry(SECTOR, apex)
+    if kind != SECTOR:
+        return None
+    known = configured_probe(sequence) or detect_imaging(sequence.images).probe
+    if known.kind != SECTOR:
+        raise SettingsError(
+            "The images or the configuration show a linear probe, not a sector. Give --apex-px COLUMN ROW to say otherwise."
+        )
+    return known
+
+
+def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -> None:
+    """Stop before work begins when an output is an input, or two outputs are one file."""
+    seen = {path.resolve(): "an input" for path in inputs if path is not None}
+    for path in outputs:
+        if path is None:
+            continue
+        if path.resolve() in seen:
+            raise OutputError(f"{path} would overwrite {seen[path.resolve()]}. Choose another name.")
+        seen[path.resolve()] = "another output"

@@ -1,0 +1,124 @@
+"""`aifrecon reconstruct`: the main job."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from ..compounding.reconstructor import Reconstruction
+from ..console import ProgressBar
+from ..io.sequence_files import read_sequence
+from ..io.volume_files import check_volume_path, read_volume
+from ..poses import describe_frames
+from ..progress import part
+from ..reconstruct import reconstruct
+from .options import (
+    SpacingAction,
+    add_bone_options,
+    add_imaging_options,
+    add_setting,
+    bone_from,
+    imaging_from,
+    refuse_to_overwrite,
+    settings_from,
+)
+
+EXAMPLE = """examples:
+  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
+  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
+      --bone-transform CTToReference.tfm --spacing 0.5 --hole-limit 1 --output volume.nrrd"""
+
+SIDE_OUTPUTS = ("score", "hits", "mask", "cosine")
+
+
+def add_to(commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "reconstruct",
+        help="turn a recorded sweep into a volume",
+        description="Reconstruct a volume from a tracked sequence recorded by Plus (.mha, .mhd, .nrrd).",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("sequence", type=Path, metavar="SEQUENCE", help="tracked frames, e.g. sweep.igs.mha")
+    parser.add_argument("--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)")
+    add_setting(parser, "method")
+    add_tracking_options(parser)
+    add_bone_options(parser)
+    add_imaging_options(parser)
+    volume = parser.add_argument_group("volume")
+    where = volume.add_mutually_exclusive_group()
+    where.add_argument("--grid-like", type=Path, metavar="VOLUME", help="use the voxels of this volume (any orientation)")
+    where.add_argument("--spacing", type=float, nargs="+", action=SpacingAction, metavar="MM", help="voxel size, one number or x y z")
+    add_setting(volume, "hole_limit", metavar="MM")
+    add_setting(volume, "output_type")
+    for name, meaning in zip(
+        SIDE_OUTPUTS, ("sum of weights", "pixels per voxel", "0 empty, 1 measured, 2 filled", "best cosine of incidence"), strict=True
+    ):
+        volume.add_argument(f"--{name}", type=Path, metavar="FILE", help=f"also write this volume: {meaning}")
+    tuning = parser.add_argument_group("tuning")
+    for name in ("alpha", "beta", "intensity_maximum", "skip", "engine"):
+        add_setting(tuning, name)
+    parser.set_defaults(run=run)
+
+
+def add_tracking_options(parser: argparse.ArgumentParser) -> None:
+    """Configuration and frames of reference."""
+    tracking = parser.add_argument_group("tracking")
+    tracking.add_argument("--config", type=Path, metavar="PLUS.xml", help="Plus configuration: calibration, region, spacing")
+    tracking.add_argument(
+        "--image-to-reference",
+        metavar="NAME",
+        help="transform that places the image, as recorded or as a chain (default: ImageToReference)",
+    )
+    tracking.add_argument("--reference", metavar="FRAME", help="frame to reconstruct in, e.g. Tracker (default: Reference)")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Read, reconstruct, write, and say what was done."""
+    started = time.perf_counter()
+    outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
+    inputs = [arguments.sequence, arguments.config, arguments.bone_labels, arguments.bone_probability, arguments.grid_like]
+    refuse_to_overwrite(list(outputs.values()), [*inputs, arguments.bone_transform])
+    settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
+    for path in filter(None, outputs.values()):
+        check_volume_path(path)
+    with ProgressBar() as progress:
+        sequence = read_sequence(arguments.sequence, config=arguments.config)
+        region, probe = imaging_from(arguments, sequence)
+        bone = bone_from(arguments, part(progress, 0.0, 0.1))
+        grid = read_volume(arguments.grid_like).grid if arguments.grid_like else None
+        result = reconstruct(
+            sequence,
+            settings,
+            bone,
+            grid,
+            region=region,
+            probe=probe,
+            image_to_reference=arguments.image_to_reference,
+            reference=arguments.reference,
+            progress=part(progress, 0.1, 0.95),
+        )
+        for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
+            progress(0.95 + 0.01 * number, f"Writing {path.name}")
+            getattr(result, name).write(path)
+    print(describe(result, len(sequence), time.perf_counter() - started, [path for path in outputs.values() if path]))
+
+
+def describe(result: Reconstruction, frames: int, seconds: float, files: list[Path]) -> str:
+    """What was done, in a few lines."""
+    grid = result.grid
+    measured = int((result.mask.array == 1).sum())
+    filled = int((result.mask.array == 2).sum())
+    size = " x ".join(str(n) for n in grid.size)
+    spacing = " x ".join(f"{s:.3g}" for s in grid.spacing)
+    lines = [
+        f"{result.method}: {result.frames_inserted} of {frames} frames into {size} voxels of {spacing} mm, in {seconds:.1f} s",
+        f"  {100 * measured / grid.voxels:.1f}% of the voxels measured" + (f", {100 * filled / grid.voxels:.1f}% filled" if filled else ""),
+    ]
+    lines += [f"  skipped: {describe_frames(numbers)}: {reason}" for reason, numbers in result.skipped.items()]
+    lines += [f"  {note}" for note in result.notes]
+    lines += [f"  wrote {path}" for path in files]
+    return "\n".join(lines)

@@ -1,0 +1,64 @@
+"""Flat cuts through volumes along the anatomical planes, for figures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+
+from ..volume import Volume, VoxelGrid
+
+
+@dataclass(frozen=True)
+class Plane:
+    """An anatomical plane: its name, and which way (RAS) the picture runs to the right and down."""
+
+    name: str
+    right_ras: tuple[float, float, float]
+    down_ras: tuple[float, float, float]
+    edges: tuple[str, str, str, str]
+    """Letters at the left, right, top and bottom edge."""
+
+
+# Posterior is up where it can be: the probe is then at the top, as on an ultrasound screen
+SAGITTAL = Plane("sagittal", (0, 0, -1), (0, 1, 0), ("S", "I", "P", "A"))
+AXIAL = Plane("axial", (1, 0, 0), (0, 1, 0), ("L", "R", "P", "A"))
+CORONAL = Plane("coronal", (1, 0, 0), (0, 0, -1), ("L", "R", "S", "I"))
+
+
+def cut(volume: Volume, plane: Plane, center_ras, width: float, height: float, pitch: float = 0.5, order: int = 1) -> np.ndarray:
+    """Sample a volume on a plane.
+
+    Parameters
+    ----------
+    volume : Volume
+    plane : Plane
+    center_ras : (3,), mm
+        The middle of the picture.
+    width, height, pitch : float, mm
+        Size of the picture and of its pixels.
+    order : int
+        0 nearest, 1 linear.
+
+    Returns
+    -------
+    picture : (rows, columns) float64 array
+        NaN outside the volume.
+    """
+    columns, rows = round(width / pitch), round(height / pitch)
+    across = (np.arange(columns) - (columns - 1) / 2) * pitch
+    down = (np.arange(rows) - (rows - 1) / 2) * pitch
+    points = (
+        np.asarray(center_ras, dtype=np.float64)
+        + across[None, :, None] * np.asarray(plane.right_ras, dtype=np.float64)
+        + down[:, None, None] * np.asarray(plane.down_ras, dtype=np.float64)
+    )
+    ijk = points @ volume.grid.reference_to_ijk[:3, :3].T + volume.grid.reference_to_ijk[:3, 3]
+    return ndimage.map_coordinates(volume.array.astype(np.float64), np.moveaxis(ijk[..., ::-1], -1, 0), order=order, cval=np.nan)
+
+
+def extent_along(grid: VoxelGrid, direction_ras) -> tuple[float, float]:
+    """Least and greatest coordinate of a grid's corners along a RAS direction, mm."""
+    along = grid.corners() @ np.asarray(direction_ras, dtype=np.float64)
+    return float(along.min()), float(along.max())

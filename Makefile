@@ -1,0 +1,52 @@
+# For developers and first visits: `make demo`, `make test`. The library itself needs no make; see README.md.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+DEMO_OUTPUT ?= demo-output
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test lint format bench clean
+
+help:
+	@echo "make demo    reconstruct a simulated lumbar scan and draw it, into $(DEMO_OUTPUT)/"
+	@echo "make test    lint, format check and all tests"
+	@echo "make setup   only install what the two above need, into $(VENV)/"
+	@echo "make lint    only lint and format check"
+	@echo "make format  reformat the code"
+	@echo "make bench   measure the speed of this machine"
+	@echo "make clean   remove $(VENV)/ and everything that was built"
+
+setup: $(STAMP)
+
+# Installed again only when pyproject.toml changes; a broken or half-made environment is made anew
+$(STAMP): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' \
+	  || { echo "AIFRecon needs Python 3.10 or newer. Name one with: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null \
+	  || { echo "Python cannot make virtual environments here. Install them with: sudo apt install python3-venv" >&2; exit 1; }
+	@echo "Setting up $(VENV) (once; takes a minute)"
+	@$(BIN)/python -c '' 2>/dev/null || $(PYTHON) -m venv --clear $(VENV)
+	@PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet --editable '.[test,lint,figures]'
+	@touch $(STAMP)
+
+demo: setup
+	@$(BIN)/aifrecon demo --output $(DEMO_OUTPUT)
+
+test: lint
+	@$(BIN)/python -m pytest --quiet --cov --cov-report=term:skip-covered --cov-fail-under=90
+
+lint: setup
+	@$(BIN)/ruff check --quiet .
+	@$(BIN)/ruff format --quiet --check . || { echo "Run 'make format' and commit what it changes." >&2; exit 1; }
+
+format: setup
+	@$(BIN)/ruff check --quiet --fix .
+	@$(BIN)/ruff format --quiet .
+
+bench: setup
+	@$(BIN)/aifrecon benchmark
+
+clean:
+	rm -rf $(VENV) $(DEMO_OUTPUT) build dist .pytest_cache .ruff_cache .hypothesis .coverage *.egg-info

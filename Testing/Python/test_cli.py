@@ -1,0 +1,442 @@
+"""The command line as a user meets it: what it does, and what it says when it cannot."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from files import tracked_sequence, write_patient
+from sweeps import rigid
+
+from AIFReconLib.bone import BoneMap
+from AIFReconLib.cli import main
+from AIFReconLib.frames import FrameRecord
+from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.sequence_writer import write_sequence
+from AIFReconLib.io.volume_files import read_labels, read_transform, read_volume
+from AIFReconLib.reconstruct import reconstruct
+from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.transform_graph import TransformStatus
+from AIFReconLib.volume import Volume
+
+
+@pytest.fixture
+def patient(tmp_path):
+    folder = tmp_path / "inputs"
+    folder.mkdir()
+    return write_patient(folder)
+
+
+@pytest.fixture
+def results(tmp_path):
+    folder = tmp_path / "results"
+    folder.mkdir()
+    return folder
+
+
+def refused(arguments, capsys, folder):
+    """Run a command that must fail: exit code 2, one line on stderr, nothing written. Returns the line."""
+    code = main([str(argument) for argument in arguments])
+    captured = capsys.readouterr()
+    assert code == 2, captured
+    assert captured.err.count("\n") == 1, captured.err
+    assert captured.err.startswith("aifrecon")
+    assert list(folder.iterdir()) == [], "something was left behind"
+    return captured.err
+
+
+# What it does
+
+
+def test_reconstruct_writes_the_volume_that_the_library_gives(patient, results):
+    output = results / "volume.nrrd"
+    assert main([*patient.reconstruct, *patient.bone, "--method", "aif", "--output", str(output)]) == 0
+    bone = BoneMap.from_labels(read_labels(patient.labels), sigma_mm=1.6, labels_to_reference=read_transform(patient.transform))
+    expected = reconstruct(read_sequence(patient.sweep, config=patient.config), ReconstructionSettings(method="aif"), bone)
+    written = read_volume(output)
+    np.testing.assert_array_equal(written.array, expected.intensity.array)
+    np.testing.assert_allclose(written.ijk_to_reference, expected.grid.ijk_to_reference, atol=1e-6)
+
+
+def test_with_bone_the_default_is_the_recommended_method(patient, results, capsys):
+    assert main([*patient.reconstruct, *patient.bone, "--output", str(results / "v.nrrd")]) == 0
+    assert capsys.readouterr().out.startswith("aif-compensated: 6 of 6 frames")
+
+
+def test_without_bone_the_default_is_the_average(patient, results, capsys):
+    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 0
+    assert capsys.readouterr().out.startswith("average: 6 of 6 frames")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_runs_from_the_command_line(method, patient, results):
+    assert main([*patient.reconstruct, *patient.bone, "--method", method, "--output", str(results / "v.mha")]) == 0
+
+
+@pytest.mark.parametrize("suffix", [".nrrd", ".mha", ".mhd", ".nii", ".nii.gz"])
+def test_every_volume_format_can_be_written(suffix, patient, results):
+    assert main([*patient.reconstruct, "--output", str(results / f"v{suffix}")]) == 0
+    assert read_volume(results / f"v{suffix}").array.max() > 0
+
+
+def test_side_outputs_are_written(patient, results):
+    sides = [word for name in ("score", "hits", "mask", "cosine") for word in (f"--{name}", str(results / f"{name}.nrrd"))]
+    assert main([*patient.reconstruct, *patient.bone, "--output", str(results / "v.nrrd"), *sides]) == 0
+    hits, mask, cosine = (read_volume(results / f"{name}.nrrd").array for name in ("hits", "mask", "cosine"))
+    np.testing.assert_array_equal(mask > 0, hits > 0)
+    assert 0.5 < cosine.max() <= 1.0
+
+
+def test_bone_transform_places_the_labels_in_millimeters(patient, results):
+    """Labels in Reference, and labels elsewhere with the transform that brings them there, give the same volume."""
+    moved = read_labels(patient.labels).placed_by(read_transform(patient.transform))
+    moved.write(results / "placed.nrrd")
+    common = ["--bone-sigma-mm", "1.6", "--output-type", "float32", "--method", "aif"]
+    main([*patient.reconstruct, *patient.bone, *common, "--output", str(results / "a.nrrd")])
+    main([*patient.reconstruct, "--bone-labels", str(results / "placed.nrrd"), *common, "--output", str(results / "b.nrrd")])
+    np.testing.assert_allclose(read_volume(results / "a.nrrd").array, read_volume(results / "b.nrrd").array, atol=1e-2)
+
+
+def test_a_ready_probability_serves_as_bone(patient, results):
+    main(["bone-map", str(patient.labels), "--bone-sigma-mm", "1.6", "--output", str(results / "p.nrrd")])
+    common = ["--bone-transform", str(patient.transform), "--output-type", "float32", "--method", "aif"]
+    main([*patient.reconstruct, "--bone-probability", str(results / "p.nrrd"), *common, "--output", str(results / "a.nrrd")])
+    main([*patient.reconstruct, *patient.bone, "--output-type", "float32", "--method", "aif", "--output", str(results / "b.nrrd")])
+    np.testing.assert_allclose(read_volume(results / "a.nrrd").array, read_volume(results / "b.nrrd").array, atol=1e-2)
+
+
+def test_grid_like_uses_the_voxels_of_a_rotated_volume(patient, results):
+    matrix = rigid((20, 30, 40), (-6, -6, -6)) @ np.diag([0.8, 0.9, 1.0, 1.0])
+    Volume(np.zeros((10, 12, 14), np.uint8), matrix).write(results / "like.nrrd")
+    assert main([*patient.reconstruct, "--grid-like", str(results / "like.nrrd"), "--output", str(results / "v.nrrd")]) == 0
+    written = read_volume(results / "v.nrrd")
+    assert written.array.shape == (10, 12, 14)
+    np.testing.assert_allclose(written.ijk_to_reference, matrix, atol=1e-6)
+
+
+def test_options_win_over_the_configuration(patient, results):
+    main([*patient.reconstruct, "--spacing", "0.5", "0.6", "0.7", "--output", str(results / "v.nrrd")])
+    np.testing.assert_allclose(read_volume(results / "v.nrrd").grid.spacing, (0.5, 0.6, 0.7))
+
+
+def test_clip_and_fan_options_limit_what_enters(patient, results):
+    def hits(*options):
+        main([*patient.reconstruct, *options, "--output", str(results / "v.nrrd"), "--hits", str(results / "h.nrrd")])
+        return int(read_volume(results / "h.nrrd").array.sum())
+
+    assert hits("--clip-px", "4", "5", "9", "7") == 6 * 10 * 8
+    fan = ("--probe", "sector", "--apex-px", "20", "-10", "--fan-angles-deg", "-20", "20", "--fan-radius-px", "12", "30")
+    assert 0 < hits(*fan) < hits()
+
+
+def test_hole_limit_fills_and_the_mask_says_so(patient, results):
+    main([*patient.reconstruct, "--hole-limit", "3", "--output", str(results / "v.nrrd"), "--mask", str(results / "m.nrrd")])
+    assert set(np.unique(read_volume(results / "m.nrrd").array)) == {0, 1, 2}
+
+
+def test_skip_uses_every_nth_frame(patient, results, capsys):
+    main([*patient.reconstruct, "--skip", "2", "--output", str(results / "v.nrrd")])
+    assert "3 of 6 frames" in capsys.readouterr().out
+
+
+def test_frames_without_tracking_are_named_in_the_summary(tmp_path, results, capsys):
+    sequence = tracked_sequence(statuses={1: TransformStatus.OUT_OF_VIEW, 2: TransformStatus.OUT_OF_VIEW, 5: TransformStatus.MISSING})
+    patient = write_patient(tmp_path, sequence)
+    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 0
+    out = capsys.readouterr().out
+    assert "3 of 6 frames" in out
+    assert "2 frames (1-2): ProbeToTracker OUT_OF_VIEW" in out
+    assert "1 frame (5): ProbeToTracker MISSING" in out
+
+
+def test_a_bone_map_beside_the_sweep_is_a_warning(patient, results, capsys):
+    code = main([*patient.reconstruct, "--bone-labels", str(patient.labels), "--bone-sigma-mm", "1", "--output", str(results / "v.nrrd")])
+    assert code == 0
+    assert "Warning: the bone map does not overlap" in capsys.readouterr().out
+
+
+def test_info_says_that_a_sequence_is_ready(patient, capsys):
+    assert main(["info", str(patient.sweep), "--config", str(patient.config)]) == 0
+    out = capsys.readouterr().out
+    assert "6 of 40 x 30 pixels, uint8" in out
+    assert "0.4 x 0.5 mm" in out
+    assert "20.0 frames/s" in out
+    assert "Ready: 6 of 6 frames can be placed by ImageToProbe, ProbeToTracker, TrackerToReference." in out
+
+
+def test_info_names_the_missing_calibration_and_how_to_give_it(patient, capsys):
+    assert main(["info", str(patient.sweep)]) == 0
+    out = capsys.readouterr().out
+    assert "Cannot be reconstructed yet" in out
+    assert "ImageToProbe" in out
+    assert "--config" in out
+
+
+def test_info_says_that_no_pose_of_the_probe_is_valid(tmp_path, capsys):
+    patient = write_patient(tmp_path, tracked_sequence(statuses=dict.fromkeys(range(6), TransformStatus.OUT_OF_VIEW)))
+    main(["info", str(patient.sweep), "--config", str(patient.config)])
+    out = capsys.readouterr().out
+    assert "ProbeToTracker is not valid in any frame: Probe was not tracked" in out
+
+
+def test_info_says_that_timestamps_are_equal(tmp_path, capsys):
+    sequence = tracked_sequence()
+    sequence = replace(sequence, records=[replace(record, timestamp=3.0) for record in sequence.records])
+    main(["info", str(write_patient(tmp_path, sequence).sweep)])
+    assert "All timestamps are equal" in capsys.readouterr().out
+
+
+def test_simulate_writes_a_patient_that_reconstructs(results, capsys):
+    assert main(["simulate", "--output", str(results / "p"), "--frames", "9", "--seed", "3"]) == 0
+    folder = results / "p"
+    assert (
+        main(
+            [
+                "reconstruct",
+                str(folder / "sweep.igs.mha"),
+                *("--config", str(folder / "PlusDeviceSet.xml")),
+                *("--bone-labels", str(folder / "lumbar-segmentation.nrrd"), "--bone-sigma-mm", "4"),
+                *("--bone-transform", str(folder / "CTToReference.tfm")),
+                *("--spacing", "2", "--output", str(folder / "v.nrrd")),
+            ]
+        )
+        == 0
+    )
+    assert "9 of 9 frames" in capsys.readouterr().out
+
+
+def test_benchmark_prints_every_method_and_writes_json(results, capsys):
+    assert main(["benchmark", "--frames", "2", "--repeats", "1", "--spacing", "2", "--json", str(results / "b.json")]) == 0
+    out = capsys.readouterr().out
+    timings = json.loads((results / "b.json").read_text())["timings"]
+    for method in METHODS:
+        assert method in out
+        assert any(t["what"] == method and t["ns_per_pixel"] > 0 for t in timings)
+
+
+@pytest.mark.parametrize("command", ["demo", "reconstruct", "bone-map", "info", "simulate", "benchmark"])
+def test_every_command_explains_itself(command, capsys):
+    assert main([command, "--help"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) > 5
+
+
+def test_the_module_runs_as_a_program():
+    done = subprocess.run([sys.executable, "-m", "AIFReconLib", "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("aifrecon ")
+
+
+# What it says when it cannot
+
+
+def test_without_a_command_it_says_so_in_one_line(capsys, results):
+    assert "See aifrecon --help" in refused([], capsys, results)
+
+
+def test_a_missing_sequence_is_named(patient, results, capsys):
+    line = refused(["reconstruct", results / "no.mha", "--output", results / "v.nrrd"], capsys, results)
+    assert "no.mha" in line
+
+
+def test_a_truncated_sequence_is_refused(patient, results, capsys):
+    data = patient.sweep.read_bytes()
+    patient.sweep.write_bytes(data[:-200])
+    assert "sweep.igs.mha" in refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_an_uncompressed_sequence_cut_short_is_refused(tmp_path, results, capsys):
+    folder = tmp_path / "raw"
+    folder.mkdir()
+    patient = write_patient(folder, compress=False)
+    patient.sweep.write_bytes(patient.sweep.read_bytes()[:-1500])
+    line = refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+    assert "frame" in line
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"DimSize = 40 30 6", b"DimSize = 40 30 9"),
+        (b"DimSize = 40 30 6", b"DimSize = 40 29 6"),
+        (b"DimSize = 40 30 6", b"DimSize = 40 30 0"),
+        (b"BinaryData = True", b"BinaryData = False"),
+        (b"ElementDataFile = LOCAL", b"ElementDataFile = gone.raw"),
+    ],
+    ids=["too many frames", "too few rows", "no frames", "ASCII data", "missing data file"],
+)
+def test_a_wrong_header_is_refused(old, new, patient, results, capsys):
+    data = patient.sweep.read_bytes()
+    assert old in data
+    patient.sweep.write_bytes(data.replace(old, new))
+    refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_a_sequence_without_transforms_is_refused_with_advice(tmp_path, results, capsys):
+    sequence = tracked_sequence()
+    bare = replace(sequence, records=[FrameRecord(timestamp=float(n)) for n in range(len(sequence))])
+    write_sequence(bare, tmp_path / "bare.mha")
+    line = refused(["reconstruct", tmp_path / "bare.mha", "--output", results / "v.nrrd"], capsys, results)
+    assert "no transforms at all" in line
+
+
+@pytest.mark.parametrize(
+    ("matrix", "reason"),
+    [
+        (np.full((4, 4), np.nan), "not finite"),
+        (np.diag([1.0, 1.0, 0.0, 1.0]), "not rigid"),
+        (np.diag([1.0, 1.3, 1.0, 1.0]), "not rigid"),
+        (np.diag([-1.0, 1.0, 1.0, 1.0]), "mirrored"),
+    ],
+    ids=["NaN", "singular", "scaled", "mirrored"],
+)
+def test_poses_that_cannot_be_are_refused_when_there_are_no_others(matrix, reason, tmp_path, results, capsys):
+    patient = write_patient(tmp_path, tracked_sequence(matrices=dict.fromkeys(range(6), matrix)))
+    results = tmp_path / "only-results"
+    results.mkdir()
+    assert reason in refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_one_impossible_pose_costs_one_frame(tmp_path, results, capsys):
+    patient = write_patient(tmp_path, tracked_sequence(matrices={2: np.full((4, 4), np.nan)}))
+    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 0
+    assert "5 of 6 frames" in capsys.readouterr().out
+
+
+def test_a_method_that_needs_bone_says_how_to_give_it(patient, results, capsys):
+    line = refused([*patient.reconstruct, "--method", "aif", "--output", results / "v.nrrd"], capsys, results)
+    assert "needs to know where bone is" in line
+
+
+def test_bone_options_exclude_each_other(patient, results, capsys):
+    both = ["--bone-labels", "a.nrrd", "--bone-probability", "b.nrrd"]
+    assert "not allowed with" in refused([*patient.reconstruct, *both, "--output", results / "v.nrrd"], capsys, results)
+
+
+@pytest.mark.parametrize("cut", [10, 400])
+def test_truncated_labels_are_refused(cut, patient, results, capsys):
+    patient.labels.write_bytes(patient.labels.read_bytes()[:-cut])
+    assert "labels.nrrd" in refused([*patient.reconstruct, *patient.bone, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_empty_labels_are_refused(patient, results, capsys):
+    labels = read_labels(patient.labels)
+    Volume(np.zeros_like(labels.array), labels.ijk_to_reference).write(patient.labels)
+    assert "must have voxels above 0" in refused([*patient.reconstruct, *patient.bone, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_a_broken_configuration_is_refused(patient, results, capsys):
+    patient.config.write_text(patient.config.read_text()[:120])
+    assert "PlusDeviceSet.xml" in refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_an_output_folder_that_is_not_there_is_refused_before_work(patient, results, capsys):
+    assert "does not exist" in refused([*patient.reconstruct, "--output", results / "no" / "v.nrrd"], capsys, results)
+
+
+def test_an_output_of_an_unknown_kind_is_refused_before_work(patient, results, capsys):
+    assert ".nrrd" in refused([*patient.reconstruct, "--output", results / "v.xyz"], capsys, results)
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="permissions do not bind this user")
+def test_a_read_only_folder_is_refused(patient, results, capsys):
+    results.chmod(0o500)
+    refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_an_output_never_overwrites_an_input(patient, results, capsys):
+    before = patient.sweep.read_bytes()
+    assert "would overwrite an input" in refused([*patient.reconstruct, "--output", patient.sweep], capsys, results)
+    assert patient.sweep.read_bytes() == before
+
+
+def test_two_outputs_must_have_two_names(patient, results, capsys):
+    line = refused([*patient.reconstruct, "--output", results / "v.nrrd", "--hits", results / "v.nrrd"], capsys, results)
+    assert "another output" in line
+
+
+def test_a_full_disk_leaves_no_file(patient, results, capsys, monkeypatch):
+    def full(*_):
+        raise OSError(28, os.strerror(28))
+
+    monkeypatch.setattr(os, "fsync", full)
+    assert "disk is full" in refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="file size limits are POSIX")
+def test_a_write_that_stops_halfway_leaves_no_file(patient, results):
+    """The system itself refuses to let the file grow beyond 2 kB, as it would on a full disk."""
+    limit = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048)); from AIFReconLib.cli import main; sys.exit(main())"
+    )
+    command = [sys.executable, "-c", limit, *patient.reconstruct, "--spacing", "0.3", "--output", str(results / "v.nrrd")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.count("\n") == 1, done.stderr
+    assert list(results.iterdir()) == []
+
+
+def test_a_volume_too_large_for_memory_names_a_spacing_that_fits(patient, results, capsys):
+    line = refused([*patient.reconstruct, "--spacing", "0.011", "--output", results / "v.nrrd"], capsys, results)
+    assert "would fit" in line
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--alpha", "-1"],
+        ["--alpha", "nan"],
+        ["--spacing", "0"],
+        ["--spacing", "1", "2"],
+        ["--hole-limit", "x"],
+        ["--skip", "0"],
+        ["--method", "best"],
+        ["--clip-px", "0", "0", "-5", "4"],
+        ["--clip-px", "100", "100", "5", "5"],
+        ["--fan-angles-deg", "-10", "10"],
+        ["--probe", "linear", "--apex-px", "1", "2"],
+        ["--probe", "sector"],
+        ["--reference", "Nowhere"],
+        ["--image-to-reference", "Nonsense"],
+        ["--bone-transform", "missing.tfm"],
+        ["--bone-labels", "missing.nrrd"],
+        ["--grid-like", "missing.nrrd"],
+        ["--cosine", "c.nrrd"],
+        ["--engine", "abacus"],
+    ],
+    ids=" ".join,
+)
+def test_wrong_options_are_one_line(options, patient, results, capsys):
+    refused([*patient.reconstruct, *options, "--output", results / "v.nrrd"], capsys, results)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C cannot be sent to a child without a console")
+def test_ctrl_c_stops_with_130_and_leaves_no_partial_file(results):
+    output = results / "demo"
+    demo = subprocess.Popen([sys.executable, "-m", "AIFReconLib", "demo", "--output", str(output)], stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 60
+    while not (output / "ct.nrrd").exists() and time.monotonic() < deadline:
+        time.sleep(0.1)
+    time.sleep(0.5)
+    demo.send_signal(signal.SIGINT)
+    _, error = demo.communicate(timeout=60)
+    assert demo.returncode == 130, error
+    assert error.count("\n") == 1, error
+    assert not [path for path in output.rglob("*") if path.name.startswith(".") or path.name in ("sweep.igs.mha", "comparison.png")]
+
+
+def test_ctrl_c_while_a_file_is_read_stops_with_130(patient, results, capsys, monkeypatch):
+    from AIFReconLib.commands import reconstruct as command
+
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "read_sequence", interrupted)
+    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 130
+    assert capsys.readouterr().err.count("\n") == 1
+    assert list(results.iterdir()) == []
