@@ -34,7 +34,7 @@ class ProbeGeometry:
     def __post_init__(self):
         if self.kind not in (LINEAR, SECTOR):
             raise BeamGeometryError(f"Input probe must be linear or sector; got {self.kind!r}.")
-        if self.kind == SECTOR and (self.apex_px is None or not all(math.isfinite(v) for v in self.apex_px)):
+        if self.kind == SECTOR and (self.apex_px is None or len(self.apex_px) != 2 or not all(math.isfinite(v) for v in self.apex_px)):
             raise BeamGeometryError(
                 f"Input apex of a sector probe must be a column and a row; got {self.apex_px!r}. Give --apex-px COLUMN ROW."
             )

@@ -18,8 +18,13 @@ from .volume import Volume, VoxelGrid
 SIGMA_VOXELS = 10.0
 """Smoothing of the probability map in the paper, in voxels of the labels."""
 
-SURFACE_SIGMA_VOXELS = 2.0
-"""Smoothing of the labels before their gradient is taken as the direction of the surface."""
+SURFACE_SIGMA = 2.0
+"""mm. Smoothing of the labels, alike along all axes, before their gradient is taken as the direction of the surface."""
+
+DIRECTIONS = ("gradient", "surface")
+
+SHORTEST = 1e-30
+"""Length below which a gradient has no direction: its components would lose digits in float32."""
 
 GAUSSIAN_REACH = 4.0
 """Where scipy cuts a Gaussian off, in sigmas."""
@@ -61,7 +66,7 @@ class BoneMap:
 
     Notes
     -----
-    Outside the volume the probability is 0.
+    Outside the volume the probability is 0; it falls to it within one voxel.
     """
 
     probability: Volume
@@ -114,16 +119,26 @@ class BoneMap:
         probability = ndimage.gaussian_filter(probability, sigma_kji, mode="nearest", truncate=GAUSSIAN_REACH)
         probability /= probability.max()
         report(progress, 0.9, "Making the bone map")
-        matrix = _matrix_of_box(labels, box)
-        placed = matrix if labels_to_reference is None else np.asarray(labels_to_reference, dtype=np.float64) @ matrix
+        placed = _matrix_of_box(labels if labels_to_reference is None else labels.placed_by(labels_to_reference), box)
         bone_map = cls(Volume(probability, placed), Volume(bone.astype(np.uint8), placed))
         report(progress, 1.0, "Made the bone map")
         return bone_map
 
     @classmethod
     def from_probability(cls, probability: Volume, probability_to_reference: np.ndarray | None = None) -> BoneMap:
-        """A ready probability volume (a network's output), limited to 0 to 1; not finite values count as 0."""
-        array = np.clip(np.nan_to_num(probability.array.astype(np.float32), nan=0.0), 0.0, 1.0)
+        """A ready probability volume (a network's output), limited to 0 to 1; not finite values count as 0.
+
+        Raises
+        ------
+        GeometryError
+            When values go far beyond 1: percent or gray levels.
+        """
+        if probability.array.size and np.nanmax(np.where(np.isfinite(probability.array), probability.array, 0)) > 2:
+            raise GeometryError(
+                f"Input probability must be 0 to 1; got values up to {np.nanmax(probability.array):g}. "
+                "Divide it by its largest possible value, or give labels with --bone-labels."
+            )
+        array = np.clip(np.nan_to_num(probability.array.astype(np.float32), nan=0.0, posinf=0.0, neginf=0.0), 0.0, 1.0)
         volume = Volume(array, probability.ijk_to_reference)
         return cls(volume if probability_to_reference is None else volume.placed_by(probability_to_reference))
 
@@ -141,6 +156,8 @@ class BoneMap:
         V_dir is scipy's Sobel (mode "nearest") along x, y, z in the map's own geometry, taken to mm in Reference as a covector
         (the inverse transpose of the matrix), interpolated linearly to the grid and normalized; zero where there is no gradient.
         """
+        if direction not in DIRECTIONS:
+            raise GeometryError(f"Input direction must be {' or '.join(DIRECTIONS)}; got {direction!r}.")
         sample = _sampler(self.probability, grid)
         report(progress, 0.0, "Placing the bone map")
         probability = sample(self.probability.array, np.float32)
@@ -149,7 +166,8 @@ class BoneMap:
         inside = sample(bone, np.uint8)
         potential = self.probability.array
         if direction == "surface":
-            potential = ndimage.gaussian_filter(bone.astype(np.float32), SURFACE_SIGMA_VOXELS, mode="nearest")
+            sigma_kji = SURFACE_SIGMA / self.probability.grid.spacing[::-1]
+            potential = ndimage.gaussian_filter(bone.astype(np.float32), sigma_kji, mode="nearest")
         report(progress, 0.3, "Placing the bone map")
         to_reference = np.linalg.inv(self.probability.ijk_to_reference[:3, :3]).T.astype(np.float32)
         directions = np.zeros((*grid.shape, 3), dtype=np.float32)
@@ -176,7 +194,7 @@ def _normalize(vectors: np.ndarray) -> None:
     """Scale vectors [k, j, i, 3] to unit length in place, slab by slab; vectors too short to have a direction become zero."""
     for slab in vectors:
         length = np.sqrt(np.einsum("jic,jic->ji", slab, slab, dtype=np.float64))
-        too_short = length < np.finfo(np.float32).tiny
+        too_short = length < SHORTEST
         length[too_short] = 1.0
         slab /= length[..., None].astype(np.float32)
         slab[too_short] = 0.0
@@ -196,7 +214,12 @@ def _matrix_of_box(volume: Volume, box: tuple[slice, slice, slice]) -> np.ndarra
 
 
 def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[np.ndarray, type], np.ndarray]:
-    """A function that brings arrays [k, j, i] on the source's voxels onto the grid: linear for float, nearest for integers, 0 outside."""
+    """A function that brings arrays [k, j, i] on the source's voxels onto the grid: linear for float, nearest for integers.
+
+    Notes
+    -----
+    Around the source lie voxels of 0, so that linear values fall to 0 within one voxel of its border.
+    """
     if source.grid.matches(grid):
         return lambda array, dtype: array.astype(dtype)
     to_source = source.grid.reference_to_ijk @ grid.ijk_to_reference
@@ -209,7 +232,15 @@ def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[np.ndarray, type], np
             offset = to_source[2::-1, 3] + matrix @ [s.start for s in box]
             order = 1 if np.issubdtype(dtype, np.floating) else 0
             ndimage.affine_transform(
-                array, matrix, offset, output=result[box], output_shape=result[box].shape, order=order, prefilter=False
+                array,
+                matrix,
+                offset,
+                output=result[box],
+                output_shape=result[box].shape,
+                order=order,
+                # "constant" would drop voxels on the very border, which rounding puts a hair outside
+                mode="grid-constant",
+                prefilter=False,
             )
         return result
 
@@ -217,10 +248,10 @@ def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[np.ndarray, type], np
 
 
 def _overlap(to_source: np.ndarray, grid: VoxelGrid, source: VoxelGrid) -> tuple[slice, slice, slice] | None:
-    """The box [k, j, i] of the grid outside of which the source has no voxel; None when they do not meet."""
+    """The box [k, j, i] of the grid outside of which the source and its rim of zeros have no voxel; None when they do not meet."""
     to_grid = np.linalg.inv(to_source)
-    last = np.array(source.size) - 1
-    corners = np.array([(i, j, k) for k in (0, last[2]) for j in (0, last[1]) for i in (0, last[0])], dtype=np.float64)
+    near, far = (-1, -1, -1), source.size
+    corners = np.array([(i, j, k) for k in (near[2], far[2]) for j in (near[1], far[1]) for i in (near[0], far[0])], dtype=np.float64)
     ijk = corners @ to_grid[:3, :3].T + to_grid[:3, 3]
     first = np.maximum(np.floor(ijk.min(axis=0)).astype(int) - 1, 0)
     stop = np.minimum(np.ceil(ijk.max(axis=0)).astype(int) + 2, grid.size)

@@ -11,10 +11,10 @@ import sys
 from typing import NoReturn
 
 from . import __version__
-from .commands import benchmark, bone_map, demo, info, reconstruct, simulate
+from .commands import benchmark, bone_map, demo, evaluate, info, reconstruct, simulate
 from .errors import AIFReconError, OperationCanceled
 
-COMMANDS = (demo, reconstruct, bone_map, info, simulate, benchmark)
+COMMANDS = (demo, reconstruct, bone_map, info, evaluate, simulate, benchmark)
 
 SUCCESS, BAD_INPUT, INTERRUPTED = 0, 2, 130
 
@@ -23,6 +23,7 @@ class OneLineParser(argparse.ArgumentParser):
     """Reports wrong arguments in one line, like every other error."""
 
     def error(self, message: str) -> NoReturn:
+        """Say what is wrong and where help is, and exit."""
         self.exit(BAD_INPUT, f"{self.prog}: {message}. See {self.prog} --help.\n")
 
 

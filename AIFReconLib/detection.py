@@ -27,6 +27,13 @@ LINE_TOLERANCE_PX = 2.0
 """How far a side may be from its straight line."""
 
 
+DIRECTIONS = 64
+"""Directions in which the outer radius of a sector is looked for."""
+
+BORDER_PX = 4
+"""An area that ends closer to the image's border than this has no side there that can be seen."""
+
+
 @dataclass(frozen=True)
 class DetectedImaging:
     """What was recognized: probe, the pixels that are ultrasound, and the finding in words."""
@@ -56,25 +63,23 @@ def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)
     box = lit[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     sides = _straight_sides(box)
     upright = sides is not None and max(abs(sides[0][1]), abs(sides[1][1])) < VERTICAL_SLOPE
-    if box.mean() > 0.97 or (upright and box.mean() > 0.85):
-        clip = ClipRectangle(
-            (float(columns[0]), float(rows[0])), (float(columns[-1] - columns[0]) or 1.0, float(rows[-1] - rows[0]) or 1.0)
-        )
-        words = f"a linear probe, columns {columns[0]} to {columns[-1]}, rows {rows[0]} to {rows[-1]}"
-        return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
-    if sides is None or upright:
+    if box.mean() > 0.97 or upright:
+        return _rectangle(lit, box, sides if upright else None, (int(columns[0]), int(rows[0])))
+    if sides is None:
         raise _unrecognized("its outline is neither a rectangle nor a sector")
     return _sector(lit, sides, (int(columns[0]), int(rows[0])), spacing)
 
 
 def _lit_area(images: ImageStack) -> np.ndarray:
     """The largest connected area that is lit in any of the frames looked at, without its holes, (rows, columns) bool."""
+    if len(images) == 0:
+        raise _unrecognized("there are none")
     numbers = np.unique(np.linspace(0, len(images) - 1, FRAMES_LOOKED_AT).astype(int))
     brightest = None
     for number in numbers:
-        image = np.nan_to_num(np.asarray(images[int(number)], dtype=np.float32))
+        image = np.nan_to_num(np.asarray(images[int(number)], dtype=np.float32), posinf=0.0, neginf=0.0)
         brightest = image if brightest is None else np.maximum(brightest, image)
-    if brightest is None or brightest.max() <= 0:
+    if not brightest.size or brightest.max() <= 0:
         raise _unrecognized("all images are black")
     lit = ndimage.binary_closing(np.pad(brightest > LIT * brightest.max(), 4), iterations=4)[4:-4, 4:-4]
     # An opening drops rulers, text and borders that touch the sector by a thin line
@@ -106,7 +111,7 @@ def _straight_sides(box: np.ndarray) -> tuple[tuple[float, float], tuple[float, 
 
 
 def _robust_line(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
-    """Offset and slope of the line that most points are on; None when fewer than 6 in 10 are."""
+    """Offset and slope of the line that most points are on; None when fewer than 3 in 4 are."""
     if x.size < 10:
         return None
     x, y = x.astype(np.float64), y.astype(np.float64)
@@ -119,11 +124,31 @@ def _robust_line(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
             return None
         slope, offset = (float(v) for v in np.polyfit(x[near], y[near], 1))
     near = np.abs(y - offset - slope * x) <= LINE_TOLERANCE_PX
-    return (offset, slope) if near.mean() >= 0.6 else None
+    return (offset, slope) if near.mean() >= 0.75 else None
+
+
+def _rectangle(lit: np.ndarray, box: np.ndarray, sides, corner: tuple[int, int]) -> DetectedImaging:
+    height, width = box.shape
+    left, right = 0, width - 1
+    if sides is not None:
+        # The sides rather than the box: text that touches the image widens the box
+        ends = [[offset + slope * row for row in (0, height - 1)] for offset, slope in sides]
+        left, right = max(round(min(ends[0])), left), min(round(max(ends[1])), right)
+    within = box[:, left : right + 1]
+    if right <= left or within.mean() < 0.7 or within.sum() < 0.9 * box.sum():
+        raise _unrecognized("its outline is neither a rectangle nor a sector")
+    left, right, top, bottom = left + corner[0], right + corner[0], corner[1], corner[1] + height - 1
+    if left < BORDER_PX and right >= lit.shape[1] - BORDER_PX:
+        raise _unrecognized("they are lit from side to side, with no black surround that would show an outline")
+    clip = ClipRectangle((float(left), float(top)), (float(right - left), float(bottom - top)))
+    words = f"a linear probe, columns {left} to {right}, rows {top} to {bottom}"
+    return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
 
 
 def _sector(lit: np.ndarray, sides, corner: tuple[int, int], spacing: tuple[float, float]) -> DetectedImaging:
     (left_offset, left_slope), (right_offset, right_slope) = sides
+    # The outermost lit pixels lie inside the side, by half a pixel on average
+    left_offset, right_offset = left_offset - 0.5, right_offset + 0.5
     if left_slope >= -VERTICAL_SLOPE or right_slope <= VERTICAL_SLOPE:
         raise _unrecognized("its sides do not spread downward")
     row = (left_offset - right_offset) / (right_slope - left_slope)
@@ -136,13 +161,22 @@ def _sector(lit: np.ndarray, sides, corner: tuple[int, int], spacing: tuple[floa
     middle = radius[np.abs(angle - np.mean(angles)) < 0.25 * (angles[1] - angles[0])]
     if not middle.size:
         raise _unrecognized("its sides do not enclose it")
-    first, last = float(middle.min()), float(np.quantile(radius, 0.9995))
+    first, last = float(middle.min()), _outer_radius(radius, (angle - angles[0]) / (angles[1] - angles[0]))
     fan = Fan(apex, angles, (max(first - 0.5 * spacing[1], 0.0), last), spacing)
     inside = fan.mask(lit.shape[1], lit.shape[0])
     if (lit & inside).sum() < 0.95 * lit.sum() or (lit & inside).sum() < 0.7 * inside.sum():
         raise _unrecognized("its outline is not that of a sector")
     words = f"a sector probe, apex at column {apex[0]:.1f}, row {apex[1]:.1f}, {angles[0]:.1f} to {angles[1]:.1f} degrees"
     return DetectedImaging(ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan), words)
+
+
+def _outer_radius(radius: np.ndarray, share: np.ndarray) -> float:
+    """The radius that a sector reaches in some directions at least; `share` of each pixel is 0 at its left side, 1 at its right."""
+    farthest = np.zeros(DIRECTIONS)
+    within = (share >= 0) & (share < 1)
+    np.maximum.at(farthest, (share[within] * DIRECTIONS).astype(int), radius[within])
+    # Not quite the largest: a ruler that touches the sector sticks out in one direction or two
+    return float(np.sort(farthest)[-4])
 
 
 def _unrecognized(why: str) -> BeamGeometryError:

@@ -13,6 +13,10 @@ LARGEST_EXTENT = 5000.0
 """mm. Poses that span more are not those of one patient."""
 
 
+TIE_TOLERANCE = 1e-6
+"""Voxels. Engines multiply matrices before they round, and so place a pixel that lies between two voxels on either side."""
+
+
 def grid_around_sweep(
     image_to_reference: np.ndarray,
     frame_size: tuple[int, int],
@@ -42,7 +46,8 @@ def grid_around_sweep(
     Notes
     -----
     IGSIO's rule: the origin is the least coordinate of any pixel center and the center of voxel 0; the size is
-    round((most - least) / spacing) + 1. So the last pixel is less than half a voxel past the last voxel's center.
+    round((most - least) / spacing) + 1. So the last pixel is at most half a voxel past the last voxel's center. A pixel on the very
+    border of two voxels, to rounding, gets both.
     """
     if not len(image_to_reference):
         raise GeometryError("Input poses must be at least one; got none.")
@@ -52,8 +57,8 @@ def grid_around_sweep(
         points = pixels @ matrix[:3, :2].T + matrix[:3, 3]
         np.minimum(least, points.min(axis=0), out=least)
         np.maximum(most, points.max(axis=0), out=most)
-    size = np.floor((most - least) / np.asarray(spacing) + 0.5) + 1
     extent = most - least
+    size = np.floor(extent / np.asarray(spacing) + (0.5 + TIE_TOLERANCE)) + 1
     if not np.isfinite(extent).all() or extent.max() > LARGEST_EXTENT:
         spans = " x ".join(f"{mm:.0f}" for mm in extent)
         raise GeometryError(f"The sweep spans {spans} mm, which no scan does. Are its poses in mm and in the right frame?")

@@ -42,10 +42,14 @@ class ImageStack(Protocol):
     """The images of a sequence, in memory or read from a file when asked for: a numpy array (n, rows, columns) is one."""
 
     @property
-    def shape(self) -> tuple[int, ...]: ...
+    def shape(self) -> tuple[int, ...]:
+        """(frames, rows, columns)."""
+        ...
 
     @property
-    def dtype(self) -> np.dtype: ...
+    def dtype(self) -> np.dtype:
+        """Type of a pixel."""
+        ...
 
     def __len__(self) -> int: ...
 
@@ -124,8 +128,6 @@ class TrackedSequence:
         return list(names)
 
     def status_counts(self, name: TransformName) -> Counter[TransformStatus]:
-        """How many frames have this transform with which status; frames without it count as MISSING."""
-        if name in self.transforms:
-            return Counter({self.transforms[name].status: len(self)})
-        missing = TransformSample(np.eye(4), TransformStatus.MISSING)
-        return Counter(record.transforms.get(name, missing).status for record in self.records)
+        """How many frames have this transform with which status; frames without it count as MISSING, unless the header has it."""
+        otherwise = self.transforms.get(name, TransformSample(np.eye(4), TransformStatus.MISSING))
+        return Counter(record.transforms.get(name, otherwise).status for record in self.records)

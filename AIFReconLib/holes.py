@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from scipy import ndimage
 
@@ -10,8 +12,13 @@ from .progress import Progress, report
 EMPTY, MEASURED, FILLED = 0, 1, 2
 """Values of the mask volume."""
 
-SLAB_VOXELS = 4_000_000
-"""Voxels looked at in one go: bounds the memory of the list of holes."""
+BLOCK = 64
+"""Voxels along each side of what is searched in one go, and"""
+
+HOLES_AT_ONCE = 65_536
+"""how many holes are looked up together: both bound the memory that is needed beside the volume."""
+
+NM_PER_MM = 1e6
 
 
 def fill_holes(values: np.ndarray, mask: np.ndarray, spacing: np.ndarray, limit: float, progress: Progress | None = None) -> int:
@@ -37,51 +44,88 @@ def fill_holes(values: np.ndarray, mask: np.ndarray, spacing: np.ndarray, limit:
     Distances are between voxel centers; among equally near voxels the one with the lowest [k, j, i] gives its value. Only measured
     voxels are sources, so the order of filling does not matter.
     """
-    offsets = neighbor_offsets(spacing, limit)
+    offsets, distances = neighbor_offsets(spacing, limit, mask.shape)
     if not len(offsets):
         return 0
     reach = np.abs(offsets).max(axis=0)
-    near_measured = mask == MEASURED
-    for axis in range(3):
-        near_measured = ndimage.maximum_filter1d(near_measured.view(np.uint8), 2 * int(reach[axis]) + 1, axis=axis, mode="constant").view(
-            bool
-        )
-    slab = max(SLAB_VOXELS // (mask.shape[1] * mask.shape[2]), 1)
+    edge = np.maximum(BLOCK, 2 * reach)
+    blocks = list(itertools.product(*(range(0, n, e) for n, e in zip(mask.shape, edge, strict=True))))
     filled = 0
-    for first in range(0, mask.shape[0], slab):
-        report(progress, first / mask.shape[0], "Filling holes")
-        holes = np.argwhere((mask[first : first + slab] == EMPTY) & near_measured[first : first + slab])
-        holes[:, 0] += first
-        filled += _fill(holes, values, mask, offsets)
+    for number, first in enumerate(blocks):
+        report(progress, number / len(blocks), "Filling holes")
+        # The block with what the limit can reach around it
+        low = np.maximum(first - reach, 0)
+        window = tuple(slice(a, b) for a, b in zip(low, first + edge + reach, strict=True))
+        block = tuple(slice(a, b) for a, b in zip(first - low, first - low + edge, strict=True))
+        filled += _fill_block(values[window], mask[window], block, np.asarray(spacing)[::-1], offsets, distances)
     report(progress, 1.0, "Filled holes")
     return filled
 
 
-def neighbor_offsets(spacing: np.ndarray, limit: float) -> np.ndarray:
-    """Offsets (n, 3) in [k, j, i] to every voxel within `limit` mm, nearest first, equally near ones by rising [k, j, i]."""
+def neighbor_offsets(spacing: np.ndarray, limit: float, shape: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Every voxel within reach of another.
+
+    Parameters
+    ----------
+    spacing : (3,) array, mm along i, j, k
+    limit : float, mm
+    shape : [k, j, i]
+        Of the volume, beyond which there is nothing to reach.
+
+    Returns
+    -------
+    offsets : (n, 3) int64 array, [k, j, i]
+        Nearest first, equally near ones by rising [k, j, i].
+    distances : (n,) int64 array, nm
+    """
     spacing_kji = np.asarray(spacing, dtype=np.float64)[::-1]
-    reach = np.floor(limit / spacing_kji + 1e-9).astype(int)
-    offsets = np.stack(np.meshgrid(*(np.arange(-r, r + 1) for r in reach), indexing="ij"), axis=-1).reshape(-1, 3)
-    # In nanometers, so that distances equal in mm are equal here whatever order they were added up in
-    distance = np.rint(np.linalg.norm(offsets * spacing_kji, axis=1) * 1e6).astype(np.int64)
-    within = (distance > 0) & (distance <= round(limit * 1e6))
-    offsets, distance = offsets[within], distance[within]
-    return offsets[np.lexsort((offsets[:, 2], offsets[:, 1], offsets[:, 0], distance))]
+    reach = np.minimum(np.floor(limit / spacing_kji + 1e-9), np.array(shape) - 1).astype(int)
+    grid = np.ogrid[tuple(slice(-r, r + 1) for r in reach)]
+    distance = _nanometers([along.astype(np.float64) for along in grid], spacing_kji)
+    within = np.flatnonzero((distance > 0) & (distance <= round(limit * NM_PER_MM)))
+    # Flat numbers rise with [k, j, i]: a stable sort keeps that order among equals
+    within = within[np.argsort(distance.reshape(-1)[within], kind="stable")]
+    return np.stack(np.unravel_index(within, distance.shape), axis=1) - reach, distance.reshape(-1)[within]
 
 
-def _fill(holes: np.ndarray, values: np.ndarray, mask: np.ndarray, offsets: np.ndarray) -> int:
-    """Give each hole (n, 3) the value of its first measured neighbor in the order of `offsets`; returns how many had one."""
+def _nanometers(offset_kji: list[np.ndarray], spacing_kji: np.ndarray) -> np.ndarray:
+    """Lengths of offsets (in voxels) in whole nm, so that distances equal in mm are equal here whatever they were added up from."""
+    squared = sum((along * pitch) ** 2 for along, pitch in zip(offset_kji, spacing_kji, strict=True))
+    return np.rint(np.sqrt(squared) * NM_PER_MM).astype(np.int64)
+
+
+def _fill_block(values: np.ndarray, mask: np.ndarray, block, spacing_kji: np.ndarray, offsets: np.ndarray, distances: np.ndarray) -> int:
+    """Fill the holes in `block`, a part [k, j, i] of these voxels, from all of them; returns how many had a value within reach.
+
+    Notes
+    -----
+    The distance transform tells how far each hole's nearest measured voxel is; which one it is, is then looked up among the offsets
+    of that very length, in their order, because the transform breaks ties as it likes.
+    """
+    measured = mask == MEASURED
+    holes = np.argwhere(mask[block] == EMPTY) + [part.start for part in block]
+    if not len(holes) or not measured.any():
+        return 0
+    nearest = ndimage.distance_transform_edt(~measured, sampling=spacing_kji, return_distances=False, return_indices=True)
+    reach = np.abs(offsets).max(axis=0)
+    padded = np.pad(measured, [(r, r) for r in reach])
+    strides = np.array([padded.shape[1] * padded.shape[2], padded.shape[2], 1])
     filled = 0
-    for offset in offsets:
-        if not len(holes):
-            break
-        there = holes + offset
-        inside = ((there >= 0) & (there < mask.shape)).all(axis=1)
-        k, j, i = np.where(inside[:, None], there, 0).T
-        found = inside & (mask[k, j, i] == MEASURED)
-        at = tuple(holes[found].T)
-        values[at] = values[k[found], j[found], i[found]]
-        mask[at] = FILLED
-        filled += int(found.sum())
-        holes = holes[~found]
+    for start in range(0, len(holes), HOLES_AT_ONCE):
+        some = holes[start : start + HOLES_AT_ONCE]
+        k, j, i = some.T
+        nanometers = _nanometers([nearest[axis, k, j, i] - some[:, axis] for axis in range(3)], spacing_kji)
+        for distance in np.unique(nanometers[nanometers <= distances[-1]]):
+            here = some[nanometers == distance]
+            places = (here + reach) @ strides
+            for offset in offsets[slice(*np.searchsorted(distances, [distance, distance + 1]))]:
+                found = padded.reshape(-1)[places + offset @ strides]
+                if found.any():
+                    at = here[found]
+                    values[tuple(at.T)] = values[tuple((at + offset).T)]
+                    mask[tuple(at.T)] = FILLED
+                    filled += len(at)
+                    here, places = here[~found], places[~found]
+                    if not len(here):
+                        break
     return filled

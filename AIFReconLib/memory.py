@@ -13,6 +13,16 @@ from .volume import MAXIMUM_VOXELS
 SAFETY = 0.9
 """Share of the free memory that a volume may take."""
 
+CONTROL_GROUP = Path("/sys/fs/cgroup")
+"""Where Linux tells what a container may use."""
+
+HANDY_SPACINGS = tuple(
+    round(step * n, 2)
+    for step, first, last in ((0.01, 1, 20), (0.05, 5, 20), (0.1, 11, 20), (0.5, 5, 20), (1.0, 11, 50))
+    for n in range(first, last + 1)
+)
+"""mm, rising; what a message may suggest."""
+
 
 def available_memory() -> int | None:
     """Bytes that this process may still allocate; None where the system does not tell.
@@ -44,12 +54,12 @@ def require_memory(size: tuple[int, int, int], spacing, bytes_per_voxel: int, av
     if (available is None or needed <= SAFETY * available) and voxels <= MAXIMUM_VOXELS:
         return
     usable = MAXIMUM_VOXELS * bytes_per_voxel if available is None else min(SAFETY * available, MAXIMUM_VOXELS * bytes_per_voxel)
-    factor = (needed / max(usable, 1.0)) ** (1 / 3)
-    fits = _round_up(float(max(spacing)) * factor)
+    fits = _spacing_that_fits(size, spacing, usable / bytes_per_voxel)
+    advice = "No spacing would fit: free some memory." if fits is None else f"A spacing of {fits:g} mm would fit."
     raise InsufficientMemoryError(
         f"A volume of {' x '.join(str(n) for n in size)} voxels ({' x '.join(f'{s:.3g}' for s in spacing)} mm) needs "
         f"{_gigabytes(needed)} of memory, and {'at most ' if available is None else ''}{_gigabytes(usable)} can be used. "
-        f"A spacing of {fits:g} mm would fit."
+        f"{advice}"
     )
 
 
@@ -57,13 +67,14 @@ def _gigabytes(count: float) -> str:
     return f"{count / 1e9:.1f} GB" if count >= 1e8 else f"{count / 1e6:.1f} MB"
 
 
-def _round_up(spacing: float) -> float:
-    """Up to two digits, with a little to spare for the rounding of the grid's size."""
-    spacing *= 1.02
-    for step in (0.01, 0.05, 0.1, 0.5, 1.0, 5.0):
-        if spacing <= 20 * step:
-            break
-    return -(-spacing // step) * step
+def _spacing_that_fits(size: tuple[int, int, int], spacing, most_voxels: float) -> float | None:
+    """The finest handy spacing, the same along every axis, at which the same box has at most so many voxels; None for none."""
+    # Half a voxel to spare, because the size was rounded
+    extent = [(n - 0.5) * float(pitch) for n, pitch in zip(size, spacing, strict=True)]
+    for fits in HANDY_SPACINGS:
+        if math.prod(math.floor(mm / fits + 0.5) + 1 for mm in extent) <= most_voxels:
+            return fits
+    return None
 
 
 def _system_free() -> int | None:
@@ -97,11 +108,13 @@ def _windows_free() -> int | None:
 
 
 def _cgroup_free() -> int | None:
-    folder = Path("/sys/fs/cgroup")
+    # What files left in the cache counts as used, but is given back on demand
     try:
-        limit = (folder / "memory.max").read_text().strip()
-        used = int((folder / "memory.current").read_text())
-        return None if limit == "max" else int(limit) - used
+        limit = (CONTROL_GROUP / "memory.max").read_text().strip()
+        if limit == "max":
+            return None
+        statistics = dict(line.split() for line in (CONTROL_GROUP / "memory.stat").read_text().splitlines())
+        return int(limit) - int((CONTROL_GROUP / "memory.current").read_text()) + int(statistics.get("inactive_file", 0))
     except (OSError, ValueError):
         return None
 

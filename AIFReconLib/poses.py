@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import NoUsableFramesError, TransformError
+from .errors import GeometryError, NoUsableFramesError, TransformError
 from .frames import TrackedFrame, TrackedSequence
 from .transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
-from .transforms import invert, why_not_an_image_pose, why_not_rigid
+from .transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,9 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     configured = dict(getattr(sequence.configuration, "transforms", None) or {})
     notes = [f"{name} is in the recording and in the configuration; the recording's is used." for name in recorded if name in configured]
     path = (wanted,) if named and wanted in recorded else _find_chain(sequence, wanted, recorded, configured)
-    static = {**configured, **sequence.transforms}
+    # A frame that lacks a recorded transform is a frame without a pose: the configuration's must not stand in for it
+    static = {**{name: sample for name, sample in configured.items() if name not in recorded}, **sequence.transforms}
+    known = {*recorded, *configured}
     count = len(sequence)
     matrices = np.full((count, 4, 4), np.nan)
     problems: list[str | None] = []
@@ -104,7 +106,7 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         if record.image_status is not TransformStatus.OK:
             problems.append(f"no image ({record.image_status.value})")
             continue
-        matrix, problem = _follow(path, record.transforms, static, image_frame=wanted.source)
+        matrix, problem = _follow(path, known, record.transforms, static, image_frame=wanted.source)
         problems.append(problem)
         if problem is None:
             matrices[number] = matrix
@@ -147,9 +149,14 @@ def describe_frames(numbers: list[int], at_most: int = 4) -> str:
 
 def _find_chain(sequence, wanted: TransformName, recorded, configured) -> tuple[TransformName, ...]:
     """The chain from image to reference over everything that any frame or the configuration holds."""
+    if wanted.source == wanted.target:
+        raise TransformError(f"{sequence.name}: Image and reference must be two frames; got {wanted.source} for both.")
     graph = TransformGraph()
-    for name in dict.fromkeys([*configured, *recorded]):
-        graph.set(name, np.eye(4))
+    try:
+        for name in dict.fromkeys([*configured, *recorded]):
+            graph.set(name, np.eye(4))
+    except TransformError as error:
+        raise TransformError(f"{sequence.name}: {error}") from None
     try:
         return graph.lookup(wanted.source, wanted.target).path
     except TransformError as error:
@@ -172,6 +179,7 @@ def _advice(graph: TransformGraph, wanted: TransformName) -> str:
 
 def _follow(
     path: tuple[TransformName, ...],
+    known: set[TransformName],
     recorded: dict[TransformName, TransformSample],
     static: dict[TransformName, TransformSample],
     image_frame: str,
@@ -179,22 +187,20 @@ def _follow(
     """The product of one frame's transforms along `path`, or what is wrong with the first link that cannot be used."""
     matrix = np.eye(4)
     for name in path:
-        stored = name if name in recorded or name in static else name.inverse
+        stored = name if name in known else name.inverse
         is_recorded = stored in recorded
         sample = recorded.get(stored) if is_recorded else static.get(stored)
         if sample is None:
             return matrix, f"{stored} not recorded"
         if sample.status is not TransformStatus.OK:
             return matrix, f"{stored} {sample.status.value}"
-        if not np.isfinite(sample.matrix).all():
-            return matrix, f"{stored} not finite"
         scales_pixels = image_frame in (name.source, name.target)
-        problem = why_not_rigid(sample.matrix) if is_recorded and not scales_pixels else None
+        problem = why_not_rigid(sample.matrix) if is_recorded and not scales_pixels else why_not_affine(sample.matrix)
         if problem:
             return matrix, f"{stored} {problem}"
         try:
             matrix = (sample.matrix if stored == name else invert(sample.matrix)) @ matrix
-        except np.linalg.LinAlgError:
+        except GeometryError:
             return matrix, f"{stored} singular"
     problem = why_not_an_image_pose(matrix)
     return matrix, f"image pose {problem}" if problem else None

@@ -19,7 +19,9 @@ def report(progress: Progress | None, fraction: float, message: str) -> None:
         When the caller's function returns False. (None and other values mean: go on.)
     """
     if progress is not None and progress(min(max(fraction, 0.0), 1.0), message) is False:
-        raise OperationCanceled(f"Canceled while {message[:1].lower()}{message[1:]}.")
+        first_word = message.split(" ", 1)[0]
+        message = message if first_word.isupper() else message[:1].lower() + message[1:]
+        raise OperationCanceled(f"Canceled while {message}.")
 
 
 def part(progress: Progress | None, start: float, stop: float) -> Progress | None:

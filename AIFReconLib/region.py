@@ -35,12 +35,10 @@ class ClipRectangle:
         if 0 in self.size_px:
             return 0, columns - 1, 0, rows - 1
         (x, y), (width, height) = self.origin_px, self.size_px
-        return (
-            max(math.ceil(x), 0),
-            min(math.floor(x + width), columns - 1),
-            max(math.ceil(y), 0),
-            min(math.floor(y + height), rows - 1),
-        )
+        left, top = max(math.ceil(x), 0), max(math.ceil(y), 0)
+        right, bottom = min(math.floor(x + width), columns - 1), min(math.floor(y + height), rows - 1)
+        # Never below -1, which a slice would count from the image's other end
+        return left, max(right, left - 1), top, max(bottom, top - 1)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,9 @@ The command line, the Slicer module and the documentation take them from here.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field, fields
+from numbers import Integral, Real
 from typing import Any
 
 from .errors import SettingsError
@@ -22,8 +24,9 @@ DEFAULT_SPACING = 0.5
 
 
 def parameter(default: Any, help: str, *, unit: str = "", minimum: float | None = None, maximum: float | None = None, choices=None) -> Any:
-    """A dataclass field that carries what a user interface needs to know of it."""
-    return field(default=default, metadata={"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices})
+    """A dataclass field that carries what a user interface needs to know of it: where its default is None, None may be given."""
+    rule = {"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices, "default": default}
+    return field(default=default, metadata=rule)
 
 
 @dataclass(frozen=True)
@@ -59,12 +62,12 @@ class ReconstructionSettings:
         choices=("gradient", "surface"),
     )
     hole_limit: float = parameter(
-        0.0, "empty voxels take the nearest measured value up to this distance; 0: off", unit="mm", minimum=0.0, maximum=100.0
+        0.0, "empty voxels take the nearest measured value up to this distance; 0: off", unit="mm", minimum=0.0, maximum=20.0
     )
     intensity_maximum: float | None = parameter(
         None,
         "brightest value an image can hold (default: 255 for 8-bit images, else the largest of their type; none for float)",
-        minimum=0.0,
+        minimum=1e-6,
     )
     best_cosine: bool = parameter(False, "also keep each voxel's best cosine of incidence (needs a bone map)")
     skip: int = parameter(1, "use every N-th frame", minimum=1)
@@ -81,12 +84,17 @@ class ReconstructionSettings:
     shadow_length: float = parameter(1.0, "weighted: further bone in which the weight falls by e", unit="mm", minimum=0.01, maximum=50.0)
 
     def __post_init__(self):
-        for spec in fields(self):
-            check_value(spec.name, getattr(self, spec.name), spec.metadata)
-        if self.spacing is not None and not isinstance(self.spacing, int | float):
-            if len(self.spacing) != 3:
-                raise SettingsError(f"Input spacing must be one number or three (x y z); got {len(self.spacing)}.")
-            object.__setattr__(self, "spacing", tuple(float(s) for s in self.spacing))
+        rules = {spec.name: spec.metadata for spec in fields(self)}
+        for name, rule in rules.items():
+            if name == "spacing" and isinstance(self.spacing, Iterable) and not isinstance(self.spacing, str):
+                along_axes = tuple(self.spacing)
+                if len(along_axes) != 3:
+                    raise SettingsError(f"Input spacing must be one number or three (x y z); got {len(along_axes)}.")
+                for number in along_axes:
+                    check_value(name, number, {**rule, "default": DEFAULT_SPACING})
+                object.__setattr__(self, "spacing", tuple(float(s) for s in along_axes))
+            else:
+                check_value(name, getattr(self, name), rule)
 
     def method_for(self, has_bone: bool) -> str:
         """The method to use, resolving the default by whether there is a bone map."""
@@ -97,22 +105,26 @@ class ReconstructionSettings:
     def spacing_xyz(self) -> tuple[float, float, float]:
         """Spacing along x, y, z in mm, with the default where none is set."""
         spacing = DEFAULT_SPACING if self.spacing is None else self.spacing
-        return (float(spacing),) * 3 if isinstance(spacing, int | float) else spacing
+        return spacing if isinstance(spacing, tuple) else (float(spacing),) * 3
 
 
 def check_value(name: str, value: Any, rule: dict[str, Any]) -> None:
-    """Raise `SettingsError` unless `value` (a number, a tuple of numbers, a word or None) obeys a field's metadata."""
-    if value is None:
+    """Raise `SettingsError` unless `value` (a number, a word, a bool or None) obeys a field's metadata."""
+    if value is None and rule["default"] is None:
         return
     if rule["choices"] is not None:
         if value not in rule["choices"]:
             raise SettingsError(f"Input {name} must be one of {', '.join(rule['choices'])}; got {value!r}.")
         return
+    if isinstance(rule["default"], bool):
+        if not isinstance(value, bool):
+            raise SettingsError(f"Input {name} must be True or False; got {value!r}.")
+        return
+    whole = isinstance(rule["default"], int)
+    if isinstance(value, bool) or not isinstance(value, Integral if whole else Real) or not math.isfinite(value):
+        raise SettingsError(f"Input {name} must be a {'whole' if whole else 'finite'} number; got {value!r}.")
     unit = f" {rule['unit']}" if rule["unit"] else ""
-    for number in value if isinstance(value, tuple | list) else (value,):
-        if not isinstance(number, int | float) or not math.isfinite(number):
-            raise SettingsError(f"Input {name} must be a finite number; got {number!r}.")
-        if rule["minimum"] is not None and number < rule["minimum"]:
-            raise SettingsError(f"Input {name} must be at least {rule['minimum']}{unit}; got {number!r}.")
-        if rule["maximum"] is not None and number > rule["maximum"]:
-            raise SettingsError(f"Input {name} must be at most {rule['maximum']}{unit}; got {number!r}.")
+    if rule["minimum"] is not None and value < rule["minimum"]:
+        raise SettingsError(f"Input {name} must be at least {rule['minimum']:g}{unit}; got {value!r}.")
+    if rule["maximum"] is not None and value > rule["maximum"]:
+        raise SettingsError(f"Input {name} must be at most {rule['maximum']:g}{unit}; got {value!r}.")

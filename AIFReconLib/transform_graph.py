@@ -14,7 +14,7 @@ from enum import Enum
 import numpy as np
 
 from .errors import TransformError
-from .transforms import as_matrix, invert
+from .transforms import as_matrix, invert, why_not_affine
 
 
 class TransformStatus(Enum):
@@ -64,6 +64,7 @@ class TransformName:
 
     @property
     def inverse(self) -> TransformName:
+        """The name of the transform the other way: ``TrackerToProbe`` for ``ProbeToTracker``."""
         return TransformName(self.target, self.source)
 
     def __str__(self) -> str:
@@ -122,7 +123,7 @@ class TransformGraph:
         Raises
         ------
         TransformError
-            When its inverse is there already: two statements of one relation.
+            When its inverse is there already: two statements of one relation. When it leads from a frame to itself.
         GeometryError
             When the matrix is not a finite, invertible 4x4 matrix.
         """
@@ -142,28 +143,35 @@ class TransformGraph:
         Returns
         -------
         FoundTransform
-            Its status is OK only when every link is OK; else it is the first other status on the way, and the matrix is NaN, so
-            that nobody uses it by mistake.
+            Its status is OK only when every link is OK; else it is the first other status on the way (INVALID for a link that is
+            no finite affine matrix), and the matrix is NaN, so that nobody uses it by mistake.
 
         Raises
         ------
         TransformError
             When no path exists (names what is connected to either end), or more than one (names two).
+        GeometryError
+            When a singular matrix would have to be inverted.
         """
-        paths = self._paths(source, target, at_most=2)
-        if not paths:
+        path = self._shortest_path(source, target)
+        if path is None:
             raise TransformError(self._no_path_message(source, target))
-        if len(paths) > 1:
-            raise TransformError(
-                f"Two paths lead from {source} to {target}: {_spell(paths[0])}; and {_spell(paths[1])}. "
-                "Remove one of them, or name the recorded transform to use with --image-to-reference."
-            )
-        names = tuple(name if forward else name.inverse for name, forward in paths[0])
+        for link, _ in path:
+            other = self._shortest_path(source, target, without=link)
+            if other is not None:
+                raise TransformError(
+                    f"Two paths lead from {source} to {target}: {_spell(path)}; and {_spell(other)}. "
+                    "Remove one of them, or name the recorded transform to use with --image-to-reference."
+                )
+        names = tuple(name if forward else name.inverse for name, forward in path)
         matrix = np.eye(4)
-        for name, forward in paths[0]:
+        for name, forward in path:
             sample = self._transforms[name]
-            if sample.status is not TransformStatus.OK:
-                return FoundTransform(np.full((4, 4), np.nan), sample.status, names)
+            status = sample.status
+            if status is TransformStatus.OK and why_not_affine(sample.matrix):
+                status = TransformStatus.INVALID
+            if status is not TransformStatus.OK:
+                return FoundTransform(np.full((4, 4), np.nan), status, names)
             matrix = (sample.matrix if forward else invert(sample.matrix)) @ matrix
         return FoundTransform(matrix, TransformStatus.OK, names)
 
@@ -180,29 +188,26 @@ class TransformGraph:
         return found
 
     def _put(self, name: TransformName, sample: TransformSample) -> None:
+        if name.source == name.target:
+            raise TransformError(f"Transform {name} cannot be set: it leads from a frame to itself. Remove it.")
         if name.inverse in self._transforms:
             raise TransformError(f"Transform {name} cannot be set: its inverse {name.inverse} is given already. Remove one of the two.")
         self._transforms[name] = sample
 
-    def _paths(self, source: str, target: str, at_most: int) -> list[list[tuple[TransformName, bool]]]:
-        """Up to `at_most` ways without a frame twice, each a list of (stored name, used forward)."""
-        found: list[list[tuple[TransformName, bool]]] = []
-        if source == target:
-            return [[]]
-
-        def walk(here: str, visited: set[str], steps: list[tuple[TransformName, bool]]) -> None:
+    def _shortest_path(self, source: str, target: str, without: TransformName | None = None) -> list[tuple[TransformName, bool]] | None:
+        """The way with the fewest links that avoids `without`, as (stored name, used forward); None where there is none."""
+        ways: dict[str, list[tuple[TransformName, bool]]] = {source: []}
+        nearest_first = [source]
+        for here in nearest_first:
             for name in self._transforms:
-                if here not in (name.source, name.target) or len(found) >= at_most:
+                if name == without or here not in (name.source, name.target):
                     continue
                 forward = name.source == here
                 there = name.target if forward else name.source
-                if there == target:
-                    found.append([*steps, (name, forward)])
-                elif there not in visited:
-                    walk(there, visited | {there}, [*steps, (name, forward)])
-
-        walk(source, {source}, [])
-        return found
+                if there not in ways:
+                    ways[there] = [*ways[here], (name, forward)]
+                    nearest_first.append(there)
+        return ways.get(target)
 
     def _no_path_message(self, source: str, target: str) -> str:
         known = ", ".join(str(name) for name in self._transforms) or "none"

@@ -20,6 +20,10 @@ SHEAR_TOLERANCE = 0.1
 """Largest |cosine| between the two image axes. Fiducial calibrations are affine fits: 0.05 has been seen in use."""
 
 
+LARGEST_NUMBER = 1e12
+"""No transform in mm holds more; trackers write such numbers for a pose that they do not have."""
+
+
 def as_matrix(values, name: str = "matrix") -> np.ndarray:
     """`values` as a (4, 4) float64 array.
 
@@ -30,17 +34,27 @@ def as_matrix(values, name: str = "matrix") -> np.ndarray:
     name : str
         What to call it in an error.
 
+    Returns
+    -------
+    matrix : (4, 4) float64 array
+        A copy: changing it leaves `values` alone, and the other way round.
+
     Raises
     ------
     GeometryError
         When there are not 16 numbers, one is not finite, the last row is not 0 0 0 1, or the matrix is singular.
     """
-    matrix = np.asarray(values, dtype=np.float64)
-    if matrix.size != 16:
-        raise GeometryError(f"Input {name} must have 16 numbers (4 rows of 4); got {matrix.size}.")
+    try:
+        matrix = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise GeometryError(f"Input {name} must have 16 numbers (4 rows of 4); got {values!r}.") from None
+    if matrix.shape not in ((4, 4), (16,)):
+        raise GeometryError(f"Input {name} must have 16 numbers (4 rows of 4); got shape {matrix.shape}.")
     matrix = matrix.reshape(4, 4)
     if not np.isfinite(matrix).all():
         raise GeometryError(f"Input {name} must hold finite numbers; got NaN or infinity.")
+    if np.abs(matrix).max() > LARGEST_NUMBER:
+        raise GeometryError(f"Input {name} must hold numbers of at most {LARGEST_NUMBER:g}; got {np.abs(matrix).max():g}.")
     if not np.allclose(matrix[3], (0.0, 0.0, 0.0, 1.0), atol=1e-9):
         raise GeometryError(f"Input {name} must have 0 0 0 1 as its last row; got {matrix[3].tolist()}.")
     scale = np.prod(np.linalg.norm(matrix[:3, :3], axis=0))
@@ -49,11 +63,23 @@ def as_matrix(values, name: str = "matrix") -> np.ndarray:
     return matrix
 
 
-def why_not_rigid(matrix: np.ndarray) -> str | None:
-    """What keeps a (4, 4) pose from being a rotation and a translation; None for a rigid one."""
-    rotation = matrix[:3, :3]
+def why_not_affine(matrix: np.ndarray) -> str | None:
+    """What keeps a (4, 4) matrix from being a transform of points; None for a usable one."""
     if not np.isfinite(matrix).all():
         return "not finite"
+    if np.abs(matrix).max() > LARGEST_NUMBER:
+        return "not a pose (numbers too large)"
+    if not np.allclose(matrix[3], (0.0, 0.0, 0.0, 1.0), atol=1e-9):
+        return "not a pose (last row is not 0 0 0 1)"
+    return None
+
+
+def why_not_rigid(matrix: np.ndarray) -> str | None:
+    """What keeps a (4, 4) pose from being a rotation and a translation; None for a rigid one."""
+    problem = why_not_affine(matrix)
+    if problem:
+        return problem
+    rotation = matrix[:3, :3]
     if np.abs(rotation.T @ rotation - np.eye(3)).max() > RIGIDITY_TOLERANCE:
         return "not rigid (scaled or sheared)"
     if np.linalg.det(rotation) < 0:
@@ -63,8 +89,9 @@ def why_not_rigid(matrix: np.ndarray) -> str | None:
 
 def why_not_an_image_pose(image_to_reference: np.ndarray) -> str | None:
     """What keeps a (4, 4) image-to-reference matrix from placing pixels on a plane; None for a usable one."""
-    if not np.isfinite(image_to_reference).all():
-        return "not finite"
+    problem = why_not_affine(image_to_reference)
+    if problem:
+        return problem
     columns = image_to_reference[:3, :2]
     lengths = np.linalg.norm(columns, axis=0)
     if lengths.min() <= 0.0 or lengths.max() > 1e4 * lengths.min():
@@ -75,8 +102,17 @@ def why_not_an_image_pose(image_to_reference: np.ndarray) -> str | None:
 
 
 def invert(matrix: np.ndarray) -> np.ndarray:
-    """The inverse of an affine (4, 4) matrix, last row exactly 0 0 0 1."""
-    inverse = np.linalg.inv(matrix)
+    """The inverse of an affine (4, 4) matrix, last row exactly 0 0 0 1.
+
+    Raises
+    ------
+    GeometryError
+        When it is singular.
+    """
+    try:
+        inverse = np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        raise GeometryError("Input matrix must be invertible; got a singular matrix.") from None
     inverse[3] = (0.0, 0.0, 0.0, 1.0)
     return inverse
 

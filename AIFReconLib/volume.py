@@ -5,6 +5,8 @@ Voxels are counted (i, j, k) with centers at integers; arrays are indexed [k, j,
 
 from __future__ import annotations
 
+import math
+import operator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -39,10 +41,13 @@ class VoxelGrid:
     ijk_to_reference: np.ndarray
 
     def __post_init__(self):
-        size = tuple(int(n) for n in self.size)
+        try:
+            size = tuple(operator.index(n) for n in self.size)
+        except TypeError:
+            size = ()
         if len(size) != 3 or min(size) < 1:
-            raise GeometryError(f"Input grid size must be 3 positive numbers of voxels; got {self.size!r}.")
-        if int(np.prod(size, dtype=np.int64)) > MAXIMUM_VOXELS:
+            raise GeometryError(f"Input grid size must be 3 positive whole numbers of voxels; got {self.size!r}.")
+        if math.prod(size) > MAXIMUM_VOXELS:
             raise GeometryError(
                 f"Input grid must have at most {MAXIMUM_VOXELS} voxels; got {size[0]} x {size[1]} x {size[2]}. Choose a larger spacing."
             )
@@ -69,6 +74,7 @@ class VoxelGrid:
 
     @property
     def voxels(self) -> int:
+        """How many there are."""
         return self.size[0] * self.size[1] * self.size[2]
 
     @property
@@ -83,6 +89,7 @@ class VoxelGrid:
 
     @cached_property
     def reference_to_ijk(self) -> np.ndarray:
+        """Reference (mm) to voxel numbers (i, j, k), (4, 4) float64."""
         return invert(self.ijk_to_reference)
 
     def corners(self) -> np.ndarray:
@@ -116,6 +123,7 @@ class Volume:
 
     @cached_property
     def grid(self) -> VoxelGrid:
+        """Where its voxels are."""
         return VoxelGrid(self.array.shape[::-1], self.ijk_to_reference)
 
     def placed_by(self, volume_to_reference: np.ndarray) -> Volume:

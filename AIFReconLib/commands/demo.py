@@ -21,6 +21,9 @@ SPACING = 0.8
 """mm; coarse enough for the demo to take seconds."""
 
 HOLE_LIMIT = 1.6
+"""mm; closes the gaps between the frames of a pass."""
+
+FRAMES = 288
 BONE_SIGMA = 4.0
 """mm; the paper's 10 voxels on a CT of 0.4 mm."""
 
@@ -47,7 +50,7 @@ def run(arguments: argparse.Namespace) -> None:
     started = time.perf_counter()
     folder: Path = arguments.output
     with ProgressBar() as progress:
-        files = write_simulated_patient(folder, arguments.seed, progress=part(progress, 0.0, 0.5))
+        files = write_simulated_patient(folder, arguments.seed, frames=FRAMES, progress=part(progress, 0.0, 0.5))
         sequence = read_sequence(files.sequence, config=files.configuration)
         ct_to_reference = read_transform(files.ct_to_reference)
         bone = BoneMap.from_labels(read_labels(files.labels), sigma_mm=BONE_SIGMA, labels_to_reference=ct_to_reference)
@@ -67,6 +70,7 @@ def run(arguments: argparse.Namespace) -> None:
             volumes,
             files.center_ras,
             bone=read_labels(files.labels).placed_by(ct_to_reference),
+            mask=result.mask,
             title=f"Simulated lumbar spine, {len(sequence)} tracked frames",
         )
     seconds = time.perf_counter() - started

@@ -60,6 +60,7 @@ class Reconstruction:
 
     @property
     def grid(self) -> VoxelGrid:
+        """The voxels that all its volumes share."""
         return self.intensity.grid
 
 
@@ -71,6 +72,7 @@ class FrameCounts:
     skipped: dict[str, list[int]] = field(default_factory=dict)
 
     def skip(self, reason: str, number: int) -> None:
+        """Count frame `number` as skipped for `reason`."""
         self.skipped.setdefault(reason, []).append(number)
 
 

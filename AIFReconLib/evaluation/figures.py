@@ -14,11 +14,18 @@ CT_WINDOW = (-200.0, 700.0)
 
 BACKGROUND = "#111111"
 INK = "#e8e8e8"
+NOT_SCANNED = "#1b2740"
 BONE_COLOR = "#ffb000"
 
 
 def compare_figure(
-    path: str | Path, ct: Volume, reconstructions: dict[str, Volume], center_ras, bone: Volume | None = None, title: str = ""
+    path: str | Path,
+    ct: Volume,
+    reconstructions: dict[str, Volume],
+    center_ras,
+    bone: Volume | None = None,
+    mask: Volume | None = None,
+    title: str = "",
 ) -> None:
     """Draw sagittal, axial and coronal cuts of a CT and of reconstructions side by side.
 
@@ -33,6 +40,8 @@ def compare_figure(
         Where the three planes meet.
     bone : Volume of labels or None
         Its outline is drawn over the CT.
+    mask : Volume or None
+        As reconstructions give it: where it is 0 nothing was scanned, and the picture is tinted instead of black.
     title : str
 
     Raises
@@ -72,6 +81,9 @@ def compare_figure(
                 )
         for column, volume in enumerate(reconstructions.values(), start=1):
             picture = np.nan_to_num(cut(volume, plane, middle, width, height))
+            if mask is not None:
+                scanned = np.nan_to_num(cut(mask, plane, middle, width, height, order=0)) > 0
+                picture = np.ma.masked_array(picture, mask=~scanned)
             axes[row, column].imshow(picture, cmap="gray", vmin=0, vmax=255, extent=_extent(width, height))
         for ax in axes[row]:
             _bare(ax, plane)
@@ -79,6 +91,8 @@ def compare_figure(
     for ax, name in zip(axes[0], ["CT and its bone", *reconstructions], strict=True):
         ax.set_title(name, color=INK, fontsize=10)
     _scale_bar(axes[-1, -1], sizes[-1])
+    if mask is not None:
+        figure.text(0.995, 0.985, "blue: not scanned", color="#7f9ad0", fontsize=9, ha="right", va="top")
     figure.suptitle(title, color=INK, fontsize=11, x=0.04, ha="left", y=0.985)
     with atomic_output(path) as temporary:
         figure.savefig(temporary, dpi=130, facecolor=BACKGROUND)
@@ -105,7 +119,7 @@ def _extent(width: float, height: float) -> tuple[float, float, float, float]:
 def _bare(ax, plane: Plane) -> None:
     ax.set_xticks([])
     ax.set_yticks([])
-    ax.set_facecolor("black")
+    ax.set_facecolor(NOT_SCANNED)
     for spine in ax.spines.values():
         spine.set_visible(False)
     places = ((0.02, 0.5, "left", "center"), (0.98, 0.5, "right", "center"), (0.5, 0.98, "center", "top"), (0.5, 0.02, "center", "bottom"))

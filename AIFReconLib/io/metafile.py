@@ -103,6 +103,7 @@ class HeaderLines:
         self.error = error
 
     def failure(self, what: str) -> FileFormatError:
+        """The error to raise for this header."""
         return self.error(f"{self.path}: {one_line(what)}")
 
     @property

@@ -28,6 +28,7 @@ class Attributes:
         self.place = place
 
     def failure(self, attribute: str, what: str) -> ConfigurationError:
+        """The error to raise for an attribute of this element."""
         return ConfigurationError(f"{self._path}: {one_line(f'{self.place}@{attribute} {what}')}")
 
     def text(self, *names: str) -> str | None:
@@ -38,6 +39,7 @@ class Attributes:
         return None
 
     def required_text(self, name: str) -> str:
+        """An attribute that must be there."""
         text = self.text(name)
         if text is None:
             raise self.failure(name, "is missing. Add it to the element.")
@@ -58,10 +60,12 @@ class Attributes:
         return tuple(numbers)
 
     def required_numbers(self, count: int, name: str) -> tuple[float, ...]:
+        """`count` finite numbers that must be there."""
         self.required_text(name)
         return self.numbers(count, name)
 
     def number(self, default: float, *names: str) -> float:
+        """One finite number; `default` when the attribute is not there."""
         numbers = self.numbers(1, *names)
         return default if numbers is None else numbers[0]
 

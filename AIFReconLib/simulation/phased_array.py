@@ -96,6 +96,7 @@ class PhasedArray:
 
     @property
     def geometry(self) -> ProbeGeometry:
+        """Where its beams go, for the reconstruction."""
         return ProbeGeometry(SECTOR, self.apex_px)
 
     @property
@@ -106,6 +107,7 @@ class PhasedArray:
 
     @property
     def region(self) -> ImageRegion:
+        """The part of its images that is ultrasound."""
         return ImageRegion(fan=self.fan)
 
     @property

@@ -35,9 +35,13 @@ REFERENCE_TO_TRACKER = TransformName("Reference", "Tracker")
 class ScannedBack(UltrasoundTarget, Protocol):
     """A target with a skin to put the probe on and a spine to aim at."""
 
-    def skin_y(self, x, z) -> np.ndarray: ...
+    def skin_y(self, x, z) -> np.ndarray:
+        """Where the skin is at x, z in Reference, mm."""
+        ...
 
-    def spinous_tips(self) -> np.ndarray: ...
+    def spinous_tips(self) -> np.ndarray:
+        """Tips of the spinous processes in Reference, (n, 3), mm."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)

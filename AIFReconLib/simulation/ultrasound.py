@@ -62,9 +62,13 @@ class UltrasoundTarget(Protocol):
     """What can be scanned: a signed distance to bone in Reference, and how strongly soft tissue scatters."""
 
     @property
-    def bone_distance(self) -> Volume: ...
+    def bone_distance(self) -> Volume:
+        """Signed distance to bone in Reference, mm, negative inside."""
+        ...
 
-    def scattering_db(self, points_reference: np.ndarray, beams_reference: np.ndarray) -> np.ndarray: ...
+    def scattering_db(self, points_reference: np.ndarray, beams_reference: np.ndarray) -> np.ndarray:
+        """Strength of the scatter of soft tissue at points, along beams; both (..., 3)."""
+        ...
 
 
 @dataclass(frozen=True)

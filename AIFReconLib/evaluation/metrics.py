@@ -1,0 +1,391 @@
+"""How clearly, sharply and completely a volume shows bone, measured along the normals of the true surface.
+
+Every number comes from the volume and the true surface alone; none uses a bone probability, a weight or another formula of the
+reconstruction. A profile runs along the outward normal of each surface point: s < 0 inside bone, s > 0 in the tissue before it.
+
+References
+----------
+.. [1] Smith, Wagner, Sandrik and Lopez (1983), Low contrast detectability and contrast/detail analysis in medical ultrasound, IEEE
+   Trans. Sonics Ultrason. 30:164-173, doi:10.1109/T-SU.1983.31405 (contrast to noise).
+.. [2] Hanley and McNeil (1982), The meaning and use of the area under a ROC curve, Radiology 143:29-36,
+   doi:10.1148/radiology.143.1.7063747 (the probability of ranking one class above the other).
+.. [3] Leotta and Martin (1999), Three-dimensional spatial compounding of ultrasound images of the shoulder (FWHM of bone borders).
+.. [4] Xu et al. (2022), AutoInFocus (surface coverage and interspinous visibility).
+.. [5] Burckhardt (1978), Speckle in ultrasound B-mode scans, IEEE Trans. Sonics Ultrason. 25:1-6, doi:10.1109/T-SU.1978.30978.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from scipy import ndimage
+
+from ..errors import GeometryError
+from ..transforms import transform_points
+from ..volume import Volume
+from .surface import nearest
+from .visibility import REACHED, SHADOWED, BoneTruth
+
+STEP = 0.25
+"""mm between samples of a profile."""
+
+OFFSETS = STEP * np.arange(-24, 33)
+"""Of the samples: -6 to 8 mm."""
+
+NEAR = 1.5
+"""mm to either side of the surface within which bone must respond."""
+
+TISSUE = (3.0, 8.0)
+"""mm before the surface where the tissue is that bone is compared with."""
+
+TISSUE_FROM_BONE = 2.0
+"""mm that this tissue keeps from every bone."""
+
+WINDOW_STARTS = (3.0, 4.0, 5.0)
+"""mm before the surface, of windows in that tissue as wide as the one about the surface."""
+
+OBLIQUE_DEG = 45.0
+"""A surface is oblique when its best angle of incidence is beyond this."""
+
+STANDS_OUT = 3.5
+"""Standard deviations of gray within the tissue before the points by which a response must exceed the mean of its own tissue. Where
+there is no bone, under 1% of points do so in log-compressed speckle, about 3% in normal noise independent in every voxel."""
+
+SPECKLE_BLOCK = 5.0
+"""mm. Side of the cubes in which speckle is measured, small against changes of the tissue."""
+
+SPECKLE_FROM_BONE = 5.0
+SPECKLE_FROM_EDGE = 10.0
+"""mm that those cubes keep from bone, and from the edge of what was measured (the skin)."""
+
+SHADOW_FROM_SURFACE = 3.0
+"""mm that shadow keeps from any bone surface, so that the response itself is not counted."""
+
+
+@dataclass(frozen=True)
+class SurfaceMetrics:
+    """What one part of the bone surface looks like. Means over points are weighted by area; NaN where nothing can be told.
+
+    Parameters
+    ----------
+    area : float, mm^2
+        Of the part that lies within the volume, measured or not.
+    contrast : float, gray levels
+        Mean response of bone, the maximum of each profile within 1.5 mm of the surface, less the mean of the tissue 3 to 8 mm before it.
+    cnr : float
+        Contrast over the standard deviation of that tissue [1]_. A maximum lies above a mean: where there is no bone, speckle alone
+        gives about 1, and a shadow without an echo less, down to below 0.
+    detectability : float, 0 to 1
+        Probability that a point's response exceeds the maximum of an equally wide window (3 to 6, 4 to 7 and 5 to 8 mm) of the tissue
+        before it [2]_. One half is chance, as in speckle without bone; no monotone change of gray levels changes it.
+    thickness : float, mm
+        Median, over covered points, of the profile's full width at half maximum [3]_, the half being between peak and local tissue.
+    localization_bias, localization_error : float, mm
+        Mean and mean absolute distance of the peak from the surface, over covered points; positive: before it, toward the probe.
+    coverage : float, 0 to 1
+        Share of the area that is covered [4]_: its response is a peak within 1.5 mm of the surface, not the slope of something
+        farther, and exceeds the mean of the tissue before it by 3.5 standard deviations of gray within such tissue. Places not
+        measured are not covered.
+    """
+
+    area: float
+    contrast: float
+    cnr: float
+    detectability: float
+    thickness: float
+    localization_bias: float
+    localization_error: float
+    coverage: float
+
+
+@dataclass(frozen=True)
+class BoneMetrics:
+    """What a volume shows of bone.
+
+    Parameters
+    ----------
+    bone : SurfaceMetrics
+        All bone that a beam of the sweep could reach; without a sweep all bone where the volume was measured.
+    oblique : SurfaceMetrics
+        The part of it whose best angle of incidence is beyond 45 degrees; nothing without a sweep.
+    interspinous : SurfaceMetrics
+        The part of it that bounds the interspinous gaps; its coverage is the interspinous visibility.
+    shadow_mean, shadow_std : float, gray levels
+        Where no beam could reach, 3 mm and more from any bone surface: inside bone and, with a sweep, behind it. Noise and clutter.
+    speckle_snr : float
+        Mean over standard deviation of gray levels in 5 mm cubes of soft tissue away from bone and skin, the median of the cubes.
+        1.91 for the amplitudes of fully developed speckle [5]_; other values after log compression; averaging raises it.
+    """
+
+    bone: SurfaceMetrics
+    oblique: SurfaceMetrics
+    interspinous: SurfaceMetrics
+    shadow_mean: float
+    shadow_std: float
+    speckle_snr: float
+
+    def to_dict(self) -> dict[str, float]:
+        """All numbers by name, those of the parts with the part's name before them: ``oblique_coverage``."""
+        flat: dict[str, float] = {}
+        for name, value in asdict(self).items():
+            flat.update({f"{name}_{key}": number for key, number in value.items()} if isinstance(value, dict) else {name: value})
+        return flat
+
+
+def evaluate(volume: Volume, truth: BoneTruth, mask: Volume | None = None) -> BoneMetrics:
+    """Measure a volume against the true bone.
+
+    Parameters
+    ----------
+    volume : Volume of gray levels, placed in Reference
+    truth : BoneTruth
+    mask : Volume or None
+        Not 0 where voxels were measured or filled, on the same voxels. Without one, voxels of exactly 0 count as empty.
+
+    Raises
+    ------
+    GeometryError
+        When the mask has other voxels than the volume.
+    """
+    if mask is not None and not mask.grid.matches(volume.grid):
+        raise GeometryError("Input mask must have the voxels of the volume; got others. Give the mask of this reconstruction.")
+    gray = volume.array.astype(np.float32)
+    measured = np.isfinite(gray) & ((gray if mask is None else mask.array) != 0)
+    gray[~measured] = 0.0
+    inside = _within(volume, truth.surface.points_reference)
+    chosen = np.flatnonzero(inside if truth.best_cosine is None else inside & np.isfinite(truth.best_cosine))
+    responses = _responses(gray, measured, volume, truth, chosen)
+    if truth.best_cosine is None:
+        everywhere = np.isfinite(responses.bone)
+        oblique = np.zeros(len(chosen), dtype=bool)
+    else:
+        everywhere = np.ones(len(chosen), dtype=bool)
+        oblique = truth.best_cosine[chosen] < np.cos(np.radians(OBLIQUE_DEG))
+    shadow_mean, shadow_std = _shadow(gray, measured, volume, truth)
+    return BoneMetrics(
+        bone=responses.summary(everywhere),
+        oblique=responses.summary(oblique),
+        interspinous=responses.summary(everywhere & truth.border[chosen]),
+        shadow_mean=shadow_mean,
+        shadow_std=shadow_std,
+        speckle_snr=_speckle_snr(gray, measured, volume, truth),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Responses:
+    """Of every chosen point of the surface: area (mm^2), response of bone (n,), gray levels of the tissue before it (n, samples) and
+    their maxima in windows (n, 3), whether covered, place of the peak and width (mm; NaN where not covered)."""
+
+    areas: np.ndarray
+    bone: np.ndarray
+    tissue: np.ndarray
+    windows: np.ndarray
+    covered: np.ndarray
+    peaks: np.ndarray
+    widths: np.ndarray
+
+    def summary(self, part: np.ndarray) -> SurfaceMetrics:
+        areas, bone, tissue, covered = self.areas[part], self.bone[part], self.tissue[part], self.covered[part]
+        tissue_mean, tissue_std = _mean_std(tissue, areas[:, None])
+        contrast = _mean_std(bone, areas)[0] - tissue_mean
+        peaks = self.peaks[part]
+        return SurfaceMetrics(
+            area=float(areas.sum()),
+            contrast=contrast,
+            cnr=_ratio(contrast, tissue_std),
+            detectability=_mean_std(_exceeds(bone[:, None], self.windows[part]), areas[:, None])[0],
+            thickness=_median(self.widths[part], areas),
+            localization_bias=_mean_std(peaks, areas)[0],
+            localization_error=_mean_std(np.abs(peaks), areas)[0],
+            coverage=_ratio(float(areas[covered].sum()), float(areas.sum())),
+        )
+
+
+def _responses(gray: np.ndarray, measured: np.ndarray, volume: Volume, truth: BoneTruth, chosen: np.ndarray) -> _Responses:
+    surface = truth.surface
+    normals = surface.normals_reference[chosen]
+    points = surface.points_reference[chosen, None] + OFFSETS[:, None] * normals[:, None]
+    profiles = _profiles(gray, measured, volume, points)
+    tissue = _tissue(profiles, points, truth)
+    response, _ = _highest(profiles, -NEAR, NEAR)
+    beyond, _ = _highest(profiles, -NEAR - 2 * STEP, NEAR + 2 * STEP)
+    windows = np.stack([_highest(tissue, start, start + 2 * NEAR, TISSUE[0])[0] for start in WINDOW_STARTS], axis=1)
+
+    known = np.isfinite(tissue)
+    samples = known.sum(axis=1)
+    enough = 3 * samples >= tissue.shape[1]
+    means = np.where(known, tissue, 0.0).sum(axis=1) / np.maximum(samples, 1)
+    residuals = (tissue - means[:, None])[known & enough[:, None]]
+    spread = float(residuals.std()) if residuals.size else np.nan
+    # A point with bone or shadow before it is held against the tissue before the others
+    local = np.where(enough, means, _mean_std(means[enough], surface.areas[chosen][enough])[0])
+    with np.errstate(invalid="ignore"):
+        # Strictly above, by more than rounding: a volume of one gray level shows nothing
+        covered = (response >= beyond) & (response - local > STANDS_OUT * spread + 1e-3 * np.abs(local))
+    peaks, widths = _peaks_and_widths(profiles, local, covered)
+    return _Responses(surface.areas[chosen], response, tissue, windows, covered, peaks, widths)
+
+
+def _profiles(gray: np.ndarray, measured: np.ndarray, volume: Volume, points: np.ndarray) -> np.ndarray:
+    """Linear values of the measured voxels at points (..., 3) in Reference; NaN where they hold less than half of the weight."""
+    coordinates = transform_points(volume.grid.reference_to_ijk, points).reshape(-1, 3).T[::-1]
+    weights = ndimage.map_coordinates(measured.astype(np.float32), coordinates, order=1, output=np.float32)
+    values = ndimage.map_coordinates(gray, coordinates, order=1, output=np.float32)
+    known = weights >= 0.5
+    return np.where(known, values / np.where(known, weights, 1.0), np.nan).reshape(points.shape[:-1]).astype(np.float64)
+
+
+def _tissue(profiles: np.ndarray, points: np.ndarray, truth: BoneTruth) -> np.ndarray:
+    """The part of the profiles from 3 to 8 mm; NaN where there is other bone, or no beam."""
+    part = _columns(*TISSUE)
+    places = points[:, part].reshape(-1, 3)
+    is_tissue = _distances(truth, places) >= TISSUE_FROM_BONE
+    if truth.shadows is not None:
+        is_tissue &= _statuses(truth, places) == REACHED
+    return np.where(is_tissue.reshape(profiles[:, part].shape), profiles[:, part], np.nan)
+
+
+def _columns(first: float, last: float, profiles_start: float = OFFSETS[0]) -> slice:
+    """The columns of profiles from `first` to `last`, both included, mm."""
+    return slice(round((first - profiles_start) / STEP), round((last - profiles_start) / STEP) + 1)
+
+
+def _highest(profiles: np.ndarray, first: float, last: float, profiles_start: float = OFFSETS[0]) -> tuple[np.ndarray, np.ndarray]:
+    """The greatest value of each profile from `first` to `last` (mm), and its column; NaN unless half of the samples are known."""
+    part = _columns(first, last, profiles_start)
+    window = profiles[:, part]
+    known = np.isfinite(window)
+    filled = np.where(known, window, -np.inf)
+    place = filled.argmax(axis=1)
+    highest = filled[np.arange(len(window)), place]
+    return np.where(2 * known.sum(axis=1) >= window.shape[1], highest, np.nan), place + part.start
+
+
+def _peaks_and_widths(profiles: np.ndarray, local: np.ndarray, covered: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where the peaks of covered points lie (mm before the surface), and their full widths at half maximum (mm).
+
+    Notes
+    -----
+    The place is the vertex of the parabola through the highest sample and its neighbors. Half maximum is half-way between the highest
+    sample and the local tissue; the profile's first crossings to either side, by linear interpolation, bound the width. NaN where
+    the profile ends or is not known before it crosses.
+    """
+    peaks, widths = np.full(len(profiles), np.nan), np.full(len(profiles), np.nan)
+    rows = np.flatnonzero(covered)
+    if not rows.size:
+        return peaks, widths
+    chosen = profiles[rows]
+    height, column = _highest(chosen, -NEAR, NEAR)
+    number = np.arange(len(rows))
+    left, right = chosen[number, column - 1], chosen[number, column + 1]
+    bend = left - 2 * height + right
+    straight = ~(bend < 0)
+    shift = np.where(straight, 0.0, 0.5 * (left - right) / np.where(straight, 1.0, bend))
+    peaks[rows] = OFFSETS[column] + STEP * np.clip(shift, -0.5, 0.5)
+    level = (height + local[rows]) / 2
+    width = np.zeros(len(rows))
+    for direction in (-1, 1):
+        # Samples outward from the peak; the profile's end is not known
+        reach = column[:, None] + direction * np.arange(len(OFFSETS))
+        outward = np.where((reach >= 0) & (reach < len(OFFSETS)), chosen[number[:, None], np.clip(reach, 0, len(OFFSETS) - 1)], np.nan)
+        stops = ~(outward > level[:, None])
+        first = np.maximum(stops.argmax(axis=1), 1)
+        above, below = outward[number, first - 1], outward[number, first]
+        width += STEP * (first - 1 + (above - level) / np.where(above > below, above - below, np.nan))
+    widths[rows] = width
+    return peaks, widths
+
+
+def _shadow(gray: np.ndarray, measured: np.ndarray, volume: Volume, truth: BoneTruth) -> tuple[float, float]:
+    """Mean and standard deviation of gray levels in the shadow of bone."""
+    if truth.shadows is None:
+        deep = np.argwhere(truth.distance.array <= -SHADOW_FROM_SURFACE)[:, ::-1]
+        points = transform_points(truth.distance.ijk_to_reference, deep)
+    else:
+        # Beams are wider than the geometry says: keep one voxel of the map away from what they reach
+        surrounded = ndimage.binary_erosion(truth.shadows.array == SHADOWED, border_value=1)
+        points = transform_points(truth.shadows.ijk_to_reference, np.argwhere(surrounded)[:, ::-1])
+        points = points[np.abs(_distances(truth, points)) >= SHADOW_FROM_SURFACE]
+    ijk = transform_points(volume.grid.reference_to_ijk, points)
+    known = nearest(Volume(measured, volume.ijk_to_reference), ijk).astype(bool)
+    values = nearest(Volume(gray, volume.ijk_to_reference), ijk[known])
+    return _mean_std(values)
+
+
+def _speckle_snr(gray: np.ndarray, measured: np.ndarray, volume: Volume, truth: BoneTruth) -> float:
+    """Median of mean over standard deviation in cubes of soft tissue."""
+    side = np.maximum(np.round(SPECKLE_BLOCK / volume.grid.spacing[::-1]), 2).astype(int)
+    blocks = np.array(gray.shape) // side
+    if (blocks == 0).any():
+        return np.nan
+    cut = tuple(slice(0, b * s) for b, s in zip(blocks, side))
+
+    def by_block(array):
+        split = array[cut].reshape(blocks[0], side[0], blocks[1], side[1], blocks[2], side[2])
+        return split.sum(axis=(1, 3, 5), dtype=np.float64)
+
+    count = by_block(measured)
+    filled = count >= 0.5 * side.prod()
+    from_edge = ndimage.distance_transform_edt(np.pad(filled, 1), sampling=side * volume.grid.spacing[::-1])[1:-1, 1:-1, 1:-1]
+    used = np.argwhere(from_edge >= SPECKLE_FROM_EDGE)
+    # Bone and shadow are looked for at the corners and the middle of each cube
+    corners = np.array([(k, j, i) for k in (0, 1) for j in (0, 1) for i in (0, 1)] + [(0.5, 0.5, 0.5)])
+    kji = (used[:, None] + corners) * side - 0.5
+    points = transform_points(volume.ijk_to_reference, kji[..., ::-1].reshape(-1, 3))
+    is_tissue = _distances(truth, points) >= SPECKLE_FROM_BONE
+    if truth.shadows is not None:
+        is_tissue &= _statuses(truth, points, outside=REACHED) == REACHED
+    used = tuple(used[is_tissue.reshape(-1, len(corners)).all(axis=1)].T)
+    mean = by_block(gray)[used] / count[used]
+    variance = np.maximum(by_block(np.square(gray, dtype=np.float64))[used] / count[used] - mean**2, 0.0)
+    speckled = variance > 1e-9 * mean**2
+    return float(np.median(mean[speckled] / np.sqrt(variance[speckled]))) if speckled.any() else np.nan
+
+
+def _within(volume: Volume, points: np.ndarray) -> np.ndarray:
+    ijk = transform_points(volume.grid.reference_to_ijk, points)
+    return ((ijk >= -0.5) & (ijk <= np.array(volume.grid.size) - 0.5)).all(axis=1)
+
+
+def _distances(truth: BoneTruth, points: np.ndarray) -> np.ndarray:
+    """Signed distance to bone at points (n, 3) in Reference, mm; beyond the volume no bone is near."""
+    return nearest(truth.distance, transform_points(truth.distance.grid.reference_to_ijk, points), outside=np.inf)
+
+
+def _statuses(truth: BoneTruth, points: np.ndarray, outside: int = 0) -> np.ndarray:
+    return nearest(truth.shadows, transform_points(truth.shadows.grid.reference_to_ijk, points), outside)
+
+
+def _exceeds(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """1 where a > b, one half where they are equal but for rounding, 0 where a < b, NaN where either is not known."""
+    difference = np.where(np.isfinite(a) & np.isfinite(b), a - b, np.nan)
+    return np.where(np.abs(difference) <= 1e-5 * np.abs(a), 0.5, (np.sign(difference) + 1) / 2)
+
+
+def _mean_std(values: np.ndarray, weights: np.ndarray | float = 1.0) -> tuple[float, float]:
+    """Weighted mean and standard deviation of the values that are not NaN; NaN where there are none."""
+    known = np.isfinite(values)
+    weights = np.broadcast_to(weights, values.shape)[known]
+    total = float(np.sum(weights))
+    if total == 0:
+        return np.nan, np.nan
+    mean = float(np.sum(weights * values[known], dtype=np.float64) / total)
+    return mean, float(np.sqrt(np.sum(weights * (values[known] - mean) ** 2, dtype=np.float64) / total))
+
+
+def _median(values: np.ndarray, weights: np.ndarray) -> float:
+    """Weighted median of the values that are not NaN; NaN where there are none."""
+    known = np.isfinite(values)
+    if not known.any():
+        return np.nan
+    values, weights = values[known], weights[known]
+    order = np.argsort(values, kind="stable")
+    summed = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(summed, summed[-1] / 2)])
+
+
+def _ratio(numerator: float, denominator: float) -> float:
+    """NaN where the denominator is 0 or not known."""
+    return numerator / denominator if denominator > 0 else np.nan

@@ -1,0 +1,246 @@
+"""What the beams of a sweep could reach: surface points with their best angle of incidence, and the shadows.
+
+This is geometry alone: fan, thickness of the beam and occlusion by bone. How strong an echo would be is not asked.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..beams import LINEAR, ProbeGeometry
+from ..errors import GeometryError
+from ..progress import Progress, part, report
+from ..region import ImageRegion
+from ..transforms import image_plane_axes, invert, pixel_spacing, transform_points
+from ..volume import Volume, VoxelGrid
+from .surface import BoneSurface, bone_surface, centers_of_mass, distance_from_labels, interspinous_border
+
+BEAM_THICKNESS = 3.0
+"""mm across the imaging plane within which a beam sees. Abdominal and cardiac probes of 3 to 7 MHz: 2 to 5 mm at -6 dB
+(Goldstein 1988, Slice thickness measurements, J Ultrasound Med 7:487-498)."""
+
+GRAZING_DEG = 85.0
+"""A beam farther than this from a point's normal does not count as reaching it."""
+
+LIFT = 1.0
+"""mm (or one voxel) above a surface point from where bone is looked for toward the probe, so that a point does not hide itself."""
+
+RAY_STEP = 1.0
+"""mm between looks along a beam."""
+
+MAP_PITCH = 2.5
+"""mm between the points of the map of shadows."""
+
+OUTSIDE, SHADOWED, REACHED = 0, 1, 2
+"""Of a point: in no beam, only in beams that bone stops before it, in a beam that reaches it."""
+
+PAIRS_AT_ONCE = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class SweepBeams:
+    """Where the beams of a sweep ran.
+
+    Parameters
+    ----------
+    image_to_reference : (frames, 4, 4) float64 array, pixels to mm
+    frame_size : (columns, rows)
+    probe : ProbeGeometry
+    region : ImageRegion
+        The pixels that are ultrasound.
+    thickness : float, mm
+        Full width of the beam across the imaging plane, the same at every depth.
+    """
+
+    image_to_reference: np.ndarray
+    frame_size: tuple[int, int]
+    probe: ProbeGeometry
+    region: ImageRegion
+    thickness: float = BEAM_THICKNESS
+
+    def __post_init__(self):
+        if self.image_to_reference.ndim != 3 or self.image_to_reference.shape[1:] != (4, 4):
+            raise GeometryError(f"Input image_to_reference must have shape (frames, 4, 4); got {self.image_to_reference.shape}.")
+        if not np.isfinite(self.image_to_reference).all():
+            raise GeometryError("Input image_to_reference must be finite; got frames without a pose. Leave those out.")
+
+
+@dataclass(frozen=True, eq=False)
+class BoneTruth:
+    """What a reconstruction is measured against: made once, used for every volume of a sweep.
+
+    Parameters
+    ----------
+    surface : BoneSurface
+    distance : Volume of float32, mm
+        Signed distance to bone, negative inside.
+    border : (n,) bool array
+        Points of the surface that bound an interspinous gap.
+    best_cosine : (n,) float64 array or None
+        Of the best angle of incidence; NaN where no beam reaches. None: no sweep is known.
+    shadows : Volume of uint8 or None
+        OUTSIDE, SHADOWED or REACHED, on a coarse grid.
+    """
+
+    surface: BoneSurface
+    distance: Volume
+    border: np.ndarray
+    best_cosine: np.ndarray | None = None
+    shadows: Volume | None = None
+
+
+def bone_truth(
+    labels: Volume, sweep: SweepBeams | None = None, distance: Volume | None = None, progress: Progress | None = None
+) -> BoneTruth:
+    """The true bone and what the sweep could reach of it.
+
+    Parameters
+    ----------
+    labels : Volume of integers, placed in Reference
+        Any label above 0 is bone; a label per vertebra tells where the interspinous gaps are.
+    sweep : SweepBeams or None
+    distance : Volume of float, mm, or None
+        The signed distance to bone where it is known better than labels can tell.
+    progress : Progress or None
+    """
+    report(progress, 0.0, "Finding the bone surface")
+    distance = distance_from_labels(labels) if distance is None else distance
+    report(progress, 0.3, "Finding the bone surface")
+    surface = bone_surface(distance, labels)
+    border = interspinous_border(surface, centers_of_mass(labels))
+    if sweep is None:
+        report(progress, 1.0, "Found the bone surface")
+        return BoneTruth(surface, distance, border)
+    _, best_cosine = look(surface.points_reference, sweep, distance, surface.normals_reference, part(progress, 0.4, 0.7))
+    grid = _map_grid(distance.grid, MAP_PITCH)
+    k, j, i = np.indices(grid.shape).reshape(3, -1)
+    points = transform_points(grid.ijk_to_reference, np.stack([i, j, k], axis=1))
+    status, _ = look(points, sweep, distance, progress=part(progress, 0.7, 1.0))
+    return BoneTruth(surface, distance, border, best_cosine, Volume(status.reshape(grid.shape), grid.ijk_to_reference))
+
+
+def look(
+    points_reference: np.ndarray,
+    sweep: SweepBeams,
+    distance: Volume,
+    normals_reference: np.ndarray | None = None,
+    progress: Progress | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Whether a beam of the sweep reaches each point, and how squarely.
+
+    Parameters
+    ----------
+    points_reference : (n, 3) array, mm
+    sweep : SweepBeams
+    distance : Volume of float, mm
+        Signed distance to bone. Beyond it there is none.
+    normals_reference : (n, 3) array of unit vectors or None
+        With normals the points are on a surface: beams must come from its outer side, within `GRAZING_DEG`. Without, they are
+        places, and one in bone is in shadow.
+
+    Returns
+    -------
+    status : (n,) uint8 array
+        OUTSIDE, SHADOWED or REACHED.
+    best_cosine : (n,) float64 array
+        Of the smallest angle between a beam that reaches the point and its inward normal; NaN where none does, or without normals.
+
+    Notes
+    -----
+    A point is in a frame's beam when its projection falls on a pixel of the region, and it lies within half the thickness of the
+    plane. The beam then runs parallel to the plane, from the apex (sector) or down the image's columns (linear).
+    """
+    points = np.asarray(points_reference, dtype=np.float64)
+    status = np.full(len(points), OUTSIDE, dtype=np.uint8)
+    best = np.full(len(points), -np.inf)
+    kept = sweep.region.mask(*sweep.frame_size)
+    bone = _Bone(distance)
+    waiting, waited = [], 0
+    for number, image_to_reference in enumerate(sweep.image_to_reference):
+        report(progress, number / len(sweep.image_to_reference), "Following the beams")
+        seen, beams, lengths = _in_beam(points, image_to_reference, sweep, kept)
+        status[seen] = np.maximum(status[seen], SHADOWED)
+        if normals_reference is None:
+            starts, cosines = points[seen], np.ones(len(seen))
+            open_ = status[seen] != REACHED
+        else:
+            normals = normals_reference[seen]
+            starts = points[seen] + max(LIFT, distance.grid.spacing.max()) * normals
+            cosines = -(beams * normals).sum(axis=1)
+            open_ = (cosines >= math.cos(math.radians(GRAZING_DEG))) & (cosines > best[seen])
+        waiting.append((seen[open_], starts[open_], beams[open_], lengths[open_], cosines[open_]))
+        waited += int(open_.sum())
+        if waited >= PAIRS_AT_ONCE or number == len(sweep.image_to_reference) - 1:
+            which, starts, beams, lengths, cosines = (np.concatenate(parts) for parts in zip(*waiting))
+            free = ~bone.blocks(starts, beams, lengths)
+            status[which[free]] = REACHED
+            np.maximum.at(best, which[free], cosines[free])
+            waiting, waited = [], 0
+    report(progress, 1.0, "Followed the beams")
+    best[(status != REACHED) | (normals_reference is None)] = np.nan
+    return status, best
+
+
+def _in_beam(points: np.ndarray, image_to_reference: np.ndarray, sweep: SweepBeams, kept: np.ndarray):
+    """Numbers of the points within a frame's beam, beam directions there in Reference (m, 3), and mm from where the beam begins."""
+    right, down = image_plane_axes(image_to_reference)
+    across = np.cross(right, down)
+    elevation = points @ across - image_to_reference[:3, 3] @ across
+    near = np.flatnonzero(np.abs(elevation) <= sweep.thickness / 2)
+    to_reference = image_to_reference.copy()
+    to_reference[:3, 2] = across
+    pixels = transform_points(invert(to_reference), points[near])[:, :2]
+    column, row = np.floor(pixels + 0.5).astype(np.int64).T
+    columns, rows = sweep.frame_size
+    within = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
+    within[within] = kept[row[within], column[within]]
+    near, pixels = near[within], pixels[within]
+    spacing = pixel_spacing(image_to_reference)
+    if sweep.probe.kind == LINEAR:
+        return near, np.broadcast_to(down, (len(near), 3)), np.maximum(pixels[:, 1], 0.0) * spacing[1]
+    x, y = ((pixels - sweep.probe.apex_px) * spacing).T
+    length = np.hypot(x, y)
+    with np.errstate(invalid="ignore"):
+        beams = np.where(length[:, None] > 0, (x[:, None] * right + y[:, None] * down) / length[:, None], 0.0)
+    return near, beams, length
+
+
+class _Bone:
+    """Which voxels are bone, for rays to be stopped by."""
+
+    def __init__(self, distance: Volume):
+        self._inside = np.pad(distance.array <= 0, 1)
+        self._to_ijk = distance.grid.reference_to_ijk
+
+    def blocks(self, starts: np.ndarray, beams: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+        """Whether bone lies between each start and `lengths` mm (m,) against its beam, (m,) bool."""
+        blocked = np.zeros(len(starts), dtype=bool)
+        active = np.arange(len(starts))
+        # Voxel numbers in the padded array, rounded by truncation
+        position = (transform_points(self._to_ijk, starts) + 1.5).astype(np.float32)
+        step = (-RAY_STEP * beams @ self._to_ijk[:3, :3].T).astype(np.float32)
+        size = np.array(self._inside.shape[::-1])
+        gone = 0.0
+        while len(active):
+            i, j, k = np.clip(position, 0, size - 1).astype(np.int32).T
+            hit = self._inside[k, j, i]
+            blocked[active[hit]] = True
+            gone += RAY_STEP
+            # Done: what is blocked, what has arrived, and what has left the box and moves away from it
+            leaving = (((position < 0) & (step <= 0)) | ((position > size) & (step >= 0))).any(axis=1)
+            going = ~hit & ~leaving & (lengths[active] > gone)
+            active, position, step = active[going], position[going], step[going]
+            position += step
+        return blocked
+
+
+def _map_grid(grid: VoxelGrid, pitch: float) -> VoxelGrid:
+    """A coarser grid over the same box, with voxels of about `pitch` mm."""
+    factors = np.maximum(np.round(pitch / grid.spacing), 1.0)
+    size = np.maximum(np.ceil(np.array(grid.size) / factors), 1).astype(int)
+    to_fine = np.diag([*factors, 1.0])
+    to_fine[:3, 3] = (factors - 1) / 2
+    return VoxelGrid(tuple(size), grid.ijk_to_reference @ to_fine)

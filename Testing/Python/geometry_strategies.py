@@ -1,0 +1,34 @@
+"""Random rotations, poses and grids for hypothesis, and nothing that they test."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+
+def rigid(rotation_vector, translation) -> np.ndarray:
+    """The pose (4, 4) that turns about a vector (radians) and then moves by `translation` (mm)."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.from_rotvec(rotation_vector).as_matrix()
+    matrix[:3, 3] = translation
+    return matrix
+
+
+def scaled(x: float, y: float, z: float) -> np.ndarray:
+    """Pixels to mm, or voxels to mm, along the axes."""
+    return np.diag([x, y, z, 1.0])
+
+
+def numbers(low: float, high: float) -> st.SearchStrategy[float]:
+    """Finite floats between two bounds."""
+    return st.floats(low, high, allow_nan=False, allow_subnormal=False)
+
+
+def triples(low: float, high: float) -> st.SearchStrategy[tuple[float, float, float]]:
+    """Three finite floats between two bounds."""
+    return st.tuples(numbers(low, high), numbers(low, high), numbers(low, high))
+
+
+rigid_poses = st.builds(rigid, triples(-3.0, 3.0), triples(-300.0, 300.0))
+spacings = triples(0.05, 3.0)

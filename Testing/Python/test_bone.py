@@ -1,0 +1,426 @@
+"""Bone maps against the plain recipe in scipy, closed forms and invariants."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from geometry_strategies import rigid, rigid_poses, scaled
+from hypothesis import given, settings
+from scipy import ndimage
+
+from AIFReconLib.bone import SURFACE_SIGMA, BoneMap
+from AIFReconLib.errors import GeometryError, OperationCanceled
+from AIFReconLib.volume import Volume, VoxelGrid
+
+OBLIQUE = rigid((0.4, -1.2, 0.8), (10.0, -20.0, 30.0))
+CT_MATRICES = {
+    "plain": np.eye(4),
+    "anisotropic": scaled(0.5, 0.7, 1.6),
+    "rotated": OBLIQUE,
+    "flipped": scaled(-0.8, 0.8, 0.8),
+    "rotated, flipped and anisotropic": OBLIQUE @ scaled(0.6, -0.9, 1.3),
+}
+
+
+def recipe(bone: np.ndarray, sigma=10.0) -> np.ndarray:
+    """The paper's probability on the whole volume in float64: labels, Sobel magnitude, Gaussian, divided by the maximum."""
+    slopes = [ndimage.sobel(bone.astype(np.float64), axis=axis, mode="nearest") for axis in range(3)]
+    smooth = ndimage.gaussian_filter(np.sqrt(sum(slope**2 for slope in slopes)), sigma, mode="nearest")
+    return smooth / smooth.max()
+
+
+def directions_by_recipe(potential: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """The gradient of a potential in mm of Reference, [k, j, i, 3] float64: central differences, one voxel at a time."""
+    to_reference = np.linalg.inv(matrix[:3, :3]).T
+    slope_ijk = np.stack([ndimage.sobel(potential.astype(np.float64), axis=axis, mode="nearest") for axis in (2, 1, 0)], axis=-1)
+    gradient = np.zeros_like(slope_ijk)
+    for index in np.ndindex(potential.shape):
+        gradient[index] = to_reference @ slope_ijk[index]
+    length = np.linalg.norm(gradient, axis=-1, keepdims=True)
+    return np.divide(gradient, length, out=np.zeros_like(gradient), where=length > 0)
+
+
+def block(shape=(24, 26, 28), corner=(9, 10, 11), size=(5, 6, 7)) -> np.ndarray:
+    """Labels with one box of bone."""
+    labels = np.zeros(shape, np.uint8)
+    labels[tuple(slice(a, a + n) for a, n in zip(corner, size, strict=True))] = 3
+    return labels
+
+
+def on_own_voxels(array: np.ndarray, bone_map: BoneMap, shape) -> np.ndarray:
+    """Put what the map keeps (the box that the Gaussian reaches) back into the whole volume."""
+    whole = np.zeros(shape, array.dtype)
+    first = np.rint(bone_map.probability.grid.origin / bone_map.probability.grid.spacing).astype(int)[::-1]
+    whole[tuple(slice(a, a + n) for a, n in zip(first, array.shape, strict=True))] = array
+    return whole
+
+
+def ball(radius: float, matrix: np.ndarray) -> tuple[Volume, np.ndarray]:
+    """A ball in mm about the middle of a volume of that matrix with 7 mm around it, and its center in Reference."""
+    spacing = np.linalg.norm(matrix[:3, :3], axis=0)
+    grid = VoxelGrid(tuple(int(n) for n in np.ceil(2 * (radius + 7.0) / spacing)), matrix)
+    center = grid.corners().mean(axis=0)
+    return Volume((np.linalg.norm(positions(grid) - center, axis=-1) < radius).astype(np.uint8), matrix), center
+
+
+def positions(grid: VoxelGrid) -> np.ndarray:
+    """Where each voxel's center is in Reference, [k, j, i, 3]."""
+    k, j, i = np.indices(grid.shape)
+    return np.stack([i, j, k], axis=-1) @ grid.ijk_to_reference[:3, :3].T + grid.origin
+
+
+# ---- probability
+
+
+def test_the_probability_equals_the_recipe_on_the_whole_volume():
+    labels = block((30, 32, 34))
+    bone_map = BoneMap.from_labels(Volume(labels, np.eye(4)))
+    np.testing.assert_allclose(bone_map.probability.array, recipe(labels > 0), atol=2e-6)
+
+
+def test_cropping_to_the_reach_of_the_gaussian_changes_nothing():
+    labels = block((60, 64, 40), corner=(40, 20, 3), size=(4, 5, 6))
+    bone_map = BoneMap.from_labels(Volume(labels, np.eye(4)), sigma_voxels=2.0)
+    assert bone_map.probability.array.size < 0.5 * labels.size
+    whole = on_own_voxels(bone_map.probability.array, bone_map, labels.shape)
+    np.testing.assert_allclose(whole, recipe(labels > 0, 2.0), atol=2e-6)
+
+
+@pytest.mark.parametrize("corner", [(0, 10, 11), (19, 10, 11), (9, 0, 11), (9, 20, 11), (9, 10, 0), (9, 10, 21), (0, 0, 0), (19, 20, 21)])
+def test_labels_that_touch_the_border_follow_the_recipe_too(corner):
+    labels = block(corner=corner)
+    bone_map = BoneMap.from_labels(Volume(labels, np.eye(4)), sigma_voxels=1.5)
+    whole = on_own_voxels(bone_map.probability.array, bone_map, labels.shape)
+    np.testing.assert_allclose(whole, recipe(labels > 0, 1.5), atol=2e-6)
+
+
+def test_the_largest_probability_is_1():
+    assert BoneMap.from_labels(Volume(block(), np.eye(4))).probability.array.max() == 1.0
+
+
+def test_sigma_in_mm_is_the_same_length_along_every_axis():
+    labels = block()
+    bone_map = BoneMap.from_labels(Volume(labels, scaled(0.5, 1.0, 2.0)), sigma_mm=2.0)
+    whole = on_own_voxels(bone_map.probability.array, bone_map, labels.shape)
+    np.testing.assert_allclose(whole, recipe(labels > 0, (1.0, 2.0, 4.0)), atol=2e-6)
+
+
+def test_sigma_in_mm_wins_over_sigma_in_voxels():
+    volume = Volume(block(), np.eye(4))
+    both = BoneMap.from_labels(volume, sigma_voxels=7.0, sigma_mm=2.0).probability.array
+    np.testing.assert_array_equal(both, BoneMap.from_labels(volume, sigma_voxels=2.0).probability.array)
+
+
+@pytest.mark.parametrize("dtype", [bool, np.uint8, np.int16, np.uint16, np.float32, np.float64])
+def test_labels_may_be_of_any_type(dtype):
+    of_type = BoneMap.from_labels(Volume(block().astype(dtype), np.eye(4)), sigma_voxels=2.0).probability.array
+    np.testing.assert_array_equal(of_type, BoneMap.from_labels(Volume(block(), np.eye(4)), sigma_voxels=2.0).probability.array)
+
+
+def test_any_label_above_0_is_bone():
+    labels = block().astype(np.int16)
+    labels[9] *= 40
+    one = BoneMap.from_labels(Volume(labels, np.eye(4))).probability.array
+    np.testing.assert_array_equal(one, BoneMap.from_labels(Volume(block(), np.eye(4))).probability.array)
+
+
+def test_negative_labels_are_not_bone():
+    with pytest.raises(GeometryError, match="got none"):
+        BoneMap.from_labels(Volume(-block().astype(np.int16), np.eye(4)))
+
+
+def test_labels_are_left_as_they_were():
+    labels = block()
+    BoneMap.from_labels(Volume(labels, np.eye(4)))
+    np.testing.assert_array_equal(labels, block())
+
+
+def test_the_inside_of_bone_is_where_the_labels_are():
+    labels = block((60, 64, 40), corner=(40, 20, 3))
+    bone_map = BoneMap.from_labels(Volume(labels, np.eye(4)), sigma_voxels=2.0)
+    np.testing.assert_array_equal(on_own_voxels(bone_map.inside.array, bone_map, labels.shape), labels > 0)
+
+
+@pytest.mark.parametrize(("value", "words"), [(0, "got none"), (1, "bone everywhere")])
+def test_labels_without_a_surface_are_refused(value, words):
+    with pytest.raises(GeometryError, match=words):
+        BoneMap.from_labels(Volume(np.full((5, 5, 5), value, np.uint8), np.eye(4)))
+
+
+@pytest.mark.parametrize(
+    "sigma", [{"sigma_voxels": 0.0}, {"sigma_voxels": -1.0}, {"sigma_mm": 0.0}, {"sigma_mm": np.nan}, {"sigma_voxels": np.inf}]
+)
+def test_a_sigma_that_is_not_positive_is_refused(sigma):
+    with pytest.raises(GeometryError, match="sigma must be positive"):
+        BoneMap.from_labels(Volume(block(), np.eye(4)), **sigma)
+
+
+@pytest.mark.parametrize("matrix", [np.full((4, 4), np.nan), np.zeros((4, 4)), np.eye(3)])
+def test_a_registration_that_is_no_transform_is_refused(matrix):
+    with pytest.raises(GeometryError):
+        BoneMap.from_labels(Volume(block(), np.eye(4)), labels_to_reference=matrix)
+
+
+def test_a_registration_moves_probability_and_inside_together():
+    bone_map = BoneMap.from_labels(Volume(block(), scaled(0.5, 0.5, 0.5)), labels_to_reference=OBLIQUE)
+    np.testing.assert_allclose(bone_map.probability.ijk_to_reference, OBLIQUE @ scaled(0.5, 0.5, 0.5))
+    np.testing.assert_array_equal(bone_map.inside.ijk_to_reference, bone_map.probability.ijk_to_reference)
+
+
+def test_a_ready_probability_is_limited_to_0_to_1():
+    array = np.array([-0.5, 0.0, 0.25, 1.0, 1.5, np.nan, np.inf, -np.inf], np.float64).reshape(2, 2, 2)
+    kept = BoneMap.from_probability(Volume(array, np.eye(4))).probability.array
+    assert kept.ravel().tolist() == [0.0, 0.0, 0.25, 1.0, 1.0, 0.0, 0.0, 0.0]
+
+
+def test_a_ready_probability_is_left_as_it_was():
+    array = np.full((2, 2, 2), 1.5, np.float32)
+    BoneMap.from_probability(Volume(array, np.eye(4)))
+    assert (array == 1.5).all()
+
+
+def test_a_ready_probability_is_placed_by_its_registration():
+    placed = BoneMap.from_probability(Volume(np.ones((2, 2, 2)), scaled(2, 2, 2)), OBLIQUE)
+    np.testing.assert_allclose(placed.probability.ijk_to_reference, OBLIQUE @ scaled(2, 2, 2))
+
+
+def test_bone_is_where_a_ready_probability_exceeds_one_half():
+    array = np.linspace(0, 1, 27).reshape(3, 3, 3)
+    placed = BoneMap.from_probability(Volume(array, np.eye(4))).on_grid(VoxelGrid((3, 3, 3), np.eye(4)))
+    np.testing.assert_array_equal(placed.inside, array > 0.5)
+
+
+# ---- directions
+
+
+@pytest.mark.parametrize("matrix", CT_MATRICES.values(), ids=CT_MATRICES)
+def test_directions_equal_the_recipe_on_the_same_voxels(matrix):
+    bone_map = BoneMap.from_labels(Volume(block((14, 15, 16), (5, 5, 6), (3, 4, 5)), matrix), sigma_voxels=1.5)
+    placed = bone_map.on_grid(bone_map.probability.grid)
+    expected = directions_by_recipe(bone_map.probability.array, bone_map.probability.ijk_to_reference)
+    slope = np.linalg.norm([ndimage.sobel(bone_map.probability.array.astype(float), axis=a, mode="nearest") for a in range(3)], axis=0)
+    clear = slope > 1e-3
+    np.testing.assert_allclose(placed.directions_reference[clear], expected[clear], atol=2e-3)
+
+
+@pytest.mark.parametrize("matrix", CT_MATRICES.values(), ids=CT_MATRICES)
+def test_directions_lead_to_the_surface_of_a_ball_whatever_the_voxels_of_the_ct(matrix):
+    labels, center = ball(6.0, matrix)
+    bone_map = BoneMap.from_labels(labels, sigma_mm=1.5)
+    placed = bone_map.on_grid(labels.grid)
+    outward = positions(labels.grid) - center
+    distance = np.linalg.norm(outward, axis=-1)
+    near_outside = (distance > 7.5) & (distance < 9.0)
+    cosine = (placed.directions_reference * -outward).sum(axis=-1)[near_outside] / distance[near_outside]
+    assert cosine.min() > 0.97
+
+
+@pytest.mark.parametrize("matrix", CT_MATRICES.values(), ids=CT_MATRICES)
+def test_gradient_directions_inside_a_ball_lead_back_to_its_surface(matrix):
+    labels, center = ball(8.0, matrix)
+    placed = BoneMap.from_labels(labels, sigma_mm=1.2).on_grid(labels.grid)
+    outward = positions(labels.grid) - center
+    distance = np.linalg.norm(outward, axis=-1)
+    inside = (distance > 4.5) & (distance < 6.5)
+    assert ((placed.directions_reference * outward).sum(axis=-1)[inside] > 0).all()
+
+
+@pytest.mark.parametrize("direction", ["gradient", "surface"])
+def test_directions_have_length_1_or_0(direction):
+    labels = Volume(block(), OBLIQUE @ scaled(0.6, 0.9, 1.3))
+    grid = VoxelGrid((30, 30, 30), rigid((0, 0, 0), (5, -25, 25)) @ scaled(0.7, 0.7, 0.7))
+    lengths = np.linalg.norm(BoneMap.from_labels(labels, sigma_voxels=2.0).on_grid(grid, direction).directions_reference, axis=-1)
+    assert ((np.abs(lengths - 1) < 1e-5) | (lengths == 0)).all()
+    assert (lengths > 0).any()
+
+
+def test_there_is_no_direction_where_the_probability_does_not_change():
+    array = np.zeros((7, 7, 9), np.float32)
+    array[..., 5:] = 1.0
+    placed = BoneMap.from_probability(Volume(array, np.eye(4))).on_grid(VoxelGrid((9, 7, 7), np.eye(4)))
+    has_direction = np.linalg.norm(placed.directions_reference, axis=-1) > 0
+    np.testing.assert_array_equal(has_direction, np.broadcast_to(np.isin(np.arange(9), [4, 5]), (7, 7, 9)))
+
+
+def test_a_step_of_probability_is_faced_squarely():
+    array = np.zeros((7, 7, 9), np.float32)
+    array[..., 5:] = 1.0
+    placed = BoneMap.from_probability(Volume(array, OBLIQUE)).on_grid(VoxelGrid((9, 7, 7), OBLIQUE))
+    np.testing.assert_allclose(placed.directions_reference[3, 3, 4], OBLIQUE[:3, 0], atol=1e-6)
+
+
+def test_a_slope_too_small_for_float32_has_no_direction():
+    array = np.zeros((5, 5, 5), np.float32)
+    array[2, 2, 2] = 1e-42
+    placed = BoneMap.from_probability(Volume(array, np.eye(4))).on_grid(VoxelGrid((5, 5, 5), np.eye(4)))
+    assert not placed.directions_reference.any()
+
+
+def half_space(direction: str) -> np.ndarray:
+    """x components of the directions along a line that enters bone at voxel 20."""
+    labels = np.zeros((12, 12, 40), np.uint8)
+    labels[..., 20:] = 1
+    placed = BoneMap.from_labels(Volume(labels, np.eye(4)), sigma_voxels=3.0).on_grid(VoxelGrid((40, 12, 12), np.eye(4)), direction)
+    return placed.directions_reference[6, 6, :, 0]
+
+
+def test_gradient_turns_around_at_the_ridge_of_the_probability():
+    along = half_space("gradient")
+    assert (along[12:19] == 1).all()
+    assert (along[21:28] == -1).all()
+
+
+def test_surface_keeps_its_sign_through_the_surface():
+    assert (half_space("surface")[14:26] == 1).all()
+
+
+def test_surface_is_the_gradient_of_the_smoothed_labels():
+    labels = block((14, 15, 16), (5, 5, 6), (3, 4, 5))
+    bone_map = BoneMap.from_labels(Volume(labels, OBLIQUE), sigma_voxels=2.0)
+    smooth = ndimage.gaussian_filter((labels > 0).astype(np.float64), SURFACE_SIGMA, mode="nearest")
+    slope = np.linalg.norm([ndimage.sobel(smooth, axis=axis, mode="nearest") for axis in range(3)], axis=0)
+    clear = slope > 1e-2
+    found = bone_map.on_grid(VoxelGrid((16, 15, 14), OBLIQUE), "surface").directions_reference
+    np.testing.assert_allclose(found[clear], directions_by_recipe(smooth, OBLIQUE)[clear], atol=1e-3)
+
+
+def test_surface_directions_do_not_depend_on_the_shape_of_the_voxels():
+    """A tilted plane through voxels of 0.5 x 0.7 x 1.6 mm faces the way it does."""
+    normal = np.array([0.6, 0.0, 0.8])
+    grid = VoxelGrid((60, 40, 24), scaled(0.5, 0.7, 1.6))
+    labels = (positions(grid) @ normal > 22.0).astype(np.uint8)
+    found = BoneMap.from_labels(Volume(labels, grid.ijk_to_reference), sigma_mm=2.0).on_grid(grid, "surface").directions_reference
+    middle = np.abs(positions(grid) @ normal - 22.0) < 1.0
+    middle[:6] = middle[-6:] = middle[:, :6] = middle[:, -6:] = middle[:, :, :6] = middle[:, :, -6:] = False
+    assert middle.sum() > 50
+    assert np.degrees(np.arccos((found[middle] @ normal).clip(-1, 1))).max() < 4.0
+
+
+@pytest.mark.parametrize("largest", [100.0, 255.0])
+def test_a_probability_in_percent_or_gray_levels_is_refused(largest):
+    with pytest.raises(GeometryError, match="must be 0 to 1"):
+        BoneMap.from_probability(Volume(np.array([[[0.0, largest]]]), np.eye(4)))
+
+
+# ---- placing on a grid
+
+
+FINE = VoxelGrid((18, 17, 16), rigid((0.2, 0.1, -0.3), (3.0, 4.0, 5.0)) @ scaled(0.7, 0.8, 0.9))
+
+
+def sampled_by_scipy(array: np.ndarray, source: VoxelGrid, grid: VoxelGrid, order: int) -> np.ndarray:
+    """`map_coordinates` in float64 at every voxel of the grid, zeros around the source."""
+    to_source = np.linalg.inv(source.ijk_to_reference)
+    ijk = positions(grid) @ to_source[:3, :3].T + to_source[:3, 3]
+    coordinates = np.moveaxis(ijk[..., ::-1], -1, 0)
+    return ndimage.map_coordinates(array.astype(np.float64), coordinates, order=order, mode="grid-constant", prefilter=False)
+
+
+def test_probability_on_a_turned_finer_grid_is_interpolated_linearly():
+    bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)), sigma_voxels=2.0)
+    expected = sampled_by_scipy(bone_map.probability.array, bone_map.probability.grid, FINE, 1)
+    np.testing.assert_allclose(bone_map.on_grid(FINE).probability, expected, atol=1e-6)
+
+
+def test_inside_on_a_turned_finer_grid_is_that_of_the_nearest_voxel():
+    bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)), sigma_voxels=2.0)
+    expected = sampled_by_scipy(bone_map.inside.array, bone_map.inside.grid, FINE, 0)
+    np.testing.assert_array_equal(bone_map.on_grid(FINE).inside, expected)
+
+
+def test_directions_on_a_turned_finer_grid_are_interpolated_before_they_are_normalized():
+    bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)), sigma_voxels=2.0)
+    slopes = [ndimage.sobel(bone_map.probability.array.astype(np.float64), axis=axis, mode="nearest") for axis in (2, 1, 0)]
+    gradient = np.stack([sampled_by_scipy(slope, bone_map.probability.grid, FINE, 1) for slope in slopes], axis=-1)
+    length = np.linalg.norm(gradient, axis=-1, keepdims=True)
+    clear = length[..., 0] > 1e-2
+    found = bone_map.on_grid(FINE).directions_reference
+    np.testing.assert_allclose(found[clear], (gradient / np.maximum(length, 1e-12))[clear], atol=1e-3)
+
+
+@given(rigid_poses)
+@settings(max_examples=20, deadline=None)
+def test_moving_ct_and_grid_together_turns_the_directions_with_them(motion):
+    bone_map = BoneMap.from_labels(Volume(block((14, 15, 16), (5, 5, 6), (3, 4, 5)), np.eye(4)), sigma_voxels=1.5)
+    grid = VoxelGrid((8, 9, 7), rigid((0.2, 0.1, -0.3), (3.0, 4.0, 5.0)) @ scaled(0.7, 0.8, 0.9))
+    here = bone_map.on_grid(grid)
+    moved = BoneMap(bone_map.probability.placed_by(motion), bone_map.inside.placed_by(motion))
+    there = moved.on_grid(VoxelGrid(grid.size, motion @ grid.ijk_to_reference))
+    np.testing.assert_allclose(there.probability, here.probability, atol=1e-5)
+    np.testing.assert_allclose(there.directions_reference, here.directions_reference @ motion[:3, :3].T, atol=5e-3)
+
+
+@given(rigid_poses)
+@settings(max_examples=20, deadline=None)
+def test_voxels_on_the_border_of_the_map_are_kept_by_an_aligned_grid(pose):
+    bone_map = BoneMap.from_probability(Volume(np.ones((4, 5, 6), np.float32), pose))
+    one_voxel_larger = VoxelGrid((8, 7, 6), pose @ rigid((0, 0, 0), (-1, -1, -1)))
+    placed = bone_map.on_grid(one_voxel_larger)
+    np.testing.assert_allclose(placed.probability[1:-1, 1:-1, 1:-1], 1.0, atol=1e-6)
+    assert placed.inside[1:-1, 1:-1, 1:-1].all()
+
+
+def test_one_voxel_beyond_the_map_there_is_no_bone():
+    bone_map = BoneMap.from_probability(Volume(np.ones((4, 5, 6), np.float32), np.eye(4)))
+    placed = bone_map.on_grid(VoxelGrid((10, 9, 8), rigid((0, 0, 0), (-2, -2, -2))))
+    assert placed.probability.sum() == pytest.approx(4 * 5 * 6)
+
+
+def test_values_fall_to_0_within_one_voxel_of_the_border_of_the_map():
+    bone_map = BoneMap.from_probability(Volume(np.ones((4, 5, 6), np.float32), np.eye(4)))
+    fine = VoxelGrid((36, 32, 28), rigid((0, 0, 0), (-2, -2, -2)) @ scaled(0.25, 0.25, 0.25))
+    expected = sampled_by_scipy(bone_map.probability.array, bone_map.probability.grid, fine, 1)
+    np.testing.assert_allclose(bone_map.on_grid(fine).probability, expected, atol=1e-6)
+
+
+def test_a_map_on_its_own_voxels_is_a_copy():
+    bone_map = BoneMap.from_probability(Volume(np.ones((4, 5, 6), np.float32), np.eye(4)))
+    bone_map.on_grid(bone_map.probability.grid).probability[:] = 0.0
+    assert (bone_map.probability.array == 1.0).all()
+
+
+def test_a_grid_far_away_overlaps_no_bone():
+    far = VoxelGrid((5, 5, 5), rigid((0, 0, 0), (500, 0, 0)))
+    assert not BoneMap.from_labels(Volume(block(), np.eye(4))).on_grid(far).overlaps
+
+
+def test_a_grid_beside_the_bone_overlaps_none():
+    labels = block((60, 64, 40), corner=(40, 20, 3), size=(4, 5, 6))
+    corner = VoxelGrid((5, 5, 5), rigid((0, 0, 0), (30, 5, 0)))
+    assert not BoneMap.from_labels(Volume(labels, np.eye(4)), sigma_voxels=2.0).on_grid(corner).overlaps
+
+
+def test_a_grid_that_only_touches_the_map_overlaps_it():
+    bone_map = BoneMap.from_probability(Volume(np.ones((4, 5, 6), np.float32), np.eye(4)))
+    assert bone_map.on_grid(VoxelGrid((5, 5, 5), rigid((0, 0, 0), (5, 4, 3)))).overlaps
+
+
+@pytest.mark.parametrize("direction", ["", "Surface", "normal"])
+def test_an_unknown_direction_is_refused(direction):
+    bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)))
+    with pytest.raises(GeometryError, match="gradient or surface"):
+        bone_map.on_grid(bone_map.probability.grid, direction)
+
+
+def test_results_take_single_precision():
+    placed = BoneMap.from_labels(Volume(block(), np.eye(4))).on_grid(FINE)
+    assert (placed.probability.dtype, placed.directions_reference.dtype, placed.inside.dtype) == (np.float32, np.float32, np.uint8)
+
+
+# ---- progress
+
+
+@pytest.mark.parametrize("work", ["from_labels", "on_grid"])
+def test_progress_rises_from_0_to_1(work):
+    heard: list[float] = []
+    bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)), progress=lambda f, _: heard.append(f) if work == "from_labels" else None)
+    bone_map.on_grid(FINE, progress=lambda f, _: heard.append(f) if work == "on_grid" else None)
+    assert heard == sorted(heard)
+    assert (heard[0], heard[-1]) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize("after", range(4))
+def test_making_a_map_can_be_stopped_at_any_step(after):
+    calls = iter([True] * after + [False] * 9)
+    with pytest.raises(OperationCanceled):
+        BoneMap.from_labels(Volume(block(), np.eye(4)), progress=lambda fraction, message: next(calls))

@@ -1,0 +1,313 @@
+"""Recognizing the probe from images that were drawn with a known geometry, from real ones, and from what is neither."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+import SimpleITK as sitk
+from scipy import ndimage
+
+from AIFReconLib.beams import LINEAR, SECTOR
+from AIFReconLib.detection import DetectedImaging, detect_imaging
+from AIFReconLib.errors import BeamGeometryError
+
+ROWS, COLUMNS = 240, 320
+RNG_SEED = 5
+ROW, COLUMN = np.mgrid[:ROWS, :COLUMNS]
+
+
+@lru_cache
+def speckle(frames: int, level: float = 90.0, grain: float = 1.5) -> np.ndarray:
+    """Fully developed speckle, (frames, rows, columns) float64."""
+    rng = np.random.default_rng(RNG_SEED)
+    stack = []
+    for _ in range(frames):
+        real, imaginary = (ndimage.gaussian_filter(rng.standard_normal((ROWS, COLUMNS)), grain) for _ in range(2))
+        magnitude = np.hypot(real, imaginary)
+        stack.append(level * magnitude / magnitude.mean())
+    return np.array(stack)
+
+
+def images_of(inside: np.ndarray, frames: int = 4, grain: float = 1.5, fade: np.ndarray | None = None) -> np.ndarray:
+    """Speckle where `inside` is True, black elsewhere, uint8; `fade` multiplies it."""
+    bright = speckle(frames, grain=grain) * (1.0 if fade is None else fade)
+    return np.where(inside, np.clip(bright, 0, 255), 0).astype(np.uint8)
+
+
+def sector(apex=(160.0, 10.0), angles=(-45.0, 45.0), radii=(0.0, 215.0), spacing=(1.0, 1.0)) -> np.ndarray:
+    """Which pixels a sector covers."""
+    x, y = (COLUMN - apex[0]) * spacing[0], (ROW - apex[1]) * spacing[1]
+    radius, angle = np.hypot(x, y), np.degrees(np.arctan2(x, y))
+    return (angle >= angles[0]) & (angle <= angles[1]) & (radius >= radii[0]) & (radius <= radii[1])
+
+
+def rectangle(left=80, right=250, top=8, bottom=230) -> np.ndarray:
+    """Which pixels a rectangle covers, its last column and row included."""
+    return (left <= COLUMN) & (right >= COLUMN) & (top <= ROW) & (bottom >= ROW)
+
+
+SECTORS = {
+    "phased array": {},
+    "narrow": {"angles": (-15.0, 15.0)},
+    "very narrow": {"angles": (-8.0, 8.0)},
+    "wide": {"angles": (-60.0, 60.0), "radii": (0.0, 170.0)},
+    "off center": {"apex": (120.3, 5.7)},
+    "steered": {"apex": (90.0, 10.0), "angles": (-10.0, 50.0)},
+    "curvilinear": {"apex": (160.0, -80.0), "angles": (-30.0, 30.0), "radii": (95.0, 300.0)},
+    "curvilinear, apex inside": {"apex": (155.0, 30.0), "angles": (-40.0, 40.0), "radii": (45.0, 190.0)},
+    "off center curvilinear": {"apex": (181.5, -62.2), "angles": (-24.0, 31.0), "radii": (80.0, 270.0)},
+    "wide pixels": {"apex": (160.0, 8.0), "spacing": (0.3, 0.2), "radii": (0.0, 44.0)},
+    "tall pixels": {"apex": (160.0, 8.0), "spacing": (0.15, 0.3), "angles": (-20.0, 20.0), "radii": (0.0, 60.0)},
+    "tall pixels, curvilinear": {"apex": (160.0, -40.0), "spacing": (0.15, 0.3), "angles": (-20.0, 20.0), "radii": (15.0, 80.0)},
+    "cut by the bottom": {"radii": (0.0, 400.0), "angles": (-30.0, 30.0)},
+    "cut by both sides": {"angles": (-60.0, 60.0), "radii": (0.0, 225.0)},
+    "cut by one side": {"apex": (60.0, 8.0), "radii": (0.0, 220.0)},
+    "cut by sides and bottom": {"angles": (-50.0, 50.0), "radii": (0.0, 600.0)},
+    "curvilinear, cut by the bottom": {"apex": (160.0, -80.0), "angles": (-30.0, 30.0), "radii": (95.0, 600.0)},
+}
+
+
+def assert_found(found: DetectedImaging, apex=(160.0, 10.0), angles=(-45.0, 45.0), radii=(0.0, 215.0), spacing=(1.0, 1.0)) -> None:
+    """Apex within 2 px, angles within half a degree, and nearly the same pixels."""
+    assert found.probe.kind == SECTOR
+    assert np.hypot(*np.subtract(found.probe.apex_px, apex)) < 2.0
+    np.testing.assert_allclose(found.region.fan.angles_deg, angles, atol=0.5)
+    truth, mask = sector(apex, angles, radii, spacing), found.region.mask(COLUMNS, ROWS)
+    assert (truth & mask).sum() > 0.97 * (truth | mask).sum()
+
+
+@pytest.mark.parametrize("shape", SECTORS.values(), ids=SECTORS)
+def test_a_sector_is_found_with_its_apex_and_angles(shape):
+    assert_found(detect_imaging(images_of(sector(**shape)), shape.get("spacing", (1.0, 1.0))), **shape)
+
+
+@pytest.mark.parametrize("grain", [1.0, 3.0, 6.0])
+def test_one_frame_is_enough_whatever_its_speckle(grain):
+    assert_found(detect_imaging(images_of(sector(), frames=1, grain=grain)))
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])
+def test_pixels_may_be_of_any_type_and_scale(dtype):
+    scale = 1 if dtype == np.uint8 else 200 if dtype == np.uint16 else 1 / 255
+    assert_found(detect_imaging((images_of(sector()) * dtype(scale)).astype(dtype)))
+
+
+def draw_text(images):
+    for line in range(3):
+        for letter in range(8):
+            images[:, 6 + 14 * line : 14 + 14 * line, 6 + 9 * letter : 11 + 9 * letter] = 200
+
+
+def draw_ruler(images):
+    images[:, 10:235, 308] = 255
+    for tick in range(10, 235, 15):
+        images[:, tick : tick + 2, 304:312] = 255
+
+
+def draw_gray_scale(images):
+    images[:, 10:120, 8:20] = np.linspace(255, 0, 110)[None, :, None]
+
+
+def draw_logo(images):
+    images[:, 4:40, 4:70] = 220
+
+
+def draw_frame(images):
+    images[:, :2] = images[:, -2:] = 180
+    images[:, :, :2] = images[:, :, -2:] = 180
+
+
+def draw_depth_marks(images):
+    for row in range(30, 160, 12):
+        images[:, row, 160 - (row - 10) - 7 : 160 - (row - 10)] = 255
+
+
+OVERLAYS = [draw_text, draw_ruler, draw_gray_scale, draw_logo, draw_frame, draw_depth_marks]
+
+
+@pytest.mark.parametrize("draw", OVERLAYS, ids=lambda draw: draw.__name__)
+def test_what_is_drawn_around_a_sector_does_not_matter(draw):
+    images = images_of(sector())
+    draw(images)
+    assert_found(detect_imaging(images))
+
+
+def test_noise_in_the_black_does_not_matter():
+    images = images_of(sector())
+    noise = np.random.default_rng(RNG_SEED).integers(0, 3, images.shape).astype(np.uint8)
+    assert_found(detect_imaging(np.maximum(images, noise)))
+
+
+def test_a_dark_bottom_leaves_apex_and_angles():
+    found = detect_imaging(images_of(sector(), frames=8, fade=np.exp(-5.0 * ROW / ROWS)))
+    assert np.hypot(*np.subtract(found.probe.apex_px, (160.0, 10.0))) < 2.0
+    np.testing.assert_allclose(found.region.fan.angles_deg, (-45, 45), atol=0.5)
+
+
+def test_a_shadow_within_a_sector_does_not_matter():
+    angle = np.degrees(np.arctan2(COLUMN - 160.0, ROW - 10.0))
+    assert_found(detect_imaging(images_of(sector(), fade=np.abs(angle - 10) > 7)))
+
+
+def test_a_dark_near_field_does_not_matter():
+    found = detect_imaging(images_of(sector(), fade=np.hypot(COLUMN - 160.0, ROW - 10.0) > 40))
+    assert np.hypot(*np.subtract(found.probe.apex_px, (160.0, 10.0))) < 2.0
+
+
+def test_the_finding_is_told_in_words():
+    found = detect_imaging(images_of(sector((160.0, -80.0), (-30, 30), (95, 300))))
+    assert found.description.startswith("a sector probe, apex at column 160.")
+    assert found.description.endswith("-30.0 to 30.0 degrees")
+
+
+@pytest.mark.parametrize(
+    "box",
+    [
+        {},
+        {"left": 0, "right": 170, "top": 0},
+        {"left": 140, "right": 319, "bottom": 239},
+        {"left": 150, "right": 165},
+        {"top": 8, "bottom": 40, "left": 20, "right": 300},
+    ],
+    ids=["centered", "at the left", "at the right", "narrow", "shallow"],
+)
+def test_a_rectangle_is_a_linear_probe_with_its_pixels(box):
+    found = detect_imaging(images_of(rectangle(**box)))
+    assert found.probe.kind == LINEAR
+    np.testing.assert_array_equal(found.region.mask(COLUMNS, ROWS), rectangle(**box))
+
+
+def test_a_rectangle_with_a_dark_bottom_keeps_its_columns():
+    found = detect_imaging(images_of(rectangle(), fade=np.exp(-6.0 * ROW / ROWS)))
+    kept = np.flatnonzero(found.region.mask(COLUMNS, ROWS).any(axis=0))
+    assert (found.probe.kind, kept[0], kept[-1]) == (LINEAR, 80, 250)
+
+
+def test_a_rectangle_with_a_shadow_at_its_bottom_is_one():
+    shadowed = (np.abs(COLUMN - 170) < 30) & (ROW > 120)
+    found = detect_imaging(images_of(rectangle(), fade=~shadowed))
+    np.testing.assert_array_equal(found.region.mask(COLUMNS, ROWS), rectangle())
+
+
+@pytest.mark.parametrize("draw", [draw_text, draw_ruler, draw_logo], ids=lambda draw: draw.__name__)
+def test_what_is_drawn_around_a_rectangle_does_not_matter(draw):
+    images = images_of(rectangle())
+    draw(images)
+    np.testing.assert_array_equal(detect_imaging(images).region.mask(COLUMNS, ROWS), rectangle())
+
+
+def blob(seed: int, size: float) -> np.ndarray:
+    noise = ndimage.gaussian_filter(np.random.default_rng(seed).standard_normal((ROWS, COLUMNS)), size)
+    return noise > np.quantile(noise, 0.6)
+
+
+NEITHER = {
+    "circle": np.hypot(COLUMN - 160, ROW - 120) < 100,
+    "ellipse": np.hypot((COLUMN - 160) / 1.4, ROW - 120) < 100,
+    "dome": (np.hypot(COLUMN - 160, ROW - 180) < 120) & (ROW < 180),
+    "bowl": (np.hypot(COLUMN - 160, ROW - 30) < 120) & (ROW > 30),
+    "diamond": np.abs(COLUMN - 160) + np.abs(ROW - 120) < 100,
+    "right triangle": (COLUMN > 50) & (COLUMN - 50 < ROW - 10) & (ROW < 220),
+    "trapezoid, wide at the top": (ROW > 10) & (np.abs(COLUMN - 160) < 120 - 0.3 * (ROW - 10)) & (ROW < 220),
+    "parallelogram": (COLUMN - 0.3 * ROW > 50) & (COLUMN - 0.3 * ROW < 170) & (ROW > 10) & (ROW < 220),
+    "cross": ((np.abs(COLUMN - 160) < 30) & (np.abs(ROW - 120) < 100)) | ((np.abs(COLUMN - 160) < 100) & (np.abs(ROW - 120) < 30)),
+    "L": ((COLUMN > 50) & (COLUMN < 100) & (ROW > 20) & (ROW < 220)) | ((COLUMN > 50) & (COLUMN < 280) & (ROW > 170) & (ROW < 220)),
+    "sector below a bar": sector((160.0, 10.0), (-25.0, 25.0), (0.0, 210.0)) | (ROW < 30),
+    "upside down": sector()[::-1],
+    "sideways": np.pad(sector()[:, 40:280].T, ((0, 0), (40, 40))),
+    **{f"blob {seed}": blob(seed, (5, 15, 30, 50)[seed % 4]) for seed in range(12)},
+}
+
+
+@pytest.mark.parametrize("inside", NEITHER.values(), ids=NEITHER)
+def test_an_outline_that_is_neither_is_refused_rather_than_guessed(inside):
+    with pytest.raises(BeamGeometryError, match="cannot be told from the images"):
+        detect_imaging(images_of(inside))
+
+
+NOTHING = {
+    "black": np.zeros((2, 50, 60), np.uint8),
+    "no frames": np.zeros((0, 50, 60), np.uint8),
+    "NaN": np.full((2, 50, 60), np.nan, np.float32),
+    "negative": np.full((2, 50, 60), -5.0),
+    "one pixel of light": np.pad(np.full((1, 1, 1), 9, np.uint8), ((0, 0), (20, 20), (20, 20))),
+    "one pixel": np.full((2, 1, 1), 9, np.uint8),
+    "nine pixels": np.full((2, 3, 3), 9, np.uint8),
+    "sparse noise": (np.random.default_rng(RNG_SEED).random((3, ROWS, COLUMNS)) < 1e-3) * np.uint8(255),
+}
+
+
+@pytest.mark.parametrize("images", NOTHING.values(), ids=NOTHING)
+def test_images_that_show_nothing_are_refused(images):
+    with pytest.raises(BeamGeometryError, match="cannot be told from the images"):
+        detect_imaging(images)
+
+
+def test_a_full_frame_shows_no_outline_and_is_refused():
+    with pytest.raises(BeamGeometryError, match="no black surround"):
+        detect_imaging(images_of(np.ones((ROWS, COLUMNS), bool)))
+
+
+def test_white_noise_is_refused():
+    with pytest.raises(BeamGeometryError, match="cannot be told from the images"):
+        detect_imaging(np.random.default_rng(RNG_SEED).integers(0, 256, (3, ROWS, COLUMNS)).astype(np.uint8))
+
+
+def test_the_refusal_says_what_to_give_instead():
+    with pytest.raises(BeamGeometryError, match="--probe linear, or --probe sector with --apex-px COLUMN ROW"):
+        detect_imaging(NOTHING["black"])
+
+
+def test_a_sector_of_which_one_half_is_in_shadow_is_refused_rather_than_guessed():
+    with pytest.raises(BeamGeometryError):
+        detect_imaging(images_of(sector() & (COLUMN > 160)))
+
+
+class CountingStack:
+    """A long sequence on disk that counts how often it is read."""
+
+    shape, dtype = (5000, ROWS, COLUMNS), np.dtype(np.uint8)
+
+    def __init__(self):
+        self.image, self.reads = images_of(sector(), frames=1)[0], 0
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, index: int) -> np.ndarray:
+        assert 0 <= index < len(self)
+        self.reads += 1
+        return self.image
+
+
+def test_a_long_sequence_is_not_read_as_a_whole():
+    stack = CountingStack()
+    detect_imaging(stack)
+    assert stack.reads <= 24
+
+
+@pytest.mark.parametrize(
+    ("name", "columns", "rows"),
+    [("SpinePhantomFreehand.igs.mha", (187, 631), (12, 601)), ("BoneUltrasound_L14.igs.mha", (176, 642), (1, 614))],
+)
+def test_a_real_linear_probe_is_found_with_its_pixels(real_data, name, columns, rows):
+    found = detect_imaging(sitk.GetArrayFromImage(sitk.ReadImage(str(real_data(name)))), (0.085, 0.085))
+    assert found.probe.kind == LINEAR
+    left, right, top, bottom = found.region.clip.bounds(820, 616)
+    np.testing.assert_allclose((left, right, top, bottom), (*columns, *rows), atol=2)
+
+
+@pytest.mark.parametrize("frame", [0, 10, 20])
+def test_one_real_frame_shows_as_much_as_all(real_data, frame):
+    images = sitk.GetArrayFromImage(sitk.ReadImage(str(real_data("BoneUltrasound_L14.igs.mha"))))
+    assert detect_imaging(images[frame : frame + 1]).region == detect_imaging(images).region
+
+
+def test_real_images_of_wires_in_water_are_refused(real_data):
+    images = sitk.GetArrayFromImage(sitk.ReadImage(str(real_data("NwirePhantomFreehand.igs.nrrd"))))
+    # As components of one picture, which is how SimpleITK takes a "list" axis
+    images = np.moveaxis(images, -1, 0) if images.shape[-1] == 97 else images
+    with pytest.raises(BeamGeometryError):
+        detect_imaging(images[::8])

@@ -1,0 +1,137 @@
+"""`aifrecon evaluate` as a user meets it."""
+
+from __future__ import annotations
+
+import csv
+
+import numpy as np
+import pytest
+from files import write_patient
+
+from AIFReconLib.cli import main
+from AIFReconLib.io.volume_files import read_labels, read_transform
+from AIFReconLib.volume import Volume, VoxelGrid
+
+
+@pytest.fixture
+def case(tmp_path):
+    """A patient with a ball of bone, and two volumes: one with a bright shell on it, one of noise alone."""
+    patient = write_patient(tmp_path)
+    grid = VoxelGrid.from_spacing((-12, -12, -12), (49, 49, 49), 0.5)
+    k, j, i = np.indices(grid.shape)
+    radius = np.sqrt(((np.stack([i, j, k]) - 24) ** 2).sum(axis=0)) * 0.5
+    noise = np.random.default_rng(0).normal(50, 5, grid.shape)
+    shell = noise + 150 * np.exp(-(((radius - 4.0) / 0.8) ** 2))
+    for name, gray in (("shell", shell), ("noise", noise)):
+        Volume(gray.astype(np.float32), grid.ijk_to_reference).write(tmp_path / f"{name}.nrrd")
+    return patient
+
+
+def command(case, *volumes, sweep=True, extra=()):
+    folder = case.sweep.parent
+    arguments = ["evaluate", *(folder / f"{name}.nrrd" for name in volumes), "--bone", case.labels, "--bone-transform", case.transform]
+    if sweep:
+        arguments += ["--sweep", case.sweep, "--config", case.config]
+    return [str(argument) for argument in [*arguments, *extra]]
+
+
+def refusal(arguments, capsys):
+    """Exit code 2 and one line on stderr; returns the line."""
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.err.count("\n") == 1, captured.err
+    return captured.err
+
+
+def rows_of(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_each_volume_is_a_row_of_the_table(case, capsys):
+    assert main(command(case, "shell", "noise")) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines[1:3]] == ["shell.nrrd", "noise.nrrd"]
+    assert "the 6 frames could reach" in lines[-1]
+
+
+def test_the_csv_holds_every_number_of_every_volume(case, tmp_path):
+    output = tmp_path / "metrics.csv"
+    assert main(command(case, "shell", "noise", extra=["--csv", output])) == 0
+    shell, noise = rows_of(output)
+    assert (shell["volume"], shell["reachability"]) == ("shell.nrrd", "sweep")
+    assert float(shell["bone_coverage"]) > 0.9
+    assert float(noise["bone_coverage"]) < 0.1
+    assert float(shell["bone_cnr"]) > 5 * float(noise["bone_cnr"])
+
+
+def test_the_ball_lies_where_its_registration_puts_it(case, tmp_path):
+    output = tmp_path / "metrics.csv"
+    assert main(command(case, "shell", extra=["--csv", output])) == 0
+    assert abs(float(rows_of(output)[0]["bone_localization_bias"])) < 0.3
+
+
+def test_without_a_sweep_it_says_that_reachability_is_unknown(case, tmp_path, capsys):
+    output = tmp_path / "metrics.csv"
+    assert main(command(case, "shell", sweep=False, extra=["--csv", output])) == 0
+    assert "Reachability is unknown" in capsys.readouterr().out
+    (row,) = rows_of(output)
+    assert row["reachability"] == "unknown"
+    assert row["oblique_coverage"] == ""
+    assert float(row["bone_area"]) == pytest.approx(4 * np.pi * 16, rel=0.15)
+
+
+def test_less_bone_counts_with_a_sweep_than_without(case, tmp_path):
+    areas = []
+    for sweep in (True, False):
+        assert main(command(case, "shell", sweep=sweep, extra=["--csv", tmp_path / "m.csv"])) == 0
+        areas.append(float(rows_of(tmp_path / "m.csv")[0]["bone_area"]))
+    assert 0 < areas[0] < areas[1]
+
+
+def test_volumes_of_one_name_are_told_apart_by_their_folders(case, tmp_path, capsys):
+    (tmp_path / "other").mkdir()
+    (tmp_path / "shell.nrrd").replace(tmp_path / "other" / "shell.nrrd")
+    (tmp_path / "noise.nrrd").replace(tmp_path / "shell.nrrd")
+    assert main(command(case, "shell", "other/shell")) == 0
+    assert str(tmp_path / "other" / "shell.nrrd") in capsys.readouterr().out
+
+
+def test_a_mask_decides_what_was_measured(case, tmp_path, capsys):
+    grid = VoxelGrid.from_spacing((-12, -12, -12), (49, 49, 49), 0.5)
+    Volume(np.zeros(grid.shape, dtype=np.uint8), grid.ijk_to_reference).write(tmp_path / "mask.nrrd")
+    assert main(command(case, "shell", extra=["--mask", tmp_path / "mask.nrrd"])) == 0
+    assert " 0.0% " in capsys.readouterr().out
+
+
+def test_a_mask_of_another_volume_is_refused(case, capsys):
+    assert "mask of this reconstruction" in refusal(command(case, "shell", extra=["--mask", case.labels]), capsys)
+
+
+def test_bone_that_lies_elsewhere_is_refused(case, tmp_path, capsys):
+    labels = read_labels(case.labels).placed_by(read_transform(case.transform))
+    away = np.eye(4)
+    away[0, 3] = 500.0
+    labels.placed_by(away).write(tmp_path / "away.nrrd")
+    arguments = ["evaluate", tmp_path / "shell.nrrd", "--bone", tmp_path / "away.nrrd"]
+    assert "no bone surface lies" in refusal([str(a) for a in arguments], capsys)
+
+
+def test_a_configuration_without_a_sweep_is_refused(case, capsys):
+    assert "Give --sweep" in refusal(command(case, "shell", sweep=False, extra=["--config", case.config]), capsys)
+
+
+def test_a_beam_must_have_a_thickness(case, capsys):
+    assert "must be positive" in refusal(command(case, "shell", extra=["--beam-thickness", "0"]), capsys)
+
+
+def test_a_missing_volume_is_refused_in_one_line(case, capsys):
+    assert "absent.nrrd" in refusal(command(case, "absent"), capsys)
+
+
+def test_the_csv_never_overwrites_an_input(case, capsys):
+    assert "would overwrite an input" in refusal(command(case, "shell", extra=["--csv", case.labels]), capsys)
+
+
+def test_a_csv_that_cannot_be_written_is_refused_before_work(case, tmp_path, capsys):
+    assert "does not exist" in refusal(command(case, "shell", extra=["--csv", tmp_path / "no" / "m.csv"]), capsys)

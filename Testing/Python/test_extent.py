@@ -1,0 +1,108 @@
+"""The box around a sweep: IGSIO's rule, and no pixel outside."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from geometry_strategies import numbers, rigid, rigid_poses, scaled, spacings
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from AIFReconLib.errors import GeometryError, InsufficientMemoryError
+from AIFReconLib.extent import grid_around_sweep
+from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
+
+FULL = ImageRegion()
+regions = st.sampled_from(
+    [
+        FULL,
+        ImageRegion(ClipRectangle((3, 2), (9, 5))),
+        ImageRegion(fan=Fan((12.0, -4.0), (-40, 30), (6, 17))),
+        ImageRegion(ClipRectangle((3, 2), (15, 11)), Fan((12.0, -4.0), (-40, 30), (6, 17))),
+    ]
+)
+COLUMNS, ROWS = 25, 16
+
+
+def pixels_of(region: ImageRegion) -> np.ndarray:
+    """Every pixel of a region as homogeneous columns, (4, n)."""
+    row, column = np.nonzero(region.mask(COLUMNS, ROWS))
+    return np.stack([column, row, np.zeros_like(row), np.ones_like(row)]).astype(np.float64)
+
+
+@given(st.lists(rigid_poses, min_size=1, max_size=3), numbers(0.05, 1), numbers(0.05, 1), spacings, regions)
+@settings(max_examples=80, deadline=None)
+def test_every_kept_pixel_of_every_frame_falls_into_the_grid(poses, x, y, spacing, region):
+    # Within one scan: hypothesis likes to draw poses 600 mm apart, which is memory and no geometry
+    poses = np.array([rigid((0, 0, 0), -0.9 * pose[:3, 3]) @ pose @ scaled(x, y, 1) for pose in poses])
+    grid = grid_around_sweep(poses, (COLUMNS, ROWS), region, spacing)
+    for pose in poses:
+        ijk = np.floor((grid.reference_to_ijk @ pose @ pixels_of(region))[:3] + 0.5)
+        assert (ijk >= 0).all()
+        assert (ijk < np.array(grid.size)[:, None]).all()
+
+
+@given(st.integers(2, 900), st.sampled_from([0.05, 0.1, 0.15, 0.2, 0.3]), st.sampled_from([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]))
+@settings(max_examples=150, deadline=None)
+def test_a_pixel_on_the_border_of_two_voxels_falls_into_the_grid(columns, pixel, spacing):
+    pose = rigid((0, 0, 0), (0.1, 0.7, -0.3)) @ scaled(pixel, pixel, 1)
+    grid = grid_around_sweep(pose[None], (columns, 2), FULL, (spacing,) * 3)
+    last = grid.reference_to_ijk @ pose
+    assert np.floor(last[0, 0] * (columns - 1) + last[0, 3] + 0.5) < grid.size[0]
+
+
+@given(st.lists(rigid_poses, min_size=1, max_size=3), spacings)
+@settings(max_examples=30, deadline=None)
+def test_origin_and_size_follow_igsio(poses, spacing):
+    poses = np.array([rigid((0, 0, 0), -0.9 * pose[:3, 3]) @ pose @ scaled(0.3, 0.4, 1) for pose in poses])
+    corners = np.array([[0, 0, 0, 1], [COLUMNS - 1, 0, 0, 1], [0, ROWS - 1, 0, 1], [COLUMNS - 1, ROWS - 1, 0, 1.0]])
+    points = np.concatenate([(pose @ corners.T)[:3].T for pose in poses])
+    grid = grid_around_sweep(poses, (COLUMNS, ROWS), FULL, spacing)
+    np.testing.assert_allclose(grid.origin, points.min(axis=0), atol=1e-9)
+    voxels = (points.max(axis=0) - points.min(axis=0)) / spacing
+    assert (np.abs(np.array(grid.size) - 1 - voxels) <= 0.5 + 1e-5).all()
+
+
+def test_the_corners_of_a_plain_sweep_are_its_first_and_last_pixel():
+    poses = np.array([rigid((0, 0, 0), (10, 20, z)) @ scaled(0.5, 0.25, 1) for z in (5.0, 8.0)])
+    grid = grid_around_sweep(poses, (11, 9), FULL, (0.5, 0.5, 0.5))
+    assert grid.origin.tolist() == [10, 20, 5]
+    assert grid.size == (11, 5, 7)
+
+
+def test_a_clip_makes_the_grid_smaller():
+    region = ImageRegion(ClipRectangle((2, 3), (4, 2)))
+    grid = grid_around_sweep(np.eye(4)[None], (20, 20), region, (1.0, 1.0, 1.0))
+    assert grid.origin.tolist() == [2, 3, 0]
+    assert grid.size == (5, 3, 1)
+
+
+def test_a_fan_makes_the_grid_as_small_as_its_pixels():
+    fan = ImageRegion(fan=Fan((10.0, 0.0), (-30, 30), (5, 12)))
+    grid = grid_around_sweep(np.eye(4)[None], (21, 21), fan, (1.0, 1.0, 1.0))
+    row, column = np.nonzero(fan.mask(21, 21))
+    assert grid.origin.tolist() == [column.min(), row.min(), 0]
+    assert grid.size == (np.ptp(column) + 1, np.ptp(row) + 1, 1)
+
+
+def test_the_grid_lies_along_the_axes_of_reference():
+    grid = grid_around_sweep(rigid((1, 2, 3), (4, 5, 6))[None], (9, 9), FULL, (0.2, 0.3, 0.4))
+    np.testing.assert_array_equal(grid.ijk_to_reference[:3, :3], np.diag([0.2, 0.3, 0.4]))
+
+
+def test_no_pose_makes_no_grid():
+    with pytest.raises(GeometryError, match="got none"):
+        grid_around_sweep(np.empty((0, 4, 4)), (9, 9), FULL, (1.0, 1.0, 1.0))
+
+
+@pytest.mark.parametrize("far", [6000.0, 1e9, np.nan])
+def test_poses_that_no_scan_spans_are_refused(far):
+    poses = np.array([np.eye(4), rigid((0, 0, 0), (far, 0, 0))])
+    with pytest.raises(GeometryError, match="which no scan does"):
+        grid_around_sweep(poses, (9, 9), FULL, (1.0, 1.0, 1.0))
+
+
+def test_a_spacing_that_is_too_fine_is_refused_before_anything_is_allocated():
+    poses = np.array([np.eye(4), rigid((0, 0, 0), (400, 400, 400))])
+    with pytest.raises(InsufficientMemoryError, match="A spacing of"):
+        grid_around_sweep(poses, (9, 9), FULL, (0.01, 0.01, 0.01), bytes_per_voxel=17)

@@ -1,0 +1,207 @@
+"""Hole filling against a search through every voxel."""
+
+from __future__ import annotations
+
+import tracemalloc
+
+import numpy as np
+import pytest
+from geometry_strategies import triples
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from AIFReconLib import holes
+from AIFReconLib.errors import OperationCanceled
+from AIFReconLib.holes import EMPTY, FILLED, MEASURED, fill_holes
+
+CUBE = np.array([1.0, 1.0, 1.0])
+
+
+def filled_by_search(values: np.ndarray, mask: np.ndarray, spacing, limit: float) -> tuple[np.ndarray, np.ndarray]:
+    """For each empty voxel look at every measured one, in the order [k, j, i], and take the first of the nearest."""
+    result, state = values.copy(), mask.copy()
+    sources = np.argwhere(mask == MEASURED)
+    for hole in np.argwhere(mask == EMPTY):
+        nearest, best = None, None
+        for source in sources:
+            distance = round(float(np.sqrt((((source - hole) * np.asarray(spacing)[::-1]) ** 2).sum())), 6)
+            if distance <= limit + 1e-9 and (best is None or distance < best):
+                nearest, best = source, distance
+        if nearest is not None:
+            result[tuple(hole)] = values[tuple(nearest)]
+            state[tuple(hole)] = FILLED
+    return result, state
+
+
+def scattered(shape, share: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Measured voxels here and there, each of another value, and 0 elsewhere."""
+    rng = np.random.default_rng(seed)
+    mask = (rng.random(shape) < share).astype(np.uint8)
+    return np.where(mask == MEASURED, rng.permutation(mask.size).reshape(shape) + 1, 0).astype(np.float32), mask
+
+
+def line(*measured: float) -> tuple[np.ndarray, np.ndarray]:
+    """Voxels along i; 0 is a hole."""
+    values = np.array(measured, np.float32).reshape(1, 1, -1)
+    return values, (values > 0).astype(np.uint8)
+
+
+@given(
+    st.tuples(st.integers(1, 6), st.integers(1, 6), st.integers(1, 6)),
+    st.sampled_from([0.02, 0.1, 0.3]),
+    st.integers(0, 10**6),
+    st.one_of(st.just((1.0, 1.0, 1.0)), st.just((0.5, 0.5, 1.0)), st.just((0.3, 0.4, 0.5)), triples(0.2, 2.0)),
+    st.sampled_from([0.3, 0.5, 1.0, 1.5, 2.0, 3.0, 20.0]),
+)
+@settings(max_examples=60, deadline=None)
+def test_filling_equals_the_search_through_every_voxel(shape, share, seed, spacing, limit):
+    values, mask = scattered(shape, share, seed)
+    expected = filled_by_search(values, mask, spacing, limit)
+    fill_holes(values, mask, np.array(spacing), limit)
+    np.testing.assert_array_equal(values, expected[0])
+    np.testing.assert_array_equal(mask, expected[1])
+
+
+@pytest.mark.parametrize(("block", "at_once"), [(1, 10**6), (5, 10**6), (64, 7), (4, 3)])
+def test_the_size_of_what_is_searched_in_one_go_makes_no_difference(monkeypatch, block, at_once):
+    whole, parts = scattered((17, 9, 12), 0.05, 3), scattered((17, 9, 12), 0.05, 3)
+    fill_holes(*whole, CUBE, 2.0)
+    monkeypatch.setattr(holes, "BLOCK", block)
+    monkeypatch.setattr(holes, "HOLES_AT_ONCE", at_once)
+    fill_holes(*parts, CUBE, 2.0)
+    np.testing.assert_array_equal(parts[0], whole[0])
+    np.testing.assert_array_equal(parts[1], whole[1])
+
+
+def test_the_number_of_filled_voxels_is_returned():
+    values, mask = line(7, 0, 0, 0, 0)
+    assert fill_holes(values, mask, CUBE, 2.0) == 2
+
+
+@pytest.mark.parametrize(
+    ("spacing", "limit", "reached"), [(1.0, 2.0, 2), (1.0, 1.999, 1), (0.1, 0.3, 3), (0.3, 0.9, 3), (0.7, 2.1, 3), (0.7, 2.09, 2)]
+)
+def test_a_voxel_exactly_at_the_limit_is_filled(spacing, limit, reached):
+    values, mask = line(7, 0, 0, 0, 0)
+    assert fill_holes(values, mask, np.full(3, spacing), limit) == reached
+
+
+def test_a_diagonal_counts_by_its_length():
+    values, mask = np.zeros((2, 2, 2), np.float32), np.zeros((2, 2, 2), np.uint8)
+    values[0, 0, 0], mask[0, 0, 0] = 7, MEASURED
+    fill_holes(values, mask, CUBE, 1.5)
+    assert mask[1, 1, 0] == FILLED
+    assert mask[1, 1, 1] == EMPTY
+
+
+def test_the_nearer_of_two_in_mm_wins_even_if_it_is_farther_in_voxels():
+    values, mask = np.zeros((2, 1, 3), np.float32), np.zeros((2, 1, 3), np.uint8)
+    values[1, 0, 0], mask[1, 0, 0] = 5, MEASURED
+    values[0, 0, 2], mask[0, 0, 2] = 9, MEASURED
+    fill_holes(values, mask, np.array([0.5, 0.5, 1.5]), 5.0)
+    assert values[0, 0, 0] == 9
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_between_two_equally_near_the_lower_wins(axis):
+    values, mask = np.zeros((3, 3, 3), np.float32), np.zeros((3, 3, 3), np.uint8)
+    for number, place in ((5, 0), (9, 2)):
+        at = [1, 1, 1]
+        at[axis] = place
+        values[tuple(at)], mask[tuple(at)] = number, MEASURED
+    fill_holes(values, mask, CUBE, 1.0)
+    assert values[1, 1, 1] == 5
+
+
+def test_k_goes_before_j_and_j_before_i_among_equally_near():
+    values, mask = np.zeros((3, 3, 3), np.float32), np.zeros((3, 3, 3), np.uint8)
+    for number, at in ((5, (1, 1, 0)), (6, (1, 0, 1)), (7, (2, 1, 1)), (8, (1, 2, 1))):
+        values[at], mask[at] = number, MEASURED
+    fill_holes(values, mask, CUBE, 1.0)
+    assert values[1, 1, 1] == 6
+
+
+@pytest.mark.parametrize("tenths", range(1, 21))
+def test_a_tie_between_unlike_offsets_is_a_tie(tenths):
+    values, mask = np.zeros((4, 4, 4), np.float32), np.zeros((4, 4, 4), np.uint8)
+    for number, at in ((5, (1, 2, 2)), (6, (3, 0, 0))):
+        values[at], mask[at] = number, MEASURED
+    fill_holes(values, mask, np.full(3, tenths * 0.1), 0.3 * tenths)
+    assert values[0, 0, 0] == 5
+
+
+def test_measured_voxels_stay_as_they_are():
+    values, mask = scattered((6, 6, 6), 0.3, 1)
+    before, measured = values.copy(), mask == MEASURED
+    fill_holes(values, mask, CUBE, 3.0)
+    np.testing.assert_array_equal(values[measured], before[measured])
+    assert (mask[measured] == MEASURED).all()
+
+
+def test_a_filled_voxel_is_no_source():
+    values, mask = line(7, 0, 0, 0, 0, 0)
+    fill_holes(values, mask, CUBE, 2.0)
+    assert values.ravel().tolist() == [7, 7, 7, 0, 0, 0]
+
+
+def test_a_measured_zero_is_a_value_like_any_other():
+    values, mask = line(0, 0, 0, 7)
+    mask[0, 0, 0] = MEASURED
+    fill_holes(values, mask, CUBE, 9.0)
+    assert values.ravel().tolist() == [0, 0, 7, 7]
+
+
+@pytest.mark.parametrize("limit", [0.0, 0.5])
+def test_a_limit_below_one_voxel_fills_nothing(limit):
+    values, mask = line(7, 0, 7)
+    assert fill_holes(values, mask, CUBE, limit) == 0
+    assert mask.ravel().tolist() == [MEASURED, EMPTY, MEASURED]
+
+
+def test_nothing_is_filled_from_nothing():
+    values, mask = np.zeros((3, 3, 3), np.float32), np.zeros((3, 3, 3), np.uint8)
+    assert fill_holes(values, mask, CUBE, 5.0) == 0
+
+
+def test_a_volume_without_holes_stays_as_it_is():
+    values, mask = np.ones((3, 3, 3), np.float32), np.ones((3, 3, 3), np.uint8)
+    assert fill_holes(values, mask, CUBE, 5.0) == 0
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.float32, np.float64])
+def test_values_keep_their_type(dtype):
+    values, mask = line(7, 0, 0)
+    values = values.astype(dtype)
+    fill_holes(values, mask, CUBE, 2.0)
+    assert values.ravel().tolist() == [7, 7, 7]
+
+
+def test_progress_rises_to_1():
+    values, mask = scattered((9, 4, 4), 0.1, 1)
+    heard = []
+    fill_holes(values, mask, CUBE, 2.0, lambda fraction, _: heard.append(fraction))
+    assert heard == sorted(heard)
+    assert heard[-1] == 1.0
+
+
+def test_filling_can_be_stopped():
+    values, mask = scattered((9, 4, 4), 0.1, 1)
+    with pytest.raises(OperationCanceled):
+        fill_holes(values, mask, CUBE, 2.0, lambda fraction, message: False)
+
+
+def test_the_memory_that_is_needed_beside_the_volume_is_bounded():
+    values, mask = np.zeros((150, 150, 150), np.float32), np.zeros((150, 150, 150), np.uint8)
+    mask[:, ::5, :] = MEASURED
+    tracemalloc.start()
+    try:
+        fill_holes(values, mask, CUBE, 2.0)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 40e6
+
+
+def test_a_limit_far_beyond_the_volume_costs_no_more_than_the_volume():
+    values, mask = line(7, 0, 0)
+    assert fill_holes(values, mask, np.full(3, 0.01), 20.0) == 2

@@ -1,0 +1,47 @@
+"""What a reconstruction really allocates, measured, against what it says it needs and what the project promises."""
+
+from __future__ import annotations
+
+import tracemalloc
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from files import IMAGE_TO_PROBE, tracked_sequence
+from sweeps import sphere_bone
+
+from AIFReconLib.beams import ProbeGeometry
+from AIFReconLib.compounding.state import bytes_per_voxel
+from AIFReconLib.reconstruct import reconstruct
+from AIFReconLib.region import ImageRegion
+from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.volume import VoxelGrid
+
+GRID = VoxelGrid.from_spacing((-24, -24, -24), (160, 160, 160), 0.3)
+PROMISED_BYTES_PER_VOXEL = 32
+
+
+@pytest.fixture(scope="module")
+def sequence():
+    from AIFReconLib.io.plus_config import PlusConfiguration
+    from AIFReconLib.transform_graph import TransformName, TransformSample
+
+    calibration = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
+    return replace(tracked_sequence(), configuration=PlusConfiguration(path=Path("made-up.xml"), transforms=calibration))
+
+
+@pytest.mark.parametrize("hole_limit", [0.0, 0.6])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_reconstruction_stays_within_its_promised_memory(method, hole_limit, sequence):
+    bone = sphere_bone() if method in BONE_METHODS else None
+    settings = ReconstructionSettings(method=method, best_cosine=bone is not None, hole_limit=hole_limit)
+    tracemalloc.start()
+    try:
+        reconstruct(sequence, settings, bone, GRID, probe=ProbeGeometry("linear"), region=ImageRegion())
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    # Beside the voxels there are the frames and tables of one chunk, a few MB here
+    per_voxel = (peak - 8e6) / GRID.voxels
+    assert per_voxel <= PROMISED_BYTES_PER_VOXEL
+    assert per_voxel <= 1.05 * bytes_per_voxel(method, bone is not None, bone is not None)

@@ -1,0 +1,312 @@
+"""Where frames lie and why some cannot be used."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from geometry_strategies import rigid, scaled
+
+from AIFReconLib.errors import NoUsableFramesError, TransformError
+from AIFReconLib.frames import FrameRecord, TrackedSequence
+from AIFReconLib.poses import chain_ends, describe_frames, sweep_poses, time_order, tracked_frames
+from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+
+IMAGE_TO_PROBE = rigid((0.1, 0.2, -0.3), (5.0, 6.0, 7.0)) @ scaled(0.2, 0.3, 0.25)
+PROBE_TO_TRACKER = rigid((1.1, -0.4, 0.2), (100.0, 50.0, -20.0))
+REFERENCE_TO_TRACKER = rigid((-0.5, 0.9, 1.4), (-30.0, 10.0, 400.0))
+IMAGE_TO_REFERENCE = np.linalg.inv(REFERENCE_TO_TRACKER) @ PROBE_TO_TRACKER @ IMAGE_TO_PROBE
+
+
+def samples(transforms: dict) -> dict[TransformName, TransformSample]:
+    """Named samples from matrices, or from (matrix, status) pairs."""
+    return {
+        TransformName.parse(name): TransformSample(*(value if isinstance(value, tuple) else (value,))) for name, value in transforms.items()
+    }
+
+
+def record(changes: dict | None = None, **others) -> FrameRecord:
+    """A frame with probe and reference in view, with some transforms changed; None removes one."""
+    transforms = {"ProbeToTracker": PROBE_TO_TRACKER, "ReferenceToTracker": REFERENCE_TO_TRACKER} | (changes or {})
+    return FrameRecord(transforms=samples({name: value for name, value in transforms.items() if value is not None}), **others)
+
+
+def configuration(transforms: dict | None = None, **others) -> SimpleNamespace:
+    """What `sweep_poses` reads of a Plus configuration."""
+    return SimpleNamespace(transforms=samples({"ImageToProbe": IMAGE_TO_PROBE} if transforms is None else transforms), **others)
+
+
+def sweep(*records: FrameRecord, calibration=True, **others) -> TrackedSequence:
+    """A sequence of black images with these records and, unless told otherwise, a calibration."""
+    if calibration:
+        others.setdefault("configuration", configuration())
+    return TrackedSequence(np.zeros((len(records), 4, 5), np.uint8), list(records), **others)
+
+
+def only_problem(changes: dict, **others) -> str | None:
+    """The problem of the second of three frames, the others being good."""
+    poses = sweep_poses(sweep(record(), record(changes, **others), record()))
+    assert poses.problems[::2] == (None, None)
+    return poses.problems[1]
+
+
+def test_a_pose_is_the_product_of_the_chain():
+    np.testing.assert_allclose(sweep_poses(sweep(record())).image_to_reference[0], IMAGE_TO_REFERENCE, atol=1e-9)
+
+
+def test_the_chain_is_reported():
+    assert [str(name) for name in sweep_poses(sweep(record())).path] == ["ImageToProbe", "ProbeToTracker", "TrackerToReference"]
+
+
+def test_every_frame_has_its_own_pose():
+    moved = rigid((0, 0, 0), (1.0, 2.0, 3.0)) @ PROBE_TO_TRACKER
+    poses = sweep_poses(sweep(record(), record({"ProbeToTracker": moved})))
+    expected = np.linalg.inv(REFERENCE_TO_TRACKER) @ moved @ IMAGE_TO_PROBE
+    np.testing.assert_allclose(poses.image_to_reference[1], expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("link", ["ProbeToTracker", "ReferenceToTracker"])
+@pytest.mark.parametrize(
+    ("value", "problem"),
+    [
+        ((PROBE_TO_TRACKER, TransformStatus.OUT_OF_VIEW), "OUT_OF_VIEW"),
+        ((PROBE_TO_TRACKER, TransformStatus.UNKNOWN), "UNKNOWN"),
+        ((np.full((4, 4), np.nan), TransformStatus.MISSING), "MISSING"),
+        (None, "not recorded"),
+        (np.full((4, 4), np.nan), "not finite"),
+        (PROBE_TO_TRACKER @ scaled(1.1, 1.1, 1.1), "not rigid (scaled or sheared)"),
+        (PROBE_TO_TRACKER @ scaled(1, 1, -1), "not rigid (mirrored)"),
+        (np.diag([0.0, 0.0, 0.0, 1.0]), "not rigid (scaled or sheared)"),
+        (np.zeros((4, 4)), "not a pose (last row is not 0 0 0 1)"),
+        (rigid((0, 0, 0), (-3.697314e28, 0, 0)), "not a pose (numbers too large)"),
+    ],
+)
+def test_a_link_that_cannot_be_used_costs_its_frame_and_no_other(link, value, problem):
+    assert only_problem({link: value}) == f"{link} {problem}"
+
+
+def test_a_frame_without_an_image_is_skipped_whatever_its_pose():
+    assert only_problem({}, image_status=TransformStatus.INVALID) == "no image (INVALID)"
+
+
+def test_a_tool_that_is_not_in_the_chain_may_be_out_of_view():
+    assert only_problem({"StylusToTracker": (np.full((4, 4), np.nan), TransformStatus.MISSING)}) is None
+
+
+def test_the_pose_of_an_unusable_frame_is_nan():
+    poses = sweep_poses(sweep(record(), record({"ProbeToTracker": None})))
+    assert np.isnan(poses.image_to_reference[1]).all()
+
+
+def test_usable_frames_are_numbered_in_file_order():
+    poses = sweep_poses(sweep(record({"ProbeToTracker": None}), record(), record(image_status=TransformStatus.MISSING), record()))
+    assert poses.usable.tolist() == [1, 3]
+
+
+def test_skipped_frames_are_sorted_by_reason():
+    hidden = {"ProbeToTracker": (PROBE_TO_TRACKER, TransformStatus.OUT_OF_VIEW)}
+    poses = sweep_poses(sweep(record(hidden), record(), record(hidden), record({"ReferenceToTracker": None})))
+    assert poses.skipped() == {"ProbeToTracker OUT_OF_VIEW": [0, 2], "ReferenceToTracker not recorded": [3]}
+
+
+def test_a_transform_that_one_frame_holds_the_other_way_round_is_refused():
+    inverted = record({"ProbeToTracker": None, "TrackerToProbe": np.linalg.inv(PROBE_TO_TRACKER)})
+    with pytest.raises(
+        TransformError, match=r"^sequence: Transform TrackerToProbe cannot be set: its inverse ProbeToTracker .*Remove one of the two\.$"
+    ):
+        sweep_poses(sweep(record(), inverted))
+
+
+def test_a_recording_may_hold_the_inverse_of_what_is_needed():
+    frame = record({"ProbeToTracker": None, "TrackerToProbe": np.linalg.inv(PROBE_TO_TRACKER)})
+    np.testing.assert_allclose(sweep_poses(sweep(frame)).image_to_reference[0], IMAGE_TO_REFERENCE, atol=1e-9)
+
+
+def test_a_transform_of_the_header_holds_for_every_frame():
+    sequence = sweep(record({"ReferenceToTracker": None}), record({"ReferenceToTracker": None}))
+    sequence = sweep(*sequence.records, transforms=samples({"ReferenceToTracker": REFERENCE_TO_TRACKER}))
+    assert sweep_poses(sequence).usable.tolist() == [0, 1]
+
+
+def test_a_static_transform_with_a_bad_status_is_not_used():
+    given = configuration({"ImageToProbe": (IMAGE_TO_PROBE, TransformStatus.INVALID)})
+    assert sweep_poses(sweep(record(), configuration=given)).problems == ("ImageToProbe INVALID",)
+
+
+def test_a_static_transform_may_scale():
+    given = configuration({"ImageToPixel": np.eye(4), "PixelToProbe": scaled(0.2, 0.2, 0.2)})
+    assert sweep_poses(sweep(record(), configuration=given)).problems == (None,)
+
+
+def test_a_configuration_does_not_stand_in_where_a_frame_lacks_a_recorded_transform():
+    given = configuration({"ImageToProbe": IMAGE_TO_PROBE, "ProbeToTracker": np.eye(4)})
+    poses = sweep_poses(sweep(record(), record({"ProbeToTracker": None}), configuration=given))
+    assert poses.problems == (None, "ProbeToTracker not recorded")
+
+
+def test_the_recording_wins_over_the_configuration():
+    given = configuration({"ImageToProbe": IMAGE_TO_PROBE, "ProbeToTracker": np.eye(4)})
+    poses = sweep_poses(sweep(record(), configuration=given))
+    np.testing.assert_allclose(poses.image_to_reference[0], IMAGE_TO_REFERENCE, atol=1e-9)
+
+
+def test_a_transform_in_recording_and_configuration_is_noted():
+    given = configuration({"ImageToProbe": IMAGE_TO_PROBE, "ProbeToTracker": np.eye(4)})
+    assert sweep_poses(sweep(record(), configuration=given)).notes[0].startswith("ProbeToTracker is in the recording and in")
+
+
+def test_a_calibration_beside_a_recorded_image_pose_is_ambiguous():
+    with pytest.raises(TransformError, match="Two paths lead from Image to Reference") as caught:
+        sweep_poses(sweep(record({"ImageToReference": IMAGE_TO_REFERENCE})))
+    assert "ImageToProbe > ProbeToTracker > TrackerToReference" in str(caught.value)
+
+
+def test_a_recorded_image_pose_named_explicitly_wins_over_a_second_path():
+    shifted = rigid((0, 0, 0), (9, 9, 9)) @ IMAGE_TO_REFERENCE
+    poses = sweep_poses(sweep(record({"ImageToReference": shifted})), image_to_reference="ImageToReference")
+    np.testing.assert_allclose(poses.image_to_reference[0], shifted)
+
+
+def test_a_named_transform_that_is_not_recorded_is_looked_up_as_a_chain():
+    poses = sweep_poses(sweep(record()), image_to_reference="ImageToTracker")
+    np.testing.assert_allclose(poses.image_to_reference[0], PROBE_TO_TRACKER @ IMAGE_TO_PROBE, atol=1e-9)
+
+
+def test_a_recorded_image_pose_alone_needs_no_calibration():
+    frame = FrameRecord(transforms=samples({"ImageToReference": IMAGE_TO_REFERENCE}))
+    np.testing.assert_allclose(sweep_poses(sweep(frame, calibration=False)).image_to_reference[0], IMAGE_TO_REFERENCE)
+
+
+@pytest.mark.parametrize(
+    ("matrix", "problem"),
+    [
+        (IMAGE_TO_REFERENCE @ scaled(0, 1, 1), "image pose singular (a pixel has no size)"),
+        (IMAGE_TO_REFERENCE @ np.array([[1, 0.5, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]]), "image pose sheared"),
+        (np.full((4, 4), np.nan), "ImageToReference not finite"),
+        (np.ones((4, 4)), "ImageToReference not a pose (last row"),
+    ],
+)
+def test_a_recorded_image_pose_that_places_no_pixels_says_why(matrix, problem):
+    frame = FrameRecord(transforms=samples({"ImageToReference": matrix}))
+    assert sweep_poses(sweep(frame, calibration=False)).problems[0].startswith(problem)
+
+
+def test_a_recorded_reference_to_image_that_is_singular_is_skipped():
+    frame = FrameRecord(transforms=samples({"ReferenceToImage": scaled(1, 1, 0)}))
+    assert sweep_poses(sweep(frame, calibration=False)).problems == ("ReferenceToImage singular",)
+
+
+def test_another_reference_frame_can_be_chosen():
+    poses = sweep_poses(sweep(record()), reference="Tracker")
+    np.testing.assert_allclose(poses.image_to_reference[0], PROBE_TO_TRACKER @ IMAGE_TO_PROBE, atol=1e-9)
+
+
+def test_the_configuration_names_image_and_reference():
+    given = configuration({"PictureToProbe": IMAGE_TO_PROBE}, image_frame="Picture", reference_frame="Tracker")
+    poses = sweep_poses(sweep(record(), configuration=given))
+    assert [str(name) for name in poses.path] == ["PictureToProbe", "ProbeToTracker"]
+
+
+def test_a_named_transform_and_a_named_reference_go_together():
+    ends, _ = chain_ends(sweep(record()), "PictureToTracker", "Patient")
+    assert str(ends) == "PictureToPatient"
+
+
+def test_the_image_is_no_frame_to_reconstruct_in():
+    with pytest.raises(TransformError, match=r"two frames; got Image for both\.$"):
+        sweep_poses(sweep(record()), reference="Image")
+
+
+def test_a_recording_without_transforms_says_so():
+    with pytest.raises(TransformError, match="no transforms at all"):
+        sweep_poses(sweep(FrameRecord(), calibration=False))
+
+
+def test_a_recording_without_a_calibration_says_how_to_give_it():
+    with pytest.raises(TransformError, match="Give the calibration \\(for example ImageToProbe\\) with --config"):
+        sweep_poses(sweep(record(), calibration=False))
+
+
+def test_a_recording_without_a_reference_says_what_else_to_choose():
+    with pytest.raises(TransformError, match="--reference, one of: Probe, Tracker"):
+        sweep_poses(sweep(record({"ReferenceToTracker": None})))
+
+
+def test_a_gap_in_the_chain_asks_for_the_missing_link():
+    frame = FrameRecord(transforms=samples({"ReferenceToTracker": REFERENCE_TO_TRACKER}))
+    with pytest.raises(TransformError, match="Give the missing link"):
+        sweep_poses(sweep(frame))
+
+
+def test_a_transform_error_names_the_file():
+    with pytest.raises(TransformError, match=r"^sweep\.mha: "):
+        sweep_poses(sweep(record(), calibration=False, path=Path("sweep.mha")))
+
+
+def test_a_sweep_without_usable_frames_says_why():
+    hidden = {"ProbeToTracker": (PROBE_TO_TRACKER, TransformStatus.OUT_OF_VIEW)}
+    poses = sweep_poses(sweep(record(hidden), record(hidden), record({"ReferenceToTracker": None})))
+    with pytest.raises(
+        NoUsableFramesError, match="ProbeToTracker OUT_OF_VIEW: 2 frames \\(0-1\\); ReferenceToTracker not recorded: 1 frame \\(2\\)"
+    ):
+        poses.require_usable("sweep")
+
+
+def test_a_sweep_of_no_frames_says_so():
+    frames = sweep(record())
+    empty = TrackedSequence(frames.images[:0], [], transforms=samples({"ImageToReference": IMAGE_TO_REFERENCE}))
+    with pytest.raises(NoUsableFramesError, match="it has no frames"):
+        sweep_poses(empty).require_usable("sweep")
+
+
+@pytest.mark.parametrize(
+    ("numbers", "words"),
+    [
+        ([], "0 frames ()"),
+        ([7], "1 frame (7)"),
+        ([0, 1], "2 frames (0-1)"),
+        ([0, 1, 2, 5, 8, 9], "6 frames (0-2, 5, 8-9)"),
+        ([0, 2, 4, 6], "4 frames (0, 2, 4, 6)"),
+        ([0, 2, 4, 6, 8], "5 frames (0, 2, 4, 6, ...)"),
+    ],
+)
+def test_frame_numbers_are_described_in_runs(numbers, words):
+    assert describe_frames(numbers) == words
+
+
+@pytest.mark.parametrize(
+    ("timestamps", "order"),
+    [
+        ([1.0, 2.0, 3.0], [0, 1, 2]),
+        ([3.0, 1.0, 2.0], [1, 2, 0]),
+        ([2.0, 1.0, 2.0, 1.0, 2.0], [1, 3, 0, 2, 4]),
+        ([3.0, None, 1.0], [0, 1, 2]),
+        ([3.0, np.nan, 1.0], [0, 1, 2]),
+        ([np.inf, 1.0], [0, 1]),
+        ([float(n % 2) for n in range(60)], [*range(0, 60, 2), *range(1, 60, 2)]),
+        ([], []),
+    ],
+)
+def test_frames_go_in_time_order_where_all_times_are_known(timestamps, order):
+    assert time_order(sweep(*(record(timestamp=t) for t in timestamps))).tolist() == order
+
+
+def test_frames_are_handed_out_with_their_number_image_and_pose():
+    sequence = sweep(record(), record({"ProbeToTracker": None}), record())
+    sequence.images[2] = 7
+    poses = sweep_poses(sequence)
+    frame = next(iter(tracked_frames(sequence, poses, [2])))
+    assert (frame.number, frame.status, int(frame.image.min())) == (2, "OK", 7)
+
+
+def test_an_unusable_frame_is_handed_out_with_its_reason_and_nothing_else():
+    sequence = sweep(record({"ProbeToTracker": None}), record())
+    (frame,) = tracked_frames(sequence, sweep_poses(sequence), [0])
+    assert (frame.image, frame.image_to_reference, frame.status) == (None, None, "ProbeToTracker not recorded")
+
+
+def test_a_frame_without_a_time_takes_its_number():
+    sequence = sweep(record(), record())
+    assert [frame.timestamp for frame in tracked_frames(sequence, sweep_poses(sequence), [0, 1])] == [0.0, 1.0]

@@ -1,0 +1,129 @@
+"""One call from sequence to volume: where settings, region and probe come from, and what is told of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from files import IMAGE_TO_PROBE, tracked_sequence, write_patient
+from sweeps import sphere_bone
+
+from AIFReconLib.beams import ProbeGeometry
+from AIFReconLib.errors import BeamGeometryError, NoUsableFramesError, OperationCanceled, SequenceFormatError, TransformError
+from AIFReconLib.io.plus_config import PlusConfiguration
+from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.reconstruct import reconstruct
+from AIFReconLib.region import ClipRectangle, ImageRegion
+from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+
+CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
+FULL = ImageRegion(ClipRectangle((0, 0), (39, 29)))
+
+
+def calibrated(sequence=None, **configuration):
+    """A sequence with its calibration and more of a configuration."""
+    known = {"path": Path("made-up.xml"), "transforms": CALIBRATION, **configuration}
+    return replace(sequence or tracked_sequence(), configuration=PlusConfiguration(**known))
+
+
+def rectangle_images(count=6):
+    """Bright ultrasound in columns 5 to 34 and rows 3 to 26 of a black image."""
+    images = np.zeros((count, 30, 40), np.uint8)
+    images[:, 3:27, 5:35] = np.random.default_rng(0).integers(60, 256, (count, 24, 30))
+    return images
+
+
+def test_the_configurations_spacing_is_used_where_none_is_given():
+    result = reconstruct(calibrated(spacing=(1.5, 2.0, 2.5)), region=FULL)
+    np.testing.assert_allclose(result.grid.spacing, (1.5, 2.0, 2.5))
+
+
+def test_the_configurations_method_is_used_without_bone():
+    assert reconstruct(calibrated(method="maximum", spacing=(2.0,) * 3), region=FULL).method == "maximum"
+
+
+def test_with_bone_the_configurations_method_gives_way_to_the_recommended_one():
+    sequence = calibrated(method="maximum", spacing=(2.0,) * 3, probe=ProbeGeometry("linear"), region=FULL)
+    assert reconstruct(sequence, bone=sphere_bone()).method == "aif-compensated"
+
+
+def test_the_black_surround_is_left_out_where_nobody_says_what_is_ultrasound():
+    result = reconstruct(calibrated(tracked_sequence(images=rectangle_images())), ReconstructionSettings(spacing=1.0))
+    assert result.hits.array.sum() == pytest.approx(6 * 30 * 24, rel=0.1)
+    assert "Recognized in the images: a linear probe" in result.notes[0]
+
+
+def test_a_region_of_the_configuration_is_not_second_guessed():
+    sequence = calibrated(tracked_sequence(images=rectangle_images()), region=FULL)
+    assert reconstruct(sequence, ReconstructionSettings(spacing=1.0)).hits.array.sum() == 6 * 30 * 40
+
+
+def test_the_region_of_a_scan_conversion_is_used_where_there_is_no_other():
+    sequence = calibrated(scan_region=ImageRegion(ClipRectangle((5, 3), (9, 9))))
+    assert reconstruct(sequence, ReconstructionSettings(spacing=1.0)).hits.array.sum() == 6 * 100
+
+
+def test_images_that_tell_nothing_are_taken_whole_when_no_beam_is_needed():
+    assert reconstruct(calibrated(), ReconstructionSettings(spacing=1.0)).hits.array.sum() == 6 * 30 * 40
+
+
+def test_images_that_tell_nothing_are_an_error_when_beams_are_needed():
+    with pytest.raises(BeamGeometryError, match="--probe linear"):
+        reconstruct(calibrated(), ReconstructionSettings(method="aif", spacing=1.0), sphere_bone())
+
+
+def test_frames_enter_in_order_of_time():
+    sequence = calibrated(region=FULL)
+    backward = replace(sequence, images=sequence.images[::-1], records=sequence.records[::-1])
+    settings = ReconstructionSettings(method="latest", spacing=1.5)
+    np.testing.assert_array_equal(reconstruct(sequence, settings).intensity.array, reconstruct(backward, settings).intensity.array)
+
+
+def test_skipping_past_every_tracked_frame_is_an_error():
+    lost = dict.fromkeys((0, 3), TransformStatus.OUT_OF_VIEW)
+    with pytest.raises(NoUsableFramesError, match="smaller --skip"):
+        reconstruct(calibrated(tracked_sequence(statuses=lost)), ReconstructionSettings(skip=3, spacing=1.0), region=FULL)
+
+
+def test_another_reference_frame_can_be_chosen():
+    result = reconstruct(calibrated(region=FULL), ReconstructionSettings(spacing=2.0), reference="Tracker")
+    assert result.grid.origin[2] < -800
+
+
+def test_an_unknown_reference_frame_names_the_known_ones():
+    with pytest.raises(TransformError, match="Probe, Reference, Tracker"):
+        reconstruct(calibrated(region=FULL), reference="Bed")
+
+
+def test_what_the_configuration_asks_for_and_does_not_get_is_told():
+    result = reconstruct(calibrated(warnings=("Interpolation=LINEAR is not honored.",), region=FULL), ReconstructionSettings(spacing=2.0))
+    assert result.notes[0] == "Interpolation=LINEAR is not honored."
+
+
+def test_canceling_stops_with_operation_canceled():
+    with pytest.raises(OperationCanceled):
+        reconstruct(calibrated(region=FULL), ReconstructionSettings(spacing=2.0), progress=lambda fraction, message: fraction < 0.5)
+
+
+def test_progress_rises_from_0_to_1():
+    seen = []
+    settings = ReconstructionSettings(method="aif", spacing=1.0, hole_limit=2.0)
+    sequence = calibrated(region=FULL, probe=ProbeGeometry("linear"))
+    reconstruct(sequence, settings, sphere_bone(), progress=lambda fraction, message: seen.append(fraction) or True)
+    assert seen[0] == 0.0
+    assert seen[-1] == 1.0
+    assert seen == sorted(seen)
+
+
+def test_a_file_cut_short_behind_the_last_tracked_frame_is_noticed(tmp_path):
+    """Nobody would look at those frames, but their absence says that the header is wrong."""
+    patient = write_patient(tmp_path, tracked_sequence(statuses=dict.fromkeys((4, 5), TransformStatus.OUT_OF_VIEW)))
+    header, data = patient.sweep.read_bytes().split(b"ElementDataFile = LOCAL\n")
+    header = header.replace(b"DimSize = 40 30 6", b"DimSize = 40 31 6")
+    patient.sweep.write_bytes(header + b"ElementDataFile = LOCAL\n" + data)
+    sequence = read_sequence(patient.sweep, config=patient.config)
+    with pytest.raises(SequenceFormatError):
+        reconstruct(sequence, ReconstructionSettings(spacing=1.0))

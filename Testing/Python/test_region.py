@@ -1,0 +1,163 @@
+"""Clip rectangles and fans against Plus's and IGSIO's rules as plain loops."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from geometry_strategies import numbers
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from AIFReconLib.errors import SettingsError
+from AIFReconLib.region import ClipRectangle, Fan, ImageRegion, extreme_pixels
+
+
+def kept_by_loop(columns: int, rows: int, clip=None, fan=None) -> np.ndarray:
+    """Plus's clip and IGSIO's fan without optimization, pixel by pixel, as plus-conventions.md states them."""
+    kept = np.zeros((rows, columns), dtype=bool)
+    for row in range(rows):
+        for column in range(columns):
+            inside = True
+            if clip is not None:
+                (ox, oy), (width, height) = clip
+                if width > 0 and height > 0:
+                    inside = math.ceil(ox) <= column <= math.floor(ox + width) and math.ceil(oy) <= row <= math.floor(oy + height)
+            if inside and fan is not None:
+                (ax, ay), angles, (start, stop), (sx, sy) = fan
+                x, y = column - ax, row - ay
+                low, high = (math.tan(math.radians(angle)) * abs(sy / sx) for angle in angles)
+                if y < 0:
+                    inside = False
+                elif y == 0:
+                    inside = x == 0
+                else:
+                    inside = low <= x / y <= high
+                inside = inside and start**2 <= (x * sx) ** 2 + (y * sy) ** 2 <= stop**2
+            kept[row, column] = inside
+    return kept
+
+
+@pytest.mark.parametrize(
+    ("clip", "bounds"),
+    [
+        (((2, 3), (4, 5)), (2, 6, 3, 8)),
+        (((2.5, 3.1), (4, 5)), (3, 6, 4, 8)),
+        (((2.5, 3.5), (4.5, 5.5)), (3, 7, 4, 9)),
+        (((-3, -2), (5, 6)), (0, 2, 0, 4)),
+        (((15, 6), (100, 100)), (15, 19, 6, 9)),
+        (((0, 0), (0, 0)), (0, 19, 0, 9)),
+        (((5, 5), (0, 3)), (0, 19, 0, 9)),
+        (((5, 5), (3, 0)), (0, 19, 0, 9)),
+        (((0, 0), (19, 9)), (0, 19, 0, 9)),
+    ],
+)
+def test_a_clip_keeps_its_last_column_and_row(clip, bounds):
+    assert ClipRectangle(*clip).bounds(20, 10) == bounds
+
+
+@pytest.mark.parametrize(
+    "clip",
+    [((-30, 2), (10, 5)), ((2, -30), (10, 5)), ((40, 2), (10, 5)), ((2, 40), (10, 5)), ((2.2, 2.2), (0.5, 0.5)), ((-1, 2), (0.5, 5))],
+)
+def test_a_clip_beside_the_image_leaves_nothing_and_says_so(clip):
+    with pytest.raises(SettingsError, match="leave no pixel of a 20 x 10 image"):
+        ImageRegion(ClipRectangle(*clip)).mask(20, 10)
+
+
+@given(st.tuples(numbers(-30, 40), numbers(-30, 40)), st.tuples(numbers(0, 50), numbers(0, 50)))
+@settings(max_examples=80, deadline=None)
+def test_a_clip_equals_the_plain_loop(origin, size):
+    expected = kept_by_loop(13, 9, clip=(origin, size))
+    assume(expected.any())
+    np.testing.assert_array_equal(ImageRegion(ClipRectangle(origin, size)).mask(13, 9), expected)
+
+
+@pytest.mark.parametrize("clip", [((0, 0), (-1, 5)), ((0, 0), (5, -1)), ((math.nan, 0), (5, 5)), ((0, 0), (math.inf, 5))])
+def test_a_clip_that_is_no_rectangle_is_refused(clip):
+    with pytest.raises(SettingsError, match="clip rectangle"):
+        ClipRectangle(*clip)
+
+
+@given(
+    st.tuples(numbers(-10, 40), numbers(-20, 20)),
+    st.tuples(numbers(-80, 80), numbers(-80, 80)),
+    st.tuples(numbers(0, 15), numbers(1, 40)),
+    st.tuples(numbers(0.1, 3), numbers(0.1, 3)),
+)
+@settings(max_examples=80, deadline=None)
+def test_a_fan_equals_the_plain_loop(apex, angles, radii, pixel_size):
+    angles = tuple(sorted(angles))
+    assume(angles[0] < angles[1])
+    assume(radii[0] < radii[1])
+    expected = kept_by_loop(23, 17, fan=(apex, angles, radii, pixel_size))
+    np.testing.assert_array_equal(Fan(apex, angles, radii, pixel_size).mask(23, 17), expected)
+
+
+def test_the_fan_of_the_trus_configuration_equals_the_plain_loop():
+    clip, fan = ((192, 16), (420, 580)), ((380, 20), (-45, 45), (120, 360), (1.0, 1.0))
+    kept = ImageRegion(ClipRectangle(*clip), Fan(*fan)).mask(820, 616)
+    np.testing.assert_array_equal(kept, kept_by_loop(820, 616, clip, fan))
+
+
+def test_angles_may_come_in_either_order():
+    assert Fan((5, 0), (30, -20), (0, 9)).angles_deg == (-20, 30)
+
+
+@pytest.mark.parametrize(
+    "fan",
+    [
+        ((5, 0), (10, 10), (0, 9)),
+        ((5, 0), (-90, 10), (0, 9)),
+        ((5, 0), (-10, 90), (0, 9)),
+        ((5, 0), (math.nan, 10), (0, 9)),
+        ((5, 0), (-10, 10), (9, 9)),
+        ((5, 0), (-10, 10), (-1, 9)),
+        ((5, 0), (-10, 10), (0, math.inf)),
+        ((5, 0), (-10, 10), (0, math.nan)),
+        ((math.nan, 0), (-10, 10), (0, 9)),
+        ((5, 0), (-10, 10), (0, 9), (0.0, 1.0)),
+        ((5, 0), (-10, 10), (0, 9), (1.0, math.nan)),
+    ],
+)
+def test_a_fan_that_is_no_sector_is_refused(fan):
+    with pytest.raises(SettingsError, match="Input fan"):
+        Fan(*fan)
+
+
+def test_radii_of_a_fan_are_mm_where_pixels_are():
+    fan = Fan((0.0, 0.0), (-45, 45), (0.0, 5.0), (0.5, 0.25))
+    assert np.flatnonzero(fan.mask(1, 40)[:, 0]).max() == 20
+
+
+def test_angles_of_a_fan_are_angles_in_mm():
+    column, row = 20, 40
+    assert Fan((0.0, 0.0), (0, 45.001), (0, 99), (0.5, 0.25)).mask(41, 41)[row, column]
+    assert not Fan((0.0, 0.0), (0, 44.999), (0, 99), (0.5, 0.25)).mask(41, 41)[row, column]
+
+
+def test_a_fan_beside_the_image_leaves_nothing_and_says_so():
+    with pytest.raises(SettingsError, match="leave no pixel"):
+        ImageRegion(fan=Fan((5, 100), (-45, 45), (0, 50))).mask(20, 10)
+
+
+def test_no_region_keeps_every_pixel():
+    assert ImageRegion().mask(7, 5).shape == (5, 7)
+    assert ImageRegion().mask(7, 5).all()
+
+
+@given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 2**32 - 1))
+@settings(max_examples=60, deadline=None)
+def test_extreme_pixels_reach_as_far_as_all_pixels_in_every_direction(rows, columns, seed):
+    rng = np.random.default_rng(seed)
+    mask = rng.random((rows, columns)) < 0.3
+    mask[rng.integers(rows), rng.integers(columns)] = True
+    every = np.argwhere(mask)[:, ::-1]
+    for direction in rng.normal(size=(10, 2)):
+        assert (extreme_pixels(mask) @ direction).max() == pytest.approx((every @ direction).max())
+
+
+def test_extreme_pixels_are_pixels_of_the_region():
+    mask = Fan((10.0, -3.0), (-30, 40), (5, 15)).mask(25, 20)
+    assert all(mask[int(row), int(column)] for column, row in extreme_pixels(mask))

@@ -1,0 +1,157 @@
+"""The true bone surface: where its points lie, what area they stand for, and which of them bound an interspinous gap."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from sweeps import rigid, turned_grid
+from volume_samples import oblique_matrix
+
+from AIFReconLib.errors import GeometryError
+from AIFReconLib.evaluation.surface import bone_surface, centers_of_mass, distance_from_labels, interspinous_border
+from AIFReconLib.transforms import transform_points
+from AIFReconLib.volume import Volume, VoxelGrid
+
+RADIUS, CENTER = 9.0, np.array([1.3, -2.2, 0.7])
+
+
+def positions(grid: VoxelGrid) -> np.ndarray:
+    """Centers of all voxels in Reference, [k, j, i, 3], mm."""
+    k, j, i = np.indices(grid.shape)
+    return transform_points(grid.ijk_to_reference, np.stack([i, j, k], axis=-1))
+
+
+def ball(spacing=(0.9, 1.1, 1.3)) -> Volume:
+    """Signed distance to a ball, on a turned, anisotropic grid around it."""
+    grid = turned_grid(spacing, tuple(int(30 / s) for s in spacing))
+    grid = VoxelGrid(grid.size, rigid(translation=CENTER) @ grid.ijk_to_reference)
+    return Volume(np.linalg.norm(positions(grid) - CENTER, axis=-1) - RADIUS, grid.ijk_to_reference)
+
+
+def labels_of(distance: Volume) -> Volume:
+    return Volume((distance.array <= 0).astype(np.uint8), distance.ijk_to_reference)
+
+
+def test_points_of_a_distance_lie_on_the_surface_between_the_voxels():
+    surface = bone_surface(ball())
+    radii = np.linalg.norm(surface.points_reference - CENTER, axis=1)
+    # A straight line over a voxel edge h misses a curve of radius R by h^2 / (8 R) at most
+    assert np.abs(radii - RADIUS).max() < 1.3**2 / (8 * RADIUS)
+
+
+def test_normals_are_unit_vectors_out_of_bone_in_any_grid():
+    surface = bone_surface(ball())
+    radial = (surface.points_reference - CENTER) / np.linalg.norm(surface.points_reference - CENTER, axis=1)[:, None]
+    assert (surface.normals_reference * radial).sum(axis=1).min() > np.cos(np.radians(2))
+
+
+@pytest.mark.parametrize("pitch", [0, 0.7, 2.0])
+def test_areas_sum_to_that_of_the_ball_at_any_pitch(pitch):
+    assert bone_surface(ball(), pitch=pitch).areas.sum() == pytest.approx(4 * np.pi * RADIUS**2, rel=0.01)
+
+
+def test_areas_of_half_a_ball_sum_to_half():
+    surface = bone_surface(ball(), pitch=0)
+    side = (surface.points_reference - CENTER) @ [0.36, -0.48, 0.8] > 0
+    assert surface.areas[side].sum() == pytest.approx(2 * np.pi * RADIUS**2, rel=0.02)
+
+
+def test_thinning_leaves_about_one_point_per_square_of_the_pitch():
+    assert len(bone_surface(ball(), pitch=2.0)) == pytest.approx(np.pi * RADIUS**2, rel=0.02)
+
+
+def test_a_surface_of_labels_lies_within_a_fraction_of_a_voxel():
+    surface = bone_surface(distance_from_labels(labels_of(ball((0.8, 0.8, 0.8)))))
+    radii = np.linalg.norm(surface.points_reference - CENTER, axis=1)
+    assert abs(radii.mean() - RADIUS) < 0.12
+    assert radii.std() < 0.1
+    assert surface.areas.sum() == pytest.approx(4 * np.pi * RADIUS**2, rel=0.04)
+
+
+def test_a_flat_face_of_labels_lies_half_way_between_the_voxels():
+    array = np.zeros((12, 20, 20), dtype=np.uint8)
+    array[:6] = 1
+    surface = bone_surface(distance_from_labels(Volume(array, np.diag([1.0, 1.0, 0.5, 1.0]))))
+    np.testing.assert_allclose(surface.points_reference[:, 2], 5.5 * 0.5, atol=1e-5)
+
+
+def test_the_surface_moves_with_the_registration():
+    moved, motion = ball(), rigid((20, -30, 50), (7, 8, 9))
+    here, there = bone_surface(moved), bone_surface(moved.placed_by(motion))
+    np.testing.assert_allclose(there.points_reference, transform_points(motion, here.points_reference), atol=1e-9)
+    np.testing.assert_allclose(there.normals_reference, here.normals_reference @ motion[:3, :3].T, atol=1e-9)
+    np.testing.assert_allclose(there.areas, here.areas)
+
+
+def test_labels_without_bone_are_refused():
+    with pytest.raises(GeometryError, match="right segmentation"):
+        distance_from_labels(Volume(np.zeros((4, 4, 4), dtype=np.uint8), oblique_matrix()))
+
+
+def test_a_distance_without_a_surface_is_refused():
+    with pytest.raises(GeometryError, match="no surface"):
+        bone_surface(Volume(np.ones((4, 4, 4)), np.eye(4)))
+
+
+# Interspinous border
+
+
+def two_vertebrae(gap: int = 8, motion: np.ndarray | None = None) -> Volume:
+    """Two vertebrae of boxes, 1 mm voxels, along z: bodies in front (high y), processes 6 mm wide and 24 mm long behind (low y)."""
+    array = np.zeros((80, 80, 60), dtype=np.int16)
+    for label, bottom in ((4, 8), (7, 8 + 24 + gap)):
+        array[bottom : bottom + 24, 42:70, 12:48] = label
+        array[bottom : bottom + 24, 10:42, 27:33] = label
+        array[bottom + 8 : bottom + 16, 36:44, 4:56] = label
+    return Volume(array, np.eye(4) if motion is None else motion)
+
+
+def border_of(labels: Volume):
+    surface = bone_surface(distance_from_labels(labels), labels, pitch=0)
+    return surface, interspinous_border(surface, centers_of_mass(labels))
+
+
+def test_every_point_knows_its_vertebra():
+    surface, _ = border_of(two_vertebrae())
+    assert set(surface.labels) == {4, 7}
+    assert (surface.points_reference[surface.labels == 4, 2] < 36).all()
+    assert (surface.points_reference[surface.labels == 7, 2] > 36).all()
+
+
+def test_the_border_is_the_faces_of_the_processes_across_the_gap():
+    surface, border = border_of(two_vertebrae())
+    z = surface.points_reference[border, 2]
+    assert (np.minimum(abs(z - 31.5), abs(z - 39.5)) < 3).all()
+    # Two faces 6 mm wide, from the tips to a third of the way behind the centers of mass; their rounded edges add a little
+    posterior_end = surface.points_reference[border, 1].max()
+    assert 30 < posterior_end < 42
+    assert surface.areas[border].sum() == pytest.approx(2 * 6 * (posterior_end - 9.5), rel=0.25)
+
+
+def test_bodies_do_not_belong_to_the_border_though_they_face_each_other():
+    surface, border = border_of(two_vertebrae())
+    assert not border[surface.points_reference[:, 1] > 42].any()
+
+
+def test_bone_beside_the_midline_does_not_belong_to_the_border():
+    labels = two_vertebrae()
+    for label, bottom in ((4, 8), (7, 40)):
+        for left in (2, 52):
+            labels.array[bottom : bottom + 24, 18:36, left : left + 6] = label
+    surface, border = border_of(labels)
+    assert border.any()
+    assert np.abs(surface.points_reference[border, 0] - 29.5).max() < 5
+
+
+def test_the_border_moves_with_the_registration():
+    motion = rigid((40, 10, -70), (3, 4, 5))
+    np.testing.assert_array_equal(border_of(two_vertebrae(motion=motion))[1], border_of(two_vertebrae())[1])
+
+
+def test_a_gap_too_wide_has_no_border():
+    assert not border_of(two_vertebrae(gap=17))[1].any()
+
+
+def test_one_vertebra_has_no_border():
+    both = two_vertebrae()
+    assert not border_of(Volume(np.where(both.array == 4, 4, 0), both.ijk_to_reference))[1].any()

@@ -1,0 +1,227 @@
+"""Named transforms: names, chains with inverses, statuses, and what is refused."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from geometry_strategies import rigid, rigid_poses, scaled
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from AIFReconLib.errors import GeometryError, TransformError
+from AIFReconLib.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
+
+IMAGE_TO_PROBE = rigid((0.1, 0.2, -0.3), (5.0, 6.0, 7.0)) @ scaled(0.2, 0.3, 0.25)
+PROBE_TO_TRACKER = rigid((1.1, -0.4, 0.2), (100.0, 50.0, -20.0))
+REFERENCE_TO_TRACKER = rigid((-0.5, 0.9, 1.4), (-30.0, 10.0, 400.0))
+
+
+@pytest.fixture
+def graph() -> TransformGraph:
+    """The usual Plus chain, with a stylus beside it."""
+    graph = TransformGraph()
+    graph.set("ImageToProbe", IMAGE_TO_PROBE)
+    graph.set("ProbeToTracker", PROBE_TO_TRACKER)
+    graph.set("ReferenceToTracker", REFERENCE_TO_TRACKER)
+    graph.set("StylusToTracker", np.eye(4), TransformStatus.OUT_OF_VIEW)
+    return graph
+
+
+@pytest.mark.parametrize(
+    ("text", "source", "target"),
+    [
+        ("ProbeToTracker", "Probe", "Tracker"),
+        ("ProbeToTrackerTransform", "Probe", "Tracker"),
+        ("StylusTipToStylus", "StylusTip", "Stylus"),
+        ("ToolToTracker", "Tool", "Tracker"),
+        ("ToolTipToTool", "ToolTip", "Tool"),
+        ("TrackerToTool", "Tracker", "Tool"),
+        ("TotalStationToTotem", "TotalStation", "Totem"),
+        ("TransducerOriginPixelToImage", "TransducerOriginPixel", "Image"),
+        ("ProbeToT", "Probe", "T"),
+        ("Probe2ToTracker1", "Probe2", "Tracker1"),
+        ("CTToRAS", "CT", "RAS"),
+    ],
+)
+def test_a_name_splits_at_its_to(text, source, target):
+    assert TransformName.parse(text) == TransformName(source, target)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "To", "Probe", "ToTracker", "ProbeTo", "Probetotracker", "ProbeTotracker", "AToBToC", "Transform", "ProbeToTransform", "ProbeTo9"],
+)
+def test_a_name_that_does_not_say_from_and_to_is_refused(text):
+    with pytest.raises(TransformError, match="FromToTo"):
+        TransformName.parse(text)
+
+
+@given(st.from_regex(r"[A-Z][a-z]{1,8}", fullmatch=True), st.from_regex(r"[A-Z][a-z]{1,8}", fullmatch=True))
+@settings(max_examples=30, deadline=None)
+def test_a_name_survives_being_written_and_read(source, target):
+    assert TransformName.parse(str(TransformName(source, target))) == TransformName(source, target)
+
+
+@pytest.mark.parametrize(
+    ("text", "status"), [("ok", "OK"), (" OK ", "OK"), ("Out_Of_View", "OUT_OF_VIEW"), ("", "UNKNOWN"), ("fine", "UNKNOWN")]
+)
+def test_a_status_is_read_in_any_case(text, status):
+    assert TransformStatus.parse(text) is TransformStatus[status]
+
+
+def test_a_chain_is_the_product_of_its_links(graph):
+    expected = np.linalg.inv(REFERENCE_TO_TRACKER) @ PROBE_TO_TRACKER @ IMAGE_TO_PROBE
+    np.testing.assert_allclose(graph.lookup("Image", "Reference").matrix, expected, atol=1e-9)
+
+
+def test_a_chain_the_other_way_is_the_inverse(graph):
+    there, back = graph.lookup("Image", "Reference").matrix, graph.lookup("Reference", "Image").matrix
+    np.testing.assert_allclose(back @ there, np.eye(4), atol=1e-9)
+
+
+def test_the_path_names_every_link_in_the_direction_of_travel(graph):
+    assert graph.lookup("Image", "Reference").describe_path() == "ImageToProbe, ProbeToTracker, TrackerToReference"
+
+
+def test_a_frame_lies_in_itself_by_the_identity(graph):
+    np.testing.assert_array_equal(graph.lookup("Probe", "Probe").matrix, np.eye(4))
+
+
+def test_a_chain_over_ok_links_is_ok_whatever_hangs_beside_it(graph):
+    assert graph.lookup("Image", "Reference").status is TransformStatus.OK
+
+
+@pytest.mark.parametrize("link", ["ImageToProbe", "ProbeToTracker", "ReferenceToTracker"])
+@pytest.mark.parametrize("status", [status for status in TransformStatus if status is not TransformStatus.OK])
+def test_one_link_that_is_not_ok_makes_the_chain_not_ok(graph, link, status):
+    graph.set(link, np.eye(4), status)
+    assert graph.lookup("Image", "Reference").status is status
+
+
+def test_the_first_link_that_is_not_ok_gives_the_status(graph):
+    graph.set("ProbeToTracker", np.eye(4), TransformStatus.UNKNOWN)
+    graph.set("ReferenceToTracker", np.eye(4), TransformStatus.MISSING)
+    assert graph.lookup("Image", "Reference").status is TransformStatus.UNKNOWN
+
+
+def test_nobody_can_use_the_matrix_of_a_chain_that_is_not_ok(graph):
+    assert np.isnan(graph.lookup("Stylus", "Reference").matrix).all()
+
+
+def test_a_link_that_is_ok_but_not_finite_counts_as_invalid(graph):
+    moved = graph.updated({TransformName("Probe", "Tracker"): TransformSample(np.full((4, 4), np.nan))})
+    assert moved.lookup("Image", "Reference").status is TransformStatus.INVALID
+
+
+def test_a_singular_link_that_must_be_inverted_is_an_error_of_the_library(graph):
+    moved = graph.updated({TransformName("Reference", "Tracker"): TransformSample(scaled(1, 1, 0))})
+    with pytest.raises(GeometryError, match="singular"):
+        moved.lookup("Image", "Reference")
+
+
+def test_two_paths_are_an_error_that_names_both(graph):
+    graph.set("ImageToReference", np.eye(4))
+    with pytest.raises(TransformError) as caught:
+        graph.lookup("Image", "Reference")
+    assert "ImageToReference" in str(caught.value)
+    assert "ImageToProbe > ProbeToTracker > TrackerToReference" in str(caught.value)
+
+
+def test_a_second_path_through_other_frames_is_found(graph):
+    graph.set("ProbeToStylus", np.eye(4))
+    with pytest.raises(TransformError, match="ProbeToStylus > StylusToTracker"):
+        graph.lookup("Image", "Reference")
+
+
+def test_a_loop_elsewhere_does_not_make_a_path_ambiguous(graph):
+    for name in ("StylusTipToStylus", "StylusTipToNeedle", "NeedleToStylus"):
+        graph.set(name, np.eye(4))
+    assert graph.lookup("Image", "Reference").status is TransformStatus.OK
+
+
+def test_a_missing_path_names_both_frames(graph):
+    graph.set("CtToPhantom", np.eye(4))
+    with pytest.raises(TransformError, match="No transform leads from Ct to Reference"):
+        graph.lookup("Ct", "Reference")
+
+
+def test_a_missing_path_says_what_each_end_is_connected_to(graph):
+    graph.set("CtToPhantom", np.eye(4))
+    with pytest.raises(TransformError, match="Ct is connected to Phantom, Reference to Image, Probe, Stylus, Tracker"):
+        graph.lookup("Ct", "Reference")
+
+
+def test_a_missing_path_in_an_empty_graph_says_that_nothing_is_known():
+    with pytest.raises(TransformError, match="Known transforms: none"):
+        TransformGraph().lookup("Image", "Reference")
+
+
+def test_the_inverse_of_a_given_transform_cannot_be_given_too(graph):
+    with pytest.raises(TransformError, match="TrackerToProbe cannot be set: its inverse ProbeToTracker"):
+        graph.set("TrackerToProbe", np.eye(4))
+
+
+def test_a_transform_from_a_frame_to_itself_is_refused(graph):
+    with pytest.raises(TransformError, match="itself"):
+        graph.set("ProbeToProbe", np.eye(4))
+
+
+def test_setting_a_transform_again_replaces_it(graph):
+    graph.set("ProbeToTracker", np.eye(4))
+    np.testing.assert_array_equal(graph.lookup("Probe", "Tracker").matrix, np.eye(4))
+
+
+@pytest.mark.parametrize("matrix", [np.full((4, 4), np.nan), np.zeros((4, 4)), np.eye(3)])
+def test_a_matrix_that_is_no_transform_is_refused_by_name(graph, matrix):
+    with pytest.raises(GeometryError, match="ProbeToTracker"):
+        graph.set("ProbeToTracker", matrix)
+
+
+def test_a_graph_does_not_see_later_changes_of_a_matrix(graph):
+    matrix = np.eye(4)
+    graph.set("CtToReference", matrix)
+    matrix[0, 3] = 7.0
+    assert graph.lookup("Ct", "Reference").matrix[0, 3] == 0.0
+
+
+def test_an_update_leaves_the_graph_it_came_from_alone(graph):
+    graph.updated({TransformName("Probe", "Tracker"): TransformSample(np.eye(4))})
+    np.testing.assert_array_equal(graph.lookup("Probe", "Tracker").matrix, PROBE_TO_TRACKER)
+
+
+def test_an_update_cannot_bring_an_inverse(graph):
+    with pytest.raises(TransformError, match="inverse"):
+        graph.updated({TransformName("Tracker", "Probe"): TransformSample(np.eye(4))})
+
+
+def test_names_come_in_the_order_in_which_they_were_set(graph):
+    assert [str(name) for name in graph.names] == ["ImageToProbe", "ProbeToTracker", "ReferenceToTracker", "StylusToTracker"]
+
+
+def test_connected_frames_are_those_of_every_chain(graph):
+    graph.set("CtToPhantom", np.eye(4))
+    assert graph.connected("Stylus") == {"Stylus", "Tracker", "Probe", "Image", "Reference"}
+
+
+def test_a_tangle_of_frames_is_searched_in_no_time():
+    graph = TransformGraph()
+    for a in range(14):
+        for b in range(a):
+            graph.set(TransformName(f"Tool{a}", f"Tool{b}"), np.eye(4))
+    started = time.perf_counter()
+    with pytest.raises(TransformError):
+        graph.lookup("Tool0", "Nowhere")
+    assert time.perf_counter() - started < 1.0
+
+
+@given(st.lists(st.tuples(rigid_poses, st.booleans()), min_size=1, max_size=6))
+@settings(max_examples=30, deadline=None)
+def test_a_chain_of_any_length_and_direction_equals_the_plain_product(links):
+    graph, expected = TransformGraph(), np.eye(4)
+    for number, (pose, forward) in enumerate(links):
+        here, there = f"Frame{chr(65 + number)}", f"Frame{chr(66 + number)}"
+        graph.set(TransformName(here, there) if forward else TransformName(there, here), pose)
+        expected = (pose if forward else np.linalg.inv(pose)) @ expected
+    np.testing.assert_allclose(graph.lookup("FrameA", f"Frame{chr(65 + len(links))}").matrix, expected, atol=1e-8)

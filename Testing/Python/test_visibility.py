@@ -1,0 +1,164 @@
+"""What beams could reach: fan, thickness, occlusion and angle, against closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from sweeps import image_pose, rigid
+
+from AIFReconLib.beams import LINEAR, SECTOR, ProbeGeometry
+from AIFReconLib.errors import GeometryError
+from AIFReconLib.evaluation.surface import bone_surface
+from AIFReconLib.evaluation.visibility import OUTSIDE, REACHED, SHADOWED, SweepBeams, bone_truth, look
+from AIFReconLib.region import ClipRectangle, ImageRegion
+from AIFReconLib.transforms import transform_points
+from AIFReconLib.volume import Volume, VoxelGrid
+
+COLUMNS, ROWS, SPACING = 101, 121, (0.4, 0.5)
+WIDTH, DEPTH = 40.0, 60.0
+
+
+def sweep(offsets=(0.0,), probe=None, motion=None, region=None, **options) -> SweepBeams:
+    """Frames in the planes z = offset: x from -20 to 20, y (along linear beams) from 0 to 60 mm."""
+    poses = [image_pose(SPACING, translation=(-WIDTH / 2, 0, z)) for z in offsets]
+    poses = np.array(poses) if motion is None else motion @ np.array(poses)
+    return SweepBeams(poses, (COLUMNS, ROWS), probe or ProbeGeometry(LINEAR), region or ImageRegion(), **options)
+
+
+def bone(distance) -> Volume:
+    """A signed distance, given as a function of x, y, z, on 1 mm voxels: x, z -30 to 30 mm, y 0 to 70."""
+    grid = VoxelGrid.from_spacing((-30, 0, -30), (61, 71, 61), 1.0)
+    k, j, i = np.indices(grid.shape)
+    return Volume(distance(i - 30.0, j + 0.0, k - 30.0), grid.ijk_to_reference)
+
+
+def ball(x, y, z):
+    return np.sqrt(x**2 + (y - 35) ** 2 + z**2) - 12
+
+
+def floor(x, y, z):
+    return 40.0 - y
+
+
+def table(x, y, z):
+    """A floor at 40 mm, and a plate 4 mm thick at 20 mm over its half x < 0."""
+    return np.minimum(40.0 - y, np.maximum(np.abs(y - 22.0) - 2.0, x))
+
+
+NO_BONE = bone(lambda x, y, z: np.full_like(x, 5.0))
+
+
+def test_the_near_half_of_a_ball_is_reached_at_the_angle_of_its_normal():
+    volume = bone(ball)
+    surface = bone_surface(volume)
+    status, best = look(surface.points_reference, sweep(np.arange(-20, 21, 1.0)), volume, surface.normals_reference)
+    expected = -surface.normals_reference[:, 1]
+    sure = np.abs(expected - np.cos(np.radians(85))) > 0.05
+    np.testing.assert_array_equal(status[sure] == REACHED, expected[sure] > 0.1)
+    np.testing.assert_allclose(best[status == REACHED], expected[status == REACHED], atol=1e-9)
+
+
+def test_the_far_half_of_a_ball_has_no_cosine():
+    volume = bone(ball)
+    surface = bone_surface(volume)
+    _, best = look(surface.points_reference, sweep(np.arange(-20, 21, 1.0)), volume, surface.normals_reference)
+    assert np.isnan(best[surface.normals_reference[:, 1] > 0]).all()
+
+
+def test_bone_shadows_what_lies_behind_it():
+    points = np.array([(-10.0, 10.0, 0.0), (-10.0, 30.0, 0.0), (10.0, 30.0, 0.0), (10.0, 45.0, 0.0)])
+    status, _ = look(points, sweep(), bone(table))
+    assert status.tolist() == [REACHED, SHADOWED, REACHED, SHADOWED]
+
+
+def test_a_surface_does_not_hide_itself_but_is_hidden_by_another():
+    volume = bone(table)
+    points = np.array([(-10.0, 20.0, 0.0), (-10.0, 40.0, 0.0), (10.0, 40.0, 0.0)])
+    status, best = look(points, sweep(), volume, np.tile((0.0, -1.0, 0.0), (3, 1)))
+    assert status.tolist() == [REACHED, SHADOWED, REACHED]
+    np.testing.assert_allclose(best, [1.0, np.nan, 1.0])
+
+
+def test_bone_behind_the_probe_hides_nothing():
+    under_the_plate = sweep(motion=rigid(translation=(0, 30, 0)))
+    assert look(np.array([(-10.0, 38.0, 0.0)]), under_the_plate, bone(table))[0].tolist() == [REACHED]
+
+
+def test_a_beam_from_the_side_sees_under_the_table():
+    aside = rigid((0, 0, 45), (20, 5, 0))
+    points, normals = np.array([(-2.0, 40.0, 0.0)]), np.array([(0.0, -1.0, 0.0)])
+    status, best = look(points, sweep(motion=aside), bone(table), normals)
+    assert status.tolist() == [REACHED]
+    assert best[0] == pytest.approx(np.sqrt(0.5))
+
+
+def test_the_best_of_several_angles_counts_in_any_order():
+    straight, tilted = sweep().image_to_reference, sweep(motion=rigid((0, 0, 30), (20, 0, 0))).image_to_reference
+    for poses in ([straight, tilted], [tilted, straight]):
+        both = SweepBeams(np.concatenate(poses), (COLUMNS, ROWS), ProbeGeometry(LINEAR), ImageRegion())
+        _, best = look(np.array([(0.0, 40.0, 0.0)]), both, bone(floor), np.array([(0.0, -1.0, 0.0)]))
+        assert best[0] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("z", "status"), [(1.9, REACHED), (2.1, OUTSIDE)])
+def test_a_beam_sees_half_its_thickness_to_either_side(z, status):
+    assert look(np.array([(0.0, 30.0, z), (0.0, 30.0, -z)]), sweep(thickness=4.0), NO_BONE)[0].tolist() == [status, status]
+
+
+def test_pixels_outside_the_region_have_no_beam():
+    region = ImageRegion(ClipRectangle((50, 0), (40, 100)))
+    points = np.array([(-1.0, 30.0, 0.0), (1.0, 30.0, 0.0), (1.0, 51.0, 0.0)])
+    assert look(points, sweep(region=region), NO_BONE)[0].tolist() == [OUTSIDE, REACHED, OUTSIDE]
+
+
+def test_beams_of_a_sector_come_from_its_apex():
+    probe = ProbeGeometry(SECTOR, (50.0, -20.0))  # at x = 0, y = -10 mm
+    points = np.array([(x, 40.0, 0.0) for x in (-18.0, 0.0, 7.0)])
+    _, best = look(points, sweep(probe=probe), bone(floor), np.tile((0.0, -1.0, 0.0), (3, 1)))
+    np.testing.assert_allclose(best, 50.0 / np.hypot(50.0, points[:, 0]), atol=1e-9)
+
+
+def test_the_shadow_of_a_sector_widens_with_depth():
+    # The plate's edge at x = 0 and an apex at x = 10, y = 0: at 38 mm the shadow reaches x = 10 - 10 * 38 / 20 = -9
+    probe = ProbeGeometry(SECTOR, (75.0, 0.0))
+    points = np.array([(-11.0, 38.0, 0.0), (-4.0, 38.0, 0.0)])
+    assert look(points, sweep(probe=probe), bone(table))[0].tolist() == [SHADOWED, REACHED]
+
+
+def test_beams_farther_than_the_grazing_angle_do_not_reach():
+    points = np.array([(0.0, 30.0, 0.0)] * 2)
+    normals = np.array([(np.sin(np.radians(a)), -np.cos(np.radians(a)), 0.0) for a in (84.0, 86.0)])
+    assert look(points, sweep(), NO_BONE, normals)[0].tolist() == [REACHED, SHADOWED]
+
+
+def test_everything_moves_together():
+    volume, motion = bone(table), rigid((15, -40, 25), (30, -10, 4))
+    surface = bone_surface(volume, pitch=2.0)
+    probe = ProbeGeometry(SECTOR, (50.0, -8.0))
+    here = look(surface.points_reference, sweep((-1.0, 0.0), probe), volume, surface.normals_reference)
+    points, normals = transform_points(motion, surface.points_reference), surface.normals_reference @ motion[:3, :3].T
+    there = look(points, sweep((-1.0, 0.0), probe, motion), volume.placed_by(motion), normals)
+    assert (here[0] == there[0]).mean() > 0.995  # rays that graze a voxel's edge may round either way
+    same = here[0] == there[0]
+    np.testing.assert_allclose(here[1][same], there[1][same], atol=1e-9)
+
+
+def test_bone_is_where_the_labels_are_and_the_map_tells_shadow_from_tissue():
+    labels = Volume((bone(table).array <= 0).astype(np.uint8), bone(table).ijk_to_reference)
+    truth = bone_truth(labels, sweep(np.arange(-28, 29, 1.0)))
+    ijk = transform_points(truth.shadows.grid.reference_to_ijk, np.array([(-10.0, 32.0, 3.0), (10.0, 32.0, 3.0)]))
+    i, j, k = np.round(ijk).astype(int).T
+    assert truth.shadows.array[k, j, i].tolist() == [SHADOWED, REACHED]
+
+
+def test_without_a_sweep_nothing_is_said_about_reach():
+    labels = Volume((bone(ball).array <= 0).astype(np.uint8), bone(ball).ijk_to_reference)
+    truth = bone_truth(labels)
+    assert truth.best_cosine is None
+    assert truth.shadows is None
+    assert not truth.border.any()
+
+
+def test_frames_without_a_pose_are_refused():
+    with pytest.raises(GeometryError, match="frames without a pose"):
+        sweep(motion=np.full((4, 4), np.nan))
