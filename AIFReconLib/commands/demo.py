@@ -17,13 +17,13 @@ from ..reconstruct import reconstruct
 from ..settings import METHODS, ReconstructionSettings
 from .simulate import write_simulated_patient
 
-SPACING = 0.8
+SPACING = 1.0
 """mm; coarse enough for the demo to take seconds."""
 
-HOLE_LIMIT = 1.6
+HOLE_LIMIT = 2.0
 """mm; closes the gaps between the frames of a pass."""
 
-FRAMES = 288
+FRAMES = 270
 BONE_SIGMA = 4.0
 """mm; the paper's 10 voxels on a CT of 0.4 mm."""
 
