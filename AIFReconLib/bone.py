@@ -39,13 +39,10 @@ class BoneOnGrid:
     probability : [k, j, i] float32 array, 0 to 1
     directions_reference : [k, j, i, 3] float32 array, unit vectors or zero
         Where bone faces away from the sound, in Reference: along the beam on the near side of a surface.
-    inside : [k, j, i] uint8 array
-        1 within bone; beams are blocked there.
     """
 
     probability: np.ndarray
     directions_reference: np.ndarray
-    inside: np.ndarray
 
     @property
     def overlaps(self) -> bool:
@@ -160,25 +157,24 @@ class BoneMap:
             raise GeometryError(f"Input direction must be {' or '.join(DIRECTIONS)}; got {direction!r}.")
         sample = _sampler(self.probability, grid)
         report(progress, 0.0, "Placing the bone map")
-        probability = sample(self.probability.array, np.float32)
+        probability = sample(self.probability.array)
         report(progress, 0.2, "Placing the bone map")
-        bone = self.inside.array if self.inside is not None else (self.probability.array > 0.5).astype(np.uint8)
-        inside = sample(bone, np.uint8)
         potential = self.probability.array
         if direction == "surface":
+            bone = self.inside.array if self.inside is not None else self.probability.array > 0.5
             sigma_kji = SURFACE_SIGMA / self.probability.grid.spacing[::-1]
             potential = ndimage.gaussian_filter(bone.astype(np.float32), sigma_kji, mode="nearest")
         report(progress, 0.3, "Placing the bone map")
         to_reference = np.linalg.inv(self.probability.ijk_to_reference[:3, :3]).T.astype(np.float32)
         directions = np.zeros((*grid.shape, 3), dtype=np.float32)
         for axis in range(3):
-            slope = sample(ndimage.sobel(potential, axis=2 - axis, mode="nearest"), np.float32)
+            slope = sample(ndimage.sobel(potential, axis=2 - axis, mode="nearest"))
             for component in range(3):
                 directions[..., component] += to_reference[component, axis] * slope
             report(progress, 0.3 + 0.2 * (axis + 1), "Placing the bone map")
         _normalize(directions)
         report(progress, 1.0, "Placed the bone map")
-        return BoneOnGrid(probability, directions, inside)
+        return BoneOnGrid(probability, directions)
 
 
 def _sobel_magnitude(array: np.ndarray) -> np.ndarray:
@@ -213,31 +209,30 @@ def _matrix_of_box(volume: Volume, box: tuple[slice, slice, slice]) -> np.ndarra
     return volume.ijk_to_reference @ shift
 
 
-def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[np.ndarray, type], np.ndarray]:
-    """A function that brings arrays [k, j, i] on the source's voxels onto the grid: linear for float, nearest for integers.
+def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[np.ndarray], np.ndarray]:
+    """A function that brings arrays [k, j, i] on the source's voxels onto the grid by linear interpolation, as float32.
 
     Notes
     -----
-    Around the source lie voxels of 0, so that linear values fall to 0 within one voxel of its border.
+    Around the source lie voxels of 0, so that values fall to 0 within one voxel of its border.
     """
     if source.grid.matches(grid):
-        return lambda array, dtype: array.astype(dtype)
+        return lambda array: array.astype(np.float32)
     to_source = source.grid.reference_to_ijk @ grid.ijk_to_reference
     box = _overlap(to_source, grid, source.grid)
 
-    def sample(array: np.ndarray, dtype: type) -> np.ndarray:
-        result = np.zeros(grid.shape, dtype=dtype)
+    def sample(array: np.ndarray) -> np.ndarray:
+        result = np.zeros(grid.shape, dtype=np.float32)
         if box is not None:
             matrix = to_source[2::-1, 2::-1]
             offset = to_source[2::-1, 3] + matrix @ [s.start for s in box]
-            order = 1 if np.issubdtype(dtype, np.floating) else 0
             ndimage.affine_transform(
                 array,
                 matrix,
                 offset,
                 output=result[box],
                 output_shape=result[box].shape,
-                order=order,
+                order=1,
                 # "constant" would drop voxels on the very border, which rounding puts a hair outside
                 mode="grid-constant",
                 prefilter=False,

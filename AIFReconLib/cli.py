@@ -11,10 +11,10 @@ import sys
 from typing import NoReturn
 
 from . import __version__
-from .commands import benchmark, bone_map, demo, evaluate, info, reconstruct, simulate
+from .commands import benchmark, bone_map, demo, evaluate, info, reconstruct, simulate, study
 from .errors import AIFReconError, OperationCanceled
 
-COMMANDS = (demo, reconstruct, bone_map, info, evaluate, simulate, benchmark)
+COMMANDS = (demo, reconstruct, bone_map, info, evaluate, simulate, benchmark, study)
 
 SUCCESS, BAD_INPUT, INTERRUPTED = 0, 2, 130
 

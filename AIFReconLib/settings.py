@@ -17,7 +17,7 @@ METHODS = ("average", "latest", "maximum", "aif", "aif-compensated", "weighted")
 BONE_METHODS = ("aif", "aif-compensated", "weighted")
 """Methods that need a bone map and the direction of the beams."""
 
-DEFAULT_METHOD_WITH_BONE = "aif-compensated"
+DEFAULT_METHOD_WITH_BONE = "weighted"
 DEFAULT_METHOD_WITHOUT_BONE = "average"
 DEFAULT_SPACING = 0.5
 """mm, where neither the caller nor a configuration says."""
@@ -52,7 +52,7 @@ class ReconstructionSettings:
         minimum=0.01,
         maximum=50.0,
     )
-    alpha: float = parameter(0.1, "how much well-insonified bone is brightened", minimum=0.0, maximum=10.0)
+    alpha: float = parameter(0.1, "aif methods: how much well-insonified bone is brightened", minimum=0.0, maximum=10.0)
     beta: float = parameter(
         0.1, "smallest cosine of incidence that is compensated (0.1: beams up to 84.3 degrees)", minimum=0.001, maximum=1.0
     )
@@ -76,12 +76,15 @@ class ReconstructionSettings:
         None, "type of the intensity volume (default: uint8 for 8-bit images, else float32)", choices=("uint8", "float32")
     )
 
-    # `weighted` only; provisional until the study of issue 3 settles its form.
-    weight_floor: float = parameter(0.02, "weighted: weight of a pixel that no bone direction favors", minimum=1e-6, maximum=1.0)
-    shadow_depth: float = parameter(
-        1.5, "weighted: bone that a beam may cross before it counts as shadowed", unit="mm", minimum=0.0, maximum=50.0
+    bone_gain: float = parameter(
+        1.5,
+        "weighted: how much bone that a frame shows and the map expects is brightened, times up to 3 for oblique beams",
+        minimum=0.0,
+        maximum=10.0,
     )
-    shadow_length: float = parameter(1.0, "weighted: further bone in which the weight falls by e", unit="mm", minimum=0.01, maximum=50.0)
+    weight_floor: float = parameter(
+        0.02, "weighted: weight of a pixel that shows no bone, against 1 of one that does", minimum=1e-6, maximum=1.0
+    )
 
     def __post_init__(self):
         rules = {spec.name: spec.metadata for spec in fields(self)}

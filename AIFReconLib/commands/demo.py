@@ -4,18 +4,27 @@ from __future__ import annotations
 
 import argparse
 import time
+from dataclasses import replace
+from datetime import date
 from pathlib import Path
 
 from ..bone import BoneMap
-from ..console import ProgressBar
-from ..evaluation.figures import compare_figure
+from ..console import ProgressBar, columns
+from ..evaluation.figures import compare_figure, require_matplotlib
+from ..evaluation.metrics import BoneMetrics, evaluate
+from ..evaluation.quantities import metrics_csv, table
+from ..evaluation.report import Report, file_sizes, software_versions, write_report
+from ..evaluation.visibility import bone_truth
+from ..io.atomic import write_text
 from ..io.sequence_files import read_sequence
 from ..io.transform_files import read_transform
 from ..io.volume_files import read_labels, read_volume
 from ..progress import part
-from ..reconstruct import reconstruct
+from ..reconstruct import reconstruct, resolve_settings
 from ..settings import METHODS, ReconstructionSettings
-from .simulate import write_simulated_patient
+from ..volume import Volume
+from .evaluate import sweep_beams
+from .simulate import SimulatedFiles, write_simulated_patient
 
 SPACING = 1.0
 """mm; coarse enough for the demo to take seconds."""
@@ -27,16 +36,29 @@ FRAMES = 270
 BONE_SIGMA = 4.0
 """mm; the paper's 10 voxels on a CT of 0.4 mm."""
 
+PATH = "multi-angle"
+
 SHOWN = ("average", "aif", "aif-compensated", "weighted")
+
+PRINTED = (
+    "bone_cnr",
+    "oblique_cnr",
+    "bone_detectability",
+    "bone_coverage",
+    "interspinous_coverage",
+    "bone_thickness",
+    "speckle_snr",
+)
+"""Metrics that are printed; the page and the CSV hold all."""
 
 
 def add_to(commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "demo",
-        help="simulate a lumbar scan, reconstruct it with every method, draw it",
+        help="simulate a lumbar scan, reconstruct it with every method, measure and draw it",
         description="Simulate a patient with a registered CT and a tracked sweep, write them as files, reconstruct the sweep with every "
-        "method, and draw the results beside the CT.",
+        "method, draw the results beside the CT, and measure how well each shows bone.",
     )
     parser.add_argument(
         "--output", type=Path, default=Path("demo-output"), metavar="DIR", help="folder to write into (default: %(default)s)"
@@ -46,36 +68,42 @@ def add_to(commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Simulate, reconstruct, draw."""
+    """Simulate, reconstruct, measure, draw."""
     started = time.perf_counter()
+    require_matplotlib()
     folder: Path = arguments.output
     with ProgressBar() as progress:
-        files = write_simulated_patient(folder, arguments.seed, frames=FRAMES, progress=part(progress, 0.0, 0.5))
+        files = write_simulated_patient(folder, arguments.seed, PATH, FRAMES, part(progress, 0.0, 0.5))
         sequence = read_sequence(files.sequence, config=files.configuration)
         ct_to_reference = read_transform(files.ct_to_reference)
-        bone = BoneMap.from_labels(read_labels(files.labels), sigma_mm=BONE_SIGMA, labels_to_reference=ct_to_reference)
-        volumes, written = {}, []
+        labels = read_labels(files.labels).placed_by(ct_to_reference)
+        bone = BoneMap.from_labels(labels, sigma_mm=BONE_SIGMA)
+        truth = bone_truth(labels, sweep_beams(sequence), progress=part(progress, 0.5, 0.6))
+        metrics: dict[str, BoneMetrics] = {}
+        settings: dict[str, ReconstructionSettings] = {}
+        shown: dict[str, Volume] = {}
         for number, method in enumerate(METHODS):
-            step = part(progress, 0.5 + 0.45 * number / len(METHODS), 0.5 + 0.45 * (number + 1) / len(METHODS))
-            settings = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT)
-            result = reconstruct(sequence, settings, bone, progress=step)
-            written.append(folder / f"reconstruction-{method}.nrrd")
-            result.intensity.write(written[-1])
+            step = part(progress, 0.6 + 0.35 * number / len(METHODS), 0.6 + 0.35 * (number + 1) / len(METHODS))
+            asked = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT)
+            settings[method] = resolve_settings(asked, sequence, True)
+            result = reconstruct(sequence, settings[method], bone, progress=part(step, 0.0, 0.8))
+            result.intensity.write(folder / f"reconstruction-{method}.nrrd")
+            metrics[method] = evaluate(result.intensity, truth, result.mask)
             if method in SHOWN:
-                volumes[method] = result.intensity
+                shown[method] = result.intensity
+        progress(0.95, "Drawing")
         figure = folder / "comparison.png"
-        compare_figure(
-            figure,
-            read_volume(files.ct).placed_by(ct_to_reference),
-            volumes,
-            files.center_ras,
-            bone=read_labels(files.labels).placed_by(ct_to_reference),
-            mask=result.mask,
-            title=f"Simulated lumbar spine, {len(sequence)} tracked frames",
-        )
+        ct = read_volume(files.ct).placed_by(ct_to_reference)
+        title = f"Simulated lumbar spine, {len(sequence)} tracked frames"
+        compare_figure(figure, ct, shown, files.center_ras, bone=labels, mask=result.mask, title=title)
+        write_text(folder / "metrics.csv", metrics_csv(metrics, result.frames_inserted))
+        report = _report(arguments.seed, files, metrics, settings, result.frames_inserted, " x ".join(str(n) for n in result.grid.size))
+        write_report(folder / "report.html", replace(report, figure_png=figure.read_bytes()))
     seconds = time.perf_counter() - started
-    print(f"reconstructed {len(sequence)} frames of a simulated lumbar spine with {len(METHODS)} methods, {seconds:.0f} s")
-    print(f"  look at   {figure}")
+    print(f"reconstructed {len(sequence)} frames of a simulated lumbar spine with {len(METHODS)} methods, {seconds:.0f} s\n")
+    print(columns(zip(*table(metrics, PRINTED), strict=True)))
+    print(f"\n  look at   {figure}")
+    print(f"  read      {folder / 'report.html'} (all numbers and what they mean), metrics.csv")
     print(f"  volumes   {folder / 'reconstruction-*.nrrd'}")
     print(
         f"  inputs    {files.sequence.name}, {files.configuration.name}, {files.ct.name}, {files.labels.name}, {files.ct_to_reference.name}"
@@ -85,4 +113,27 @@ def run(arguments: argparse.Namespace) -> None:
         f"  aifrecon reconstruct {files.sequence} --config {files.configuration} \\\n"
         f"      --bone-labels {files.labels} --bone-sigma-mm {BONE_SIGMA:g} --bone-transform {files.ct_to_reference} \\\n"
         f"      --spacing {SPACING:g} --hole-limit {HOLE_LIMIT:g} --output volume.nrrd"
+    )
+
+
+def _report(
+    seed: int, files: SimulatedFiles, metrics: dict[str, BoneMetrics], settings: dict[str, ReconstructionSettings], frames: int, size: str
+) -> Report:
+    return Report(
+        title="A simulated lumbar spine, reconstructed with every method",
+        date=date.today().isoformat(),
+        metrics=metrics,
+        frames=frames,
+        inputs=file_sizes([files.sequence, files.configuration, files.ct, files.labels, files.ct_to_reference]),
+        facts={
+            "Patient": f"simulated, seed {seed}",
+            "Sweep": f"simulated, {PATH}, {frames} frames used of {FRAMES}; seed {seed}",
+            "Volumes": f"{size} voxels of {SPACING:g} mm",
+            "Bone map": f"from the CT's segmentation, smoothed by {BONE_SIGMA:g} mm",
+            "Registration and tracking": "exact",
+        },
+        settings=settings,
+        versions=software_versions(),
+        figure_caption="Cuts through the middle spinous process: the CT with its segmentation outlined, and four of the methods. "
+        "Blue: not scanned.",
     )

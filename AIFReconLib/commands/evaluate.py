@@ -3,43 +3,36 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
 import math
+from collections.abc import Iterable
+from datetime import date
 from pathlib import Path
 
+from ..beams import ProbeGeometry
 from ..console import ProgressBar, columns
 from ..errors import GeometryError, SettingsError
+from ..evaluation.figures import comparison_png, require_matplotlib, within_spinous_process
 from ..evaluation.metrics import BoneMetrics, evaluate
+from ..evaluation.quantities import metrics_csv, table, what_counted
+from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import BEAM_THICKNESS, SweepBeams, bone_truth
+from ..frames import TrackedSequence
 from ..io.atomic import check_writable, write_text
 from ..io.sequence_files import read_sequence
 from ..io.volume_files import read_labels, read_transform, read_volume
 from ..poses import sweep_poses
 from ..progress import part
 from ..reconstruct import resolve_imaging
+from ..region import ImageRegion
+from ..volume import Volume
 from .options import add_imaging_options, imaging_from, refuse_to_overwrite
 from .reconstruct import add_tracking_options
 
 EXAMPLE = """examples:
   aifrecon evaluate average.nrrd weighted.nrrd --bone lumbar.nrrd --bone-transform CTToReference.tfm \\
-      --sweep sweep.igs.mha --config PlusDeviceSet.xml --csv metrics.csv
+      --sweep sweep.igs.mha --config PlusDeviceSet.xml --csv metrics.csv --ct ct.nrrd --report report.html
 
 Volumes are to be compared under one sweep: it decides which bone counts. To compare sweeps, give the one that saw more for both."""
-
-TABLE = {
-    "CNR": ("bone_cnr", ".2f"),
-    "oblique CNR": ("oblique_cnr", ".2f"),
-    "detectability": ("bone_detectability", ".2f"),
-    "coverage": ("bone_coverage", ".1%"),
-    "oblique coverage": ("oblique_coverage", ".1%"),
-    "interspinous": ("interspinous_coverage", ".1%"),
-    "thickness mm": ("bone_thickness", ".2f"),
-    "off by mm": ("bone_localization_error", ".2f"),
-    "shadow": ("shadow_mean", ".1f"),
-    "speckle SNR": ("speckle_snr", ".2f"),
-}
-"""Headings of the table, and what stands under them."""
 
 
 def add_to(commands) -> None:
@@ -61,6 +54,10 @@ def add_to(commands) -> None:
     )
     parser.add_argument("--mask", type=Path, metavar="VOLUME", help="0 where nothing was measured (default: where a volume is 0)")
     parser.add_argument("--csv", type=Path, metavar="FILE", help="also write every number here")
+    parser.add_argument("--report", type=Path, metavar="FILE.html", help="also write a page with numbers, definitions and provenance")
+    parser.add_argument(
+        "--ct", type=Path, metavar="VOLUME", help="CT in the frame of the labels, for the report to show beside the volumes"
+    )
     sweep = parser.add_argument_group("sweep", "decides which bone the beams could reach; without one all bone in the volume counts")
     sweep.add_argument("--sweep", type=Path, metavar="SEQUENCE", help="tracked frames that the volumes were made from")
     sweep.add_argument(
@@ -77,88 +74,119 @@ def add_to(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Read, measure, print, write."""
-    inputs = [*arguments.volumes, arguments.bone, arguments.bone_transform, arguments.mask, arguments.sweep, arguments.config]
-    refuse_to_overwrite([arguments.csv], inputs)
-    if arguments.csv:
-        check_writable(arguments.csv)
+    inputs = [*arguments.volumes, arguments.bone, arguments.bone_transform, arguments.ct, arguments.mask, arguments.sweep, arguments.config]
+    outputs = [path for path in (arguments.csv, arguments.report) if path]
+    refuse_to_overwrite(outputs, inputs)
+    for path in outputs:
+        check_writable(path)
     if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):
         raise SettingsError(f"Input --beam-thickness must be positive mm; got {arguments.beam_thickness:g}.")
     if arguments.config and not arguments.sweep:
         raise SettingsError("--config describes a sweep, and there is none. Give --sweep SEQUENCE.")
-    results: list[BoneMetrics] = []
+    if arguments.ct and not arguments.report:
+        raise SettingsError("--ct is for the figure of a report, and there is none. Give --report FILE.html.")
+    if arguments.ct:
+        require_matplotlib()
+    results: dict[str, BoneMetrics] = {}
+    shown: dict[str, Volume] = {}
     with ProgressBar() as progress:
         beams = _beams(arguments) if arguments.sweep else None
-        labels = read_labels(arguments.bone)
-        if arguments.bone_transform:
-            labels = labels.placed_by(read_transform(arguments.bone_transform))
+        to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+        labels = _placed(read_labels(arguments.bone), to_reference)
         mask = read_volume(arguments.mask) if arguments.mask else None
         truth = bone_truth(labels, beams, progress=part(progress, 0.05, 0.6))
-        for number, path in enumerate(arguments.volumes):
-            progress(0.6 + 0.4 * number / len(arguments.volumes), f"Measuring {path.name}")
+        for number, (name, path) in enumerate(unique_names(arguments.volumes).items()):
+            progress(0.6 + 0.3 * number / len(arguments.volumes), f"Measuring {path.name}")
             volume = read_volume(path)
             try:
-                results.append(evaluate(volume, truth, mask))
+                results[name] = evaluate(volume, truth, mask)
             except GeometryError as error:
                 raise GeometryError(f"{path}: {error}") from None
-            if results[-1].bone.area == 0:
+            if results[name].bone.area == 0:
                 reached = "that the sweep reaches " if beams else ""
                 raise GeometryError(f"{path}: no bone surface {reached}lies where it was measured. Check --bone-transform and the files.")
-    names = _names(arguments.volumes)
-    heading = ["", *TABLE]
-    print(columns([heading, *([name, *_cells(result)] for name, result in zip(names, results))]))
-    print(f"\n  {_what_counted(results[0], beams)}")
+            if arguments.ct:
+                shown[name] = volume
+        figure = None
+        if arguments.ct:
+            progress(0.9, "Drawing")
+            ct = _placed(read_volume(arguments.ct), to_reference)
+            center = within_spinous_process(truth.surface, next(iter(shown.values())).grid)
+            figure = comparison_png(ct, shown, center, bone=labels, mask=mask)
+    frames = len(beams.image_to_reference) if beams else None
+    print(columns(table(results)))
+    print(f"\n  {what_counted(next(iter(results.values())), frames)}" + ("" if beams else " Give --sweep to count only what it reached."))
     if arguments.csv:
-        write_text(arguments.csv, _csv(names, results, "sweep" if beams else "unknown"))
-        print(f"  wrote {arguments.csv}")
+        write_text(arguments.csv, metrics_csv(results, frames))
+    if arguments.report:
+        write_report(arguments.report, _report(arguments, results, frames, inputs, figure))
+    for path in outputs:
+        print(f"  wrote {path}")
+
+
+def sweep_beams(
+    sequence: TrackedSequence,
+    *,
+    image_to_reference: str | None = None,
+    reference: str | None = None,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+    thickness: float = BEAM_THICKNESS,
+) -> SweepBeams:
+    """Where the beams of a sequence ran, from the same arguments as `reconstruct`; `thickness` in mm across the image plane."""
+    poses = sweep_poses(sequence, image_to_reference, reference)
+    usable = poses.require_usable(sequence.name)
+    imaging = resolve_imaging(sequence, poses, True, region, probe)
+    return SweepBeams(poses.image_to_reference[usable], sequence.frame_size, imaging.probe, imaging.region, thickness)
+
+
+def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
+    """Paths by short names that tell them apart: the file's, with as many of its folders as that takes."""
+    named: dict[str, Path] = {}
+    full = [(path, path.resolve().parts[1:]) for path in paths]
+    for path, parts in full:
+        same = [other for _, other in full if other != parts]
+        length = next((n for n in range(1, len(parts)) if all(other[-n:] != parts[-n:] for other in same)), len(parts))
+        name = "/".join(parts[-length:])
+        copy = sum(other == path or other.resolve() == path.resolve() for other in named.values())
+        named[f"{name} ({copy + 1})" if copy else name] = path
+    return named
 
 
 def _beams(arguments: argparse.Namespace) -> SweepBeams:
     sequence = read_sequence(arguments.sweep, config=arguments.config)
-    poses = sweep_poses(sequence, arguments.image_to_reference, arguments.reference)
-    usable = poses.require_usable(sequence.name)
-    imaging = resolve_imaging(sequence, poses, True, *imaging_from(arguments, sequence))
-    return SweepBeams(
-        poses.image_to_reference[usable], sequence.frame_size, imaging.probe, imaging.region, thickness=arguments.beam_thickness
+    region, probe = imaging_from(arguments, sequence)
+    return sweep_beams(
+        sequence,
+        image_to_reference=arguments.image_to_reference,
+        reference=arguments.reference,
+        region=region,
+        probe=probe,
+        thickness=arguments.beam_thickness,
     )
 
 
-def _names(paths: list[Path]) -> list[str]:
-    """File names, or whole paths where two are called the same."""
-    names = [path.name for path in paths]
-    return names if len(set(names)) == len(names) else [str(path) for path in paths]
+def _placed(volume: Volume, to_reference) -> Volume:
+    return volume if to_reference is None else volume.placed_by(to_reference)
 
 
-def _cells(result: BoneMetrics) -> list[str]:
-    numbers = result.to_dict()
-    return ["-" if math.isnan(numbers[key]) else format(numbers[key], form) for key, form in TABLE.values()]
-
-
-def _what_counted(result: BoneMetrics, beams: SweepBeams | None) -> str:
-    """Which bone the numbers are of, in a line."""
-    area = result.bone.area / 100
-    if beams is None:
-        return (
-            f"Reachability is unknown without --sweep: all {area:.1f} cm2 of bone surface where the volume was measured count, "
-            "also what no beam could reach."
-        )
-    return (
-        f"of the {area:.1f} cm2 of bone surface that the {len(beams.image_to_reference)} frames could reach "
-        f"({result.oblique.area / 100:.1f} cm2 oblique, {result.interspinous.area / 100:.1f} cm2 at interspinous gaps)"
+def _report(
+    arguments: argparse.Namespace, results: dict[str, BoneMetrics], frames: int | None, inputs: list[Path | None], figure: bytes | None
+) -> Report:
+    facts = {"Bone": arguments.bone.name, "Registration": arguments.bone_transform.name if arguments.bone_transform else "none needed"}
+    facts["Measured"] = f"where {arguments.mask.name} is not 0" if arguments.mask else "where a volume is not 0"
+    if frames is not None:
+        facts["Sweep"] = f"{arguments.sweep.name}, {frames} frames with a pose"
+        facts["Beam"] = f"{arguments.beam_thickness:g} mm across the image plane"
+    return Report(
+        title="How well volumes show bone",
+        date=date.today().isoformat(),
+        metrics=results,
+        frames=frames,
+        inputs=file_sizes(inputs),
+        facts=facts,
+        versions=software_versions(),
+        figure_png=figure,
+        figure_caption="Cuts through a spinous process: the CT with its segmentation outlined, and the volumes."
+        + (" Blue: not scanned." if arguments.mask else ""),
     )
-
-
-def _csv(names: list[str], results: list[BoneMetrics], reachability: str) -> str:
-    """One line per volume under a line of headings; what is not known is left empty."""
-    rows = [{"volume": name, "reachability": reachability, **result.to_dict()} for name, result in zip(names, results)]
-    text = io.StringIO()
-    writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({key: _csv_cell(value) for key, value in row.items()})
-    return text.getvalue()
-
-
-def _csv_cell(value: str | float) -> str:
-    if isinstance(value, str):
-        return value
-    return "" if math.isnan(value) else f"{value:.6g}"

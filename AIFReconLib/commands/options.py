@@ -12,9 +12,12 @@ from ..detection import detect_imaging
 from ..errors import OutputError, SettingsError
 from ..frames import TrackedSequence
 from ..io.volume_files import read_labels, read_transform, read_volume
+from ..poses import sweep_poses
 from ..progress import Progress
+from ..reconstruct import resolve_imaging
 from ..region import ClipRectangle, Fan, ImageRegion
 from ..settings import ReconstructionSettings
+from ..sweep_bone import bone_from_sweep
 
 PARAMETERS = {spec.name: spec.metadata for spec in fields(ReconstructionSettings)}
 
@@ -53,6 +56,9 @@ def add_bone_options(parser: argparse.ArgumentParser) -> None:
     source = bone.add_mutually_exclusive_group()
     source.add_argument("--bone-labels", type=Path, metavar="VOLUME", help="segmentation of the CT; any label above 0 is bone")
     source.add_argument("--bone-probability", type=Path, metavar="VOLUME", help="ready bone probability, 0 to 1")
+    source.add_argument(
+        "--bone-from-sweep", action="store_true", help="no CT: take for bone what is bright with darkness behind it in the sweep itself"
+    )
     add_sigma_options(bone)
     bone.add_argument(
         "--bone-transform",
@@ -76,8 +82,23 @@ def add_sigma_options(group) -> None:
     sigma.add_argument("--bone-sigma-mm", type=float, metavar="MM", help="the same in mm")
 
 
-def bone_from(arguments: argparse.Namespace, progress: Progress | None = None) -> BoneMap | None:
-    """The bone map that the options name, placed in Reference; None where they name none."""
+def bone_from(
+    arguments: argparse.Namespace,
+    sequence: TrackedSequence,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+    progress: Progress | None = None,
+) -> BoneMap | None:
+    """The bone map that the options name, placed in Reference; None where they name none.
+
+    `sequence`, `region` and `probe` (as `imaging_from` returns them) are looked at for --bone-from-sweep alone.
+    """
+    if arguments.bone_from_sweep:
+        if arguments.bone_transform:
+            raise SettingsError("--bone-transform places a CT, and --bone-from-sweep needs none. Leave out one of them.")
+        poses = sweep_poses(sequence, arguments.image_to_reference, arguments.reference)
+        poses.require_usable(sequence.name)
+        return bone_from_sweep(sequence, poses, resolve_imaging(sequence, poses, True, region, probe), progress=progress)
     to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else None
     if arguments.bone_labels:
         return BoneMap.from_labels(

@@ -28,7 +28,8 @@ from .options import (
 EXAMPLE = """examples:
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
-      --bone-transform CTToReference.tfm --spacing 0.5 --hole-limit 1 --output volume.nrrd"""
+      --bone-transform CTToReference.tfm --spacing 0.5 --hole-limit 1 --output volume.nrrd
+  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
 
 SIDE_OUTPUTS = ("score", "hits", "mask", "cosine")
 
@@ -59,7 +60,7 @@ def add_to(commands) -> None:
     ):
         volume.add_argument(f"--{name}", type=Path, metavar="FILE", help=f"also write this volume: {meaning}")
     tuning = parser.add_argument_group("tuning")
-    for name in ("alpha", "beta", "intensity_maximum", "skip", "engine"):
+    for name in ("alpha", "beta", "bone_gain", "weight_floor", "intensity_maximum", "skip", "engine"):
         add_setting(tuning, name)
     parser.set_defaults(run=run)
 
@@ -88,7 +89,7 @@ def run(arguments: argparse.Namespace) -> None:
     with ProgressBar() as progress:
         sequence = read_sequence(arguments.sequence, config=arguments.config)
         region, probe = imaging_from(arguments, sequence)
-        bone = bone_from(arguments, part(progress, 0.0, 0.1))
+        bone = bone_from(arguments, sequence, region, probe, part(progress, 0.0, 0.1))
         grid = read_volume(arguments.grid_like).grid if arguments.grid_like else None
         result = reconstruct(
             sequence,

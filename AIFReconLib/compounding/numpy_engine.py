@@ -14,8 +14,8 @@ import numpy as np
 from ..bone import BoneOnGrid
 from ..settings import ReconstructionSettings
 from . import rules
+from .evidence import ScanLines
 from .layout import PixelLayout
-from .shadow import ScanLines
 from .state import VoxelState
 
 
@@ -80,9 +80,7 @@ class NumpyEngine:
         self._grid_size = grid_size
         self._maximum = np.float32(maximum)
         self._alpha, self._beta = np.float32(settings.alpha), np.float32(settings.beta)
-        self._floor = np.float32(settings.weight_floor)
-        self._shadow = settings.shadow_depth, settings.shadow_length
-        self._inside = None if bone is None else bone.inside
+        self._floor, self._gain = np.float32(settings.weight_floor), np.float32(settings.bone_gain)
         self._probability = None if bone is None else bone.probability.reshape(-1)
         self._directions = None if bone is None else bone.directions_reference.reshape(-1, 3)
 
@@ -112,7 +110,8 @@ class NumpyEngine:
             How many entered.
         """
         pixels, voxels = layout.voxels(image_to_ijk, self._grid_size)
-        values = layout.values(image)[pixels]
+        all_values = layout.values(image)
+        values = all_values[pixels]
         if image.dtype.kind == "f" and not np.isfinite(values).all():
             measured = np.isfinite(values)
             values, pixels, voxels = values[measured], pixels[measured], voxels[measured]
@@ -135,10 +134,10 @@ class NumpyEngine:
         elif method == "maximum":
             np.maximum.at(self.state.value, voxels, values)
         else:
-            transmission = scan_lines.transmission(image_to_ijk, self._inside, *self._shadow)[pixels]
-            probability = self._probability[voxels]
-            weight = rules.weighted_weight(cosine, probability, transmission, self._floor)
-            value = rules.weighted_value(values, cosine, probability, self._alpha, self._beta, self._maximum)
+            evidence = scan_lines.evidence(all_values, float(self._maximum))
+            gate = rules.weighted_gate(evidence.onset[pixels], self._probability[voxels])
+            weight = rules.weighted_weight(gate, evidence.reach[pixels], self._floor)
+            value = rules.weighted_value(values, gate, cosine, self._gain, self._beta, self._maximum)
             np.add.at(self.state.value, voxels, weight * value)
             np.add.at(self.state.weight, voxels, weight)
         return pixels.size

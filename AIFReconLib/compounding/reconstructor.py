@@ -18,9 +18,9 @@ from ..region import ImageRegion
 from ..settings import BONE_METHODS, ReconstructionSettings
 from ..transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
 from ..volume import Volume, VoxelGrid
+from .evidence import ScanLines
 from .layout import PixelLayout
 from .numpy_engine import NumpyEngine
-from .shadow import ScanLines
 from .state import VoxelState, bytes_per_voxel
 
 

@@ -12,8 +12,8 @@ import numpy as np
 ONE = np.float32(1.0)
 ZERO = np.float32(0.0)
 
-LEAST_TRANSMISSION = np.float32(0.001)
-"""Weight that is left to a pixel in full shadow, so that a voxel seen by shadowed beams alone shows their mean and not nothing."""
+LARGEST_COMPENSATION = np.float32(3.0)
+"""Limit of 1 / cosine in `weighted`: beams beyond 70.5 degrees are raised no further."""
 
 
 def cosine_of_incidence(beam_x, beam_y, facing_x, facing_y):
@@ -46,18 +46,22 @@ def paper_update(value, count, new_value):
     return (count * value + new_value) / (count + ONE)
 
 
-def weighted_value(pixel, cosine, probability, alpha, beta, maximum):
-    """Compensated value of `weighted`: min(maximum, p (1 + alpha P / cosine)) where the cosine exceeds `beta`, else p.
+def weighted_gate(onset, probability):
+    """G = E P: bone is here when the frame shows the beginning of a shadow and the CT expects bone nearby."""
+    return onset * probability
+
+
+def weighted_weight(gate, reach, floor):
+    """Weight of `weighted`: w = (floor + G) R, R the evidence that sound reached the pixel."""
+    return (floor + gate) * reach
+
+
+def weighted_value(pixel, gate, cosine, gain, beta, maximum):
+    """Compensated value of `weighted`: min(maximum, p (1 + gain G C)), C = min(1 / cosine, 3) where the cosine exceeds `beta`, else 1.
 
     Notes
     -----
-    Bounded: at most (1 + alpha / beta) p, and 0 stays 0.
+    Bounded: from p to (1 + 3 gain) p, and 0 stays 0.
     """
-    enhanced = pixel * (ONE + (alpha * probability) / np.maximum(cosine, beta))
-    return np.minimum(np.where(cosine > beta, enhanced, pixel), maximum)
-
-
-def weighted_weight(cosine, probability, transmission, floor):
-    """Weight of `weighted`: (floor + cosine^4 P) (T + 0.001), T the share of sound that reaches the pixel."""
-    squared = cosine * cosine
-    return (floor + (squared * squared) * probability) * (transmission + LEAST_TRANSMISSION)
+    compensation = np.where(cosine > beta, np.minimum(ONE / np.maximum(cosine, beta), LARGEST_COMPENSATION), ONE)
+    return np.minimum(pixel * (ONE + (gain * gate) * compensation), maximum)

@@ -93,5 +93,5 @@ def bytes_per_voxel(method: str, has_bone: bool, best_cosine: bool) -> int:
     """
     state = 4 + (8 if method == "average" else 4) + (4 if method in BONE_METHODS else 0) + (2 if best_cosine else 0)
     uses_map = has_bone and (method in BONE_METHODS or best_cosine)
-    bone = (MAP_BYTES + (1 if method == "weighted" else 0)) if uses_map else 0
+    bone = MAP_BYTES if uses_map else 0
     return state + max(bone, OUTPUT_BYTES)

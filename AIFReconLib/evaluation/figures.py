@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import importlib.util
+import io
 from pathlib import Path
 
 import numpy as np
 
-from ..volume import Volume
+from ..errors import OutputError
+from ..io.atomic import atomic_output
+from ..volume import Volume, VoxelGrid
 from .slices import AXIAL, CORONAL, SAGITTAL, Plane, cut, extent_along
+from .surface import BoneSurface
 
 CT_WINDOW = (-200.0, 700.0)
 """Hounsfield units shown from black to white: soft tissue and bone."""
@@ -16,6 +21,27 @@ BACKGROUND = "#111111"
 INK = "#e8e8e8"
 NOT_SCANNED = "#1b2740"
 BONE_COLOR = "#ffb000"
+
+PANEL, GAP, LEFT, TOP, TOP_UNTITLED = 2.4, 0.08, 0.35, 0.72, 0.35
+"""Inches: width of a panel, between panels, and what the names of planes and volumes and the title take."""
+
+DPI = 130
+LONGEST_NAME = 30
+
+SPINOUS_LENGTH = 30.0
+"""mm from the laminae to the tip, at L2 to L5."""
+
+
+def require_matplotlib() -> None:
+    """Return if figures can be drawn; to be asked before a long computation.
+
+    Raises
+    ------
+    OutputError
+        When matplotlib is not installed.
+    """
+    if importlib.util.find_spec("matplotlib") is None:
+        raise OutputError("Cannot draw a figure: matplotlib is not installed. Install it with: pip install matplotlib")
 
 
 def compare_figure(
@@ -27,7 +53,7 @@ def compare_figure(
     mask: Volume | None = None,
     title: str = "",
 ) -> None:
-    """Draw sagittal, axial and coronal cuts of a CT and of reconstructions side by side.
+    """Draw sagittal, axial and coronal cuts of a CT and of reconstructions side by side, into a file.
 
     Parameters
     ----------
@@ -35,7 +61,7 @@ def compare_figure(
         PNG, PDF or SVG file to write.
     ct : Volume of HU, placed in Reference
     reconstructions : dict of str to Volume
-        All on one grid; intensities 0 to 255.
+        The first one's grid says what is shown. 8-bit volumes are shown from 0 to 255, others to the brightest voxel of all.
     center_ras : (3,), mm
         Where the three planes meet.
     bone : Volume of labels or None
@@ -49,53 +75,109 @@ def compare_figure(
     OutputError
         When the file cannot be written.
     """
+    figure = _draw(ct, reconstructions, center_ras, bone, mask, title)
+    with atomic_output(path) as temporary:
+        figure.savefig(temporary, dpi=DPI, facecolor=BACKGROUND)
+
+
+def comparison_png(
+    ct: Volume, reconstructions: dict[str, Volume], center_ras, bone: Volume | None = None, mask: Volume | None = None, title: str = ""
+) -> bytes:
+    """The picture of `compare_figure` as the bytes of a PNG file."""
+    png = io.BytesIO()
+    _draw(ct, reconstructions, center_ras, bone, mask, title).savefig(png, format="png", dpi=DPI, facecolor=BACKGROUND)
+    return png.getvalue()
+
+
+def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> np.ndarray:
+    """A place worth looking at: in the middle of the spinous process that is nearest to the middle of a volume, (3,) mm in RAS.
+
+    Notes
+    -----
+    Half the length of a process before the hind edge of the vertebra, which is the 1% of its surface that lies farthest posterior
+    in RAS. With one label for all bone it is the hindmost process.
+    """
+    corners = grid.corners()
+    inside = ((surface.points_reference >= corners.min(axis=0)) & (surface.points_reference <= corners.max(axis=0))).all(axis=1)
+    if not inside.any():
+        inside[:] = True
+    edges = []
+    for label in np.unique(surface.labels[inside]):
+        points = surface.points_reference[inside & (surface.labels == label)]
+        edges.append(points[points[:, 1] <= np.quantile(points[:, 1], 0.01)].mean(axis=0))
+    away = [abs(edge[2] - corners[:, 2].mean()) for edge in edges]
+    return edges[int(np.argmin(away))] + (0.0, SPINOUS_LENGTH / 2, 0.0)
+
+
+def _draw(ct: Volume, reconstructions: dict[str, Volume], center_ras, bone: Volume | None, mask: Volume | None, title: str):
+    require_matplotlib()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    from ..io.atomic import atomic_output
-
     planes = (SAGITTAL, AXIAL, CORONAL)
     grid = next(iter(reconstructions.values())).grid
-    sizes = [_size(grid, plane) for plane in planes]
     columns = 1 + len(reconstructions)
-    widest = max(width for width, _ in sizes)
-    panel = 2.4
-    heights = [panel * height / widest for _, height in sizes]
-    figure = Figure(figsize=(columns * panel + 0.5, sum(heights) + 0.35 * len(planes) + 0.6), facecolor=BACKGROUND)
+    # All panels have one width and one scale, so that one scale bar holds for all
+    width = max(_size(grid, plane)[0] for plane in planes)
+    sizes = [(width, _size(grid, plane)[1]) for plane in planes]
+    heights = [PANEL * height / width for _, height in sizes]
+    figure_width = LEFT + columns * (PANEL + GAP)
+    above = TOP if title or mask is not None else TOP_UNTITLED
+    figure_height = above + sum(heights) + len(planes) * GAP
+    figure = Figure(figsize=(figure_width, figure_height), facecolor=BACKGROUND)
     FigureCanvasAgg(figure)
-    axes = figure.subplots(
-        len(planes),
-        columns,
-        squeeze=False,
-        gridspec_kw={"height_ratios": heights, "left": 0.04, "right": 0.995, "bottom": 0.01, "top": 0.91, "wspace": 0.04, "hspace": 0.06},
-    )
-    for row, (plane, (width, height)) in enumerate(zip(planes, sizes, strict=True)):
+    brightest = _brightest(reconstructions.values())
+    top = figure_height - above
+    for plane, (_, height), panel_height in zip(planes, sizes, heights, strict=True):
+        axes = [
+            figure.add_axes(
+                (
+                    (LEFT + column * (PANEL + GAP)) / figure_width,
+                    (top - panel_height) / figure_height,
+                    PANEL / figure_width,
+                    panel_height / figure_height,
+                )
+            )
+            for column in range(columns)
+        ]
         middle = _middle(grid, plane, center_ras)
         picture = cut(ct, plane, middle, width, height)
-        axes[row, 0].imshow(picture, cmap="gray", vmin=CT_WINDOW[0], vmax=CT_WINDOW[1], extent=_extent(width, height))
+        axes[0].imshow(picture, cmap="gray", vmin=CT_WINDOW[0], vmax=CT_WINDOW[1], extent=_extent(width, height))
         if bone is not None:
             outline = np.nan_to_num(cut(bone, plane, middle, width, height, order=0)) > 0
             if outline.any() and not outline.all():
-                axes[row, 0].contour(
-                    outline, levels=[0.5], colors=[BONE_COLOR], linewidths=0.5, extent=_extent(width, height), origin="upper"
-                )
-        for column, volume in enumerate(reconstructions.values(), start=1):
+                axes[0].contour(outline, levels=[0.5], colors=[BONE_COLOR], linewidths=0.5, extent=_extent(width, height), origin="upper")
+        for ax, volume in zip(axes[1:], reconstructions.values(), strict=True):
             picture = np.nan_to_num(cut(volume, plane, middle, width, height))
             if mask is not None:
                 scanned = np.nan_to_num(cut(mask, plane, middle, width, height, order=0)) > 0
                 picture = np.ma.masked_array(picture, mask=~scanned)
-            axes[row, column].imshow(picture, cmap="gray", vmin=0, vmax=255, extent=_extent(width, height))
-        for ax in axes[row]:
+            ax.imshow(picture, cmap="gray", vmin=0, vmax=brightest, extent=_extent(width, height))
+        for ax in axes:
             _bare(ax, plane)
-        axes[row, 0].set_ylabel(plane.name, color=INK, fontsize=9)
-    for ax, name in zip(axes[0], ["CT and its bone", *reconstructions], strict=True):
-        ax.set_title(name, color=INK, fontsize=10)
-    _scale_bar(axes[-1, -1], sizes[-1])
+        axes[0].set_ylabel(plane.name, color=INK, fontsize=9)
+        if plane is planes[0]:
+            for ax, name in zip(axes, ["CT and its bone" if bone is not None else "CT", *reconstructions], strict=True):
+                ax.set_title(_shortened(name), color=INK, fontsize=10, parse_math=False)
+        top -= panel_height + GAP
+    _scale_bar(axes[-1], sizes[-1])
+    title_y = 1 - 0.12 / figure_height
     if mask is not None:
-        figure.text(0.995, 0.985, "blue: not scanned", color="#7f9ad0", fontsize=9, ha="right", va="top")
-    figure.suptitle(title, color=INK, fontsize=11, x=0.04, ha="left", y=0.985)
-    with atomic_output(path) as temporary:
-        figure.savefig(temporary, dpi=130, facecolor=BACKGROUND)
+        figure.text(1 - GAP / figure_width, title_y, "blue: not scanned", color="#7f9ad0", fontsize=9, ha="right", va="top")
+    figure.suptitle(title, color=INK, fontsize=11, x=LEFT / figure_width, ha="left", y=title_y, parse_math=False)
+    return figure
+
+
+def _brightest(volumes) -> float:
+    volumes = list(volumes)
+    if all(volume.array.dtype == np.uint8 for volume in volumes):
+        return 255.0
+    return max(float(np.nanmax(volume.array)) for volume in volumes) or 1.0
+
+
+def _shortened(name: str) -> str:
+    """The end of a name, for that is where methods tend to stand, as far as it fits over a panel."""
+    return name if len(name) <= LONGEST_NAME else "\N{HORIZONTAL ELLIPSIS}" + name[1 - LONGEST_NAME :]
 
 
 def _size(grid, plane: Plane) -> tuple[float, float]:

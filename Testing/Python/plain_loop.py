@@ -31,21 +31,22 @@ def plain_loop(
     alpha=0.1,
     beta=0.1,
     maximum=255.0,
-    transmissions=None,
+    evidence=None,
     floor=0.02,
+    gain=1.0,
     double=False,
 ):
     """Reconstruct `frames` (image, image_to_reference) on `grid`.
 
     mask : (rows, columns) bool, pixels that count; directions : (rows, columns, 2), beam directions in the image plane;
-    bone : BoneOnGrid; transmissions : one (rows, columns) array per frame, for `weighted`.
+    bone : BoneOnGrid; evidence : (reach, onset), each (rows, columns), per frame, for `weighted`.
     """
     real = np.float64 if double else np.float32
     ni, nj, nk = grid.size
     value, weight, best = (np.zeros((nk, nj, ni), real) for _ in range(3))
     total = np.zeros((nk, nj, ni), np.float64)
     hits = np.zeros((nk, nj, ni), np.uint32)
-    alpha, beta, maximum, floor, one, zero = (real(v) for v in (alpha, beta, maximum, floor, 1, 0))
+    alpha, beta, maximum, floor, gain, one, zero = (real(v) for v in (alpha, beta, maximum, floor, gain, 1, 0))
     for number, (image, image_to_reference) in enumerate(frames):
         image_to_ijk = grid.reference_to_ijk @ image_to_reference
         x_axis, y_axis = (axis.astype(real) for axis in _plane_axes(image_to_reference))
@@ -88,12 +89,11 @@ def plain_loop(
                     value[at] = (weight[at] * value[at] + v_temp) / (weight[at] + one)
                     weight[at] += w
                 elif method == "weighted":
-                    transmission = real(transmissions[number][row, column])
-                    squared = cosine * cosine
-                    w = (floor + (squared * squared) * probability) * (transmission + real(0.001))
-                    v_temp = pixel
-                    if cosine > beta:
-                        v_temp = pixel * (one + (alpha * probability) / cosine)
+                    reach, onset = (real(image[row, column]) for image in evidence[number])
+                    gate = onset * probability
+                    w = (floor + gate) * reach
+                    compensation = min(one / cosine, real(3)) if cosine > beta else one
+                    v_temp = pixel * (one + (gain * gate) * compensation)
                     value[at] += w * min(maximum, v_temp)
                     weight[at] += w
                 else:

@@ -184,12 +184,6 @@ def test_a_ready_probability_is_placed_by_its_registration():
     np.testing.assert_allclose(placed.probability.ijk_to_reference, OBLIQUE @ scaled(2, 2, 2))
 
 
-def test_bone_is_where_a_ready_probability_exceeds_one_half():
-    array = np.linspace(0, 1, 27).reshape(3, 3, 3)
-    placed = BoneMap.from_probability(Volume(array, np.eye(4))).on_grid(VoxelGrid((3, 3, 3), np.eye(4)))
-    np.testing.assert_array_equal(placed.inside, array > 0.5)
-
-
 # ---- directions
 
 
@@ -322,12 +316,6 @@ def test_probability_on_a_turned_finer_grid_is_interpolated_linearly():
     np.testing.assert_allclose(bone_map.on_grid(FINE).probability, expected, atol=1e-6)
 
 
-def test_inside_on_a_turned_finer_grid_is_that_of_the_nearest_voxel():
-    bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)), sigma_voxels=2.0)
-    expected = sampled_by_scipy(bone_map.inside.array, bone_map.inside.grid, FINE, 0)
-    np.testing.assert_array_equal(bone_map.on_grid(FINE).inside, expected)
-
-
 def test_directions_on_a_turned_finer_grid_are_interpolated_before_they_are_normalized():
     bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)), sigma_voxels=2.0)
     slopes = [ndimage.sobel(bone_map.probability.array.astype(np.float64), axis=axis, mode="nearest") for axis in (2, 1, 0)]
@@ -357,7 +345,6 @@ def test_voxels_on_the_border_of_the_map_are_kept_by_an_aligned_grid(pose):
     one_voxel_larger = VoxelGrid((8, 7, 6), pose @ rigid((0, 0, 0), (-1, -1, -1)))
     placed = bone_map.on_grid(one_voxel_larger)
     np.testing.assert_allclose(placed.probability[1:-1, 1:-1, 1:-1], 1.0, atol=1e-6)
-    assert placed.inside[1:-1, 1:-1, 1:-1].all()
 
 
 def test_one_voxel_beyond_the_map_there_is_no_bone():
@@ -404,7 +391,7 @@ def test_an_unknown_direction_is_refused(direction):
 
 def test_results_take_single_precision():
     placed = BoneMap.from_labels(Volume(block(), np.eye(4))).on_grid(FINE)
-    assert (placed.probability.dtype, placed.directions_reference.dtype, placed.inside.dtype) == (np.float32, np.float32, np.uint8)
+    assert (placed.probability.dtype, placed.directions_reference.dtype) == (np.float32, np.float32)
 
 
 # ---- progress

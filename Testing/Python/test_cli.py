@@ -67,7 +67,7 @@ def test_reconstruct_writes_the_volume_that_the_library_gives(patient, results):
 
 def test_with_bone_the_default_is_the_recommended_method(patient, results, capsys):
     assert main([*patient.reconstruct, *patient.bone, "--output", str(results / "v.nrrd")]) == 0
-    assert capsys.readouterr().out.startswith("aif-compensated: 6 of 6 frames")
+    assert capsys.readouterr().out.startswith("weighted: 6 of 6 frames")
 
 
 def test_without_bone_the_default_is_the_average(patient, results, capsys):

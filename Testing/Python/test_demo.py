@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import base64
+import contextlib
+import csv
+import io
+import re
+
 import numpy as np
 import pytest
 from scipy import ndimage
@@ -9,6 +15,7 @@ from sweeps import rigid
 
 from AIFReconLib.cli import main
 from AIFReconLib.commands import demo
+from AIFReconLib.evaluation.quantities import HEADINGS
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, SAGITTAL, cut
 from AIFReconLib.io.transform_files import read_transform
 from AIFReconLib.io.volume_files import read_labels, read_volume
@@ -17,14 +24,32 @@ from AIFReconLib.volume import Volume
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def shown(tmp_path_factory):
+    """The folder that the demo wrote, and the lines that it printed."""
     folder = tmp_path_factory.mktemp("demo")
-    with pytest.MonkeyPatch.context() as patch:
+    printed = io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(printed):
         patch.setattr(demo, "FRAMES", 72)
         patch.setattr(demo, "SPACING", 1.5)
         patch.setattr(demo, "HOLE_LIMIT", 3.0)
         assert main(["demo", "--output", str(folder)]) == 0
-    return folder
+    return folder, printed.getvalue().splitlines()
+
+
+@pytest.fixture(scope="module")
+def folder(shown):
+    return shown[0]
+
+
+@pytest.fixture(scope="module")
+def printed(shown):
+    return shown[1]
+
+
+@pytest.fixture(scope="module")
+def rows(folder):
+    with (folder / "metrics.csv").open(newline="") as file:
+        return {row["volume"]: row for row in csv.DictReader(file)}
 
 
 @pytest.mark.parametrize("name", ["sweep.igs.mha", "PlusDeviceSet.xml", "ct.nrrd", "lumbar-segmentation.nrrd", "CTToReference.tfm"])
@@ -39,6 +64,47 @@ def test_the_demo_writes_a_volume_for_every_method(folder, method):
 
 def test_the_demos_figure_is_a_picture(folder):
     assert (folder / "comparison.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_the_demo_measures_every_method(rows):
+    assert list(rows) == list(METHODS)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_demos_metrics_are_of_bone_that_the_sweep_reached(rows, method):
+    row = rows[method]
+    assert (row["reachability"], float(row["bone_area"]) > 1000, 0 < float(row["bone_coverage"]) < 1) == ("sweep", True, True)
+
+
+def test_the_demo_prints_the_main_metrics_of_every_method(printed, rows):
+    heading = next(n for n, line in enumerate(printed) if line.split() == list(METHODS))
+    for key, line in zip(demo.PRINTED, printed[heading + 1 :], strict=False):
+        assert line.strip().startswith(HEADINGS[key] + "  ")
+        cells = line.strip()[len(HEADINGS[key]) :].split()
+        values = [float(c.rstrip("%")) / (100 if c.endswith("%") else 1) for c in cells]
+        assert values == pytest.approx([float(rows[method][key]) for method in METHODS], abs=0.0051), key
+
+
+def test_what_the_demo_prints_fits_on_a_screen(printed):
+    assert len(printed) <= 25
+    heading = next(n for n, line in enumerate(printed) if line.split() == list(METHODS))
+    assert max(map(len, printed[heading : heading + 1 + len(demo.PRINTED)])) <= 80
+
+
+def test_the_demos_report_holds_its_figure(folder):
+    (picture,) = re.findall(r'src="data:image/png;base64,([^"]+)"', (folder / "report.html").read_text("utf-8"))
+    assert base64.b64decode(picture) == (folder / "comparison.png").read_bytes()
+
+
+@pytest.mark.parametrize("expected", ["seed 0", "72 frames used of 72", "hole_limit", "3 mm", "sweep.igs.mha", *METHODS])
+def test_the_demos_report_says_how_it_was_made(folder, expected):
+    assert expected in (folder / "report.html").read_text("utf-8")
+
+
+def test_the_demos_report_names_no_place_on_this_machine(folder):
+    text = (folder / "report.html").read_text("utf-8")
+    assert str(folder) not in text
+    assert folder.name not in text
 
 
 def test_bright_voxels_lie_on_the_registered_bone(folder):

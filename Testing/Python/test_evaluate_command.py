@@ -9,6 +9,7 @@ import pytest
 from files import write_patient
 
 from AIFReconLib.cli import main
+from AIFReconLib.commands.evaluate import unique_names
 from AIFReconLib.io.volume_files import read_labels, read_transform
 from AIFReconLib.volume import Volume, VoxelGrid
 
@@ -94,7 +95,29 @@ def test_volumes_of_one_name_are_told_apart_by_their_folders(case, tmp_path, cap
     (tmp_path / "shell.nrrd").replace(tmp_path / "other" / "shell.nrrd")
     (tmp_path / "noise.nrrd").replace(tmp_path / "shell.nrrd")
     assert main(command(case, "shell", "other/shell")) == 0
-    assert str(tmp_path / "other" / "shell.nrrd") in capsys.readouterr().out
+    names = [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:3]]
+    assert names == [f"{tmp_path.name}/shell.nrrd", "other/shell.nrrd"]
+
+
+def test_a_volume_given_twice_is_measured_twice(case, capsys):
+    assert main(command(case, "shell", "shell")) == 0
+    assert [line[2:17].strip() for line in capsys.readouterr().out.splitlines()[1:3]] == ["shell.nrrd", "shell.nrrd (2)"]
+
+
+@pytest.mark.parametrize(
+    ("paths", "expected"),
+    [
+        (["a/x.nrrd", "b/y.nrrd"], ["x.nrrd", "y.nrrd"]),
+        (["a/x.nrrd", "b/x.nrrd", "b/y.nrrd"], ["a/x.nrrd", "b/x.nrrd", "y.nrrd"]),
+        (["a/c/x.nrrd", "b/c/x.nrrd"], ["a/c/x.nrrd", "b/c/x.nrrd"]),
+    ],
+)
+def test_names_are_as_short_as_they_can_be(tmp_path, paths, expected):
+    assert list(unique_names([tmp_path / path for path in paths])) == expected
+
+
+def test_a_name_may_end_as_another_path_does(tmp_path):
+    assert len(unique_names([tmp_path / "x.nrrd", tmp_path / tmp_path.name / "x.nrrd"])) == 2
 
 
 def test_a_mask_decides_what_was_measured(case, tmp_path, capsys):
@@ -135,3 +158,54 @@ def test_the_csv_never_overwrites_an_input(case, capsys):
 
 def test_a_csv_that_cannot_be_written_is_refused_before_work(case, tmp_path, capsys):
     assert "does not exist" in refusal(command(case, "shell", extra=["--csv", tmp_path / "no" / "m.csv"]), capsys)
+
+
+def test_the_report_holds_the_volumes_and_where_they_come_from(case, tmp_path, capsys):
+    page = tmp_path / "report.html"
+    assert main(command(case, "shell", "noise", extra=["--report", page])) == 0
+    assert f"wrote {page}" in capsys.readouterr().out
+    html = page.read_text("utf-8")
+    for name in ("shell.nrrd", "noise.nrrd", case.sweep.name, case.config.name, case.labels.name, case.transform.name, "6 frames"):
+        assert name in html
+
+
+def test_the_report_names_no_place_on_this_machine(case, tmp_path):
+    page = tmp_path / "report.html"
+    assert main(command(case, "shell", extra=["--report", page])) == 0
+    assert str(tmp_path) not in page.read_text("utf-8")
+
+
+def test_the_report_has_a_figure_when_there_is_a_ct(case, tmp_path):
+    page = tmp_path / "report.html"
+    assert main(command(case, "shell", extra=["--report", page, "--ct", case.labels])) == 0
+    assert page.read_text("utf-8").count("data:image/png;base64,iVBOR") == 1
+
+
+def test_without_a_ct_the_report_has_no_figure(case, tmp_path):
+    page = tmp_path / "report.html"
+    assert main(command(case, "shell", extra=["--report", page])) == 0
+    assert "<img" not in page.read_text("utf-8")
+
+
+def test_the_report_without_a_sweep_says_so(case, tmp_path):
+    page = tmp_path / "report.html"
+    assert main(command(case, "shell", sweep=False, extra=["--report", page])) == 0
+    assert "Reachability is unknown" in page.read_text("utf-8")
+
+
+def test_a_ct_without_a_report_is_refused(case, capsys):
+    assert "Give --report" in refusal(command(case, "shell", extra=["--ct", case.labels]), capsys)
+
+
+def test_report_and_csv_cannot_be_one_file(case, tmp_path, capsys):
+    same = tmp_path / "out"
+    assert "another output" in refusal(command(case, "shell", extra=["--report", same, "--csv", same]), capsys)
+
+
+def test_the_report_never_overwrites_the_ct(case, capsys):
+    ct = case.sweep.parent / "noise.nrrd"
+    assert "would overwrite an input" in refusal(command(case, "shell", extra=["--report", ct, "--ct", ct]), capsys)
+
+
+def test_a_report_that_cannot_be_written_is_refused_before_work(case, tmp_path, capsys):
+    assert "does not exist" in refusal(command(case, "shell", extra=["--report", tmp_path / "no" / "r.html"]), capsys)

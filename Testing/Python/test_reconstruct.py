@@ -47,7 +47,7 @@ def test_the_configurations_method_is_used_without_bone():
 
 def test_with_bone_the_configurations_method_gives_way_to_the_recommended_one():
     sequence = calibrated(method="maximum", spacing=(2.0,) * 3, probe=ProbeGeometry("linear"), region=FULL)
-    assert reconstruct(sequence, bone=sphere_bone()).method == "aif-compensated"
+    assert reconstruct(sequence, bone=sphere_bone()).method == "weighted"
 
 
 def test_the_black_surround_is_left_out_where_nobody_says_what_is_ultrasound():

@@ -10,9 +10,9 @@ from plain_loop import gray, plain_loop
 from sweeps import image_pose, oblique_frames, rigid, sphere_bone, turned_grid
 
 from AIFReconLib.beams import ProbeGeometry
+from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.compounding.reconstructor import Reconstructor
-from AIFReconLib.compounding.shadow import ScanLines
 from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMemoryError, SettingsError
 from AIFReconLib.frames import TrackedFrame
 from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
@@ -35,10 +35,8 @@ def reconstruct_both(method, frames, grid, bone=None, probe=SECTOR, region=EVERY
     rows, columns = frames[0].image.shape
     spacing = pixel_spacing(frames[0].image_to_reference)
     on_grid = bone.on_grid(grid) if bone is not None else None
-    transmissions = None
-    if method == "weighted":
-        transmissions = transmission_images(frames, grid, region, probe, on_grid, wanted)
     maximum = np.iinfo(frames[0].image.dtype).max if frames[0].image.dtype.kind in "iu" else np.inf
+    evidence = evidence_images(frames, region, probe, maximum) if method == "weighted" else None
     theirs = plain_loop(
         [(frame.image, frame.image_to_reference) for frame in frames],
         grid,
@@ -49,23 +47,25 @@ def reconstruct_both(method, frames, grid, bone=None, probe=SECTOR, region=EVERY
         alpha=wanted.alpha,
         beta=wanted.beta,
         maximum=maximum,
-        transmissions=transmissions,
+        evidence=evidence,
+        floor=wanted.weight_floor,
+        gain=wanted.bone_gain,
         double=double,
     )
     return ours, theirs
 
 
-def transmission_images(frames, grid, region, probe, on_grid, wanted):
-    """What `ScanLines` gives for each frame, as images; it has tests of its own."""
+def evidence_images(frames, region, probe, maximum):
+    """What `ScanLines` judges of each frame, as images (reach, onset); it has tests of its own."""
     rows, columns = frames[0].image.shape
     layout = PixelLayout.build((columns, rows), pixel_spacing(frames[0].image_to_reference), region, probe)
     lines = ScanLines(layout, probe)
+    mask = region.mask(columns, rows)
     images = []
     for frame in frames:
-        images.append(np.zeros((rows, columns), np.float32))
-        images[-1][region.mask(columns, rows)] = lines.transmission(
-            grid.reference_to_ijk @ frame.image_to_reference, on_grid.inside, wanted.shadow_depth, wanted.shadow_length
-        )
+        judged = lines.evidence(layout.values(frame.image), float(maximum))
+        images.append([np.zeros((rows, columns), np.float32) for _ in range(2)])
+        images[-1][0][mask], images[-1][1][mask] = judged.reach, judged.onset
     return images
 
 
@@ -179,9 +179,24 @@ def test_equal_pixels_stay_what_they_are(method):
 
 
 @pytest.mark.parametrize("method", METHODS)
+def test_no_voxel_is_brighter_than_its_brightest_pixel_allows(method):
+    """The bound of the method page: 1 for plain methods, 1 + alpha, 1 + alpha / beta, 1 + 3 gain for the others."""
+    frames, grid, bone = oblique_frames(), turned_grid(), sphere_bone()
+    brightest = Reconstructor(grid, ReconstructionSettings(method="maximum", output_type="float32"))
+    brightest.insert(frames)
+    wanted = ReconstructionSettings(method=method, alpha=0.3, beta=0.2, bone_gain=1.5, output_type="float32", intensity_maximum=1e9)
+    reconstructor = Reconstructor(grid, wanted, bone, probe=SECTOR)
+    reconstructor.insert(frames)
+    bound = {"aif": 1.3, "aif-compensated": 1 + 0.3 / 0.2, "weighted": 1 + 3 * 1.5}.get(method, 1.0)
+    assert (reconstructor.finish().intensity.array <= bound * brightest.finish().intensity.array * (1 + 1e-5)).all()
+
+
+@pytest.mark.parametrize("method", METHODS)
 def test_black_pixels_stay_black_whatever_the_bone_map_expects(method):
     frames = [TrackedFrame(np.zeros_like(f.image), f.image_to_reference) for f in oblique_frames()]
-    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method=method, alpha=10.0), sphere_bone(), probe=SECTOR)
+    reconstructor = Reconstructor(
+        turned_grid(), ReconstructionSettings(method=method, alpha=10.0, bone_gain=10.0), sphere_bone(), probe=SECTOR
+    )
     reconstructor.insert(frames)
     assert reconstructor.finish().intensity.array.max() == 0
 

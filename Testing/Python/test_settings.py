@@ -26,7 +26,7 @@ def test_every_field_says_what_it_does(name):
     assert len(FIELDS[name].metadata["help"]) > 15
 
 
-@pytest.mark.parametrize("name", ["spacing", "hole_limit", "shadow_depth", "shadow_length"])
+@pytest.mark.parametrize("name", ["spacing", "hole_limit"])
 def test_every_length_has_its_unit(name):
     assert FIELDS[name].metadata["unit"] == "mm"
 
@@ -124,7 +124,7 @@ def test_a_chosen_method_is_used(method, has_bone):
     assert ReconstructionSettings(method=method).method_for(has_bone) == method
 
 
-@pytest.mark.parametrize(("has_bone", "method"), [(True, "aif-compensated"), (False, "average")])
+@pytest.mark.parametrize(("has_bone", "method"), [(True, "weighted"), (False, "average")])
 def test_the_default_method_depends_on_bone(has_bone, method):
     assert ReconstructionSettings().method_for(has_bone) == method
 

@@ -1,0 +1,173 @@
+"""What the numbers of `BoneMetrics` are called, how they are printed and judged: for tables, CSV files and reports."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from .metrics import NEAR, SHADOW_FROM_SURFACE, SPECKLE_BLOCK, SPECKLE_FROM_BONE, STANDS_OUT, TISSUE, BoneMetrics
+
+NOT_KNOWN = "-"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number of `BoneMetrics`: its name, how it is printed and judged, and what it is in a sentence.
+
+    Parameters
+    ----------
+    label, form, unit : str
+        `form` as Python's `format` takes it; a percentage carries its unit itself.
+    best : "most", "least", "nearest 0" or ""
+    definition : str
+    """
+
+    label: str
+    form: str
+    unit: str
+    best: str
+    definition: str
+
+
+_BEFORE = f"{TISSUE[0]:g} to {TISSUE[1]:g} mm before it"
+
+OF_SURFACE = {
+    "cnr": Quantity(
+        "CNR",
+        ".2f",
+        "",
+        "most",
+        "Contrast over the standard deviation of the tissue before the bone (Smith 1983). Speckle alone gives about 1.",
+    ),
+    "detectability": Quantity(
+        "Detectability",
+        ".2f",
+        "",
+        "most",
+        "Probability that bone outshines an equally wide window of the tissue before it (Hanley and McNeil 1982). 0.5 is chance.",
+    ),
+    "contrast": Quantity(
+        "Contrast",
+        ".1f",
+        "gray levels",
+        "most",
+        f"Mean response of bone (brightest value within {NEAR:g} mm of the surface) less the mean of the tissue {_BEFORE}.",
+    ),
+    "coverage": Quantity(
+        "Coverage",
+        ".1%",
+        "",
+        "most",
+        f"Share of the surface with a peak within {NEAR:g} mm that exceeds the tissue before it by {STANDS_OUT:g} standard deviations. "
+        "At interspinous borders: interspinous visibility (Xu 2022).",
+    ),
+    "thickness": Quantity(
+        "Thickness",
+        ".2f",
+        "mm",
+        "least",
+        "Median full width at half maximum along the normal (Leotta and Martin 1999), over the covered surface only: "
+        "read it together with coverage.",
+    ),
+    "localization_error": Quantity(
+        "Distance of peak", ".2f", "mm", "least", "Mean distance of the peak from the true surface, where covered."
+    ),
+    "localization_bias": Quantity("Bias of peak", ".2f", "mm", "nearest 0", "The same with its sign; positive: toward the probe."),
+    "area": Quantity("Area", ".0f", "mm\N{SUPERSCRIPT TWO}", "", "Bone surface that the numbers of this group are of."),
+}
+"""Of each part of the surface, by name in `SurfaceMetrics`, in the order of the page."""
+
+OF_VOLUME = {
+    "speckle_snr": Quantity(
+        "Speckle SNR",
+        ".2f",
+        "",
+        "most",
+        f"Mean over standard deviation in {SPECKLE_BLOCK:g} mm cubes of soft tissue, {SPECKLE_FROM_BONE:g} mm and more from bone; "
+        "median of the cubes (Burckhardt 1978). Averaging raises it.",
+    ),
+    "shadow_mean": Quantity(
+        "Mean in shadow",
+        ".1f",
+        "gray levels",
+        "least",
+        f"Noise and clutter where no beam could reach, {SHADOW_FROM_SURFACE:g} mm and more from the surface.",
+    ),
+    "shadow_std": Quantity("Spread in shadow", ".1f", "gray levels", "least", "Standard deviation there."),
+}
+"""Of the whole volume, by name in `BoneMetrics`."""
+
+PARTS = {"bone": "All bone", "oblique": "Oblique bone", "interspinous": "Interspinous borders"}
+
+QUANTITIES = {f"{part}_{name}": quantity for part in PARTS for name, quantity in OF_SURFACE.items()} | OF_VOLUME
+"""Every number of `BoneMetrics.to_dict` by its key, in the order of the page."""
+
+HEADINGS = {
+    "bone_cnr": "CNR",
+    "oblique_cnr": "oblique CNR",
+    "bone_detectability": "detectability",
+    "bone_coverage": "coverage",
+    "oblique_coverage": "oblique coverage",
+    "interspinous_coverage": "interspinous",
+    "bone_thickness": "thickness mm",
+    "bone_localization_error": "off by mm",
+    "shadow_mean": "shadow",
+    "speckle_snr": "speckle SNR",
+}
+"""The numbers worth a line on a terminal, and what they are called there."""
+
+
+def cell(key: str, value: float) -> str:
+    """A number of `BoneMetrics.to_dict` as tables show it; a dash where it is not known."""
+    return NOT_KNOWN if math.isnan(value) else format(value, QUANTITIES[key].form)
+
+
+def table(metrics: dict[str, BoneMetrics], keys: Iterable[str] = HEADINGS) -> list[list[str]]:
+    """Rows of words for a terminal: a line of headings, then one of numbers for each volume."""
+    keys = list(keys)
+    rows = [[name, *(cell(key, result.to_dict()[key]) for key in keys)] for name, result in metrics.items()]
+    return [["", *(HEADINGS[key] for key in keys)], *rows]
+
+
+def metrics_csv(metrics: dict[str, BoneMetrics], frames: int | None) -> str:
+    """Every number of every volume, a line each under a line of headings; what is not known is left empty.
+
+    Notes
+    -----
+    Columns are `volume`, `reachability` ("sweep", or "unknown" without `frames`) and the keys of `BoneMetrics.to_dict`; six digits.
+    """
+    reachability = "unknown" if frames is None else "sweep"
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    numbers = {name: result.to_dict() for name, result in metrics.items()}
+    writer.writerow(["volume", "reachability", *next(iter(numbers.values()))])
+    for name, row in numbers.items():
+        writer.writerow([name, reachability, *("" if math.isnan(value) else f"{value:.6g}" for value in row.values())])
+    return text.getvalue()
+
+
+def what_counted(result: BoneMetrics, frames: int | None) -> str:
+    """Which bone the numbers are of, in a line."""
+    area = result.bone.area / 100
+    if frames is None:
+        return f"Reachability is unknown: all {area:.1f} cm2 of bone surface where the volume was measured count, reachable or not."
+    return (
+        f"of the {area:.1f} cm2 of bone surface that the {frames} frames could reach "
+        f"({result.oblique.area / 100:.1f} cm2 oblique, {result.interspinous.area / 100:.1f} cm2 at interspinous borders)"
+    )
+
+
+def best_of(key: str, metrics: dict[str, BoneMetrics]) -> set[str]:
+    """Which volumes have the best number, as printed; nobody where all are equal, alone or not judged."""
+    values = {name: result.to_dict()[key] for name, result in metrics.items()}
+    known = {name: value for name, value in values.items() if not math.isnan(value)}
+    rank = {"most": lambda v: -v, "least": lambda v: v, "nearest 0": abs}.get(QUANTITIES[key].best)
+    if rank is None or not known:
+        return set()
+    # Ranked as printed, so that a difference which cannot be seen does not decide
+    shown = {name: rank(float(cell(key, value).rstrip("%"))) for name, value in known.items()}
+    best = {name for name, value in shown.items() if value == min(shown.values())}
+    return set() if len(best) == len(metrics) else best

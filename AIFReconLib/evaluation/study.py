@@ -1,0 +1,91 @@
+"""The study: does AIF-recon do what it promises, on many simulated patients, and where does it not?
+
+Each patient is a task of its own whose numbers are kept in a file, so that an interrupted study goes on where it stopped.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+from ..errors import FileFormatError
+from ..io.atomic import write_text
+from ..progress import Progress, report
+from .study_cases import Row, patient_rows
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Median and quartiles of a number over the patients."""
+
+    median: float
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, numbers: Iterable[float]) -> Spread:
+        """Of `numbers`, those that are not NaN; NaN where none is."""
+        known = sorted(number for number in numbers if number == number)
+        if not known:
+            return cls(float("nan"), float("nan"), float("nan"))
+        if len(known) == 1:
+            return cls(known[0], known[0], known[0])
+        low, median, high = statistics.quantiles(known, n=4, method="inclusive")
+        return cls(median, low, high)
+
+
+def run_study(folder: Path, seeds: Iterable[int], jobs: int = 2, progress: Progress | None = None) -> list[Row]:
+    """Make, or read where they are there already, the rows of every patient.
+
+    Parameters
+    ----------
+    folder : Path
+        Holds one file per patient; exists.
+    seeds : iterable of int
+    jobs : int
+        Patients at a time, each in a process of its own.
+
+    Raises
+    ------
+    FileFormatError
+        When a file of an earlier run cannot be read.
+    """
+    seeds = list(seeds)
+    missing = [seed for seed in seeds if not _file(folder, seed).exists()]
+    done = len(seeds) - len(missing)
+    report(progress, done / max(len(seeds), 1), f"{done} of {len(seeds)} patients done")
+    # Not forked: the same on every system, and safe beside other threads
+    with ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn")) as pool:
+        tasks = {pool.submit(patient_rows, seed): seed for seed in missing}
+        try:
+            for task in as_completed(tasks):
+                rows = [asdict(row) for row in task.result()]
+                write_text(_file(folder, tasks[task]), json.dumps(rows, indent=1) + "\n")
+                done += 1
+                report(progress, done / len(seeds), f"{done} of {len(seeds)} patients done")
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return [row for seed in seeds for row in read_rows(_file(folder, seed))]
+
+
+def read_rows(path: Path) -> list[Row]:
+    """The rows of one patient's file."""
+    try:
+        return [Row(**{**row, "metrics": dict(row["metrics"])}) for row in json.loads(path.read_text())]
+    except (ValueError, TypeError, KeyError) as error:
+        raise FileFormatError(f"{path}: it is no result of the study ({error}). Delete it, and run the study again.") from None
+
+
+def spread_of(rows: list[Row], name: str, **wanted: str) -> Spread:
+    """Over the patients, of the number `name` in the rows whose scan, condition, method and direction are as `wanted`."""
+    return Spread.of(row.metrics[name] for row in rows if all(getattr(row, key) == value for key, value in wanted.items()))
+
+
+def _file(folder: Path, seed: int) -> Path:
+    return folder / f"patient-{seed:03d}.json"

@@ -1,0 +1,143 @@
+"""What a frame tells of bone: where sound arrived, and where a shadow begins."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from AIFReconLib.beams import ProbeGeometry
+from AIFReconLib.compounding.evidence import LEAST_REACH, ScanLines
+from AIFReconLib.compounding.layout import PixelLayout
+from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
+
+COLUMNS, ROWS, SPACING = 120, 160, (0.25, 0.25)
+LINEAR = ProbeGeometry("linear")
+SECTOR = ProbeGeometry("sector", (60.0, -20.0))
+PROBES = pytest.mark.parametrize("probe", [LINEAR, SECTOR], ids=["linear", "sector"])
+
+
+def evidence(image, probe, region=None, full_scale=255.0):
+    """Reach and onset as images, NaN outside the region."""
+    region = region or ImageRegion()
+    rows, columns = image.shape
+    layout = PixelLayout.build((columns, rows), SPACING, region, probe)
+    judged = ScanLines(layout, probe).evidence(layout.values(image), full_scale)
+    images = np.full((2, rows, columns), np.nan, np.float32)
+    images[:, region.mask(columns, rows)] = judged.reach, judged.onset
+    return images
+
+
+def tissue(level=90.0, seed=0):
+    """Speckle without bone."""
+    field = ndimage.gaussian_filter(np.random.default_rng(seed).normal(size=(ROWS, COLUMNS)), 1.0)
+    return np.clip(level + 25 * field / field.std(), 1, 255).astype(np.uint8)
+
+
+def shadowed(probe, echo, surface_px=80.0, thickness_px=4.0, sides=(-0.15, 0.15)):
+    """Tissue with a bone surface `surface_px` below the probe's origin, between two slopes, and black behind it."""
+    image = tissue().astype(float)
+    rows, columns = np.indices(image.shape, dtype=float)
+    if probe.kind == "linear":
+        depth, slope = rows, (columns - 60) / 100
+    else:
+        depth, slope = np.hypot(columns - 60, rows + 20) - 20, (columns - 60) / (rows + 20)
+    within = (slope >= sides[0]) & (slope <= sides[1])
+    image[within & (depth >= surface_px)] = 4
+    image[within & (depth >= surface_px) & (depth < surface_px + thickness_px)] = echo
+    return image.astype(np.uint8), within, depth
+
+
+@PROBES
+def test_sound_reaches_all_of_bright_tissue(probe):
+    reach, _ = evidence(tissue(140.0), probe)
+    assert np.quantile(reach[:100], 0.01) > 0.9
+
+
+@PROBES
+def test_sound_does_not_reach_the_shadow(probe):
+    image, within, depth = shadowed(probe, echo=200)
+    reach, _ = evidence(image, probe)
+    inner = ndimage.binary_erosion(within, iterations=4)
+    assert np.quantile(reach[inner & (depth > 95)], 0.99) < 0.05
+
+
+@PROBES
+@pytest.mark.parametrize("echo", [240, 110], ids=["strong echo", "echo no brighter than tissue"])
+def test_a_shadow_begins_at_bone_however_weak_its_echo(probe, echo):
+    image, within, depth = shadowed(probe, echo)
+    _, onset = evidence(image, probe)
+    inner = ndimage.binary_erosion(within, iterations=4)
+    assert np.median(onset[inner & (depth >= 80.5) & (depth <= 83.5)]) > 0.8
+
+
+@PROBES
+def test_no_shadow_begins_in_plain_tissue(probe):
+    _, onset = evidence(tissue(), probe)
+    assert onset.mean() < 0.01
+
+
+@PROBES
+def test_no_shadow_begins_inside_a_shadow(probe):
+    image, within, depth = shadowed(probe, echo=200)
+    _, onset = evidence(image, probe)
+    inner = ndimage.binary_erosion(within, iterations=4)
+    assert onset[inner & (depth > 95)].max() < 0.05
+
+
+def test_a_bright_layer_with_tissue_below_is_no_bone():
+    image = tissue()
+    image[60:64] = 230
+    _, onset = evidence(image, LINEAR)
+    assert onset[55:70].max() == 0.0
+
+
+def test_darkness_at_the_very_end_of_a_line_is_no_evidence():
+    image = tissue()
+    image[150:] = 4
+    _, onset = evidence(image, LINEAR)
+    assert onset[130:].max() == 0.0
+
+
+def test_pixels_outside_the_region_say_nothing():
+    region = ImageRegion(ClipRectangle((10, 10), (99, 99)))
+    image = tissue(30.0)
+    plain = evidence(image, LINEAR, region)
+    image[115:] = 255  # text below the ultrasound
+    np.testing.assert_array_equal(evidence(image, LINEAR, region), plain)
+
+
+def test_every_pixel_of_a_fan_is_judged():
+    region = ImageRegion(fan=Fan((60.0, -20.0), (-25.0, 25.0), (25.0, 170.0)))
+    reach, onset = evidence(tissue(), SECTOR, region)
+    inside = region.mask(COLUMNS, ROWS)
+    assert np.isfinite(reach[inside]).all()
+    assert np.isfinite(onset[inside]).all()
+    assert np.isnan(reach[~inside]).all()
+
+
+@PROBES
+def test_black_images_are_reached_nowhere_and_show_no_bone(probe):
+    reach, onset = evidence(np.zeros((ROWS, COLUMNS), np.uint8), probe)
+    assert (reach == np.float32(LEAST_REACH)).all()
+    assert (onset == 0).all()
+
+
+@PROBES
+def test_the_gray_scale_of_the_images_does_not_matter(probe):
+    image, _, _ = shadowed(probe, echo=200)
+    ours = evidence(image, probe)
+    theirs = evidence(image.astype(np.uint16) * 257, probe, full_scale=65535.0)
+    np.testing.assert_allclose(ours, theirs, atol=1e-5)
+
+
+def test_images_without_a_largest_value_are_a_plain_mean():
+    reach, onset = evidence(tissue().astype(np.float32), LINEAR, full_scale=np.inf)
+    assert np.unique(reach).tolist() == [np.float32(LEAST_REACH)]
+    assert onset.max() == 0
+
+
+def test_an_image_shorter_than_any_shadow_is_judged_without_an_error():
+    reach, onset = evidence(tissue()[:6], LINEAR)
+    assert np.isfinite(reach).all()
+    assert (onset == 0).all()

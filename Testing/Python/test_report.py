@@ -1,0 +1,334 @@
+"""The report: a page that stands alone, agrees with the CSV, and shows whatever it is given as text."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import io
+import re
+from dataclasses import fields, replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from AIFReconLib.errors import OutputError
+from AIFReconLib.evaluation import figures
+from AIFReconLib.evaluation.figures import comparison_png, require_matplotlib, within_spinous_process
+from AIFReconLib.evaluation.metrics import BoneMetrics, SurfaceMetrics
+from AIFReconLib.evaluation.quantities import HEADINGS, PARTS, QUANTITIES, best_of, cell, metrics_csv, table
+from AIFReconLib.evaluation.report import Report, file_sizes, report_html, software_versions, write_report
+from AIFReconLib.evaluation.surface import BoneSurface
+from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.volume import Volume, VoxelGrid
+
+PNG = b"\x89PNG\r\n\x1a\nnot really"
+VOID = {"meta", "img", "br", "link", "input", "hr", "source"}
+
+
+class Page(HTMLParser):
+    """A page as a browser would read it: what is open, what is said, what is asked for from elsewhere."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.wrong, self.tags, self.resources, self.words = [], [], [], [], []
+        self.rows, self._row, self.highlighted = [], None, []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        attributes = dict(attrs)
+        self.tags.append(tag)
+        self.resources += [attributes[name] for name in ("src", "href", "data", "action", "srcset") if name in attributes]
+        if tag not in VOID:
+            self.open.append(tag)
+        if tag == "tr":
+            self.rows.append([])
+        if tag in ("td", "th"):
+            self.rows[-1].append("")
+            self.highlighted += [(len(self.rows) - 1, len(self.rows[-1]) - 1)] if attributes.get("class") == "best" else []
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.wrong.append(tag)
+
+    def handle_data(self, data):
+        if "style" in self.open:
+            return
+        self.words.append(data)
+        # What stands in small beside a name is no part of it
+        if {"td", "th"} & set(self.open) and not {"sup", "span"} & set(self.open):
+            self.rows[-1][-1] += data.strip()
+
+    @property
+    def text(self):
+        return " ".join(self.words)
+
+    def metrics(self):
+        """The cells of the metrics table: {key: [text per volume]}, read from its groups and labels."""
+        keys = {quantity.label: key.split("_", 1)[1] for key, quantity in QUANTITIES.items() if key.startswith("bone_")}
+        found, part = {}, None
+        parts = {"All reachable bone": "bone", **{label: part for part, label in PARTS.items()}}
+        for label, *cells in self.rows:
+            if label in parts or label == "Whole volume":
+                part = parts.get(label, "")
+            elif part and label in keys:
+                found[f"{part}_{keys[label]}"] = cells
+            elif part == "":
+                found.update(
+                    {key: cells for key, quantity in QUANTITIES.items() if quantity.label == label and not key.startswith(tuple(PARTS))}
+                )
+        return found
+
+
+def numbers(seed, **changes) -> BoneMetrics:
+    rng = np.random.default_rng(seed)
+
+    def part():
+        return SurfaceMetrics(*(float(value) for value in rng.uniform(-1, 1, len(fields(SurfaceMetrics)))))
+
+    return replace(BoneMetrics(part(), part(), part(), *(float(value) for value in rng.uniform(0, 9, 3))), **changes)
+
+
+@pytest.fixture
+def metrics():
+    return {method: numbers(seed) for seed, method in enumerate(METHODS)}
+
+
+@pytest.fixture
+def report(metrics):
+    settings = {method: ReconstructionSettings(method=method, spacing=1.0, alpha=0.1 if method == "aif" else 0.3) for method in METHODS}
+    return Report(
+        title="A patient",
+        date="2031-02-03",
+        metrics=metrics,
+        frames=270,
+        inputs=(("sweep.igs.mha", 12_345_678), ("ct.nrrd", 2_000)),
+        facts={"Patient": "simulated, seed 4"},
+        settings=settings,
+        versions=software_versions(),
+        figure_png=PNG,
+        figure_caption="Cuts",
+    )
+
+
+def test_every_tag_of_the_page_is_closed_in_its_order(report):
+    page = Page(report_html(report))
+    assert (page.open, page.wrong) == ([], [])
+
+
+def test_the_page_holds_every_method(report):
+    heading = next(row for row in Page(report_html(report)).rows if len(row) == len(METHODS) + 1)
+    assert heading[1:] == list(METHODS)
+
+
+def test_the_page_holds_every_metric_for_every_method(report, metrics):
+    cells = Page(report_html(report)).metrics()
+    assert set(cells) == set(numbers(0).to_dict())
+    assert all(len(row) == len(metrics) for row in cells.values())
+
+
+def test_every_metric_is_described():
+    assert set(QUANTITIES) == set(numbers(0).to_dict())
+
+
+def test_every_metric_is_defined_on_the_page(report):
+    text = Page(report_html(report)).text
+    assert [quantity.label for quantity in QUANTITIES.values() if quantity.definition not in text] == []
+
+
+def test_the_page_says_what_the_csv_says(report, metrics):
+    rows = list(csv.DictReader(io.StringIO(metrics_csv(metrics, 270))))
+    assert [row["volume"] for row in rows] == list(METHODS)
+    for key, cells in Page(report_html(report)).metrics().items():
+        for row, text in zip(rows, cells, strict=True):
+            shown = float(text.replace("\N{MINUS SIGN}", "-").rstrip("%")) / (100 if text.endswith("%") else 1)
+            digits = len(text.rstrip("%").partition(".")[2]) + (2 if text.endswith("%") else 0)
+            assert shown == pytest.approx(float(row[key]), abs=0.51 * 10.0**-digits), (key, row["volume"])
+
+
+def test_what_is_not_known_is_a_dash_on_the_page_and_empty_in_the_csv(report):
+    unknown = replace(numbers(1), shadow_mean=float("nan"))
+    page = Page(report_html(replace(report, metrics={"a": unknown, "b": numbers(2)})))
+    assert page.metrics()["shadow_mean"][0] == "\N{EN DASH}"
+    assert next(csv.DictReader(io.StringIO(metrics_csv({"a": unknown}, 3))))["shadow_mean"] == ""
+
+
+def test_a_hostile_name_is_text_and_no_markup(report):
+    name = "<script>alert('x')</script>\"><img src=x onerror=y>&amp;"
+    hostile = replace(
+        report,
+        title=name,
+        date=name,
+        metrics={name: numbers(1), "b": numbers(2)},
+        inputs=((name, 3),),
+        facts={name: name},
+        settings={name: ReconstructionSettings(alpha=0.2), "b": ReconstructionSettings()},
+        versions={name: name},
+        figure_caption=name,
+    )
+    html = report_html(hostile)
+    page = Page(html)
+    assert (page.open, page.wrong, "script" in page.tags, page.tags.count("img")) == ([], [], False, 1)
+    assert any(name in row for row in page.rows)
+
+
+def test_the_page_asks_for_nothing_from_elsewhere(report):
+    html = report_html(report)
+    assert [link for link in Page(html).resources if not link.startswith(("data:image/png;base64,", "#"))] == []
+    assert re.findall(r"url\(|@import|https?:|<script|<link|javascript:", html) == []
+
+
+def test_every_note_that_is_pointed_at_is_there(report):
+    html = report_html(report)
+    pointed = set(re.findall(r'href="#([^"]+)"', html))
+    assert pointed
+    assert pointed <= set(re.findall(r'id="([^"]+)"', html))
+
+
+def test_inputs_are_named_without_their_folders(report, tmp_path):
+    path = tmp_path / "ct.nrrd"
+    path.write_bytes(b"12345")
+    html = report_html(replace(report, inputs=file_sizes([path, None])))
+    assert "ct.nrrd" in html
+    assert "5 bytes" in html
+    assert str(tmp_path) not in html
+
+
+def test_the_figure_is_in_the_page(report):
+    (source,) = re.findall(r'src="data:image/png;base64,([^"]+)"', report_html(report))
+    assert base64.b64decode(source) == PNG
+
+
+def test_without_a_figure_there_is_no_picture(report):
+    assert "img" not in Page(report_html(replace(report, figure_png=None))).tags
+
+
+def test_the_page_says_where_its_numbers_come_from(report):
+    text = Page(report_html(report)).text
+    for expected in ("2031-02-03", "simulated, seed 4", "270 frames", f"numpy {np.__version__}", "research software"):
+        assert expected in text
+
+
+def test_the_page_holds_every_setting(report):
+    assert {spec.name for spec in fields(ReconstructionSettings)} <= {row[0] for row in Page(report_html(report)).rows}
+
+
+def test_a_setting_that_all_methods_share_is_said_once(report):
+    rows = {row[0]: row[1] for row in Page(report_html(report)).rows if len(row) == 2}
+    assert rows["spacing"] == "1 mm"
+    assert "aif: 0.1; aif-compensated: 0.3" in rows["alpha"]
+
+
+def test_without_settings_the_page_says_that_they_are_not_known(report):
+    assert "Not known" in Page(report_html(replace(report, settings={}))).text
+
+
+def test_without_a_sweep_the_page_does_not_speak_of_reachable_bone(report):
+    text = Page(report_html(replace(report, frames=None))).text
+    assert "Reachability is unknown" in text
+    assert "All reachable bone" not in text
+
+
+def test_the_same_report_gives_the_same_page(report):
+    assert report_html(report) == report_html(report)
+
+
+def test_the_written_file_is_the_page(report, tmp_path):
+    write_report(tmp_path / "report.html", report)
+    assert (tmp_path / "report.html").read_text("utf-8") == report_html(report)
+
+
+def test_a_page_that_cannot_be_written_leaves_the_old_one(report, tmp_path, monkeypatch):
+    path = tmp_path / "report.html"
+    path.write_text("old")
+    monkeypatch.setattr("AIFReconLib.io.atomic.os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    with pytest.raises(OutputError):
+        write_report(path, report)
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+    assert path.read_text() == "old"
+
+
+# ---- which is best
+
+
+@pytest.mark.parametrize(
+    ("key", "values", "expected"),
+    [
+        ("speckle_snr", (1.0, 3.0, 2.0), "b"),
+        ("shadow_mean", (9.0, 3.0, 2.0), "c"),
+        ("shadow_mean", (float("nan"), 3.0, 2.0), "c"),
+        ("speckle_snr", (2.001, 2.004, 1.0), "ab"),
+        ("speckle_snr", (2.0, 2.0, 2.0), ""),
+        ("shadow_mean", (float("nan"),) * 3, ""),
+    ],
+    ids=["most", "least", "a dash is never best", "equal as printed", "all equal", "nothing known"],
+)
+def test_the_best_are_those_that_look_best(key, values, expected):
+    metrics = {name: replace(numbers(0), **{key: value}) for name, value in zip("abc", values, strict=True)}
+    assert best_of(key, metrics) == set(expected)
+
+
+def test_the_best_bias_is_the_one_nearest_to_0():
+    metrics = {name: replace(numbers(0), bone=replace(numbers(0).bone, localization_bias=v)) for name, v in (("a", -0.9), ("b", 0.2))}
+    assert best_of("bone_localization_bias", metrics) == {"b"}
+
+
+def test_no_area_is_better_than_another():
+    assert best_of("bone_area", {"a": numbers(0), "b": numbers(1)}) == set()
+
+
+def test_the_page_highlights_the_best(report):
+    page = Page(
+        report_html(replace(report, metrics={"a": replace(numbers(0), speckle_snr=1.0), "b": replace(numbers(0), speckle_snr=2.0)}))
+    )
+    assert [(page.rows[row][0], column) for row, column in page.highlighted] == [("Speckle SNR", 2)]
+
+
+def test_one_volume_alone_is_not_the_best(report):
+    assert Page(report_html(replace(report, metrics={"a": numbers(0)}))).highlighted == []
+
+
+# ---- table and figure
+
+
+def test_the_terminal_shows_the_cells_of_the_page(metrics):
+    heading, *rows = table(metrics)
+    assert heading[1:] == list(HEADINGS.values())
+    assert rows[0] == ["average", *(cell(key, metrics["average"].to_dict()[key]) for key in HEADINGS)]
+
+
+@pytest.fixture
+def block():
+    """A 20 x 30 x 25 mm volume about the origin with a gradient in it."""
+    grid = VoxelGrid.from_spacing((-10, -15, -12), (20, 30, 25), 1.0)
+    return Volume(np.indices(grid.shape)[0].astype(np.uint8) * 9, grid.ijk_to_reference)
+
+
+@pytest.mark.parametrize("name", ["plain", "a name that is far too long to stand over a panel $x_"])
+def test_the_figure_is_drawn_to_memory(block, name):
+    assert comparison_png(block, {name: block, "other": block}, (0, 0, 0)).startswith(b"\x89PNG\r\n\x1a\n")
+
+
+def test_bytes_are_shown_from_black_to_255(block):
+    assert figures._brightest([block]) == 255.0
+
+
+def test_other_volumes_are_shown_up_to_their_brightest_voxel(block):
+    brighter = Volume(block.array * np.float32(2), block.ijk_to_reference)
+    assert figures._brightest([block, brighter]) == brighter.array.max()
+
+
+def test_without_matplotlib_the_error_says_how_to_get_it(monkeypatch):
+    monkeypatch.setattr(figures.importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(OutputError, match="pip install matplotlib"):
+        require_matplotlib()
+
+
+def test_the_figure_looks_into_the_spinous_process_nearest_to_the_middle(block):
+    """Two rods that run 30 mm from front to back, at z = -8 and z = 1: the second one's middle is found."""
+    y = np.linspace(-15, 15, 3001)
+    points = np.concatenate([np.stack([np.full_like(y, 2.0), y, np.full_like(y, z)], axis=1) for z in (-8.0, 1.0)])
+    labels = np.repeat([1, 2], len(y))
+    surface = BoneSurface(points, np.zeros_like(points), np.ones(len(points)), labels)
+    assert within_spinous_process(surface, block.grid) == pytest.approx((2.0, 0.0, 1.0), abs=0.3)

@@ -1,0 +1,166 @@
+"""Figures and numbers of docs/without-ct.md: two real sweeps without a CT, reconstructed with bone drawn from the sweep itself.
+
+Run from anywhere: ``python Testing/figures/without_ct.py``. The recordings lie in AIFRECON_DATA_DIR, else in shared/data beside the
+repository; the figures go to docs/images.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from scipy import ndimage
+
+from AIFReconLib.detection import detect_imaging
+from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.poses import sweep_poses
+from AIFReconLib.reconstruct import Imaging, reconstruct
+from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep_bone import BoneEchoFinder, bone_from_sweep
+from AIFReconLib.transforms import pixel_spacing
+from AIFReconLib.volume import Volume
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+DATA = Path(os.environ.get("AIFRECON_DATA_DIR") or REPOSITORY.parent / "shared" / "data")
+IMAGES = REPOSITORY / "docs" / "images"
+
+METHODS = ("average", "aif", "aif-compensated", "weighted")
+RECORDINGS = {
+    "bone": ("BoneUltrasound_L14.igs.mha", "BoneUltrasound_L14_config.xml", 0.3),
+    "spine-phantom": ("SpinePhantomFreehand.igs.mha", "SpinePhantom_NN_MEAN.xml", 0.4),
+}
+INK, BACKGROUND, ECHO_COLOR = "#e8e8e8", "#111111", "#ffb000"
+AROUND = 10.0
+"""mm before and behind an echo that its profile shows."""
+
+
+def sample(volume: Volume, points_reference: np.ndarray, order: int = 1) -> np.ndarray:
+    """Values of a volume at points (..., 3) in Reference, NaN outside."""
+    ijk = points_reference @ volume.grid.reference_to_ijk[:3, :3].T + volume.grid.reference_to_ijk[:3, 3]
+    return ndimage.map_coordinates(volume.array.astype(np.float64), np.moveaxis(ijk[..., ::-1], -1, 0), order=order, cval=np.nan)
+
+
+def place(pose: np.ndarray, columns, rows) -> np.ndarray:
+    """Points (..., 3) in Reference of pixels."""
+    columns, rows = np.broadcast_arrays(columns, rows)
+    return columns[..., None] * pose[:3, 0] + rows[..., None] * pose[:3, 1] + pose[:3, 3]
+
+
+def profiles(volume: Volume, pose: np.ndarray, pixels: np.ndarray, spacing: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Intensity down the beam through each echo of a linear probe, (echoes, samples), and the samples' distance from it in mm."""
+    offsets = np.arange(-AROUND, AROUND + 0.05, 0.1)
+    return sample(volume, place(pose, pixels[:, :1], pixels[:, 1:] + offsets / spacing[1])), offsets
+
+
+def measure(values: np.ndarray, offsets: np.ndarray) -> tuple[float, float, float, float]:
+    """Medians over echoes: peak, contrast to the 3 to 8 mm before and to those behind (ratios), and width at half height in mm."""
+    near = np.abs(offsets) <= 1.5
+    peak = np.nanmax(values[:, near], axis=1)
+    before = np.nanmean(values[:, (offsets >= -8) & (offsets <= -3)], axis=1)
+    behind = np.nanmean(values[:, (offsets >= 3) & (offsets <= 8)], axis=1)
+    widths = []
+    for line, top, floor in zip(values, peak, behind, strict=True):
+        above = np.nan_to_num(line) > (top + floor) / 2
+        labels, _ = ndimage.label(above)
+        crest = np.flatnonzero(near)[np.nanargmax(line[near])]
+        widths.append((labels == labels[crest]).sum() * (offsets[1] - offsets[0]) if labels[crest] else np.nan)
+    return tuple(float(np.nanmedian(v)) for v in (peak, peak / np.maximum(before, 1), peak / np.maximum(behind, 1), np.array(widths)))
+
+
+def show(axes, picture: np.ndarray, extent, title: str, **options) -> None:
+    """One panel."""
+    axes.imshow(picture, cmap=options.pop("cmap", "gray"), extent=extent, aspect="equal", interpolation="bilinear", **options)
+    axes.set_title(title, color=INK, fontsize=8)
+    axes.set_facecolor("#1b2740")
+    axes.set_xticks([])
+    axes.set_yticks([])
+
+
+def study(name: str) -> None:
+    """Reconstruct one recording with every method, print the numbers, write the figure."""
+    file, configuration, spacing = RECORDINGS[name]
+    sequence = read_sequence(DATA / file, config=DATA / configuration)
+    poses = sweep_poses(sequence)
+    pixel = pixel_spacing(poses.image_to_reference[poses.usable[0]])
+    detected = detect_imaging(sequence.images, pixel)
+    imaging = Imaging(detected.region, detected.probe)
+    bone = bone_from_sweep(sequence, poses, imaging)
+    settings = [ReconstructionSettings(method=m, spacing=spacing, hole_limit=1.2, bone_direction="surface") for m in METHODS]
+    results = {
+        s.method: reconstruct(sequence, s, None if s.method == "average" else bone, region=imaging.region, probe=imaging.probe)
+        for s in settings
+    }
+
+    # Without the brightening of bone: what remains is the weighting
+    plain = {
+        f"{s.method}, plain": reconstruct(sequence, replace(s, alpha=0.0, bone_gain=0.0), bone, region=imaging.region, probe=imaging.probe)
+        for s in settings
+        if s.method != "average"
+    }
+
+    middle = int(poses.usable[len(poses.usable) // 2])
+    pose = poses.image_to_reference[middle]
+    echoes = BoneEchoFinder(sequence.frame_size, pixel, imaging).find(sequence.images[middle])
+    inner = echoes.pixels[2:-2]
+    print(f"{name}: {len(inner)} echoes in frame {middle}")
+    for method, result in (results | plain).items():
+        peak, before, behind, width = measure(*profiles(result.intensity, pose, inner, pixel))
+        print(f"  {method:25} peak {peak:5.1f}  to tissue before {before:4.2f}  to shadow behind {behind:5.2f}  width {width:4.2f} mm")
+    difference = np.abs(results["weighted"].intensity.array.astype(float) - results["average"].intensity.array)
+    measured = results["average"].mask.array == 1
+    print(f"  weighted differs from average by {difference[measured].mean():.2f} gray levels on average, at most {difference.max():.0f}")
+    hits = results["average"].hits.array
+    near_bone = measured & (sample_grid(bone, results["average"].grid) > 0.5)
+    print(f"  pixels per measured voxel: median {np.median(hits[measured]):.0f}; measured voxels with P > 0.5: {near_bone.sum()}")
+
+    left, right, top, bottom = imaging.region.clip.bounds(*sequence.frame_size)
+    in_plane = place(pose, np.arange(left, right + 1, 3)[None, :], np.arange(top, bottom + 1, 3)[:, None])
+    box = ((right - left) * pixel[0], (bottom - top) * pixel[1])
+    first, last = poses.image_to_reference[poses.usable[0]], poses.image_to_reference[poses.usable[-1]]
+    column = (left + right) / 2
+    ends = [place(p, column, np.arange(top, bottom + 1, 3)) for p in (first, last)]
+    travel = float(np.linalg.norm(ends[1] - ends[0], axis=-1).mean())
+    share = np.linspace(0, 1, max(round(travel / 0.25), 2))[None, :, None]
+    along = ends[0][:, None] * (1 - share) + ends[1][:, None] * share
+    rows = [(in_plane, (0, box[0], box[1], 0), "frame")] + ([(along, (0, travel, box[1], 0), "along the sweep")] if travel > 10 else [])
+
+    height = 0.25 + 2.25 * len(rows)
+    figure = Figure(figsize=(9.6, height), facecolor=BACKGROUND)
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(
+        len(rows),
+        6,
+        squeeze=False,
+        gridspec_kw={"left": 0.02, "right": 0.995, "bottom": 0.01, "top": 1 - 0.22 / height, "wspace": 0.03, "hspace": 0.1},
+    )
+    for row, (points, extent, label) in zip(panels, rows, strict=True):
+        if label == "frame":
+            picture = sequence.images[middle][top : bottom + 1, left : right + 1]
+            show(row[0], picture, extent, "one frame, echoes found", vmin=0, vmax=255)
+            row[0].plot((echoes.pixels[:, 0] - left) * pixel[0], (echoes.pixels[:, 1] - top) * pixel[1], ".", color=ECHO_COLOR, ms=0.8)
+            row[0].set_xlim(*extent[:2])
+            row[0].set_ylim(*extent[2:])
+        else:
+            row[0].set_axis_off()
+        row[0].set_ylabel(label, color=INK, fontsize=8)
+        show(row[1], np.nan_to_num(sample(bone.probability, points)), extent, "bone from the sweep", cmap="inferno", vmin=0, vmax=1)
+        for axes, (method, result) in zip(row[2:], results.items(), strict=True):
+            empty = np.nan_to_num(sample(result.mask, points, order=0)) == 0
+            picture = np.ma.masked_array(np.nan_to_num(sample(result.intensity, points)), mask=empty)
+            show(axes, picture, extent, method, vmin=0, vmax=255)
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    figure.savefig(IMAGES / f"without-ct-{name}.png", dpi=120, facecolor=BACKGROUND)
+
+
+def sample_grid(bone, grid) -> np.ndarray:
+    """The probability on a reconstruction's voxels."""
+    return bone.on_grid(grid).probability
+
+
+if __name__ == "__main__":
+    for recording in RECORDINGS:
+        study(recording)
