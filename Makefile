@@ -5,9 +5,10 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 DEMO_OUTPUT ?= demo-output
+STUDY_OUTPUT ?= study-output
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint format bench clean
+.PHONY: help setup demo test lint format bench study clean
 
 help:
 	@echo "make demo    reconstruct a simulated lumbar scan and draw it, into $(DEMO_OUTPUT)/"
@@ -16,6 +17,7 @@ help:
 	@echo "make lint    only lint and format check"
 	@echo "make format  reformat the code"
 	@echo "make bench   measure the speed of this machine"
+	@echo "make study   compare all methods on simulated patients, into $(STUDY_OUTPUT)/ (half an hour)"
 	@echo "make clean   remove $(VENV)/ and everything that was built"
 
 setup: $(STAMP)
@@ -47,6 +49,9 @@ format: setup
 
 bench: setup
 	@$(BIN)/aifrecon benchmark
+
+study: setup
+	@$(BIN)/aifrecon study --output $(STUDY_OUTPUT)
 
 clean:
 	rm -rf $(VENV) $(DEMO_OUTPUT) build dist .pytest_cache .ruff_cache .hypothesis .coverage *.egg-info

@@ -27,6 +27,8 @@ _PUBLIC = {
     "TransformGraph": "transform_graph",
     "Volume": "volume",
     "VoxelGrid": "volume",
+    "bone_from_sweep": "sweep_bone",
+    "evaluate": "evaluation.metrics",
     "read_labels": "io.volume_files",
     "read_plus_configuration": "io.plus_config",
     "read_sequence": "io.sequence_files",
