@@ -22,36 +22,41 @@ help:
 
 setup: $(STAMP)
 
-# Installed again only when pyproject.toml changes; a broken or half-made environment is made anew
+# A broken or half-made environment (an interrupted set-up, a Python that was upgraded, a folder that was moved) is made anew
+ifneq ($(shell $(BIN)/python -m pip --version >/dev/null 2>&1 && $(BIN)/python -c 'import AIFReconLib' >/dev/null 2>&1 && echo whole),whole)
+.PHONY: $(STAMP)
+endif
+
+# Otherwise installed again only when pyproject.toml changes
 $(STAMP): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' \
 	  || { echo "AIFRecon needs Python 3.10 or newer. Name one with: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 1; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null \
 	  || { echo "Python cannot make virtual environments here. Install them with: sudo apt install python3-venv" >&2; exit 1; }
 	@echo "Setting up $(VENV) (once; takes a minute)"
-	@$(BIN)/python -c '' 2>/dev/null || $(PYTHON) -m venv --clear $(VENV)
+	@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear $(VENV)
 	@PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet --editable '.[test,lint,figures]'
 	@touch $(STAMP)
 
 demo: setup
-	@$(BIN)/aifrecon demo --output $(DEMO_OUTPUT)
+	@$(BIN)/python -m AIFReconLib demo --output "$(DEMO_OUTPUT)"
 
 test: lint
 	@$(BIN)/python -m pytest --quiet --cov --cov-report=term:skip-covered --cov-fail-under=90
 
 lint: setup
-	@$(BIN)/ruff check --quiet .
-	@$(BIN)/ruff format --quiet --check . || { echo "Run 'make format' and commit what it changes." >&2; exit 1; }
+	@$(BIN)/python -m ruff check --quiet .
+	@$(BIN)/python -m ruff format --quiet --check . || { echo "Run 'make format' and commit what it changes." >&2; exit 1; }
 
 format: setup
-	@$(BIN)/ruff check --quiet --fix .
-	@$(BIN)/ruff format --quiet .
+	@$(BIN)/python -m ruff check --quiet --fix .
+	@$(BIN)/python -m ruff format --quiet .
 
 bench: setup
-	@$(BIN)/aifrecon benchmark
+	@$(BIN)/python -m AIFReconLib benchmark
 
 study: setup
-	@$(BIN)/aifrecon study --output $(STUDY_OUTPUT)
+	@$(BIN)/python -m AIFReconLib study --output "$(STUDY_OUTPUT)"
 
 clean:
-	rm -rf $(VENV) $(DEMO_OUTPUT) build dist .pytest_cache .ruff_cache .hypothesis .coverage *.egg-info
+	rm -rf $(VENV) demo-output study-output htmlcov build dist .pytest_cache .ruff_cache .hypothesis .coverage *.egg-info

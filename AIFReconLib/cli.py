@@ -7,6 +7,7 @@ interrupted. Whatever fails, no file is left half-written.
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from typing import NoReturn
 
@@ -61,14 +62,16 @@ def main(argv: list[str] | None = None) -> int:
         return int(stop.code or 0)
     try:
         arguments.run(arguments)
+        sys.stdout.flush()
     except (KeyboardInterrupt, OperationCanceled):
-        return _fail("Interrupted. Nothing was written.", INTERRUPTED)
+        return _fail("Interrupted. No file is left half-written.", INTERRUPTED)
     except AIFReconError as error:
         return _fail(str(error), BAD_INPUT)
     except MemoryError:
         return _fail("Not enough memory. Use a larger --spacing, or a smaller part of the image (--clip-px).", BAD_INPUT)
     except BrokenPipeError:
-        sys.stderr.close()
+        # Whoever read the output has gone, as `head` does; the interpreter must not try to flush it again
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return SUCCESS
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""

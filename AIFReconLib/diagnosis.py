@@ -57,7 +57,7 @@ def diagnose(sequence: TrackedSequence, image_to_reference: str | None = None, r
         ("orientation", _orientation(sequence)),
         ("time", _describe_time(sequence)),
     ]
-    findings, ready = [], False
+    findings, ready, spacing = [], False, (1.0, 1.0)
     try:
         poses = sweep_poses(sequence, image_to_reference, reference)
         poses.require_usable(sequence.name)
@@ -67,11 +67,12 @@ def diagnose(sequence: TrackedSequence, image_to_reference: str | None = None, r
         ready = True
         usable = poses.usable
         facts.append(("pixel spacing", _describe_spacing(poses)))
+        spacing = pixel_spacing(poses.image_to_reference[usable[0]])
         chain = ", ".join(str(name) for name in poses.path)
         findings.append(f"Ready: {len(usable)} of {len(sequence)} frames can be placed by {chain}.")
         findings += [f"Will be skipped: {describe_frames(numbers)}: {reason}." for reason, numbers in poses.skipped().items()]
         findings += poses.notes
-    facts.append(("probe", _describe_probe(sequence)))
+    facts.append(("probe", _describe_probe(sequence, spacing)))
     findings += _about_time(sequence) + _about_tools(sequence)
     findings += getattr(sequence.configuration, "warnings", ())
     names = sequence.transform_names()
@@ -98,13 +99,13 @@ def _describe_spacing(poses: SweepPoses) -> str:
     return f"{x:.4g} x {y:.4g} mm{varies}"
 
 
-def _describe_probe(sequence: TrackedSequence) -> str:
+def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float]) -> str:
     probe = getattr(sequence.configuration, "probe", None)
     if probe is not None:
         apex = f", apex at column {probe.apex_px[0]:.1f}, row {probe.apex_px[1]:.1f}" if probe.apex_px else ""
         return f"{probe.kind}{apex} (configuration)"
     try:
-        return f"{detect_imaging(sequence.images).description} (recognized in the images)"
+        return f"{detect_imaging(sequence.images, spacing).description} (recognized in the images)"
     except BeamGeometryError:
         return "not recognized in the images"
     except SequenceFormatError as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from .beams import ProbeGeometry
+from .beams import SECTOR, ProbeGeometry
 from .bone import BoneMap
 from .compounding.reconstructor import Reconstruction, Reconstructor, needs_beams
 from .compounding.state import bytes_per_voxel
@@ -12,7 +12,7 @@ from .detection import detect_imaging
 from .errors import BeamGeometryError, NoUsableFramesError
 from .extent import grid_around_sweep
 from .frames import TrackedSequence
-from .poses import SweepPoses, sweep_poses, time_order, tracked_frames
+from .poses import SweepPoses, describe_frames, sweep_poses, time_order, tracked_frames
 from .progress import Progress, part, report
 from .region import ImageRegion
 from .settings import ReconstructionSettings
@@ -30,14 +30,21 @@ class Imaging:
 
 
 def resolve_settings(settings: ReconstructionSettings, sequence: TrackedSequence, has_bone: bool) -> ReconstructionSettings:
-    """`settings` with what they leave open taken from the sequence's configuration: method (where there is no bone) and spacing."""
+    """`settings` with what they leave open taken from the sequence's configuration: method (where there is no bone), spacing, skip."""
     configuration = sequence.configuration
     method, spacing = settings.method, settings.spacing
+    skip = settings.skip if settings.skip is not None else getattr(configuration, "skip", 1)
     if method is None and not has_bone:
         method = getattr(configuration, "method", None)
     if spacing is None:
         spacing = getattr(configuration, "spacing", None)
-    return replace(settings, method=method or settings.method_for(has_bone), spacing=spacing)
+    return replace(settings, method=method or settings.method_for(has_bone), spacing=spacing, skip=skip)
+
+
+def configured_region(sequence: TrackedSequence) -> ImageRegion | None:
+    """The pixels that the sequence's configuration calls ultrasound: of its volume reconstruction, else of its scan conversion."""
+    candidates = (getattr(sequence.configuration, name, None) for name in ("region", "scan_region"))
+    return next((region for region in candidates if region is not None and (region.clip or region.fan)), None)
 
 
 def resolve_imaging(
@@ -53,10 +60,9 @@ def resolve_imaging(
     configuration = sequence.configuration
     notes: list[str] = []
     probe = probe or getattr(configuration, "probe", None)
-    if region is None:
-        for candidate in (getattr(configuration, "region", None), getattr(configuration, "scan_region", None)):
-            if region is None and candidate is not None and (candidate.clip or candidate.fan):
-                region = candidate
+    region = region or configured_region(sequence)
+    if probe is None and region is not None and region.fan is not None:
+        probe = ProbeGeometry(SECTOR, region.fan.apex_px)
     if region is None or (need_probe and probe is None):
         try:
             detected = detect_imaging(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
@@ -131,6 +137,9 @@ def reconstruct(
     for done, frame in enumerate(tracked_frames(sequence, poses, order)):
         report(inserting, done / len(order), "Reconstructing")
         reconstructor.insert(frame)
+    if not reconstructor.counts.inserted:
+        reasons = "; ".join(f"{reason}: {describe_frames(numbers)}" for reason, numbers in reconstructor.counts.skipped.items())
+        raise NoUsableFramesError(f"{sequence.name}: no frame falls into the volume ({reasons}). Check --grid-like and --reference.")
     last = len(sequence) - 1
     if last not in order or poses.problems[last] is not None:
         # Nobody has looked at the end of the file yet: one that is cut short or of another size must not pass unnoticed

@@ -23,9 +23,18 @@ DEFAULT_SPACING = 0.5
 """mm, where neither the caller nor a configuration says."""
 
 
-def parameter(default: Any, help: str, *, unit: str = "", minimum: float | None = None, maximum: float | None = None, choices=None) -> Any:
+def parameter(
+    default: Any,
+    help: str,
+    *,
+    unit: str = "",
+    minimum: float | None = None,
+    maximum: float | None = None,
+    choices=None,
+    whole: bool = False,
+) -> Any:
     """A dataclass field that carries what a user interface needs to know of it: where its default is None, None may be given."""
-    rule = {"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices, "default": default}
+    rule = {"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices, "default": default, "whole": whole}
     return field(default=default, metadata=rule)
 
 
@@ -42,7 +51,7 @@ class ReconstructionSettings:
     method: str | None = parameter(
         None,
         "how pixels that meet in a voxel are combined "
-        f"(default: {DEFAULT_METHOD_WITH_BONE} with a bone input, else {DEFAULT_METHOD_WITHOUT_BONE})",
+        f"(default: {DEFAULT_METHOD_WITH_BONE} with a bone input, else the configuration's, else {DEFAULT_METHOD_WITHOUT_BONE})",
         choices=METHODS,
     )
     spacing: float | tuple[float, float, float] | None = parameter(
@@ -70,7 +79,7 @@ class ReconstructionSettings:
         minimum=1e-6,
     )
     best_cosine: bool = parameter(False, "also keep each voxel's best cosine of incidence (needs a bone map)")
-    skip: int = parameter(1, "use every N-th frame", minimum=1)
+    skip: int | None = parameter(None, "use every N-th frame (default: the configuration's, else every one)", minimum=1, whole=True)
     engine: str = parameter("auto", "who does the arithmetic; every engine gives the same voxels", choices=("auto", "numpy"))
     output_type: str | None = parameter(
         None, "type of the intensity volume (default: uint8 for 8-bit images, else float32)", choices=("uint8", "float32")
@@ -123,7 +132,7 @@ def check_value(name: str, value: Any, rule: dict[str, Any]) -> None:
         if not isinstance(value, bool):
             raise SettingsError(f"Input {name} must be True or False; got {value!r}.")
         return
-    whole = isinstance(rule["default"], int)
+    whole = rule["whole"]
     if isinstance(value, bool) or not isinstance(value, Integral if whole else Real) or not math.isfinite(value):
         raise SettingsError(f"Input {name} must be a {'whole' if whole else 'finite'} number; got {value!r}.")
     unit = f" {rule['unit']}" if rule["unit"] else ""

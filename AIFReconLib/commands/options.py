@@ -11,10 +11,11 @@ from ..bone import SIGMA_VOXELS, BoneMap
 from ..detection import detect_imaging
 from ..errors import OutputError, SettingsError
 from ..frames import TrackedSequence
+from ..io.metafile import data_files
 from ..io.volume_files import read_labels, read_transform, read_volume
 from ..poses import sweep_poses
 from ..progress import Progress
-from ..reconstruct import resolve_imaging
+from ..reconstruct import configured_region, resolve_imaging
 from ..region import ClipRectangle, Fan, ImageRegion
 from ..settings import ReconstructionSettings
 from ..sweep_bone import bone_from_sweep
@@ -25,8 +26,8 @@ PARAMETERS = {spec.name: spec.metadata for spec in fields(ReconstructionSettings
 def add_setting(group, name: str, flag: str | None = None, metavar: str | None = None) -> None:
     """Declare the option of one reconstruction parameter from its entry in `settings`."""
     rule = PARAMETERS[name]
-    default = next(spec.default for spec in fields(ReconstructionSettings) if spec.name == name)
-    number = int if isinstance(default, int) and not isinstance(default, bool) else float
+    spec = next(spec for spec in fields(ReconstructionSettings) if spec.name == name)
+    default, number = spec.default, int if rule["whole"] else float
     unit = f" [{rule['unit']}]" if rule["unit"] else ""
     shown = "" if default is None else f" (default: {default:g})" if isinstance(default, int | float) else f" (default: {default})"
     options = {"choices": rule["choices"]} if rule["choices"] else {"type": number, "metavar": metavar or "N"}
@@ -125,7 +126,7 @@ def add_imaging_options(parser: argparse.ArgumentParser) -> None:
 
 def imaging_from(arguments: argparse.Namespace, sequence: TrackedSequence) -> tuple[ImageRegion | None, ProbeGeometry | None]:
     """Region and probe that the options ask for; None where they leave it to the configuration or the images."""
-    configured: ImageRegion = getattr(sequence.configuration, "region", None) or ImageRegion()
+    configured = configured_region(sequence) or ImageRegion()
     apex = tuple(arguments.apex_px) if arguments.apex_px else None
     probe = _probe(arguments.probe, apex, sequence)
     clip = ClipRectangle(tuple(arguments.clip_px[:2]), tuple(arguments.clip_px[2:])) if arguments.clip_px else None
@@ -157,7 +158,7 @@ def _probe(kind: str, apex: tuple[float, float] | None, sequence: TrackedSequenc
         return ProbeGeometry(SECTOR, apex)
     if kind != SECTOR:
         return None
-    known = configured_probe(sequence) or detect_imaging(sequence.images).probe
+    known = configured_probe(sequence) or detect_imaging(sequence.images).probe  # the apex in pixels does not depend on their size
     if known.kind != SECTOR:
         raise SettingsError(
             "The images or the configuration show a linear probe, not a sector. Give --apex-px COLUMN ROW to say otherwise."
@@ -166,11 +167,17 @@ def _probe(kind: str, apex: tuple[float, float] | None, sequence: TrackedSequenc
 
 
 def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -> None:
-    """Stop before work begins when an output is an input, or two outputs are one file."""
-    seen = {path.resolve(): "an input" for path in inputs if path is not None}
+    """Stop before work begins when an output is an input, or two outputs are one file; the data files beside .mhd headers count too."""
+    seen = {file: "an input" for path in inputs if path is not None for file in [path.resolve(), *data_files(path)]}
     for path in outputs:
         if path is None:
             continue
-        if path.resolve() in seen:
-            raise OutputError(f"{path} would overwrite {seen[path.resolve()]}. Choose another name.")
-        seen[path.resolve()] = "another output"
+        for file in dict.fromkeys([path.resolve(), *_companions(path)]):
+            if file in seen:
+                raise OutputError(f"{path} would overwrite {seen[file]} ({file.name}). Choose another name.")
+            seen[file] = "another output"
+
+
+def _companions(path: Path) -> list[Path]:
+    """What is written beside `path`: a .mhd header has its voxels in a .raw or .zraw file."""
+    return [path.resolve().with_suffix(suffix) for suffix in (".raw", ".zraw")] if path.suffix.lower() == ".mhd" else []

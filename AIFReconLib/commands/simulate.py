@@ -51,8 +51,6 @@ def add_to(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Simulate and write."""
-    if arguments.frames < 2 or arguments.seed < 0:
-        raise SettingsError("A simulation takes at least 2 frames and a seed of 0 or more.")
     with ProgressBar() as progress:
         files = write_simulated_patient(arguments.output, arguments.seed, arguments.path, arguments.frames, progress)
     print(f"simulated patient {arguments.seed}, {arguments.path} sweep of {arguments.frames} frames")
@@ -78,6 +76,8 @@ def write_simulated_patient(
     The CT lies in a frame of its own, turned and shifted against Reference, and its registration is written beside it as Slicer
     would save it.
     """
+    if frames < 2 or seed < 0:
+        raise SettingsError("A simulation takes at least 2 frames and a seed of 0 or more.")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -7,7 +7,9 @@ from pathlib import Path
 
 from ..console import ProgressBar
 from ..errors import OutputError, SettingsError
+from ..evaluation.figures import require_matplotlib
 from ..evaluation.study import run_study
+from ..evaluation.study_figure import study_figure
 from ..evaluation.study_page import study_page
 from ..io.atomic import write_text
 
@@ -18,7 +20,7 @@ def add_to(commands) -> None:
         "study",
         help="compare all methods on many simulated patients (takes long)",
         description="Simulate patients and scans, with right and wrong CTs and poses, reconstruct with every method, and write the "
-        "medians as a page. About four minutes per patient and core; an interrupted study goes on where it stopped.",
+        "medians as a page. About six minutes per patient and core; an interrupted study goes on where it stopped.",
     )
     parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder to keep the results in; made if it is not there")
     parser.add_argument("--patients", type=int, default=10, metavar="N", help="how many (default: %(default)s)")
@@ -27,7 +29,8 @@ def add_to(commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Run what is missing, then write the page."""
+    """Run what is missing, then write the page and the picture."""
+    require_matplotlib()
     if arguments.patients < 1 or arguments.jobs < 1:
         raise SettingsError("A study takes at least 1 patient and 1 job.")
     try:
@@ -36,6 +39,7 @@ def run(arguments: argparse.Namespace) -> None:
         raise OutputError(f"{arguments.output}: cannot be made ({error.strerror}). Choose another folder.") from None
     with ProgressBar() as progress:
         rows = run_study(arguments.output, range(arguments.patients), arguments.jobs, progress)
-    page = arguments.output / "study.md"
+    page, figure = arguments.output / "study.md", arguments.output / "study.png"
     write_text(page, study_page(rows))
-    print(f"{len(rows)} reconstructions of {arguments.patients} simulated patients\n  wrote {page}")
+    study_figure(figure, rows)
+    print(f"{len(rows)} reconstructions of {arguments.patients} simulated patients\n  wrote {page}\n  wrote {figure}")

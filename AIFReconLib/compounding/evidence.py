@@ -48,7 +48,7 @@ class FrameEvidence:
 
     Parameters
     ----------
-    reach : (n,) float32 array, 0.01 to 1
+    reach : (n,) float32 array, 0.01 to 1.01
         R: how surely sound reached the pixel.
     onset : (n,) float32 array, 0 to 1
         E: how surely a shadow begins there.

@@ -236,6 +236,16 @@ class Reconstructor:
     def _start(self, image: np.ndarray) -> None:
         self._image_type = image.dtype
         self._image_shape = image.shape
+        eight_bit = image.dtype == np.uint8
+        if self.method == "weighted" and not eight_bit and self.settings.intensity_maximum is None:
+            self._notes.append(
+                f"Warning: weighted judges brightness against the full gray scale, which {image.dtype} images do not tell. "
+                "Give their brightest value with --intensity-maximum."
+            )
+        if self.settings.output_type == "uint8" and not eight_bit:
+            self._notes.append(
+                f"Warning: {image.dtype} images are written as uint8: values above 255 are cut off. Use --output-type float32."
+            )
         maximum = self.settings.intensity_maximum
         if maximum is None:
             maximum = np.iinfo(image.dtype).max if image.dtype.kind in "iu" else np.inf

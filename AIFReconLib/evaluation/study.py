@@ -6,17 +6,22 @@ Each patient is a task of its own whose numbers are kept in a file, so that an i
 from __future__ import annotations
 
 import json
+import signal
 import statistics
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
-from ..errors import FileFormatError
+from ..errors import FileFormatError, InsufficientMemoryError
 from ..io.atomic import write_text
 from ..progress import Progress, report
 from .study_cases import Row, patient_rows
+
+MOST_JOBS = 61
+"""Windows waits for no more processes at a time."""
 
 
 @dataclass(frozen=True)
@@ -60,17 +65,23 @@ def run_study(folder: Path, seeds: Iterable[int], jobs: int = 2, progress: Progr
     done = len(seeds) - len(missing)
     report(progress, done / max(len(seeds), 1), f"{done} of {len(seeds)} patients done")
     # Not forked: the same on every system, and safe beside other threads
-    with ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn")) as pool:
+    pool = ProcessPoolExecutor(
+        max_workers=max(min(jobs, len(missing), MOST_JOBS), 1), mp_context=get_context("spawn"), initializer=_leave_ctrl_c
+    )
+    try:
         tasks = {pool.submit(patient_rows, seed): seed for seed in missing}
-        try:
-            for task in as_completed(tasks):
-                rows = [asdict(row) for row in task.result()]
-                write_text(_file(folder, tasks[task]), json.dumps(rows, indent=1) + "\n")
-                done += 1
-                report(progress, done / len(seeds), f"{done} of {len(seeds)} patients done")
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+        for task in as_completed(tasks):
+            rows = [asdict(row) for row in task.result()]
+            write_text(_file(folder, tasks[task]), json.dumps(rows, indent=1) + "\n")
+            done += 1
+            report(progress, done / len(seeds), f"{done} of {len(seeds)} patients done")
+    except BrokenProcessPool:
+        raise InsufficientMemoryError(
+            f"A process of the study was ended from outside, for memory most likely, after {done} of {len(seeds)} patients. "
+            "Run it again with fewer --jobs; it goes on where it stopped."
+        ) from None
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
     return [row for seed in seeds for row in read_rows(_file(folder, seed))]
 
 
@@ -85,6 +96,11 @@ def read_rows(path: Path) -> list[Row]:
 def spread_of(rows: list[Row], name: str, **wanted: str) -> Spread:
     """Over the patients, of the number `name` in the rows whose scan, condition, method and direction are as `wanted`."""
     return Spread.of(row.metrics[name] for row in rows if all(getattr(row, key) == value for key, value in wanted.items()))
+
+
+def _leave_ctrl_c() -> None:
+    """In a worker: Ctrl-C is for the process that the user talks to."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _file(folder: Path, seed: int) -> Path:

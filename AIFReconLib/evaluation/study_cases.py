@@ -64,7 +64,7 @@ class Scan:
 
 
 def patient_rows(seed: int) -> list[Row]:
-    """All reconstructions of one simulated patient. About four minutes on one core."""
+    """All reconstructions of one simulated patient. About six minutes on one core."""
     phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(seed))
     probe = PhasedArray()
     multi = _scan(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed)

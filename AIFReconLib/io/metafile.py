@@ -147,6 +147,16 @@ def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
         raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
 
 
+def data_files(path: Path) -> list[Path]:
+    """Where a header keeps its data beside itself, resolved; nothing for files that hold their own or cannot be understood."""
+    if path.suffix.lower() not in (*METAIMAGE_SUFFIXES, *NRRD_SUFFIXES) or not path.is_file():
+        return []
+    try:
+        return [read_metafile(path, FileFormatError).data_path.resolve()]
+    except FileFormatError:
+        return []
+
+
 def require_regular_file(path: Path, error: type[FileFormatError]) -> None:
     """Raise `error` unless `path` is a file: reading a pipe would wait forever."""
     if path.is_dir():

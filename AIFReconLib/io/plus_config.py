@@ -192,12 +192,12 @@ def _not_honored(attributes: Attributes) -> tuple[str, ...]:
     if attributes.switch("EnableFanAnglesAutoDetect"):
         warn("EnableFanAnglesAutoDetect", "the fan angles are used as given")
     if attributes.switch("FillHoles"):
-        kinds = [element.get("Type", "?") for element in attributes.element.iterfind("HoleFilling/HoleFillingElement")]
-        if kinds:
-            warnings.append(
-                f"{attributes.place}/HoleFilling ({', '.join(kinds)}) is not honored: "
-                "empty voxels take the nearest measured value, up to a distance."
-            )
+        warn("FillHoles", "give --hole-limit to fill empty voxels from the nearest measured ones")
+    if attributes.text("OutputOrigin") or attributes.text("OutputExtent"):
+        warn(
+            "OutputOrigin" if attributes.text("OutputOrigin") else "OutputExtent",
+            "the volume is the box around the sweep, or that of --grid-like",
+        )
     return tuple(warnings)
 
 

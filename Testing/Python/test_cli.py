@@ -232,7 +232,76 @@ def test_the_module_runs_as_a_program():
     assert done.stdout.startswith("aifrecon ")
 
 
+def test_a_configurations_skip_interval_is_honored(patient, results, capsys):
+    patient.config.write_text(patient.config.read_text().replace("<VolumeReconstruction", '<VolumeReconstruction SkipInterval="3"'))
+    main([*patient.reconstruct, "--output", str(results / "v.nrrd")])
+    assert "2 of 6 frames" in capsys.readouterr().out
+
+
+def test_a_clip_option_keeps_the_region_of_the_scan_conversion_for_its_fan(tmp_path, results):
+    """A curvilinear configuration's fan still bounds what a clip rectangle lets in."""
+    patient = write_patient(tmp_path)
+    curved = 'TransducerGeometry="CURVILINEAR" RadiusStartMm="4" RadiusStopMm="12" ThetaStartDeg="-20" ThetaStopDeg="20"'
+    patient.config.write_text(patient.config.read_text().replace('TransducerGeometry="LINEAR"', curved))
+
+    def hits(*options):
+        main([*patient.reconstruct, *options, "--output", str(results / "v.nrrd"), "--hits", str(results / "h.nrrd")])
+        return int(read_volume(results / "h.nrrd").array.sum())
+
+    assert hits("--clip-px", "0", "0", "39", "29") == hits() < 6 * 40 * 30
+
+
+def test_weighted_says_that_it_needs_the_gray_scale_of_images_that_are_not_8_bit(tmp_path, results, capsys):
+    images = np.random.default_rng(0).integers(1, 4096, (6, 30, 40), dtype=np.uint16)
+    patient = write_patient(tmp_path, tracked_sequence(images=images))
+    main([*patient.reconstruct, *patient.bone, "--output", str(results / "v.nrrd")])
+    assert "--intensity-maximum" in capsys.readouterr().out
+
+
+def test_16_bit_images_cut_to_8_bit_are_a_warning(tmp_path, results, capsys):
+    images = np.random.default_rng(0).integers(1, 4096, (6, 30, 40), dtype=np.uint16)
+    patient = write_patient(tmp_path, tracked_sequence(images=images))
+    main([*patient.reconstruct, "--output-type", "uint8", "--output", str(results / "v.nrrd")])
+    assert "above 255 are cut off" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes close differently there")
+def test_a_reader_that_goes_away_is_no_error(patient):
+    done = subprocess.run(
+        f'"{sys.executable}" -m AIFReconLib info "{patient.sweep}" | true; exit "${{PIPESTATUS[0]}}"',
+        shell=True,
+        executable="/bin/bash",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 # What it says when it cannot
+
+
+@pytest.mark.parametrize("command", ["demo", "simulate"])
+def test_a_patient_that_cannot_be_leaves_no_folder(command, results, capsys):
+    assert "seed of 0 or more" in refused([command, "--output", results / "new", "--seed", "-1"], capsys, results)
+
+
+def test_a_grid_that_the_sweep_misses_is_refused(patient, results, capsys, tmp_path):
+    Volume(np.zeros((4, 4, 4), np.uint8), rigid(translation=(900, 0, 0))).write(tmp_path / "far.nrrd")
+    arguments = [*patient.reconstruct, "--grid-like", tmp_path / "far.nrrd", "--output", results / "v.nrrd"]
+    assert "no frame falls into the volume" in refused(arguments, capsys, results)
+
+
+def test_the_data_file_beside_an_output_header_never_overwrites_that_of_an_input(tmp_path, results, capsys):
+    patient = write_patient(tmp_path)
+    write_sequence(patient.sequence, tmp_path / "scan.mhd")
+    (tmp_path / "scan.zraw").rename(tmp_path / "frames.zraw")
+    header = (tmp_path / "scan.mhd").read_text()
+    (tmp_path / "scan.mhd").write_text(header.replace("scan.zraw", "frames.zraw"))
+    before = (tmp_path / "frames.zraw").read_bytes()
+    line = refused(["reconstruct", tmp_path / "scan.mhd", "--output", tmp_path / "frames.mhd"], capsys, results)
+    assert "would overwrite an input (frames.zraw)" in line
+    assert (tmp_path / "frames.zraw").read_bytes() == before
 
 
 def test_without_a_command_it_says_so_in_one_line(capsys, results):

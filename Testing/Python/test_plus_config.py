@@ -164,13 +164,16 @@ def test_what_is_not_honored_is_said(read, attributes, named):
     assert named in warning
 
 
-def test_hole_filling_elements_are_not_honored_and_named(read):
-    (warning,) = read(
-        reconstruction(
-            'FillHoles="ON"', '<HoleFilling><HoleFillingElement Type="STICK"/><HoleFillingElement Type="GAUSSIAN"/></HoleFilling>'
-        )
-    ).warnings
-    assert "STICK, GAUSSIAN" in warning
+@pytest.mark.parametrize("elements", ["", '<HoleFilling><HoleFillingElement Type="STICK"/></HoleFilling>'])
+def test_hole_filling_says_which_option_fills(read, elements):
+    (warning,) = read(reconstruction('FillHoles="ON"', elements)).warnings
+    assert "--hole-limit" in warning
+
+
+@pytest.mark.parametrize("attribute", ['OutputOrigin="1 2 3"', 'OutputExtent="0 9 0 9 0 9"'])
+def test_an_output_box_is_not_honored_and_named(read, attribute):
+    (warning,) = read(reconstruction(attribute)).warnings
+    assert attribute.split("=")[0] in warning
 
 
 @pytest.mark.parametrize(

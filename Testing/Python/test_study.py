@@ -117,6 +117,7 @@ def test_the_command_writes_the_page_of_what_is_there(tmp_path, capsys):
     (tmp_path / "patient-000.json").write_text(json.dumps([asdict(row(0))]))
     assert main(["study", "--output", str(tmp_path), "--patients", "1"]) == 0
     assert (tmp_path / "study.md").read_text().startswith("1 simulated patient")
+    assert (tmp_path / "study.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 
 
 def test_a_study_of_nobody_is_refused(tmp_path, capsys):
