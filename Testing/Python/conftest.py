@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from files import write_patient
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
@@ -32,3 +33,17 @@ def real_data(data_dir: Path) -> Callable[[str], Path]:
         return path
 
     return find
+
+
+@pytest.fixture
+def patient(tmp_path):
+    folder = tmp_path / "inputs"
+    folder.mkdir()
+    return write_patient(folder)
+
+
+@pytest.fixture
+def results(tmp_path):
+    folder = tmp_path / "results"
+    folder.mkdir()
+    return folder

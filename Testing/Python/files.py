@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from sweeps import rigid, sphere_bone
 
+from AIFReconLib.cli import main
 from AIFReconLib.frames import FrameRecord, TrackedSequence
 from AIFReconLib.io.sequence_writer import write_sequence
 from AIFReconLib.io.transform_files import write_transform
@@ -89,3 +90,14 @@ def write_patient(folder: Path, sequence: TrackedSequence | None = None, compres
     Volume(labels, np.linalg.inv(LABELS_TO_REFERENCE) @ inside.ijk_to_reference @ shift).write(patient.labels)
     write_transform(LABELS_TO_REFERENCE, patient.transform)
     return patient
+
+
+def refused(arguments, capsys, folder):
+    """Run a command that must fail: exit code 2, one line on stderr, nothing written. Returns the line."""
+    code = main([str(argument) for argument in arguments])
+    captured = capsys.readouterr()
+    assert code == 2, captured
+    assert captured.err.count("\n") == 1, captured.err
+    assert captured.err.startswith("aifrecon")
+    assert list(folder.iterdir()) == [], "something was left behind"
+    return captured.err

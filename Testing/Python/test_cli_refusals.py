@@ -1,0 +1,251 @@
+"""The command line as a user meets it: what it says when it cannot."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from files import refused, tracked_sequence, write_patient
+from sweeps import rigid
+
+from AIFReconLib.cli import main
+from AIFReconLib.frames import FrameRecord
+from AIFReconLib.io.sequence_writer import write_sequence
+from AIFReconLib.io.volume_files import read_labels
+from AIFReconLib.volume import Volume
+
+
+@pytest.mark.parametrize("command", ["demo", "simulate"])
+def test_a_patient_that_cannot_be_leaves_no_folder(command, results, capsys):
+    assert "seed of 0 or more" in refused([command, "--output", results / "new", "--seed", "-1"], capsys, results)
+
+
+def test_a_grid_that_the_sweep_misses_is_refused(patient, results, capsys, tmp_path):
+    Volume(np.zeros((4, 4, 4), np.uint8), rigid(translation=(900, 0, 0))).write(tmp_path / "far.nrrd")
+    arguments = [*patient.reconstruct, "--grid-like", tmp_path / "far.nrrd", "--output", results / "v.nrrd"]
+    assert "no frame falls into the volume" in refused(arguments, capsys, results)
+
+
+def test_the_data_file_beside_an_output_header_never_overwrites_that_of_an_input(tmp_path, results, capsys):
+    patient = write_patient(tmp_path)
+    write_sequence(patient.sequence, tmp_path / "scan.mhd")
+    (tmp_path / "scan.zraw").rename(tmp_path / "frames.zraw")
+    header = (tmp_path / "scan.mhd").read_text()
+    (tmp_path / "scan.mhd").write_text(header.replace("scan.zraw", "frames.zraw"))
+    before = (tmp_path / "frames.zraw").read_bytes()
+    line = refused(["reconstruct", tmp_path / "scan.mhd", "--output", tmp_path / "frames.mhd"], capsys, results)
+    assert "would overwrite an input (frames.zraw)" in line
+    assert (tmp_path / "frames.zraw").read_bytes() == before
+
+
+def test_without_a_command_it_says_so_in_one_line(capsys, results):
+    assert "See aifrecon --help" in refused([], capsys, results)
+
+
+def test_a_missing_sequence_is_named(patient, results, capsys):
+    line = refused(["reconstruct", results / "no.mha", "--output", results / "v.nrrd"], capsys, results)
+    assert "no.mha" in line
+
+
+def test_a_truncated_sequence_is_refused(patient, results, capsys):
+    data = patient.sweep.read_bytes()
+    patient.sweep.write_bytes(data[:-200])
+    assert "sweep.igs.mha" in refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_an_uncompressed_sequence_cut_short_is_refused(tmp_path, results, capsys):
+    folder = tmp_path / "raw"
+    folder.mkdir()
+    patient = write_patient(folder, compress=False)
+    patient.sweep.write_bytes(patient.sweep.read_bytes()[:-1500])
+    line = refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+    assert "frame" in line
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"DimSize = 40 30 6", b"DimSize = 40 30 9"),
+        (b"DimSize = 40 30 6", b"DimSize = 40 29 6"),
+        (b"DimSize = 40 30 6", b"DimSize = 40 30 0"),
+        (b"BinaryData = True", b"BinaryData = False"),
+        (b"ElementDataFile = LOCAL", b"ElementDataFile = gone.raw"),
+    ],
+    ids=["too many frames", "too few rows", "no frames", "ASCII data", "missing data file"],
+)
+def test_a_wrong_header_is_refused(old, new, patient, results, capsys):
+    data = patient.sweep.read_bytes()
+    assert old in data
+    patient.sweep.write_bytes(data.replace(old, new))
+    refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_a_sequence_without_transforms_is_refused_with_advice(tmp_path, results, capsys):
+    sequence = tracked_sequence()
+    bare = replace(sequence, records=[FrameRecord(timestamp=float(n)) for n in range(len(sequence))])
+    write_sequence(bare, tmp_path / "bare.mha")
+    line = refused(["reconstruct", tmp_path / "bare.mha", "--output", results / "v.nrrd"], capsys, results)
+    assert "no transforms at all" in line
+
+
+@pytest.mark.parametrize(
+    ("matrix", "reason"),
+    [
+        (np.full((4, 4), np.nan), "not finite"),
+        (np.diag([1.0, 1.0, 0.0, 1.0]), "not rigid"),
+        (np.diag([1.0, 1.3, 1.0, 1.0]), "not rigid"),
+        (np.diag([-1.0, 1.0, 1.0, 1.0]), "mirrored"),
+    ],
+    ids=["NaN", "singular", "scaled", "mirrored"],
+)
+def test_poses_that_cannot_be_are_refused_when_there_are_no_others(matrix, reason, tmp_path, results, capsys):
+    patient = write_patient(tmp_path, tracked_sequence(matrices=dict.fromkeys(range(6), matrix)))
+    results = tmp_path / "only-results"
+    results.mkdir()
+    assert reason in refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_one_impossible_pose_costs_one_frame(tmp_path, results, capsys):
+    patient = write_patient(tmp_path, tracked_sequence(matrices={2: np.full((4, 4), np.nan)}))
+    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 0
+    assert "5 of 6 frames" in capsys.readouterr().out
+
+
+def test_a_method_that_needs_bone_says_how_to_give_it(patient, results, capsys):
+    line = refused([*patient.reconstruct, "--method", "aif", "--output", results / "v.nrrd"], capsys, results)
+    assert "needs to know where bone is" in line
+
+
+def test_bone_options_exclude_each_other(patient, results, capsys):
+    both = ["--bone-labels", "a.nrrd", "--bone-probability", "b.nrrd"]
+    assert "not allowed with" in refused([*patient.reconstruct, *both, "--output", results / "v.nrrd"], capsys, results)
+
+
+@pytest.mark.parametrize("cut", [10, 400])
+def test_truncated_labels_are_refused(cut, patient, results, capsys):
+    patient.labels.write_bytes(patient.labels.read_bytes()[:-cut])
+    assert "labels.nrrd" in refused([*patient.reconstruct, *patient.bone, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_empty_labels_are_refused(patient, results, capsys):
+    labels = read_labels(patient.labels)
+    Volume(np.zeros_like(labels.array), labels.ijk_to_reference).write(patient.labels)
+    assert "must have voxels above 0" in refused([*patient.reconstruct, *patient.bone, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_a_broken_configuration_is_refused(patient, results, capsys):
+    patient.config.write_text(patient.config.read_text()[:120])
+    assert "PlusDeviceSet.xml" in refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_an_output_folder_that_is_not_there_is_refused_before_work(patient, results, capsys):
+    assert "does not exist" in refused([*patient.reconstruct, "--output", results / "no" / "v.nrrd"], capsys, results)
+
+
+def test_an_output_of_an_unknown_kind_is_refused_before_work(patient, results, capsys):
+    assert ".nrrd" in refused([*patient.reconstruct, "--output", results / "v.xyz"], capsys, results)
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="permissions do not bind this user")
+def test_a_read_only_folder_is_refused(patient, results, capsys):
+    results.chmod(0o500)
+    refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+def test_an_output_never_overwrites_an_input(patient, results, capsys):
+    before = patient.sweep.read_bytes()
+    assert "would overwrite an input" in refused([*patient.reconstruct, "--output", patient.sweep], capsys, results)
+    assert patient.sweep.read_bytes() == before
+
+
+def test_two_outputs_must_have_two_names(patient, results, capsys):
+    line = refused([*patient.reconstruct, "--output", results / "v.nrrd", "--hits", results / "v.nrrd"], capsys, results)
+    assert "another output" in line
+
+
+def test_a_full_disk_leaves_no_file(patient, results, capsys, monkeypatch):
+    def full(*_):
+        raise OSError(28, os.strerror(28))
+
+    monkeypatch.setattr(os, "fsync", full)
+    assert "disk is full" in refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="file size limits are POSIX")
+def test_a_write_that_stops_halfway_leaves_no_file(patient, results):
+    """The system itself refuses to let the file grow beyond 2 kB, as it would on a full disk."""
+    limit = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048)); from AIFReconLib.cli import main; sys.exit(main())"
+    )
+    command = [sys.executable, "-c", limit, *patient.reconstruct, "--spacing", "0.3", "--output", str(results / "v.nrrd")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.count("\n") == 1, done.stderr
+    assert list(results.iterdir()) == []
+
+
+def test_a_volume_too_large_for_memory_names_a_spacing_that_fits(patient, results, capsys):
+    line = refused([*patient.reconstruct, "--spacing", "0.011", "--output", results / "v.nrrd"], capsys, results)
+    assert "would fit" in line
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--alpha", "-1"],
+        ["--alpha", "nan"],
+        ["--spacing", "0"],
+        ["--spacing", "1", "2"],
+        ["--hole-limit", "x"],
+        ["--skip", "0"],
+        ["--method", "best"],
+        ["--clip-px", "0", "0", "-5", "4"],
+        ["--clip-px", "100", "100", "5", "5"],
+        ["--fan-angles-deg", "-10", "10"],
+        ["--probe", "linear", "--apex-px", "1", "2"],
+        ["--probe", "sector"],
+        ["--reference", "Nowhere"],
+        ["--image-to-reference", "Nonsense"],
+        ["--bone-transform", "missing.tfm"],
+        ["--bone-labels", "missing.nrrd"],
+        ["--grid-like", "missing.nrrd"],
+        ["--cosine", "c.nrrd"],
+        ["--engine", "abacus"],
+    ],
+    ids=" ".join,
+)
+def test_wrong_options_are_one_line(options, patient, results, capsys):
+    refused([*patient.reconstruct, *options, "--output", results / "v.nrrd"], capsys, results)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C cannot be sent to a child without a console")
+def test_ctrl_c_stops_with_130_and_leaves_no_partial_file(results):
+    output = results / "demo"
+    demo = subprocess.Popen([sys.executable, "-m", "AIFReconLib", "demo", "--output", str(output)], stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 60
+    while not (output / "ct.nrrd").exists() and time.monotonic() < deadline:
+        time.sleep(0.1)
+    time.sleep(0.5)
+    demo.send_signal(signal.SIGINT)
+    _, error = demo.communicate(timeout=60)
+    assert demo.returncode == 130, error
+    assert error.count("\n") == 1, error
+    assert not [path for path in output.rglob("*") if path.name.startswith(".") or path.name in ("sweep.igs.mha", "comparison.png")]
+
+
+def test_ctrl_c_while_a_file_is_read_stops_with_130(patient, results, capsys, monkeypatch):
+    from AIFReconLib.commands import reconstruct as command
+
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "read_sequence", interrupted)
+    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 130
+    assert capsys.readouterr().err.count("\n") == 1
+    assert list(results.iterdir()) == []
