@@ -16,7 +16,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from .beams import LINEAR, ProbeGeometry
 from .bone import BoneMap
 from .errors import BeamGeometryError, GeometryError
 from .extent import grid_around_sweep
@@ -24,6 +23,7 @@ from .frames import TrackedSequence
 from .poses import SweepPoses, tracked_frames
 from .progress import Progress, report
 from .reconstruct import Imaging
+from .scan_lines import scan_line_samples
 from .transforms import pixel_spacing
 from .volume import Volume, VoxelGrid
 
@@ -102,7 +102,9 @@ class BoneEchoFinder:
                 "Bone is looked for along the beams, whose directions are not known. "
                 "Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
             )
-        self._columns, self._rows, self._step = _scan_lines(mask := imaging.region.mask(*size), spacing, imaging.probe)
+        mask = imaging.region.mask(*size)
+        lines = scan_line_samples(*np.nonzero(mask)[::-1], spacing, imaging.probe)
+        self._columns, self._rows, self._step = lines.columns, lines.rows, lines.step
         columns, rows = np.rint(self._columns).astype(np.int64), np.rint(self._rows).astype(np.int64)
         within = (columns >= 0) & (columns < size[0]) & (rows >= 0) & (rows < size[1])
         self._known = within & mask[np.clip(rows, 0, size[1] - 1), np.clip(columns, 0, size[0] - 1)]
@@ -213,23 +215,6 @@ def bone_from_sweep(
     inside = (smooth > 0) & (ndimage.gaussian_filter(weight.reshape(grid.shape), sigma, mode="constant") > 0.05 * LEAST_SCORE)
     report(progress, 1.0, "Looked for bone in the sweep")
     return BoneMap(Volume(probability, grid.ijk_to_reference), Volume(inside.astype(np.uint8), grid.ijk_to_reference))
-
-
-def _scan_lines(mask: np.ndarray, spacing: tuple[float, float], probe: ProbeGeometry) -> tuple[np.ndarray, np.ndarray, float]:
-    """Columns and rows of samples along the beams through a mask, (lines, samples) each, and the samples' distance in mm.
-
-    A linear probe has a line per image column; a sector has lines at equal angles, a pixel apart at its far end, and at most 512.
-    """
-    rows, columns = np.nonzero(mask)
-    if probe.kind == LINEAR:
-        lines = np.meshgrid(np.arange(columns.min(), columns.max() + 1.0), np.arange(rows.min(), rows.max() + 1.0), indexing="ij")
-        return lines[0], lines[1], spacing[1]
-    x, y = (columns - probe.apex_px[0]) * spacing[0], (rows - probe.apex_px[1]) * spacing[1]
-    radius, angle, step = np.hypot(x, y), np.arctan2(x, y), min(spacing)
-    count = int(np.clip(np.ceil(np.ptp(angle) * radius.max() / step) + 1, 2, 512))
-    angles = np.linspace(angle.min(), angle.max(), count)[:, None]
-    radii = np.arange(radius.min(), radius.max() + step, step)[None, :]
-    return probe.apex_px[0] + radii * np.sin(angles) / spacing[0], probe.apex_px[1] + radii * np.cos(angles) / spacing[1], step
 
 
 def _running_sum(lines: np.ndarray) -> np.ndarray:

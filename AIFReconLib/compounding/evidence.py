@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from ..beams import LINEAR, ProbeGeometry
+from ..beams import ProbeGeometry
+from ..scan_lines import scan_line_samples
 from .layout import PixelLayout
 
 SMOOTHING = 1.25
@@ -68,38 +69,19 @@ class ScanLines:
 
     Notes
     -----
-    A linear probe has one scan line per image column. A sector has lines at equal angles, about one pixel apart at the far end and at
-    most 512; samples are one pixel apart along the beam and take the nearest pixel. Samples outside the layout's pixels are dark.
+    Samples take the nearest pixel (see `scan_line_samples`); those outside the layout's pixels are dark.
     """
-
-    MOST_LINES = 512
 
     def __init__(self, layout: PixelLayout, probe: ProbeGeometry):
         top, bottom, left, right = layout.window
-        self.step = layout.spacing[1] if probe.kind == LINEAR else min(layout.spacing)
-        self._depth = max(self._samples(ONSET_DEPTH), 1)
         height, width = bottom - top, right - left
         rows, columns = np.divmod(layout.inside, width)
-        if probe.kind == LINEAR:
-            sampled = (np.arange(height)[None, :] * width + np.arange(width)[:, None]).astype(np.int64)
-            self.sample_of_pixel = columns * height + rows
-        else:
-            x = (columns + (left - probe.apex_px[0])) * layout.spacing[0]
-            y = (rows + (top - probe.apex_px[1])) * layout.spacing[1]
-            radius, angle = np.hypot(x, y), np.arctan2(x, y)
-            first, last, spread = float(radius.min()), float(radius.max()), float(np.ptp(angle))
-            samples = int(np.ceil((last - first) / self.step)) + 1
-            lines = int(np.clip(np.ceil(spread * last / self.step) + 1, 2, self.MOST_LINES))
-            angle_step = spread / (lines - 1) or 1.0
-            angles = angle.min() + angle_step * np.arange(lines)[:, None]
-            radii = first + self.step * np.arange(samples)[None, :]
-            column = np.floor(probe.apex_px[0] + radii * np.sin(angles) / layout.spacing[0] - left + 0.5)
-            row = np.floor(probe.apex_px[1] + radii * np.cos(angles) / layout.spacing[1] - top + 0.5)
-            beside = (column < 0) | (column >= width) | (row < 0) | (row >= height)
-            sampled = np.where(beside, -1, row * width + column).astype(np.int64)
-            line = np.floor((angle - angle.min()) / angle_step + 0.5).astype(np.int64)
-            sample = np.floor((radius - first) / self.step + 0.5).astype(np.int64)
-            self.sample_of_pixel = line * samples + np.minimum(sample, samples - 1)
+        lines = scan_line_samples(columns + left, rows + top, layout.spacing, probe)
+        self.step, self.sample_of_pixel = lines.step, lines.sample_of_pixel
+        self._depth = max(self._samples(ONSET_DEPTH), 1)
+        column, row = np.floor(lines.columns - left + 0.5), np.floor(lines.rows - top + 0.5)
+        beside = (column < 0) | (column >= width) | (row < 0) | (row >= height)
+        sampled = np.where(beside, -1, row * width + column).astype(np.int64)
         # Positions in the layout's pixel list, one past its end for samples that are dark
         number = np.full(height * width + 1, layout.inside.size, dtype=np.int64)
         number[layout.inside] = np.arange(layout.inside.size)
