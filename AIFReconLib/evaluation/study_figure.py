@@ -43,9 +43,7 @@ def study_figure(path: str | Path, rows: list[Row]) -> None:
                 ax.bar(x, median, width=0.18, color=color, label=method if place == 0 else None)
                 ax.plot([x, x], [low, high], color="black", linewidth=0.8)
         ax.set_title(title, fontsize=10, loc="left")
-        ax.set_xticks(
-            range(len(CONDITIONS)), [c.replace(" of ", " of\n").replace(" one", "\none") for c in CONDITIONS], fontsize=7, rotation=30
-        )
+        ax.set_xticks(range(len(CONDITIONS)), CONDITIONS, fontsize=7, rotation=30, ha="right", rotation_mode="anchor")
         ax.tick_params(axis="y", labelsize=8)
         ax.axhline(0, color="black", linewidth=0.6)
         for side in ("top", "right"):
