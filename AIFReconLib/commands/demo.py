@@ -14,7 +14,7 @@ from ..evaluation.figures import compare_figure, require_matplotlib
 from ..evaluation.metrics import BoneMetrics, evaluate
 from ..evaluation.quantities import metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
-from ..evaluation.visibility import bone_truth
+from ..evaluation.visibility import SweepBeams, bone_truth
 from ..io.atomic import write_text
 from ..io.sequence_files import read_sequence
 from ..io.transform_files import read_transform
@@ -23,7 +23,6 @@ from ..progress import part
 from ..reconstruct import reconstruct, resolve_settings
 from ..settings import METHODS, ReconstructionSettings
 from ..volume import Volume
-from .evaluate import sweep_beams
 from .simulate import SimulatedFiles, write_simulated_patient
 
 SPACING = 1.0
@@ -78,7 +77,7 @@ def run(arguments: argparse.Namespace) -> None:
         ct_to_reference = read_transform(files.ct_to_reference)
         labels = read_labels(files.labels).placed_by(ct_to_reference)
         bone = BoneMap.from_labels(labels, sigma_mm=BONE_SIGMA)
-        truth = bone_truth(labels, sweep_beams(sequence), progress=part(progress, 0.5, 0.6))
+        truth = bone_truth(labels, SweepBeams.of_sequence(sequence), progress=part(progress, 0.5, 0.6))
         metrics: dict[str, BoneMetrics] = {}
         settings: dict[str, ReconstructionSettings] = {}
         shown: dict[str, Volume] = {}

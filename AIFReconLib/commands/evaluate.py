@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
 
-from ..beams import ProbeGeometry
 from ..console import ProgressBar, columns
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import comparison_png, require_matplotlib, within_spinous_process
@@ -16,14 +15,10 @@ from ..evaluation.metrics import BoneMetrics, evaluate
 from ..evaluation.quantities import metrics_csv, table, what_counted
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import BEAM_THICKNESS, SweepBeams, bone_truth
-from ..frames import TrackedSequence
 from ..io.atomic import check_writable, write_text
 from ..io.sequence_files import read_sequence
 from ..io.volume_files import read_labels, read_transform, read_volume
-from ..poses import sweep_poses
 from ..progress import part
-from ..reconstruct import resolve_imaging
-from ..region import ImageRegion
 from ..volume import Volume
 from .options import add_imaging_options, imaging_from, refuse_to_overwrite
 from .reconstruct import add_tracking_options
@@ -124,22 +119,6 @@ def run(arguments: argparse.Namespace) -> None:
         print(f"  wrote {path}")
 
 
-def sweep_beams(
-    sequence: TrackedSequence,
-    *,
-    image_to_reference: str | None = None,
-    reference: str | None = None,
-    region: ImageRegion | None = None,
-    probe: ProbeGeometry | None = None,
-    thickness: float = BEAM_THICKNESS,
-) -> SweepBeams:
-    """Where the beams of a sequence ran, from the same arguments as `reconstruct`; `thickness` in mm across the image plane."""
-    poses = sweep_poses(sequence, image_to_reference, reference)
-    usable = poses.require_usable(sequence.name)
-    imaging = resolve_imaging(sequence, poses, True, region, probe)
-    return SweepBeams(poses.image_to_reference[usable], sequence.frame_size, imaging.probe, imaging.region, thickness)
-
-
 def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
     """Paths by short names that tell them apart: the file's, with as many of its folders as that takes."""
     named: dict[str, Path] = {}
@@ -156,7 +135,7 @@ def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
 def _beams(arguments: argparse.Namespace) -> SweepBeams:
     sequence = read_sequence(arguments.sweep, config=arguments.config)
     region, probe = imaging_from(arguments, sequence)
-    return sweep_beams(
+    return SweepBeams.of_sequence(
         sequence,
         image_to_reference=arguments.image_to_reference,
         reference=arguments.reference,

@@ -12,7 +12,10 @@ import numpy as np
 
 from ..beams import LINEAR, ProbeGeometry
 from ..errors import GeometryError
+from ..frames import TrackedSequence
+from ..poses import sweep_poses
 from ..progress import Progress, part, report
+from ..reconstruct import resolve_imaging
 from ..region import ImageRegion
 from ..transforms import image_plane_axes, invert, pixel_spacing, transform_points
 from ..volume import Volume, VoxelGrid
@@ -66,6 +69,23 @@ class SweepBeams:
             raise GeometryError(f"Input image_to_reference must have shape (frames, 4, 4); got {self.image_to_reference.shape}.")
         if not np.isfinite(self.image_to_reference).all():
             raise GeometryError("Input image_to_reference must be finite; got frames without a pose. Leave those out.")
+
+    @classmethod
+    def of_sequence(
+        cls,
+        sequence: TrackedSequence,
+        *,
+        image_to_reference: str | None = None,
+        reference: str | None = None,
+        region: ImageRegion | None = None,
+        probe: ProbeGeometry | None = None,
+        thickness: float = BEAM_THICKNESS,
+    ) -> SweepBeams:
+        """The beams of a recorded sequence, from the same arguments as `reconstruct`; `thickness` in mm across the image plane."""
+        poses = sweep_poses(sequence, image_to_reference, reference)
+        usable = poses.require_usable(sequence.name)
+        imaging = resolve_imaging(sequence, poses, True, region, probe)
+        return cls(poses.image_to_reference[usable], sequence.frame_size, imaging.probe, imaging.region, thickness)
 
 
 @dataclass(frozen=True, eq=False)
