@@ -11,9 +11,9 @@ from ..compounding.reconstructor import Reconstruction
 from ..console import ProgressBar
 from ..io.sequence_files import read_sequence
 from ..io.volume_files import check_volume_path, read_volume
-from ..poses import describe_frames
 from ..progress import part
 from ..reconstruct import reconstruct
+from ..summary import summary_lines
 from .options import (
     SpacingAction,
     add_bone_options,
@@ -110,16 +110,5 @@ def run(arguments: argparse.Namespace) -> None:
 
 def describe(result: Reconstruction, frames: int, seconds: float, files: list[Path]) -> str:
     """What was done, in a few lines."""
-    grid = result.grid
-    measured = int((result.mask.array == 1).sum())
-    filled = int((result.mask.array == 2).sum())
-    size = " x ".join(str(n) for n in grid.size)
-    spacing = " x ".join(f"{s:.3g}" for s in grid.spacing)
-    lines = [
-        f"{result.method}: {result.frames_inserted} of {frames} frames into {size} voxels of {spacing} mm, in {seconds:.1f} s",
-        f"  {100 * measured / grid.voxels:.1f}% of the voxels measured" + (f", {100 * filled / grid.voxels:.1f}% filled" if filled else ""),
-    ]
-    lines += [f"  skipped: {describe_frames(numbers)}: {reason}" for reason, numbers in result.skipped.items()]
-    lines += [f"  {note}" for note in result.notes]
-    lines += [f"  wrote {path}" for path in files]
-    return "\n".join(lines)
+    first, *others = summary_lines(result, frames, seconds)
+    return "\n  ".join([first, *others, *(f"wrote {path}" for path in files)])
