@@ -12,10 +12,10 @@ import sys
 from typing import NoReturn
 
 from . import __version__
-from .commands import benchmark, bone_map, demo, evaluate, info, reconstruct, simulate, study
+from .commands import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, replay, simulate, study
 from .errors import AIFReconError, OperationCanceled
 
-COMMANDS = (demo, reconstruct, bone_map, info, evaluate, simulate, benchmark, study)
+COMMANDS = (demo, reconstruct, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark, study)
 
 SUCCESS, BAD_INPUT, INTERRUPTED = 0, 2, 130
 

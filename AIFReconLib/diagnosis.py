@@ -10,7 +10,10 @@ from .console import columns
 from .detection import detect_imaging
 from .errors import AIFReconError, BeamGeometryError, SequenceFormatError
 from .frames import TrackedSequence
-from .poses import SweepPoses, describe_frames, sweep_poses
+from .offset_estimate import OffsetEstimate, estimate_time_offset
+from .poses import SweepPoses, sweep_poses
+from .progress import Progress
+from .tracking_report import TrackingReport, tracking_report
 from .transform_graph import TransformStatus
 from .transforms import pixel_spacing
 
@@ -27,21 +30,48 @@ class SequenceReport:
         Sentences a user should read; the first says whether the sequence can be reconstructed.
     ready : bool
         Whether at least one frame can be placed.
+    tracking : TrackingReport or None
+        None when no chain leads from image to reference.
+    time_offset : OffsetEstimate or None
+        Whether images and poses are in step; None when no frame can be placed.
     """
 
     facts: tuple[tuple[str, str], ...]
     transforms: tuple[tuple[str, str], ...]
     findings: tuple[str, ...]
     ready: bool
+    tracking: TrackingReport | None = None
+    time_offset: OffsetEstimate | None = None
 
     def to_text(self) -> str:
         """The report for a terminal."""
         transforms = [("transforms" if n == 0 else "", *row) for n, row in enumerate(self.transforms)] or [("transforms", "none")]
         name, *facts = self.facts
-        return "\n".join([name[1], columns([*facts, *transforms]), "", *self.findings])
+        tracking = self.tracking.rows() if self.tracking else []
+        return "\n".join([name[1], columns([*facts, *tracking, *transforms]), "", *self.findings])
+
+    def to_dict(self) -> dict:
+        """The report for JSON."""
+        offset = self.time_offset
+        return {
+            **dict(self.facts),
+            "transforms": dict(self.transforms),
+            "ready": self.ready,
+            "findings": list(self.findings),
+            "tracking": self.tracking and self.tracking.to_dict(),
+            "time_offset": offset
+            and {
+                "estimate_s": offset.time_offset,
+                "uncertainty_s": offset.uncertainty,
+                "out_of_step": offset.out_of_step,
+                "words": offset.to_text(),
+            },
+        }
 
 
-def diagnose(sequence: TrackedSequence, image_to_reference: str | None = None, reference: str | None = None) -> SequenceReport:
+def diagnose(
+    sequence: TrackedSequence, image_to_reference: str | None = None, reference: str | None = None, progress: Progress | None = None
+) -> SequenceReport:
     """Look at a sequence as `reconstruct` would, without reconstructing.
 
     Parameters
@@ -49,6 +79,8 @@ def diagnose(sequence: TrackedSequence, image_to_reference: str | None = None, r
     sequence : TrackedSequence
     image_to_reference, reference : str or None
         See `sweep_poses`.
+    progress : Progress or None
+        Comparing images with poses takes a while, where the sweep goes to and fro.
     """
     columns_, rows = sequence.frame_size
     facts = [
@@ -57,12 +89,13 @@ def diagnose(sequence: TrackedSequence, image_to_reference: str | None = None, r
         ("orientation", _orientation(sequence)),
         ("time", _describe_time(sequence)),
     ]
-    findings, ready, spacing = [], False, (1.0, 1.0)
+    findings, ready, spacing, tracking, offset = [], False, (1.0, 1.0), None, None
     try:
         poses = sweep_poses(sequence, image_to_reference, reference)
+        tracking = tracking_report(sequence, poses)
         poses.require_usable(sequence.name)
     except AIFReconError as error:
-        findings.append(f"Cannot be reconstructed yet. {error}")
+        findings += [f"Cannot be reconstructed yet. {error}", *sequence.notes]
     else:
         ready = True
         usable = poses.usable
@@ -70,13 +103,18 @@ def diagnose(sequence: TrackedSequence, image_to_reference: str | None = None, r
         spacing = pixel_spacing(poses.image_to_reference[usable[0]])
         chain = ", ".join(str(name) for name in poses.path)
         findings.append(f"Ready: {len(usable)} of {len(sequence)} frames can be placed by {chain}.")
-        findings += [f"Will be skipped: {describe_frames(numbers)}: {reason}." for reason, numbers in poses.skipped().items()]
-        findings += poses.notes
+        findings += [*tracking.findings(), *poses.notes]
+        try:
+            offset = estimate_time_offset(sequence, poses, progress)
+            findings.append(offset.to_text())
+        except SequenceFormatError as error:
+            findings.append(f"Images cannot be compared with poses: {error}")
     facts.append(("probe", _describe_probe(sequence, spacing)))
     findings += _about_time(sequence) + _about_tools(sequence)
     findings += getattr(sequence.configuration, "warnings", ())
     names = sequence.transform_names()
-    return SequenceReport(tuple(facts), tuple((str(name), _describe_statuses(sequence, name)) for name in names), tuple(findings), ready)
+    statuses = tuple((str(name), _describe_statuses(sequence, name)) for name in names)
+    return SequenceReport(tuple(facts), statuses, tuple(findings), ready, tracking, offset)
 
 
 def _orientation(sequence: TrackedSequence) -> str:

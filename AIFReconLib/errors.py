@@ -59,5 +59,13 @@ class OutputError(AIFReconError, OSError):
     """A result cannot be written. Nothing is left behind under its name."""
 
 
+class LiveConnectionError(AIFReconError, ConnectionError):
+    """A live stream cannot be opened, or a port cannot be served."""
+
+
+class LiveMessageError(AIFReconError, ValueError):
+    """A message of a live stream arrived whole and still cannot be used."""
+
+
 class OperationCanceled(AIFReconError):
     """The caller's progress function asked to stop. Inputs are untouched."""

@@ -94,6 +94,8 @@ class TrackedSequence:
         The Plus configuration given with the recording, if any.
     path : Path or None
         Where it was read from, for messages.
+    notes : tuple of str
+        What a user should know about how it was read or changed, one sentence each.
     """
 
     images: ImageStack
@@ -102,6 +104,7 @@ class TrackedSequence:
     transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
     configuration: object | None = None
     path: Path | None = None
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self):
         if len(self.images) != len(self.records):

@@ -94,7 +94,8 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     wanted, named = chain_ends(sequence, image_to_reference, reference)
     recorded = sequence.transform_names()
     configured = dict(getattr(sequence.configuration, "transforms", None) or {})
-    notes = [f"{name} is in the recording and in the configuration; the recording's is used." for name in recorded if name in configured]
+    notes = list(sequence.notes)
+    notes += [f"{name} is in the recording and in the configuration; the recording's is used." for name in recorded if name in configured]
     path = (wanted,) if named and wanted in recorded else _find_chain(sequence, wanted, recorded, configured)
     # A frame that lacks a recorded transform is a frame without a pose: the configuration's must not stand in for it
     static = {**{name: sample for name, sample in configured.items() if name not in recorded}, **sequence.transforms}
@@ -166,7 +167,10 @@ def _find_chain(sequence, wanted: TransformName, recorded, configured) -> tuple[
 def _advice(graph: TransformGraph, wanted: TransformName) -> str:
     """What to do about a missing chain, in one sentence."""
     if len(graph) == 0:
-        return " The recording has no transforms at all: was a tracker connected?"
+        return (
+            " The recording has no transforms at all: was a tracker connected? "
+            "Slicer saves transforms as sequences of their own; give them with --transform-sequence NAME=FILE."
+        )
     if wanted.target in graph.connected(wanted.source):
         return ""
     frames = {frame for name in graph.names for frame in (name.source, name.target)}

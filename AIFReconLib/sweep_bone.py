@@ -22,7 +22,7 @@ from .extent import grid_around_sweep
 from .frames import TrackedSequence
 from .poses import SweepPoses, tracked_frames
 from .progress import Progress, report
-from .reconstruct import Imaging
+from .reconstruction import Imaging
 from .scan_lines import scan_line_samples
 from .transforms import pixel_spacing
 from .volume import Volume, VoxelGrid

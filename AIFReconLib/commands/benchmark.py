@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from pathlib import Path
 
-from ..benchmark import benchmark
+from ..benchmark import VOXELS, benchmark
 from ..console import ProgressBar, columns
 from ..errors import SettingsError
 from ..io.atomic import check_writable, write_text
@@ -19,23 +20,43 @@ def add_to(commands) -> None:
         help="measure how fast this machine reconstructs",
         description="Time every method on 640 x 480 frames of 0.2 mm pixels, and say whether that keeps up with 30 frames/s live.",
     )
-    parser.add_argument("--frames", type=int, default=40, metavar="N", help="frames per repeat (default: %(default)s)")
+    parser.add_argument("--frames", type=int, default=120, metavar="N", help="frames per repeat (default: %(default)s)")
     parser.add_argument("--repeats", type=int, default=5, metavar="N", help="the median of this many is shown (default: %(default)s)")
-    parser.add_argument("--spacing", type=float, nargs="+", default=[0.5], metavar="MM", help="voxel sizes to time (default: 0.5)")
+    parser.add_argument("--spacing", type=float, nargs="+", default=[0.5, 0.3], metavar="MM", help="voxel sizes to time (default: 0.5 0.3)")
+    parser.add_argument("--quick", action="store_true", help="only reconstruction, at the first voxel size, with a third of the frames")
+    parser.add_argument(
+        "--data", type=Path, metavar="DIR", help="also time the real recordings in this folder (default: AIFRECON_DATA_DIR, if set)"
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here, to compare later")
+    parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table here, for a document")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Measure and print."""
-    if arguments.frames < 2 or arguments.repeats < 1 or min(arguments.spacing) <= 0:
+    frames, spacings = arguments.frames, tuple(arguments.spacing)
+    if frames < 2 or arguments.repeats < 1 or min(spacings) <= 0:
         raise SettingsError("A benchmark takes at least 2 frames, 1 repeat and positive voxel sizes.")
-    if arguments.json:
-        check_writable(arguments.json)
+    if arguments.quick:
+        frames, spacings = max(frames // 3, 2), spacings[:1]
+    if arguments.data is not None and not arguments.data.is_dir():
+        raise SettingsError(f"Input --data must be a folder; got {str(arguments.data)!r}.")
+    for path in (arguments.json, arguments.markdown):
+        if path:
+            check_writable(path)
+    data = arguments.data or (Path(os.environ["AIFRECON_DATA_DIR"]) if os.environ.get("AIFRECON_DATA_DIR") else None)
     with ProgressBar() as progress:
-        result = benchmark(arguments.frames, arguments.repeats, tuple(arguments.spacing), progress)
-    print(f"{result.machine}\n{result.frames} frames of 640 x 480, 0.2 mm pixels, 30 degree fan; medians of {result.repeats}\n")
+        result = benchmark(
+            frames,
+            arguments.repeats,
+            spacings,
+            voxels=0 if arguments.quick else VOXELS,
+            data=None if arguments.quick else data,
+            progress=progress,
+        )
+    print(f"{result.heading()}\n")
     print(columns(result.rows()))
-    if arguments.json:
-        write_text(arguments.json, json.dumps(result.to_dict(), indent=2) + "\n")
-        print(f"\n  wrote {arguments.json}")
+    for path, text in ((arguments.json, json.dumps(result.to_dict(), indent=2) + "\n"), (arguments.markdown, result.markdown())):
+        if path:
+            write_text(path, text)
+            print(f"\n  wrote {path}")

@@ -20,7 +20,7 @@ from ..io.sequence_files import read_sequence
 from ..io.transform_files import read_transform
 from ..io.volume_files import read_labels, read_volume
 from ..progress import part
-from ..reconstruct import reconstruct, resolve_settings
+from ..reconstruction import reconstruct, resolve_settings
 from ..settings import METHODS, ReconstructionSettings
 from ..volume import Volume
 from .simulate import SimulatedFiles, write_simulated_patient

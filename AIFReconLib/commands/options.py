@@ -15,7 +15,7 @@ from ..io.metafile import data_files
 from ..io.volume_files import read_labels, read_transform, read_volume
 from ..poses import sweep_poses
 from ..progress import Progress
-from ..reconstruct import configured_region, resolve_imaging
+from ..reconstruction import configured_region, resolve_imaging
 from ..region import ClipRectangle, Fan, ImageRegion
 from ..settings import ReconstructionSettings
 from ..sweep_bone import bone_from_sweep

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import json
 import time
 from dataclasses import replace
 from pathlib import Path
 
 from ..compounding.reconstructor import Reconstruction
 from ..console import ProgressBar
-from ..io.sequence_files import read_sequence
+from ..io.atomic import check_writable, write_text
 from ..io.volume_files import check_volume_path, read_volume
+from ..poses import sweep_poses
 from ..progress import part
-from ..reconstruct import reconstruct
+from ..reconstruction import reconstruct
 from ..summary import summary_lines
+from ..tracking_report import TrackingReport, tracking_report
 from .options import (
     SpacingAction,
     add_bone_options,
@@ -24,6 +27,7 @@ from .options import (
     refuse_to_overwrite,
     settings_from,
 )
+from .sequence_options import add_sequence_options, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
@@ -47,21 +51,12 @@ def add_to(commands) -> None:
     parser.add_argument("--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)")
     add_setting(parser, "method")
     add_tracking_options(parser)
+    add_sequence_options(parser)
     add_bone_options(parser)
     add_imaging_options(parser)
-    volume = parser.add_argument_group("volume")
-    where = volume.add_mutually_exclusive_group()
-    where.add_argument("--grid-like", type=Path, metavar="VOLUME", help="use the voxels of this volume (any orientation)")
-    where.add_argument("--spacing", type=float, nargs="+", action=SpacingAction, metavar="MM", help="voxel size, one number or x y z")
-    add_setting(volume, "hole_limit", metavar="MM")
-    add_setting(volume, "output_type")
-    for name, meaning in zip(
-        SIDE_OUTPUTS, ("sum of weights", "pixels per voxel", "0 empty, 1 measured, 2 filled", "best cosine of incidence"), strict=True
-    ):
-        volume.add_argument(f"--{name}", type=Path, metavar="FILE", help=f"also write this volume: {meaning}")
-    tuning = parser.add_argument_group("tuning")
-    for name in ("alpha", "beta", "bone_gain", "weight_floor", "intensity_maximum", "skip", "engine"):
-        add_setting(tuning, name)
+    volume = add_volume_options(parser)
+    volume.add_argument("--report", type=Path, metavar="FILE", help="also write a report of the tracking and of what was done, as JSON")
+    add_tuning_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -77,17 +72,41 @@ def add_tracking_options(parser: argparse.ArgumentParser) -> None:
     tracking.add_argument("--reference", metavar="FRAME", help="frame to reconstruct in, e.g. Tracker (default: Reference)")
 
 
+def add_volume_options(parser: argparse.ArgumentParser):
+    """The volumes to make, and their voxels; the answer is the group, for more of the kind."""
+    volume = parser.add_argument_group("volume")
+    where = volume.add_mutually_exclusive_group()
+    where.add_argument("--grid-like", type=Path, metavar="VOLUME", help="use the voxels of this volume (any orientation)")
+    where.add_argument("--spacing", type=float, nargs="+", action=SpacingAction, metavar="MM", help="voxel size, one number or x y z")
+    add_setting(volume, "hole_limit", metavar="MM")
+    add_setting(volume, "output_type")
+    for name, meaning in zip(
+        SIDE_OUTPUTS, ("sum of weights", "pixels per voxel", "0 empty, 1 measured, 2 filled", "best cosine of incidence"), strict=True
+    ):
+        volume.add_argument(f"--{name}", type=Path, metavar="FILE", help=f"also write this volume: {meaning}")
+    return volume
+
+
+def add_tuning_options(parser: argparse.ArgumentParser) -> None:
+    """The parameters of the methods."""
+    tuning = parser.add_argument_group("tuning")
+    for name in ("alpha", "beta", "bone_gain", "weight_floor", "intensity_maximum", "skip", "engine"):
+        add_setting(tuning, name)
+
+
 def run(arguments: argparse.Namespace) -> None:
     """Read, reconstruct, write, and say what was done."""
     started = time.perf_counter()
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
-    inputs = [arguments.sequence, arguments.config, arguments.bone_labels, arguments.bone_probability, arguments.grid_like]
-    refuse_to_overwrite(list(outputs.values()), [*inputs, arguments.bone_transform])
+    inputs = [*sequence_inputs(arguments), arguments.bone_labels, arguments.bone_probability, arguments.grid_like]
+    refuse_to_overwrite([*outputs.values(), arguments.report], [*inputs, arguments.bone_transform])
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     for path in filter(None, outputs.values()):
         check_volume_path(path)
+    if arguments.report:
+        check_writable(arguments.report)
     with ProgressBar() as progress:
-        sequence = read_sequence(arguments.sequence, config=arguments.config)
+        sequence = sequence_from(arguments)
         region, probe = imaging_from(arguments, sequence)
         bone = bone_from(arguments, sequence, region, probe, part(progress, 0.0, 0.1))
         grid = read_volume(arguments.grid_like).grid if arguments.grid_like else None
@@ -105,10 +124,30 @@ def run(arguments: argparse.Namespace) -> None:
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
-    print(describe(result, len(sequence), time.perf_counter() - started, [path for path in outputs.values() if path]))
+    tracking = tracking_report(sequence, sweep_poses(sequence, arguments.image_to_reference, arguments.reference), result)
+    if arguments.report:
+        write_text(arguments.report, json.dumps(report_of(result, tracking, outputs), indent=2) + "\n")
+    files = [path for path in (*outputs.values(), arguments.report) if path]
+    print(describe(result, len(sequence), time.perf_counter() - started, files, tracking))
 
 
-def describe(result: Reconstruction, frames: int, seconds: float, files: list[Path]) -> str:
+def report_of(result: Reconstruction, tracking: TrackingReport, outputs: dict[str, Path | None]) -> dict:
+    """What was done, for JSON."""
+    return {
+        "method": result.method,
+        "grid": {
+            "size": list(result.grid.size),
+            "spacing_mm": [round(float(value), 6) for value in result.grid.spacing],
+            "ijk_to_reference": result.grid.ijk_to_reference.tolist(),
+        },
+        "tracking": tracking.to_dict(),
+        "notes": list(result.notes),
+        "files": {name: str(path) for name, path in outputs.items() if path},
+    }
+
+
+def describe(result: Reconstruction, frames: int, seconds: float, files: list[Path], tracking: TrackingReport | None = None) -> str:
     """What was done, in a few lines."""
     first, *others = summary_lines(result, frames, seconds)
-    return "\n  ".join([first, *others, *(f"wrote {path}" for path in files)])
+    findings = tracking.findings_on_poses() if tracking else []
+    return "\n  ".join([first, *others, *findings, *(f"wrote {path}" for path in files)])

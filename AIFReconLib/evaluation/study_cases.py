@@ -11,7 +11,7 @@ from ..bone import BoneMap
 from ..frames import TrackedSequence
 from ..io.plus_config import PlusConfiguration
 from ..poses import sweep_poses
-from ..reconstruct import reconstruct
+from ..reconstruction import reconstruct
 from ..settings import BONE_METHODS, ReconstructionSettings
 from ..simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from ..simulation.phased_array import PhasedArray

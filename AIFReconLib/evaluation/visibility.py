@@ -15,7 +15,7 @@ from ..errors import GeometryError
 from ..frames import TrackedSequence
 from ..poses import sweep_poses
 from ..progress import Progress, part, report
-from ..reconstruct import resolve_imaging
+from ..reconstruction import resolve_imaging
 from ..region import ImageRegion
 from ..transforms import image_plane_axes, invert, pixel_spacing, transform_points
 from ..volume import Volume, VoxelGrid

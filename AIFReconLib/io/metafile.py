@@ -31,6 +31,9 @@ MAXIMUM_LINE = 2**20
 MAXIMUM_HEADER = 2**28
 """Bytes. 10,000 frames of ten transforms each take 20 MB."""
 
+UNFINISHED = "RecordingUnfinished"
+"""A field of recordings that were cut off by a crash: their pixels may go on behind the frames that the header lists."""
+
 LARGEST_DEFLATE_RATIO = 1032
 """No deflate stream expands by more, so a header that promises more is wrong whatever the stream holds."""
 
@@ -56,6 +59,8 @@ class Metafile:
         File, first byte and number of bytes of the payload as stored.
     fields : dict of str to str
         What the format itself does not define, by name: custom and per-frame fields.
+    entries : dict of str to str
+        What the format defines, as written: units of axes, place in space.
     """
 
     path: Path
@@ -70,6 +75,7 @@ class Metafile:
     data_length: int
     fields: dict[str, str] = field(repr=False)
     data_stamp: tuple[int, int] = (0, 0)
+    entries: dict[str, str] = field(default_factory=dict, repr=False)
 
     @property
     def pixel_bytes(self) -> int:
@@ -179,6 +185,7 @@ def build_metafile(
     data_file: str | None,
     stored_length: int | None,
     fields: dict[str, str],
+    entries: dict[str, str] | None = None,
 ) -> Metafile:
     """The `Metafile` of a parsed header, after checking that the payload is there.
 
@@ -209,6 +216,7 @@ def build_metafile(
         max(status.st_size - offset, 0),
         fields,
         _stamp(status),
+        entries or {},
     )
     _check_length(metafile, size_key, stored_length)
     return metafile
@@ -221,7 +229,10 @@ def parse_sizes(lines: HeaderLines, key: str, text: str, count: int) -> tuple[in
         raise lines.failure(f"{key} must be {count} whole numbers; got {shorten(text)!r}. The header is damaged.")
     sizes = tuple(int(word) for word in words)
     if min(sizes) < 1:
-        raise lines.failure(f"{key} must be positive; got {text!r}. The file holds no image: record or export it again.")
+        raise lines.failure(
+            f"{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, "
+            "if it is Slicer's sequence of a transform, give it with the images as --transform-sequence NAME=FILE."
+        )
     return sizes
 
 
@@ -273,7 +284,7 @@ def _check_length(metafile: Metafile, size_key: str, stored_length: int | None) 
                 f"the pixel data are cut short: {size_key} {size} needs {needed} bytes, there are {there} "
                 f"({complete} of {metafile.size[-1]} frames or slices). Copy the file again, or correct {size_key}."
             )
-        if there > needed:
+        if there > needed and UNFINISHED not in metafile.fields:
             raise metafile.failure(
                 f"there are {there - needed} bytes more than {size_key} {size} needs ({needed}). Correct {size_key}, "
                 "or write the file again."

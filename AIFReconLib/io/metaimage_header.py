@@ -35,7 +35,7 @@ LAST_KEY = "ElementDataFile"
 
 def parse_metaimage(lines: HeaderLines) -> Metafile:
     """The header and where its payload lies."""
-    entries = _read_entries(lines)
+    entries = read_entries(lines)
     if entries.get("ObjectType", "Image") != "Image":
         raise lines.failure(f"ObjectType must be Image; got {entries['ObjectType']!r}. Give an image file.")
     dimensions = parse_count(lines, "NDims", require(lines, entries, "NDims"), 2, 4)
@@ -68,7 +68,7 @@ def parse_metaimage(lines: HeaderLines) -> Metafile:
     )
 
 
-def _read_entries(lines: HeaderLines) -> dict[str, str]:
+def read_entries(lines: HeaderLines) -> dict[str, str]:
     """Every key and value up to ElementDataFile."""
     entries: dict[str, str] = {}
     while (line := lines.next()) is not None:

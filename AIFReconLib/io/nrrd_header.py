@@ -34,7 +34,7 @@ CHANNEL_KINDS = frozenset(
 
 def parse_nrrd(lines: HeaderLines) -> Metafile:
     """The header and where its payload lies."""
-    entries, fields = _read_entries(lines)
+    entries, fields = read_nrrd_entries(lines)
     dimensions = parse_count(lines, "dimension", require(lines, entries, "dimension"), 2, 5)
     size = parse_sizes(lines, "sizes", require(lines, entries, "sizes"), dimensions)
     pixel_type = require(lines, entries, "type").lower()
@@ -59,6 +59,7 @@ def parse_nrrd(lines: HeaderLines) -> Metafile:
         data_file=_data_file(lines, entries),
         stored_length=None,
         fields=fields,
+        entries=entries,
     )
 
 
@@ -72,7 +73,7 @@ def escape(text: str) -> str:
     return text.replace("\\", "\\\\")
 
 
-def _read_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
+def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
     """The format's own entries, and the key/value pairs."""
     magic = lines.next() or ""
     if not re.fullmatch(r"NRRD000[1-5]\s*", magic):

@@ -3,12 +3,16 @@
 Two letters name the transducer axis along +x and +y of the stored image: M marked or U unmarked (lateral), F far or N near
 (axial). B-mode images are MF, MN, UF or UN; radio-frequency data lie across. A third letter, A or D, names the elevational
 direction, which 2D frames do not have.
+
+Slicer's sequences may carry the code as the attribute ``Sequences.UltrasoundImageOrientation``, which it copies from the file it
+imported. Its writer of metafiles spells an unknown orientation ``??`` and the type ``BRIGHTNESSBRIGHTNESS``.
 """
 
 from __future__ import annotations
 
 import re
 
+from ..errors import SettingsError
 from .metafile import Metafile
 from .text_values import shorten
 
@@ -20,6 +24,10 @@ _DISPLAYABLE_TYPES = (BRIGHTNESS, "RGB_COLOR")
 
 _ORIENTATION_KEY = "ultrasoundimageorientation"
 _TYPE_KEY = "ultrasoundimagetype"
+_SLICER_PREFIX = "sequences."
+
+_UNKNOWN_CODES = ("??", "XX")
+"""How IGSIO and Slicer write that they do not know the orientation."""
 
 
 def is_image_key(key: str) -> bool:
@@ -27,8 +35,27 @@ def is_image_key(key: str) -> bool:
     return _plain(key) in (_ORIENTATION_KEY, _TYPE_KEY)
 
 
-def required_flips(metafile: Metafile) -> tuple[bool, bool]:
+def parse_orientation(code: str) -> str:
+    """A B-mode orientation that somebody asks for, upper case.
+
+    Raises
+    ------
+    SettingsError
+        When it is none.
+    """
+    if not re.fullmatch("[MU][FN][AD]?", code.upper()):
+        raise SettingsError(f"Input orientation must be MF, MN, UF or UN; got {shorten(code)!r}. Say which way the stored pixels run.")
+    return code.upper()
+
+
+def required_flips(metafile: Metafile, stated: str | None = None) -> tuple[bool, bool]:
     """Whether columns, and whether rows must be reversed to bring the stored images to MF.
+
+    Parameters
+    ----------
+    metafile : Metafile
+    stated : str or None
+        The orientation that the caller knows better than the file.
 
     Raises
     ------
@@ -36,8 +63,8 @@ def required_flips(metafile: Metafile) -> tuple[bool, bool]:
         For radio-frequency data and for a code that is none.
     """
     values = {_plain(key): value for key, value in metafile.fields.items() if is_image_key(key)}
-    image_type = values.get(_TYPE_KEY, "").upper() or BRIGHTNESS
-    code = values.get(_ORIENTATION_KEY, "").upper() or IN_MEMORY
+    image_type = values.get(_TYPE_KEY, "").upper().replace(BRIGHTNESS * 2, BRIGHTNESS) or BRIGHTNESS
+    code = stated or values.get(_ORIENTATION_KEY, "").upper() or IN_MEMORY
     if image_type.startswith("RF_") or re.fullmatch("[FN][MU][AD]?", code):
         raise metafile.failure(
             f"it holds radio-frequency data (type {image_type}, orientation {code}), which are not images. Export B-mode frames from Plus."
@@ -45,6 +72,11 @@ def required_flips(metafile: Metafile) -> tuple[bool, bool]:
     if image_type not in _DISPLAYABLE_TYPES:
         raise metafile.failure(
             f"UltrasoundImageType must be {' or '.join(_DISPLAYABLE_TYPES)}; got {shorten(image_type)!r}. Export B-mode frames from Plus."
+        )
+    if code in _UNKNOWN_CODES:
+        raise metafile.failure(
+            f"UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it. "
+            "Look which side of the images is marked and say it with aifrecon convert --orientation: a wrong code mirrors the anatomy."
         )
     if not re.fullmatch("[MU][FN][AD]?", code):
         raise metafile.failure(
@@ -55,4 +87,4 @@ def required_flips(metafile: Metafile) -> tuple[bool, bool]:
 
 
 def _plain(key: str) -> str:
-    return key.replace(" ", "").lower()
+    return key.replace(" ", "").lower().removeprefix(_SLICER_PREFIX)

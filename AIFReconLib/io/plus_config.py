@@ -13,6 +13,8 @@ from ..errors import AIFReconError, ConfigurationError, GeometryError
 from ..region import ClipRectangle, Fan, ImageRegion
 from ..transform_graph import TransformName, TransformSample, TransformStatus
 from ..transforms import as_matrix
+from .sequence_fields import capitalized
+from .text_values import capital
 from .xml_attributes import Attributes
 from .xml_tree import parse_xml
 
@@ -94,7 +96,7 @@ def _read_transforms(path: Path, root: Element) -> dict[TransformName, Transform
     transforms: dict[TransformName, TransformSample] = {}
     for number, element in enumerate(root.iterfind("CoordinateDefinitions/Transform"), start=1):
         attributes = Attributes(path, element, f"CoordinateDefinitions/Transform[{number}]")
-        name = TransformName(attributes.required_text("From"), attributes.required_text("To"))
+        name = capitalized(TransformName(attributes.required_text("From"), attributes.required_text("To")))
         attributes.place = f"CoordinateDefinitions/Transform {name}"
         if name.source == name.target:
             raise attributes.failure("To", "must differ from From. Correct it.")
@@ -127,8 +129,8 @@ def _read_reconstruction(attributes: Attributes) -> dict:
     skip = attributes.integers(1, "SkipInterval") or (1,)
     attributes.positive(skip, "SkipInterval")
     return {
-        "image_frame": attributes.text("ImageCoordinateFrame"),
-        "reference_frame": attributes.text("ReferenceCoordinateFrame"),
+        "image_frame": capital(attributes.text("ImageCoordinateFrame") or "") or None,
+        "reference_frame": capital(attributes.text("ReferenceCoordinateFrame") or "") or None,
         "spacing": attributes.positive(attributes.numbers(3, "OutputSpacing"), "OutputSpacing"),
         "origin": attributes.numbers(3, "OutputOrigin"),
         "extent": attributes.integers(6, "OutputExtent"),

@@ -1,7 +1,8 @@
 """Fields of a sequence header as frame records, and back.
 
 Per frame, ``Seq_Frame0012_`` and a name: Timestamp, UnfilteredTimestamp, ImageStatus, ProbeToTrackerTransform (16 numbers),
-ProbeToTrackerTransformStatus, and whatever a recorder adds. The number of digits is not fixed.
+ProbeToTrackerTransformStatus, and whatever a recorder adds. The number of digits is not fixed. Names of coordinate frames begin
+with a capital: Plus reads ``probeToTracker`` as ``ProbeToTracker``, and so does this library.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from ..errors import SettingsError, TransformError
 from ..frames import FrameRecord
 from ..transform_graph import TransformName, TransformSample, TransformStatus
 from .metafile import Metafile
-from .text_values import format_number, parse_number, parse_numbers, shorten
+from .text_values import capital, format_number, parse_number, parse_numbers, shorten
 
-_FRAME_KEY = re.compile(r"Seq_Frame([0-9]+)_(.+)", re.DOTALL)
+FRAME_KEY = re.compile(r"Seq_Frame([0-9]+)_(.+)", re.DOTALL)
 _TIMES = ("Timestamp", "UnfilteredTimestamp")
 _IMAGE_STATUS = "ImageStatus"
 _MATRIX_SUFFIX = "Transform"
@@ -37,7 +38,7 @@ def split_fields(metafile: Metafile, frames: int) -> tuple[list[FrameRecord], di
     keys: dict[tuple[int, str], str] = {}
     header: dict[str, str] = {}
     for key, value in metafile.fields.items():
-        match = _FRAME_KEY.fullmatch(key)
+        match = FRAME_KEY.fullmatch(key)
         if match is None:
             header[key] = value
             continue
@@ -93,7 +94,7 @@ def header_entries(fields: Mapping[str, str], transforms: Mapping[TransformName,
     """
     yield from _transform_entries(transforms)
     for name, value in fields.items():
-        if _FRAME_KEY.fullmatch(name) or _transform_name(name) is not None:
+        if FRAME_KEY.fullmatch(name) or _transform_name(name) is not None:
             raise SettingsError(
                 f"Input header field {name!r} must not have the name of a transform or of a frame's field. Set it where it belongs."
             )
@@ -114,11 +115,15 @@ def _take_transforms(metafile: Metafile, where: str, fields: dict[str, str]) -> 
     statuses: dict[TransformName, TransformStatus] = {}
     others: dict[str, str] = {}
     order: dict[TransformName, None] = {}
+    spelled: dict[tuple[TransformName, bool], str] = {}
     for key, value in fields.items():
         name = _transform_name(key)
         if name is None:
             others[key] = value
             continue
+        other = spelled.setdefault((name, key.endswith(_STATUS_SUFFIX)), key)
+        if other != key:
+            raise metafile.failure(f"{where}{name} is given twice, as {other} and as {key}. Remove one of them from the header.")
         order[name] = None
         if key.endswith(_STATUS_SUFFIX):
             statuses[name] = TransformStatus.parse(value)
@@ -133,12 +138,17 @@ def _transform_name(key: str) -> TransformName | None:
     for suffix in (_STATUS_SUFFIX, _MATRIX_SUFFIX):
         if key.endswith(suffix) and key != suffix:
             try:
-                name = TransformName.parse(key.removesuffix(suffix))
+                name = capitalized(TransformName.parse(key.removesuffix(suffix)))
             except TransformError:
                 return None
             # "TransformToTransform" would lose a word on the way.
-            return name if f"{name}{suffix}" == key else None
+            return name if f"{name}{suffix}" == capital(key) else None
     return None
+
+
+def capitalized(name: TransformName) -> TransformName:
+    """The transform with its frames as Plus spells them: with a capital first letter."""
+    return TransformName(capital(name.source), capital(name.target))
 
 
 def _matrix(metafile: Metafile, where: str, text: str) -> np.ndarray:

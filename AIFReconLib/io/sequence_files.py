@@ -2,29 +2,50 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from ..errors import SequenceFormatError
-from ..frames import TrackedSequence
+from ..frames import ImageStack, TrackedSequence
+from ..pose_tracks import LONGEST_GAP
 from .file_images import FileImages
+from .interleaved_images import InterleavedImages
 from .metafile import read_metafile
-from .orientation import is_image_key, required_flips
+from .orientation import is_image_key, parse_orientation, required_flips
 from .plus_config import PlusConfiguration, read_plus_configuration
 from .sequence_fields import split_fields
 from .sequence_writer import write_sequence
+from .slicer_sequences import is_interleaved, is_slicer_sequence, node_geometry, place_frames, slicer_records
+from .transform_sequences import pair_transforms
 
 __all__ = ["read_sequence", "write_sequence"]
 
+IMAGE_FRAME = "Image"
 
-def read_sequence(path: str | Path, config: str | Path | PlusConfiguration | None = None) -> TrackedSequence:
+
+def read_sequence(
+    path: str | Path,
+    config: str | Path | PlusConfiguration | None = None,
+    *,
+    orientation: str | None = None,
+    transform_sequences: Mapping[str, str | Path] | None = None,
+    longest_gap: float = LONGEST_GAP,
+) -> TrackedSequence:
     """The sequence in a file.
 
     Parameters
     ----------
     path : str or Path
-        .mha, .mhd, .nrrd or .nhdr, compressed or not.
+        .mha, .mhd, .nrrd or .nhdr, compressed or not, of Plus or of Slicer.
     config : str, Path, PlusConfiguration or None
         The Plus configuration it was recorded with, which holds the calibration.
+    orientation : str or None
+        What the stored pixels are (MF, MN, UF, UN), where the file says it wrongly or not at all.
+    transform_sequences : mapping of transform name to path, or None
+        Slicer's sequences of transforms (.seq.mha) that belong to the images, as in ``{"ImageToReference": "Transform.seq.mha"}``;
+        each is taken at the time of every image.
+    longest_gap : float, s
+        Poses of a transform sequence that are farther apart in time than this are not interpolated between.
 
     Returns
     -------
@@ -38,11 +59,30 @@ def read_sequence(path: str | Path, config: str | Path | PlusConfiguration | Non
         is read.
     ConfigurationError
         When the configuration cannot be used.
+    SettingsError
+        When `orientation` is none, or a transform sequence does not fit the images.
+
+    Notes
+    -----
+    A transform of the image in a Slicer sequence takes what the volume node's IJKToRAS makes of a pixel. Where that is not the identity,
+    it is multiplied into those transforms, so that they take pixels here as everywhere.
     """
     metafile = read_metafile(path, SequenceFormatError)
-    flip_columns, flip_rows = required_flips(metafile)
-    images = FileImages(metafile, flip_columns=flip_columns, flip_rows=flip_rows)
+    flip_columns, flip_rows = required_flips(metafile, parse_orientation(orientation) if orientation else None)
+    kind = InterleavedImages if is_interleaved(metafile) else FileImages
+    images: ImageStack = kind(metafile, flip_columns=flip_columns, flip_rows=flip_rows)
     records, fields, transforms = split_fields(metafile, len(images))
+    notes: tuple[str, ...] = ()
+    from_slicer = is_slicer_sequence(metafile)
+    if from_slicer:
+        records, fields, notes = slicer_records(metafile, records, fields)
+    if transform_sequences:
+        records, paired = pair_transforms(records, transform_sequences, longest_gap)
+        notes += paired
+    geometry = node_geometry(metafile) if from_slicer else None
+    if geometry is not None:
+        records = place_frames(records, IMAGE_FRAME, geometry)
+        notes += ("The volume nodes of this Slicer sequence have a geometry of their own, which the transforms of Image now include.",)
     configuration = read_plus_configuration(config) if isinstance(config, str | Path) else config
     return TrackedSequence(
         images=images,
@@ -51,4 +91,5 @@ def read_sequence(path: str | Path, config: str | Path | PlusConfiguration | Non
         transforms=transforms,
         configuration=configuration,
         path=Path(path),
+        notes=notes,
     )

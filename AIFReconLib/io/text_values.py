@@ -45,6 +45,11 @@ def format_number(value: float) -> str:
     return text[:-2] if text.endswith(".0") else text
 
 
+def capital(text: str) -> str:
+    """`text` with a capital first letter, as Plus spells the names of coordinate frames."""
+    return text[:1].upper() + text[1:]
+
+
 def one_line(text: str) -> str:
     """`text` with everything that a terminal cannot show on one line replaced by a question mark."""
     return "".join(character if character.isprintable() else "?" for character in text)

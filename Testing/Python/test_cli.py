@@ -16,7 +16,7 @@ from AIFReconLib.bone import BoneMap
 from AIFReconLib.cli import main
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.io.volume_files import read_labels, read_transform, read_volume
-from AIFReconLib.reconstruct import reconstruct
+from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import METHODS, ReconstructionSettings
 from AIFReconLib.transform_graph import TransformStatus
 from AIFReconLib.volume import Volume

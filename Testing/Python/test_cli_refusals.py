@@ -245,7 +245,7 @@ def test_ctrl_c_while_a_file_is_read_stops_with_130(patient, results, capsys, mo
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command, "read_sequence", interrupted)
+    monkeypatch.setattr(command, "sequence_from", interrupted)
     assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 130
     assert capsys.readouterr().err.count("\n") == 1
     assert list(results.iterdir()) == []

@@ -17,7 +17,7 @@ PYTHON_FILES = [
     path for path in sorted(REPOSITORY.rglob("*.py")) if not {".venv", "build", "dist"} & set(path.relative_to(REPOSITORY).parts)
 ]
 EVERYWHERE = {"numpy", "scipy", "AIFReconLib"}
-IN_ROOMS = {"io": {"SimpleITK"}, "live": {"pyigtl"}, "evaluation": {"matplotlib", "vtk"}}
+IN_ROOMS = {"io": {"SimpleITK", "PIL", "pydicom", "imageio_ffmpeg"}, "live": {"pyigtl"}, "evaluation": {"matplotlib", "vtk"}}
 LONGEST_FILE = 400
 
 
@@ -34,7 +34,7 @@ def imports_of(tree: ast.AST) -> set[str]:
             packages |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
             packages.add(node.module.split(".")[0])
-        elif isinstance(node, ast.Call) and ast.unparse(node.func) in ("importlib.import_module", "import_module", "__import__"):
+        elif isinstance(node, ast.Call) and ast.unparse(node.func) in ("importlib.import_module", "import_module", "__import__", "library"):
             # A name that is put together at run time, as the lazy names of __init__ are, cannot be judged here
             packages |= {str(word.value).split(".")[0] for word in node.args[:1] if isinstance(word, ast.Constant)}
     return packages - {""}
@@ -125,6 +125,13 @@ def test_no_file_names_a_place_on_somebody_s_machine():
     assert found == []
 
 
+def test_no_file_shadows_a_public_name():
+    """Importing a submodule binds its name in the package, over a function of that name."""
+    from AIFReconLib import _PUBLIC
+
+    assert {path.stem for path in LIBRARY.glob("*.py")} & set(_PUBLIC) == set()
+
+
 # ---- the checks themselves can fail
 
 
@@ -136,6 +143,10 @@ def test_an_import_by_name_is_seen():
     assert imports_of(ast.parse("import importlib\nimportlib.import_module('vtk.util')")) == {"importlib", "vtk"}
 
 
+def test_an_optional_package_is_seen():
+    assert imports_of(ast.parse("library('PIL.Image', 'Pictures')")) == {"PIL"}
+
+
 def test_a_relative_import_is_no_package():
     assert imports_of(ast.parse("from .io import volume_files\nfrom .. import errors")) == set()
 
@@ -144,6 +155,8 @@ def test_a_relative_import_is_no_package():
     ("path", "package", "allowed"),
     [
         ("io/volume_files.py", "SimpleITK", True),
+        ("io/pictures.py", "PIL", True),
+        ("importing.py", "PIL", False),
         ("bone.py", "SimpleITK", False),
         ("io.py", "SimpleITK", False),
         ("live/openigtlink.py", "pyigtl", True),

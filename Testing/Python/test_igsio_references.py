@@ -16,7 +16,7 @@ import SimpleITK as sitk
 from AIFReconLib.extent import grid_around_sweep
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.poses import sweep_poses
-from AIFReconLib.reconstruct import reconstruct
+from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.region import ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
 

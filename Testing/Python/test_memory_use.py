@@ -12,7 +12,7 @@ from sweeps import sphere_bone
 
 from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding.state import bytes_per_voxel
-from AIFReconLib.reconstruct import reconstruct
+from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.region import ImageRegion
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
 from AIFReconLib.volume import VoxelGrid

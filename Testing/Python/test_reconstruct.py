@@ -14,7 +14,7 @@ from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.errors import BeamGeometryError, NoUsableFramesError, OperationCanceled, SequenceFormatError, TransformError
 from AIFReconLib.io.plus_config import PlusConfiguration
 from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.reconstruct import reconstruct
+from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.region import ClipRectangle, ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus

@@ -18,7 +18,7 @@ from AIFReconLib.frames import FrameRecord, TrackedSequence
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.io.volume_files import read_volume
 from AIFReconLib.poses import SweepPoses, sweep_poses
-from AIFReconLib.reconstruct import Imaging, reconstruct
+from AIFReconLib.reconstruction import Imaging, reconstruct
 from AIFReconLib.region import Fan, ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep_bone import LEAST_SCORE, SKIN, BoneEchoFinder, bone_from_sweep

@@ -18,7 +18,7 @@ from scipy import ndimage
 from AIFReconLib.detection import detect_imaging
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.poses import sweep_poses
-from AIFReconLib.reconstruct import Imaging, reconstruct
+from AIFReconLib.reconstruction import Imaging, reconstruct
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep_bone import BoneEchoFinder, bone_from_sweep
 from AIFReconLib.transforms import pixel_spacing

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from .beams import SECTOR, ProbeGeometry
@@ -11,13 +12,21 @@ from .compounding.state import bytes_per_voxel
 from .detection import detect_imaging
 from .errors import BeamGeometryError, NoUsableFramesError
 from .extent import grid_around_sweep
-from .frames import TrackedSequence
+from .frames import TrackedFrame, TrackedSequence
 from .poses import SweepPoses, describe_frames, sweep_poses, time_order, tracked_frames
 from .progress import Progress, part, report
+from .read_ahead import read_ahead
 from .region import ImageRegion
 from .settings import ReconstructionSettings
 from .transforms import pixel_spacing
 from .volume import VoxelGrid
+
+
+def _reporting(frames: Iterable[TrackedFrame], count: int, progress: Progress | None) -> Iterable[TrackedFrame]:
+    """The same frames, with a report before each."""
+    for done, frame in enumerate(frames):
+        report(progress, done / count, "Reconstructing")
+        yield frame
 
 
 @dataclass(frozen=True)
@@ -134,9 +143,8 @@ def reconstruct(
         grid, settings, bone, probe=imaging.probe, region=imaging.region, progress=part(progress, 0.02, bone_share)
     )
     inserting = part(progress, bone_share, 0.95)
-    for done, frame in enumerate(tracked_frames(sequence, poses, order)):
-        report(inserting, done / len(order), "Reconstructing")
-        reconstructor.insert(frame)
+    with read_ahead(tracked_frames(sequence, poses, order)) as frames:
+        reconstructor.insert(_reporting(frames, len(order), inserting))
     if not reconstructor.counts.inserted:
         reasons = "; ".join(f"{reason}: {describe_frames(numbers)}" for reason, numbers in reconstructor.counts.skipped.items())
         raise NoUsableFramesError(f"{sequence.name}: no frame falls into the volume ({reasons}). Check --grid-like and --reference.")

@@ -1,0 +1,115 @@
+"""`aifrecon convert`: a recording in another format, cut, decimated, renamed, or mended where its orientation or calibration was wrong."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from ..console import ProgressBar
+from ..errors import OutputError, SettingsError, TransformError
+from ..frames import TrackedSequence
+from ..io.calibration_files import read_calibration
+from ..io.sequence_writer import SUFFIXES, write_sequence
+from ..sequence_edits import crop, recalibrate, rename, select_frames, with_configured_transforms
+from ..transform_graph import TransformName
+from .options import refuse_to_overwrite
+from .sequence_options import add_sequence_options, sequence_from, sequence_inputs
+
+EXAMPLE = """examples:
+  aifrecon convert sweep.igs.mha sweep.nrrd
+  aifrecon convert long.igs.mha short.igs.mha --frames 100 499 --every 2 --crop 80 20 640 480 --config PlusDeviceSet.xml
+  aifrecon convert mirrored.igs.mha right.igs.mha --orientation UF
+  aifrecon convert old.igs.mha mended.igs.mha --calibration new/PlusDeviceSet.xml --wrong-calibration old/PlusDeviceSet.xml
+  aifrecon convert Image.seq.nrrd sweep.igs.mha --transform-sequence ImageToReference=Transform.seq.mha"""
+
+
+def add_to(commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "convert",
+        help="write a recording in another format, cut, renamed or mended",
+        description="Write a tracked sequence as .mha, .mhd or .nrrd. Images and fields stay as they are, but for what the options change.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("sequence", type=Path, metavar="IN", help="tracked frames, e.g. sweep.igs.mha")
+    parser.add_argument("output", type=Path, metavar="OUT", help=f"where to write ({', '.join(SUFFIXES)})")
+    parser.add_argument("--compress", action=argparse.BooleanOptionalAction, default=True, help="compress the images (default: yes)")
+    parser.add_argument("--config", type=Path, metavar="PLUS.xml", help="also write this configuration's transforms into the file")
+    add_sequence_options(parser)
+    part = parser.add_argument_group("part")
+    part.add_argument("--frames", type=int, nargs=2, metavar=("A", "B"), help="frames A to B, both included, counted from 0")
+    part.add_argument("--every", type=int, default=1, metavar="N", help="every Nth of them")
+    part.add_argument(
+        "--crop", type=int, nargs=4, metavar=("X", "Y", "W", "H"), help="this rectangle of the image, in pixels (MF); poses move along"
+    )
+    names = parser.add_argument_group("transforms")
+    names.add_argument(
+        "--rename",
+        action="append",
+        default=[],
+        metavar="A=B",
+        help="a transform (ProbeToTracker=NeedleToTracker) or a frame; may be repeated",
+    )
+    names.add_argument(
+        "--calibration",
+        metavar="[NAME=]FILE",
+        help="put this calibration in the place of the recorded one: Plus configuration, Slicer transform or 16 numbers (ImageToProbe)",
+    )
+    names.add_argument(
+        "--wrong-calibration", metavar="[NAME=]FILE", help="the calibration that recorded transforms such as ImageToReference include"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Read, change, write, and say what was done."""
+    if arguments.output.suffix.lower() not in SUFFIXES:
+        raise OutputError(f"Cannot write {arguments.output}: its suffix must be one of {', '.join(SUFFIXES)}. Choose another name.")
+    calibrations = [_named_file(text) for text in (arguments.calibration, arguments.wrong_calibration) if text]
+    refuse_to_overwrite([arguments.output], [*sequence_inputs(arguments), *(path for _, path in calibrations)])
+    sequence = changed(sequence_from(arguments), arguments)
+    with ProgressBar() as progress:
+        write_sequence(sequence, arguments.output, arguments.compress, progress)
+    columns, rows = sequence.frame_size
+    lines = [f"{len(sequence)} frames of {columns} x {rows} pixels", *sequence.notes, f"wrote {arguments.output}"]
+    print("\n  ".join(lines))
+
+
+def changed(sequence: TrackedSequence, arguments: argparse.Namespace) -> TrackedSequence:
+    """The sequence with everything done to it that the options ask for: names first, then calibration, part and frames."""
+    sequence = rename(with_configured_transforms(sequence), dict(_pair(text) for text in arguments.rename))
+    if arguments.calibration:
+        name, matrix = _calibration(arguments.calibration)
+        wrong = _calibration(arguments.wrong_calibration)[1] if arguments.wrong_calibration else None
+        sequence = recalibrate(sequence, name, matrix, wrong)
+    elif arguments.wrong_calibration:
+        raise SettingsError("--wrong-calibration says what to take out. Say with --calibration what to put in its place.")
+    first, last = arguments.frames or (0, len(sequence) - 1)
+    sequence = select_frames(sequence, first, last, arguments.every)
+    return crop(sequence, *arguments.crop) if arguments.crop else sequence
+
+
+def _pair(text: str) -> tuple[str, str]:
+    old, equals, new = (word.strip() for word in text.partition("="))
+    if not (old and equals and new):
+        raise SettingsError(f"Input rename must be A=B, as in ProbeToTracker=NeedleToTracker; got {text!r}.")
+    return old, new
+
+
+def _named_file(text: str) -> tuple[TransformName | None, Path]:
+    """``ImageToProbe=FILE`` or ``FILE``."""
+    word, equals, file = text.partition("=")
+    if not equals:
+        return None, Path(text)
+    try:
+        return TransformName.parse(word.strip()), Path(file.strip())
+    except TransformError:
+        return None, Path(text)
+
+
+def _calibration(text: str) -> tuple[TransformName, np.ndarray]:
+    name, path = _named_file(text)
+    return read_calibration(path, name)

@@ -1,0 +1,144 @@
+"""`aifrecon import`: images and poses from anywhere become a tracked sequence."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from ..console import ProgressBar
+from ..errors import AIFReconError, OutputError
+from ..frames import TrackedSequence
+from ..importing import IMAGE_FRAME, ImportSettings, import_sequence
+from ..io.atomic import check_writable, write_text
+from ..io.calibration_files import read_calibration
+from ..io.imported_images import open_images
+from ..io.pose_files import read_poses
+from ..io.pose_rows import ANGLE_UNITS, LENGTH_UNITS, QUATERNION_ORDERS, PoseFormat
+from ..io.sequence_writer import SUFFIXES, write_sequence
+from ..poses import SweepPoses, sweep_poses
+from ..sweep_drawing import draw_sweep
+from ..tracking_report import tracking_report
+from ..transform_graph import TransformName
+from .options import refuse_to_overwrite
+
+EXAMPLE = """examples:
+  aifrecon import frames/ --poses poses.csv --transform ImageToTracker --spacing 0.1 0.1 --output sweep.igs.mha
+  aifrecon import sweep.mp4 --poses tracker.txt --columns "time x y z qx qy qz qw" --units m \\
+      --transform ProbeToTracker --calibration ImageToProbe.tfm --output sweep.igs.mha
+  aifrecon import images.npy --poses poses.json --transform TrackerToImage --spacing 0.2 0.2 --rate 20 --output sweep.nrrd"""
+
+
+def add_to(commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "import",
+        help="make a sequence from images and a file of poses",
+        description="Write a tracked sequence from images (PNG, JPEG, TIFF, BMP, DICOM, video, .npy) and poses (CSV, TXT, JSON).\n"
+        "Prints how everything was understood, and draws the sweep for a check.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("images", type=Path, nargs="+", metavar="IMAGES", help="files or a folder, in natural order (2 before 10)")
+    parser.add_argument("--poses", type=Path, required=True, metavar="FILE", help="one pose per image, or with times or names of images")
+    parser.add_argument("--output", type=Path, required=True, metavar="SEQUENCE", help=f"where to write ({', '.join(SUFFIXES)})")
+    parser.add_argument(
+        "--transform",
+        required=True,
+        metavar="NAME",
+        help="what the poses are, direction included: ImageToTracker, ProbeToTracker, or an inverse such as TrackerToProbe",
+    )
+    meaning = parser.add_argument_group("poses")
+    meaning.add_argument(
+        "--columns", metavar="WORDS", help='names of the columns, e.g. "time x y z qw qx qy qz"; - for one that is not used'
+    )
+    meaning.add_argument("--quaternion-order", choices=QUATERNION_ORDERS, help="of a quaternion whose numbers have no names")
+    meaning.add_argument("--euler-order", metavar="AXES", help="order of the turns: xyz about fixed axes, ZYX about axes that turn along")
+    meaning.add_argument("--angle-unit", choices=ANGLE_UNITS, default="deg", help="of Euler angles (default: %(default)s)")
+    meaning.add_argument("--units", choices=tuple(LENGTH_UNITS), default="mm", help="of lengths in the poses (default: %(default)s)")
+    meaning.add_argument("--column-major", action="store_true", help="matrices are written column by column")
+    image = parser.add_argument_group("image")
+    image.add_argument("--spacing", type=float, nargs=2, metavar=("X", "Y"), help="size of a pixel in mm, where poses take millimeters")
+    image.add_argument(
+        "--image-origin-px", type=float, nargs=2, metavar=("COLUMN", "ROW"), help="the pixel that the poses place (default: 0 0)"
+    )
+    image.add_argument("--calibration", metavar="[NAME=]FILE", help="ImageToProbe: Plus configuration, Slicer transform or 16 numbers")
+    image.add_argument("--orientation", default="MF", metavar="CODE", help="how the pixels run: MF, MN, UF or UN (default: %(default)s)")
+    image.add_argument("--rate", type=float, metavar="HZ", help="frames per second, where no file has times")
+    output = parser.add_argument_group("output")
+    output.add_argument("--drawing", type=Path, metavar="FILE.svg", help="where to draw the sweep (default: beside the output)")
+    output.add_argument("--compress", action=argparse.BooleanOptionalAction, default=True, help="compress the images (default: yes)")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Read, pair, write, draw, and say how everything was understood."""
+    if arguments.output.suffix.lower() not in SUFFIXES:
+        raise OutputError(f"Cannot write {arguments.output}: its suffix must be one of {', '.join(SUFFIXES)}. Choose another name.")
+    drawing = arguments.drawing or arguments.output.with_name(arguments.output.name.split(".")[0] + "-sweep.svg")
+    settings, calibration_path = settings_from(arguments)
+    refuse_to_overwrite([arguments.output, drawing], [*arguments.images, arguments.poses, calibration_path])
+    check_writable(drawing)
+    sequence, understood = import_sequence(open_images(arguments.images), read_poses(arguments.poses, settings.form), settings)
+    with ProgressBar() as progress:
+        write_sequence(sequence, arguments.output, arguments.compress, progress)
+    lines = [*understood, *_check(sequence, settings.transform, drawing, arguments.output.name)]
+    print("\n".join(["Understood:", *(f"  {line}" for line in lines), f"  wrote {arguments.output}"]))
+
+
+def settings_from(arguments: argparse.Namespace) -> tuple[ImportSettings, Path | None]:
+    """What the options say, and the file of the calibration."""
+    form = PoseFormat(
+        columns=tuple(arguments.columns.replace(",", " ").split()) if arguments.columns else None,
+        quaternion_order=arguments.quaternion_order,
+        euler_order=arguments.euler_order,
+        angle_unit=arguments.angle_unit,
+        length_unit=arguments.units,
+        column_major=arguments.column_major,
+    )
+    transform = TransformName.parse(arguments.transform)
+    calibration, path = None, None
+    if arguments.calibration:
+        word, equals, file = arguments.calibration.partition("=")
+        path = Path(file if equals else word)
+        calibration = read_calibration(path, TransformName.parse(word) if equals else _default_name(path, transform))
+    settings = ImportSettings(
+        transform,
+        tuple(arguments.spacing) if arguments.spacing else None,
+        tuple(arguments.image_origin_px) if arguments.image_origin_px else None,
+        calibration,
+        arguments.orientation,
+        arguments.rate,
+        form,
+    )
+    return settings, path
+
+
+def _default_name(path: Path, transform: TransformName) -> TransformName | None:
+    """A configuration names its transforms itself; other files hold the calibration of the probe whose poses there are."""
+    if path.suffix.lower() == ".xml":
+        return None
+    return TransformName(IMAGE_FRAME, "Probe" if "Probe" in (transform.source, transform.target) else transform.source)
+
+
+def _check(sequence: TrackedSequence, transform: TransformName, drawing: Path, name: str) -> list[str]:
+    """Facts of the sweep, and its drawing, where the images can be placed."""
+    moving = {IMAGE_FRAME, *(calibration.target for calibration in sequence.transforms)}
+    reference = transform.source if transform.target in moving else transform.target
+    try:
+        poses = sweep_poses(sequence, reference=reference)
+    except AIFReconError:
+        return ["no drawing: the image cannot be placed without a calibration"]
+    if not len(poses.usable):
+        return ["no drawing: no frame has a valid pose"]
+    write_text(drawing, draw_sweep(poses.image_to_reference[poses.usable], sequence.frame_size, name, reference))
+    rows = [f"{what}: {value}" for what, value in tracking_report(sequence, poses).rows()]
+    option = "" if reference == "Reference" else f" --reference {reference}"
+    return [_size(sequence, poses), *rows, f"to reconstruct: aifrecon reconstruct {name}{option} --output volume.nrrd", f"drew {drawing}"]
+
+
+def _size(sequence: TrackedSequence, poses: SweepPoses) -> str:
+    columns, rows = sequence.frame_size
+    spacing = np.linalg.norm(poses.image_to_reference[poses.usable[0], :3, :2], axis=0)
+    return f"one image is {columns * spacing[0]:.1f} x {rows * spacing[1]:.1f} mm, a pixel {spacing[0]:.4g} x {spacing[1]:.4g} mm"

@@ -1,0 +1,345 @@
+"""`aifrecon live`: reconstruct while scanning, from an OpenIGTLink server."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+
+from ..compounding.reconstructor import Reconstruction
+from ..console import ProgressBar
+from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
+from ..frames import TrackedSequence
+from ..io.plus_config import read_plus_configuration
+from ..io.volume_files import check_volume_path, read_volume
+from ..live.openigtlink import OpenIGTLinkClient
+from ..live.placement import UNCONFIRMED
+from ..live.replay import PLUS_PORT
+from ..live.session import SCOUTING, LiveSession
+from ..live.session_statistics import LiveStatistics
+from ..live.synchronizer import SynchronizerSettings
+from .options import add_bone_options, add_imaging_options, add_setting, bone_from, imaging_from, refuse_to_overwrite, settings_from
+from .reconstruct import SIDE_OUTPUTS, add_tracking_options, add_tuning_options, add_volume_options, describe
+
+EXAMPLE = """examples:
+  aifrecon live --host 192.168.0.12 --output volume.nrrd
+  aifrecon live --output volume.nrrd --grid-like planned.nrrd --record scan.mhd
+  aifrecon live --output volume.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --seconds 60"""
+
+DEVICE_TIMEOUT = 5.0
+"""s that a connected server may take to send its first image, and"""
+
+SETTLING = 1.0
+"""s more in which other image devices may show up."""
+
+SCOUT_MARGIN = 5.0
+"""mm added on each side of the box that was scouted."""
+
+POLL = 0.1
+TERMINAL_INTERVAL, LINE_INTERVAL = 0.2, 5.0
+"""s between two status lines, on a terminal and elsewhere."""
+
+
+def add_to(commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "live",
+        help="reconstruct while scanning, from an OpenIGTLink server",
+        description="Receive images and poses from an OpenIGTLink server, such as Plus, and reconstruct while they come. "
+        "Ctrl-C ends the scan and saves the volume. Without --grid-like the first seconds find the box: move the probe over the whole "
+        "region; what is seen meanwhile enters the volume too.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    server = parser.add_argument_group("server")
+    server.add_argument("--host", default="127.0.0.1", metavar="H", help="name or address of the server (default: %(default)s)")
+    server.add_argument("--port", type=int, default=PLUS_PORT, metavar="P", help="default: %(default)s, as Plus")
+    server.add_argument("--image", metavar="DEVICE", help="name of the image device (default: the only one there is)")
+    server.add_argument(
+        "--trust-image-pose",
+        action="store_true",
+        help="use the pose that comes with an image although the server never tells whether its tool is seen",
+    )
+    server.add_argument(
+        "--time-offset",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="add this to the images' time stamps, as Plus's LocalTimeOffsetSec of the image device does, and interpolate the poses "
+        "[s] (default: 0)",
+    )
+    server.add_argument(
+        "--longest-gap",
+        type=float,
+        default=SynchronizerSettings.longest_gap,
+        metavar="S",
+        help="do not interpolate between poses farther apart than this [s] (default: %(default)g)",
+    )
+    scan = parser.add_argument_group("scan")
+    scan.add_argument("--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)")
+    scan.add_argument(
+        "--record",
+        type=Path,
+        metavar="SEQUENCE",
+        help="also record every frame, tracked or not (.mhd, .mha, .nrrd); best for long scans: .mhd",
+    )
+    scan.add_argument("--frames", type=int, metavar="N", help="end after N frames")
+    scan.add_argument("--seconds", type=float, metavar="S", help="end S seconds after the first frame")
+    scan.add_argument(
+        "--scout-seconds",
+        type=float,
+        default=10.0,
+        metavar="S",
+        help="without --grid-like: find the box in so many seconds from the first tracked frame on (default: %(default)g)",
+    )
+    add_setting(parser, "method")
+    add_tracking_options(parser)
+    add_bone_options(parser)
+    add_imaging_options(parser)
+    add_volume_options(parser)
+    add_tuning_options(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Connect, reconstruct until the end or Ctrl-C, write what there is."""
+    for name in ("frames", "seconds", "scout_seconds"):
+        value = getattr(arguments, name)
+        if value is not None and not value > 0:
+            raise SettingsError(f"Input --{name.replace('_', '-')} must be above 0; got {value!r}.")
+    outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
+    inputs = [arguments.config, arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.grid_like]
+    refuse_to_overwrite([*outputs.values(), arguments.record], inputs)
+    for path in filter(None, outputs.values()):
+        check_volume_path(path)
+    started = time.perf_counter()
+    session = _session(arguments)
+    result, interrupted = _scan(session, arguments)
+    statistics, error = session.statistics, session.error
+    recording = _recording_line(session)
+    if result is None or not result.frames_inserted:
+        raise NoUsableFramesError(" ".join(filter(None, [_why_nothing(statistics, error), recording])))
+    with ProgressBar() as progress:
+        for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
+            progress(0.1 * number, f"Writing {path.name}")
+            getattr(result, name).write(path)
+    print(describe(result, statistics.frames_received, time.perf_counter() - started, [path for path in outputs.values() if path]))
+    for line in filter(None, [*_what_else(statistics, result), recording]):
+        print(f"  {line}")
+    if error is not None:
+        cause = str(error).rstrip(".")
+        raise AIFReconError(f"The reconstruction stopped early: {cause}. What was there before is written to {arguments.output}.")
+    if interrupted:
+        raise KeyboardInterrupt
+
+
+def _session(arguments: argparse.Namespace) -> LiveSession:
+    """The session that the options ask for, with a client that is connected."""
+    if arguments.bone_from_sweep:
+        raise SettingsError(
+            "--bone-from-sweep looks at a whole recorded sweep, which a live scan has not yet. Give --bone-labels or --bone-probability, "
+            "or --record the scan and reconstruct it afterwards."
+        )
+    configuration = read_plus_configuration(arguments.config) if arguments.config else None
+    unseen = TrackedSequence(np.empty((0, 0, 0), np.uint8), [], configuration=configuration)
+    region, probe = imaging_from(arguments, unseen)
+    settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
+    with ProgressBar() as progress:
+        bone = bone_from(arguments, unseen, progress=progress)
+    grid = read_volume(arguments.grid_like).grid if arguments.grid_like else None
+    synchronizer = SynchronizerSettings(
+        image_device=arguments.image,
+        image_to_reference=arguments.image_to_reference,
+        reference=arguments.reference,
+        time_offset=arguments.time_offset,
+        longest_gap=arguments.longest_gap,
+        trust_image_pose=arguments.trust_image_pose,
+    )
+    client = OpenIGTLinkClient(arguments.host, arguments.port)
+    session = LiveSession(
+        client,
+        settings,
+        bone,
+        grid,
+        region=region,
+        probe=probe,
+        configuration=configuration,
+        synchronizer=synchronizer,
+        record=arguments.record,
+        frame_limit=arguments.frames,
+    )
+    client.connect_once()
+    return session
+
+
+def _scan(session: LiveSession, arguments: argparse.Namespace) -> tuple[Reconstruction | None, bool]:
+    """The volume, and whether the user ended the scan."""
+    interrupted = False
+    status = StatusLine(sys.stderr)
+    try:
+        with session:
+            try:
+                _wait_for_images(session, arguments)
+                first_frame = time.monotonic()
+                if session.grid is None:
+                    seconds = f"{arguments.scout_seconds:g} s"
+                    status.say(f"Connected. Move the probe over the whole region: the first {seconds} find the box.")
+                    _scout(session, arguments, first_frame, status)
+                    _use_scouted_grid(session, status)
+                while not session.finished.wait(POLL) and not _is_over(session, arguments, first_frame):
+                    status.show(session)
+            except KeyboardInterrupt:
+                interrupted = True
+                status.clear()
+                if session.grid is None and session.scouted:
+                    _use_scouted_grid(session, status)
+            status.clear()
+            with ProgressBar() as progress:
+                return session.finish(progress), interrupted
+    finally:
+        status.clear()
+
+
+def _wait_for_images(session: LiveSession, arguments: argparse.Namespace) -> None:
+    """Return when there are images of the one device that is meant; else say what the server sends."""
+    deadline = time.monotonic() + DEVICE_TIMEOUT
+    while session.latest is None and not session.finished.wait(POLL):
+        if time.monotonic() > deadline:
+            raise LiveConnectionError(_no_images(session, arguments))
+    settled = time.monotonic() + SETTLING
+    while arguments.image is None and time.monotonic() < settled and not session.finished.wait(POLL):
+        images = [device for device, types in session.devices().items() if "IMAGE" in types]
+        if len(images) > 1:
+            raise LiveConnectionError(f"The server sends images of several devices: {', '.join(images)}. Choose one with --image.")
+
+
+def _no_images(session: LiveSession, arguments: argparse.Namespace) -> str:
+    wanted = f"images of {arguments.image}" if arguments.image else "images"
+    devices = session.devices()
+    sends = ", ".join(f"{device} ({', '.join(types)})" for device, types in devices.items() if device) or "nothing"
+    advice = "Choose its image device with --image." if any("IMAGE" in types for types in devices.values()) else "Start the imaging there."
+    return f"The server at {arguments.host}:{arguments.port} sends no {wanted}. It sends {sends}. {advice}"
+
+
+def _scout(session: LiveSession, arguments: argparse.Namespace, first_frame: float, status: StatusLine) -> None:
+    """Wait until the box can be found."""
+    began = None
+    while not session.finished.wait(POLL) and not _is_over(session, arguments, first_frame):
+        status.show(session)
+        if began is None and session.scouted:
+            began = time.monotonic()
+        if began is not None and time.monotonic() - began >= arguments.scout_seconds:
+            return
+
+
+def _use_scouted_grid(session: LiveSession, status: StatusLine) -> None:
+    if not session.scouted:
+        return
+    grid = session.grid_from_scout(margin=SCOUT_MARGIN)
+    session.use_grid(grid)
+    extent = " x ".join(f"{n * s:.0f}" for n, s in zip(grid.size, grid.spacing, strict=True))
+    status.say(f"The box is {extent} mm, {' x '.join(str(n) for n in grid.size)} voxels; {SCOUT_MARGIN:g} mm around what was seen.")
+
+
+def _is_over(session: LiveSession, arguments: argparse.Namespace, first_frame: float) -> bool:
+    """Whether the time is up, or there is nothing left to do: a recording goes on after the reconstruction has failed."""
+    if session.error is not None and (session.recorder is None or session.recording_failure):
+        return True
+    return arguments.seconds is not None and time.monotonic() - first_frame >= arguments.seconds
+
+
+def _why_nothing(statistics: LiveStatistics, error: Exception | None) -> str:
+    """Why there is no volume: the most frequent reason first."""
+    if error is not None:
+        return f"The reconstruction could not begin: {error}"
+    if not statistics.frames_received:
+        return "No frame was received, so there is no volume."
+    reasons = "; ".join(f"{reason}: {count}" for reason, count in sorted(statistics.skipped.items(), key=lambda item: -item[1]))
+    trouble = f" {statistics.trouble}" if statistics.trouble else ""
+    advice = "Check the tracking, then scan again."
+    if UNCONFIRMED in statistics.skipped:
+        advice = "Let the server send the transforms of its tools, or give --trust-image-pose if it sends no image without a valid pose."
+    return f"Not one of {statistics.frames_received} frames entered a volume ({reasons}).{trouble} {advice}"
+
+
+def _what_else(statistics: LiveStatistics, result: Reconstruction) -> list[str]:
+    """What happened besides the reconstruction."""
+    lines = [f"skipped: {count}: {reason}" for reason, count in statistics.skipped.items() if reason not in result.skipped]
+    if statistics.dropped:
+        lines.append(f"{statistics.dropped} messages were dropped before they could be looked at")
+    if statistics.repeated:
+        lines.append(f"{statistics.repeated} images were sent again after a reconnection, and left out")
+    return lines
+
+
+def _recording_line(session: LiveSession) -> str | None:
+    if session.recording_failure:
+        return session.recording_failure
+    return f"recorded {session.recorder.frames} frames to {session.recorded}" if session.recorded else None
+
+
+class StatusLine:
+    """One line that tells how the scan goes: redrawn on a terminal, a new line now and then elsewhere."""
+
+    def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic):
+        self._stream = stream
+        self._clock = clock
+        self._terminal = stream.isatty()
+        self._interval = TERMINAL_INTERVAL if self._terminal else LINE_INTERVAL
+        self._last = -self._interval
+        self._width = 0
+        self._told: str | None = None
+
+    def show(self, session: LiveSession) -> None:
+        """Draw the line, unless it was drawn a moment ago; before it, once, what is wrong with the stream."""
+        now = self._clock()
+        if now - self._last < self._interval:
+            return
+        self._last = now
+        trouble = session.statistics.trouble
+        if trouble and trouble != self._told:
+            self.say(trouble)
+        self._told = trouble
+        self._draw(status_text(session.statistics, session.scouted))
+
+    def say(self, text: str) -> None:
+        """A line of its own that stays."""
+        self.clear()
+        self._stream.write(" ".join(text.split()) + "\n")
+        self._stream.flush()
+
+    def clear(self) -> None:
+        """Take the status off the line."""
+        if self._width:
+            self._stream.write("\r" + " " * self._width + "\r")
+            self._stream.flush()
+            self._width = 0
+
+    def _draw(self, text: str) -> None:
+        if self._terminal:
+            self._stream.write("\r" + text.ljust(self._width))
+            self._width = len(text)
+        else:
+            self._stream.write(text + "\n")
+        self._stream.flush()
+
+
+def status_text(statistics: LiveStatistics, scouted: int = 0) -> str:
+    """Connection, tracking, rate, latency, and where the frames went, in one line."""
+    parts = [f"{statistics.frame_rate:4.1f} frames/s", statistics.tracking]
+    if statistics.connection != "connected":
+        parts.insert(0, statistics.connection)
+    if statistics.phase == SCOUTING:
+        parts.append(f"scouting, {scouted} frames")
+    else:
+        latency = "" if np.isnan(statistics.latency_p50) else f", {1000 * statistics.latency_p50:.0f} ms"
+        parts.append(f"{statistics.inserted} inserted{latency}, {statistics.frames_skipped} skipped")
+    if statistics.recorded or statistics.recording_failure:
+        parts.append("recording stopped" if statistics.recording_failure else f"{statistics.recorded} recorded")
+    return "  ".join(parts)

@@ -1,0 +1,68 @@
+"""Arguments on how a recorded sequence is to be read, which every command that reads one shares."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ..frames import TrackedSequence
+from ..io.sequence_files import read_sequence
+from ..pose_tracks import LONGEST_GAP
+from ..time_offset import with_time_offset
+
+
+class NamedFileAction(argparse.Action):
+    """NAME=FILE, as often as wanted; collected in a dict."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        name, equals, file = values.partition("=")
+        if not (equals and name.strip() and file.strip()):
+            parser.error(f"argument {option_string}: takes NAME=FILE, as in ImageToReference=Transform.seq.mha, got {values!r}")
+        collected = dict(getattr(namespace, self.dest) or {})
+        if name.strip() in collected:
+            parser.error(f"argument {option_string}: {name.strip()} is given twice")
+        setattr(namespace, self.dest, {**collected, name.strip(): Path(file.strip())})
+
+
+def add_sequence_options(parser: argparse.ArgumentParser) -> None:
+    """What a file does not say, or says wrongly: transforms beside it, orientation, time offset."""
+    reading = parser.add_argument_group("recording", "what the file does not say, or says wrongly")
+    reading.add_argument(
+        "--transform-sequence",
+        action=NamedFileAction,
+        metavar="NAME=FILE",
+        help="Slicer's sequence of a transform that belongs to the images, e.g. ImageToReference=Transform.seq.mha; may be repeated",
+    )
+    reading.add_argument("--orientation", metavar="CODE", help="how the stored pixels run: MF, MN, UF or UN (default: as the file says)")
+    reading.add_argument(
+        "--time-offset",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="add this to the images' time stamps, as Plus's LocalTimeOffsetSec of the image device does, and interpolate the poses "
+        "(negative: images come late; positive: poses do) [s] (default: 0)",
+    )
+    reading.add_argument(
+        "--longest-gap",
+        type=float,
+        default=LONGEST_GAP,
+        metavar="S",
+        help="do not interpolate between poses farther apart than this [s] (default: %(default)g)",
+    )
+
+
+def sequence_from(arguments: argparse.Namespace) -> TrackedSequence:
+    """The sequence that the options ask for: `arguments.sequence`, with its configuration, paired transforms and time offset."""
+    sequence = read_sequence(
+        arguments.sequence,
+        config=arguments.config,
+        orientation=arguments.orientation,
+        transform_sequences=arguments.transform_sequence,
+        longest_gap=arguments.longest_gap,
+    )
+    return with_time_offset(sequence, arguments.time_offset, arguments.longest_gap)
+
+
+def sequence_inputs(arguments: argparse.Namespace) -> list[Path | None]:
+    """The files that `sequence_from` reads, which no output may overwrite."""
+    return [arguments.sequence, arguments.config, *(arguments.transform_sequence or {}).values()]

@@ -1,0 +1,82 @@
+"""Where the image lies in the probe, from any file that people have it in: Plus configuration, Slicer transform, or sixteen numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import GeometryError, TransformFileError
+from ..transform_graph import TransformName
+from ..transforms import as_matrix
+from .metafile import require_regular_file
+from .plus_config import read_plus_configuration
+from .text_values import parse_numbers
+from .transform_files import HDF5_SUFFIXES, read_transform
+
+MAXIMUM_BYTES = 2**16
+_ITK_MAGIC = "#Insight Transform File"
+
+
+def read_calibration(path: str | Path, name: TransformName | None = None, image_frame: str = "Image") -> tuple[TransformName, np.ndarray]:
+    """Name and matrix of a calibration, pixels to mm.
+
+    Parameters
+    ----------
+    path : str or Path
+        .xml of Plus; .tfm, .txt or .h5 saved by Slicer; or a text file of 16 numbers, row by row.
+    name : TransformName or None
+        The transform to take from a configuration, by default its only one from `image_frame`; for other files, what to call it
+        (ImageToProbe by default).
+    image_frame : str
+
+    Raises
+    ------
+    TransformFileError, ConfigurationError
+        When the file cannot be used.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix == ".xml":
+        transforms = read_plus_configuration(path).transforms
+        names = [known for known in transforms if known == name or (name is None and known.source == image_frame)]
+        if len(names) != 1:
+            there = ", ".join(map(str, transforms)) or "none"
+            raise TransformFileError(
+                f"{path}: it must hold {name or f'one transform from {image_frame}'}; got {there}. "
+                "Name one, as in --calibration ImageToProbe=FILE."
+            )
+        return names[0], _usable(path, transforms[names[0]].matrix)
+    name = name or TransformName(image_frame, "Probe")
+    require_regular_file(path, TransformFileError)
+    if suffix in (*HDF5_SUFFIXES, ".tfm") or _text(path).startswith(_ITK_MAGIC):
+        return name, read_transform(path)
+    try:
+        numbers = parse_numbers(_text(path).replace(",", " ").replace(";", " ").replace("[", " ").replace("]", " "))
+        wrong = f"got {len(numbers)}" if len(numbers) != 16 else ""
+    except ValueError as error:
+        wrong = str(error)
+    if wrong:
+        raise TransformFileError(
+            f"{path}: a calibration must be 16 numbers, row by row; {wrong}. "
+            "Give those, a Plus configuration (.xml) or a Slicer transform (.tfm)."
+        )
+    return name, _usable(path, np.array(numbers))
+
+
+def _usable(path: Path, matrix: np.ndarray) -> np.ndarray:
+    try:
+        return as_matrix(matrix, "calibration")
+    except GeometryError as error:
+        raise TransformFileError(f"{path}: the calibration cannot be used. {error} Repeat the calibration, or correct it.") from error
+
+
+def _text(path: Path) -> str:
+    try:
+        with open(path, "rb") as file:
+            data = file.read(MAXIMUM_BYTES + 1)
+    except OSError as error:
+        raise TransformFileError(f"{path}: the file cannot be read ({error.strerror}). Check its permissions.") from error
+    if len(data) > MAXIMUM_BYTES:
+        raise TransformFileError(f"{path}: the file is longer than {MAXIMUM_BYTES} bytes. A calibration is 16 numbers.")
+    return data.decode("utf-8-sig", errors="replace").strip()

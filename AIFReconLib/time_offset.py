@@ -1,0 +1,83 @@
+"""Images and poses that are out of step: every image gets the pose of the moment it was really taken.
+
+Plus calls the constant `LocalTimeOffsetSec`: seconds added to the time stamps of a device to get to the common clock. Here it is that
+of the images, as in Plus's configurations: negative where images arrive late, as frame grabbers do. Poses that arrive late by 0.1 s
+are mended by +0.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .errors import SettingsError
+from .frames import TrackedSequence
+from .pose_tracks import LONGEST_GAP, PoseTrack
+from .transform_graph import TransformName, TransformSample, TransformStatus
+
+LARGEST_OFFSET = 10.0
+"""s. More is a mistake in the unit."""
+
+
+def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap: float = LONGEST_GAP) -> TrackedSequence:
+    """The sequence with the poses of every frame taken `time_offset` seconds after its time stamp.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+        Its images are shared, not copied.
+    time_offset : float, s
+        `LocalTimeOffsetSec` of the images: image time = time stamp + offset. 0 returns the sequence as it is.
+    longest_gap : float, s
+        Where valid poses are farther apart than this, frames between them get none (status MISSING), and neither do frames before the
+        first and after the last; frames that had another status than OK keep it.
+
+    Raises
+    ------
+    SettingsError
+        When the offset or the gap is out of range, or time stamps are missing or all equal.
+
+    Notes
+    -----
+    Each recorded transform is interpolated on its own: rotations on the shortest arc (slerp), origins along the straight line. Frames
+    without an image still say where the tools were.
+    """
+    if not np.isfinite(time_offset) or abs(time_offset) > LARGEST_OFFSET:
+        raise SettingsError(f"Input time_offset must be within {LARGEST_OFFSET:g} s; got {time_offset!r}. Give it in seconds.")
+    if not np.isfinite(longest_gap) or longest_gap <= 0:
+        raise SettingsError(f"Input longest_gap must be above 0 s; got {longest_gap!r}. Give it in seconds.")
+    if time_offset == 0:
+        return sequence
+    times = [record.timestamp for record in sequence.records]
+    if any(time is None or not np.isfinite(time) for time in times) or len(set(times)) < 2:
+        raise SettingsError(
+            f"{sequence.name}: a time offset needs a time stamp for every frame, and they must differ. Leave out --time-offset, or record "
+            "the sweep with time stamps."
+        )
+    names = dict.fromkeys(name for record in sequence.records for name in record.transforms)
+    tracks = {name: _track(sequence, name) for name in names}
+    records, lost = [], 0
+    for record in sequence.records:
+        transforms = {
+            name: _sample(track, record.timestamp + time_offset, longest_gap, record.transforms.get(name)) for name, track in tracks.items()
+        }
+        was = {name for name, sample in record.transforms.items() if sample.status is TransformStatus.OK}
+        lost += any(transforms[name].status is not TransformStatus.OK for name in was)
+        records.append(replace(record, transforms=transforms))
+    note = f"Poses are those of {abs(time_offset):g} s {'after' if time_offset > 0 else 'before'} each image's time stamp"
+    note += f"; {lost} frame{'s have' if lost != 1 else ' has'} no pose then." if lost else "."
+    return replace(sequence, records=records, notes=(*sequence.notes, note))
+
+
+def _track(sequence: TrackedSequence, name: TransformName) -> PoseTrack:
+    return PoseTrack((record.timestamp, record.transforms[name]) for record in sequence.records if name in record.transforms)
+
+
+def _sample(track: PoseTrack, time: float, longest_gap: float, recorded: TransformSample | None) -> TransformSample:
+    """The pose at one moment; without one, the status that the frame had, unless that was OK."""
+    matrix, problem = track.at(time, longest_gap)
+    if problem is None:
+        return TransformSample(matrix)
+    known = recorded is not None and recorded.status is not TransformStatus.OK
+    return TransformSample(np.full((4, 4), np.nan), recorded.status if known else TransformStatus.MISSING)

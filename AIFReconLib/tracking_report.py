@@ -1,0 +1,182 @@
+"""How well a sweep was tracked: frames used and why others were not, gaps, jumps, the probe's speed, and coverage of the grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .frames import TrackedSequence
+from .offset_estimate import corner_track
+from .pose_tracks import LONGEST_GAP
+from .poses import SweepPoses, describe_frames, time_order
+
+if TYPE_CHECKING:
+    from .compounding.reconstructor import Reconstruction
+
+JUMP_SPEED = 200.0
+"""mm/s. Nobody moves a probe over skin faster."""
+
+JUMP_FACTOR = 8.0
+"""Times the median speed of the sweep: for sweeps that are fast as a whole."""
+
+
+@dataclass(frozen=True)
+class PoseJump:
+    """A place where the pose moves faster than a probe can: frame numbers before and after, distance in mm, time between in s."""
+
+    before: int
+    after: int
+    distance: float
+    seconds: float
+
+    def to_text(self) -> str:
+        """``frames 11 to 12: 34.0 mm in 0.05 s``."""
+        return f"frames {self.before} to {self.after}: {self.distance:.1f} mm in {self.seconds:.2f} s"
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Voxels of the grid, how many were measured, and how many were filled from neighbors."""
+
+    voxels: int
+    measured: int
+    filled: int
+
+
+@dataclass(frozen=True)
+class TrackingReport:
+    """What a user should know of the tracking of a sweep.
+
+    Parameters
+    ----------
+    frames, used : int
+        Frames of the recording, and those with an image and a valid pose (or, after a reconstruction, those inserted).
+    skipped : dict of str to list of int
+        Numbers of the others by reason.
+    duration : float or None, s
+        From the first to the last used frame; None without time stamps.
+    longest_gap : float or None, s
+        Between used frames.
+    longest_gap_after : int or None
+        The frame after which it comes.
+    jumps : tuple of PoseJump
+        Where the image moves faster than `JUMP_SPEED` and than `JUMP_FACTOR` times the median speed.
+    median_speed, highest_speed : float or None, mm/s
+        Root mean square over the image's corners, between used frames no more than half a second apart.
+    median_step, largest_step : float or None, mm
+        The same as distances, whatever the time between.
+    coverage : Coverage or None
+        Of the grid of a reconstruction.
+    """
+
+    frames: int
+    used: int
+    skipped: dict[str, list[int]]
+    duration: float | None = None
+    longest_gap: float | None = None
+    longest_gap_after: int | None = None
+    jumps: tuple[PoseJump, ...] = ()
+    median_speed: float | None = None
+    highest_speed: float | None = None
+    median_step: float | None = None
+    largest_step: float | None = None
+    coverage: Coverage | None = None
+
+    def rows(self) -> list[tuple[str, str]]:
+        """Names and values for a table."""
+        rows = [("frames used", f"{self.used} of {self.frames}")]
+        if self.longest_gap is not None:
+            rows.append(("longest gap", f"{self.longest_gap:.2f} s, after frame {self.longest_gap_after}"))
+        if self.median_speed is not None:
+            rows.append(("probe speed", f"{self.median_speed:.1f} mm/s in the median, {self.highest_speed:.1f} mm/s at most"))
+        if self.median_step is not None:
+            rows.append(("frame to frame", f"{self.median_step:.2f} mm in the median, {self.largest_step:.2f} mm at most"))
+        rows.append(("pose jumps", str(len(self.jumps)) if self.jumps else "none"))
+        if self.coverage is not None:
+            measured, filled = (100 * n / self.coverage.voxels for n in (self.coverage.measured, self.coverage.filled))
+            rows.append(("coverage", f"{measured:.1f}% of the voxels measured, {filled:.1f}% filled"))
+        return rows
+
+    def findings(self) -> list[str]:
+        """Sentences on what may be wrong."""
+        return [*(f"Skipped: {describe_frames(numbers)}: {reason}." for reason, numbers in self.skipped.items()), *self.findings_on_poses()]
+
+    def findings_on_poses(self) -> list[str]:
+        """Sentences on what may be wrong with poses that count as valid."""
+        sentences = []
+        if self.jumps:
+            shown = "; ".join(jump.to_text() for jump in self.jumps[:3]) + ("; ..." if len(self.jumps) > 3 else "")
+            sentences.append(f"The pose jumps faster than a probe can move ({shown}): was a marker seen wrongly, or its place changed?")
+        return sentences
+
+    def to_dict(self) -> dict:
+        """For JSON: numbers rounded to 6 places, units in the names."""
+        coverage = self.coverage
+        return {
+            "frames": self.frames,
+            "frames_used": self.used,
+            "frames_skipped": {reason: [int(n) for n in numbers] for reason, numbers in self.skipped.items()},
+            "duration_s": _rounded(self.duration),
+            "longest_gap_s": _rounded(self.longest_gap),
+            "longest_gap_after_frame": self.longest_gap_after,
+            "pose_jumps": [
+                {"before": jump.before, "after": jump.after, "distance_mm": _rounded(jump.distance), "time_s": _rounded(jump.seconds)}
+                for jump in self.jumps
+            ],
+            "speed_mm_per_s": {"median": _rounded(self.median_speed), "maximum": _rounded(self.highest_speed)},
+            "step_mm": {"median": _rounded(self.median_step), "maximum": _rounded(self.largest_step)},
+            "coverage": coverage and {"voxels": coverage.voxels, "measured": coverage.measured, "filled": coverage.filled},
+        }
+
+
+def tracking_report(sequence: TrackedSequence, poses: SweepPoses, result: Reconstruction | None = None) -> TrackingReport:
+    """The report of a sweep.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+        Its images are not looked at.
+    poses : SweepPoses
+        As `sweep_poses` finds them.
+    result : Reconstruction or None
+        What became of it: then frames count as used when they were inserted, and coverage is known.
+    """
+    used, skipped, coverage = len(poses.usable), poses.skipped(), None
+    if result is not None:
+        used, skipped = result.frames_inserted, dict(result.skipped)
+        mask = result.mask.array
+        coverage = Coverage(int(mask.size), int((mask == 1).sum()), int((mask == 2).sum()))
+    numbers = np.array([n for n in time_order(sequence) if poses.problems[n] is None], dtype=np.int64)
+    facts: dict = {}
+    if len(numbers) > 1:
+        track = corner_track(poses.image_to_reference[numbers], sequence.frame_size)
+        steps = np.linalg.norm(np.diff(track, axis=0), axis=1)
+        facts |= {"median_step": float(np.median(steps)), "largest_step": float(steps.max())}
+        stamps = [sequence.records[n].timestamp for n in numbers]
+        if all(stamp is not None and np.isfinite(stamp) for stamp in stamps):
+            facts |= _facts_of_time(numbers, steps, np.array(stamps, dtype=np.float64))
+    return TrackingReport(len(sequence), used, skipped, coverage=coverage, **facts)
+
+
+def _facts_of_time(numbers: np.ndarray, steps: np.ndarray, times: np.ndarray) -> dict:
+    """Gaps, speeds and jumps of frames with these numbers, distances and times, in order of time."""
+    gaps = np.diff(times)
+    widest = int(np.argmax(gaps))
+    facts = {"duration": float(times[-1] - times[0]), "longest_gap": float(gaps[widest]), "longest_gap_after": int(numbers[widest])}
+    near = (gaps > 0) & (gaps <= LONGEST_GAP)
+    if near.any():
+        speeds = np.where(near, steps / np.where(near, gaps, 1.0), 0.0)
+        median = float(np.median(speeds[near]))
+        jumps = np.flatnonzero(speeds > max(JUMP_SPEED, JUMP_FACTOR * median))
+        facts |= {
+            "median_speed": median,
+            "highest_speed": float(speeds.max()),
+            "jumps": tuple(PoseJump(int(numbers[n]), int(numbers[n + 1]), float(steps[n]), float(gaps[n])) for n in jumps),
+        }
+    return facts
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(float(value), 6)

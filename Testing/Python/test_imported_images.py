@@ -1,0 +1,299 @@
+"""Frames from pictures, DICOM, video and numpy: in the right order, gray, of one size, and one at a time."""
+
+from __future__ import annotations
+
+import subprocess
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from AIFReconLib.errors import FileFormatError
+from AIFReconLib.io import imported_images
+from AIFReconLib.io.imported_images import FlippedImages, open_images
+
+FRAMES = np.random.default_rng(0).integers(0, 256, (11, 12, 17), dtype=np.uint8)
+
+
+@pytest.fixture
+def pil():
+    return pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+
+
+@pytest.fixture
+def dicom():
+    return pytest.importorskip("pydicom", reason="pydicom is not installed")
+
+
+def write_pictures(pil, folder, frames=FRAMES, suffix=".png"):
+    folder.mkdir(exist_ok=True)
+    for n, frame in enumerate(frames):
+        pil.fromarray(frame).save(folder / f"frame{n}{suffix}")
+    return folder
+
+
+def write_dicom(dicom, path, pixels, **attributes):
+    """An uncompressed ultrasound file of one or more gray frames."""
+    dataset = dicom.dataset.FileDataset(str(path), {}, preamble=b"\0" * 128)
+    dataset.file_meta = dicom.dataset.FileMetaDataset()
+    dataset.file_meta.TransferSyntaxUID = dicom.uid.ExplicitVRLittleEndian
+    dataset.file_meta.MediaStorageSOPClassUID = dataset.SOPClassUID = "1.2.840.10008.5.1.4.1.1.3.1"
+    dataset.file_meta.MediaStorageSOPInstanceUID = dataset.SOPInstanceUID = "1.2.3"
+    dataset.Modality, dataset.PhotometricInterpretation, dataset.SamplesPerPixel = "US", "MONOCHROME2", 1
+    dataset.Rows, dataset.Columns = pixels.shape[-2:]
+    dataset.BitsAllocated = dataset.BitsStored = 8 * pixels.dtype.itemsize
+    dataset.HighBit, dataset.PixelRepresentation = 8 * pixels.dtype.itemsize - 1, 0
+    if pixels.ndim == 3:
+        dataset.NumberOfFrames = len(pixels)  # attributes may say otherwise
+    for name, value in attributes.items():
+        setattr(dataset, name, value)
+    dataset.PixelData = pixels.tobytes() + b"\0" * (pixels.nbytes % 2)
+    dataset.save_as(str(path), enforce_file_format=True)
+    return path
+
+
+def test_pictures_of_a_folder_come_in_natural_order(pil, tmp_path):
+    found = open_images([write_pictures(pil, tmp_path / "frames")])
+    np.testing.assert_array_equal(np.array([found.stack[n] for n in range(11)]), FRAMES)
+    assert found.names[:3] == ("frame0.png", "frame1.png", "frame2.png")
+    assert found.names[10] == "frame10.png"
+
+
+def test_files_that_are_named_come_in_that_order(pil, tmp_path):
+    folder = write_pictures(pil, tmp_path / "frames")
+    found = open_images([folder / "frame7.png", folder / "frame2.png"])
+    np.testing.assert_array_equal(found.stack[0], FRAMES[7])
+
+
+@pytest.mark.parametrize("suffix", [".png", ".tif", ".bmp"])
+def test_lossless_pictures_keep_every_gray_level(pil, tmp_path, suffix):
+    np.testing.assert_array_equal(open_images([write_pictures(pil, tmp_path / "f", suffix=suffix)]).stack[4], FRAMES[4])
+
+
+def test_jpeg_comes_near(pil, tmp_path):
+    smooth = np.add.outer(np.arange(32), np.arange(40)).astype(np.uint8) * 3
+    pil.fromarray(smooth).save(tmp_path / "a.jpg", quality=95)
+    assert np.abs(open_images([tmp_path / "a.jpg"]).stack[0].astype(int) - smooth).max() <= 4
+
+
+@pytest.mark.parametrize("dtype", [np.uint16, np.float32])
+def test_deeper_pictures_keep_their_type(pil, tmp_path, dtype):
+    frame = (FRAMES[0].astype(dtype) * 200) + 3
+    pil.fromarray(frame).save(tmp_path / "a.tif")
+    np.testing.assert_array_equal(open_images([tmp_path / "a.tif"]).stack[0], frame)
+
+
+def test_colors_become_luminance(pil, tmp_path):
+    pil.fromarray(np.full((4, 5, 3), (100, 150, 200), np.uint8)).save(tmp_path / "a.png")
+    assert open_images([tmp_path / "a.png"]).stack[0][0, 0] == round(0.299 * 100 + 0.587 * 150 + 0.114 * 200)
+
+
+@pytest.mark.parametrize("mode", ["P", "LA", "RGBA", "1"])
+def test_other_modes_become_gray(pil, tmp_path, mode):
+    pil.fromarray(np.full((4, 5), 255, np.uint8)).convert(mode).save(tmp_path / "a.png")
+    assert (open_images([tmp_path / "a.png"]).stack[0] == 255).all()
+
+
+def test_the_pages_of_a_tiff_are_frames(pil, tmp_path):
+    pages = [pil.fromarray(frame) for frame in FRAMES]
+    pages[0].save(tmp_path / "a.tif", save_all=True, append_images=pages[1:])
+    found = open_images([tmp_path / "a.tif"])
+    np.testing.assert_array_equal(np.array([found.stack[n] for n in (9, 0, 3)]), FRAMES[[9, 0, 3]])
+    assert found.names is None
+
+
+def test_a_picture_of_another_size_is_named(pil, tmp_path):
+    folder = write_pictures(pil, tmp_path / "frames")
+    pil.fromarray(np.zeros((5, 5), np.uint8)).save(folder / "frame3.png")
+    with pytest.raises(FileFormatError, match=r"frame3\.png: every frame must have 17 x 12 pixels, uint8 as the first; got 5 x 5"):
+        open_images([folder]).stack[3]
+
+
+@pytest.mark.parametrize("content", [b"", b"not a picture", b"\x89PNG\r\n\x1a\n"])
+def test_a_damaged_picture_is_named(pil, tmp_path, content):
+    (tmp_path / "a.png").write_bytes(content)
+    with pytest.raises(FileFormatError, match=r"a\.png: it cannot be read as a picture"):
+        open_images([tmp_path / "a.png"])
+
+
+def test_a_picture_that_is_cut_short_is_named(pil, tmp_path):
+    pil.fromarray(np.random.default_rng(0).integers(0, 256, (200, 200), dtype=np.uint8)).save(tmp_path / "a.png")
+    (tmp_path / "a.png").write_bytes((tmp_path / "a.png").read_bytes()[:20_000])
+    with pytest.raises(FileFormatError, match=r"a\.png"):
+        open_images([tmp_path / "a.png"])
+
+
+def test_an_array_is_read_frame_by_frame(tmp_path):
+    np.save(tmp_path / "a.npy", np.zeros((400, 256, 256), np.uint8))
+    tracemalloc.start()
+    try:
+        stack = open_images([tmp_path / "a.npy"]).stack
+        for n in range(len(stack)):
+            stack[n]
+        assert tracemalloc.get_traced_memory()[1] < 2_000_000
+    finally:
+        tracemalloc.stop()
+
+
+def test_an_array_may_be_of_colors_and_big_endian(tmp_path):
+    np.save(tmp_path / "a.npy", np.repeat(FRAMES[..., None].astype(">u2"), 3, axis=3))
+    np.testing.assert_array_equal(open_images([tmp_path / "a.npy"]).stack[5], FRAMES[5])
+
+
+@pytest.mark.parametrize(
+    ("array", "message"),
+    [
+        (np.zeros((4, 5)), r"shape .frames, rows, columns. .*got .4, 5."),
+        (np.zeros((4, 5, 6, 7)), "got .4, 5, 6, 7."),
+        (np.zeros((0, 5, 6)), "got .0, 5, 6."),
+        (np.zeros((2, 3, 4), complex), "whole numbers or floats; got complex128"),
+        (np.zeros((2, 3, 4), np.float16), "got float16"),
+    ],
+)
+def test_an_array_that_is_no_sweep_is_refused(tmp_path, array, message):
+    np.save(tmp_path / "a.npy", array)
+    with pytest.raises(FileFormatError, match=message):
+        open_images([tmp_path / "a.npy"])
+
+
+def test_an_array_of_objects_is_never_unpickled(tmp_path):
+    np.save(tmp_path / "a.npy", np.array([{"a": 1}], dtype=object), allow_pickle=True)
+    with pytest.raises(FileFormatError, match="numpy cannot read it"):
+        open_images([tmp_path / "a.npy"])
+
+
+def test_the_frames_of_one_dicom_file_have_their_times_and_pixel_size(dicom, tmp_path):
+    region = dicom.dataset.Dataset()
+    region.PhysicalUnitsXDirection = region.PhysicalUnitsYDirection = 3
+    region.PhysicalDeltaX, region.PhysicalDeltaY = 0.02, 0.03
+    attributes = {"FrameTime": 40.0, "SequenceOfUltrasoundRegions": dicom.sequence.Sequence([region])}
+    found = open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES, **attributes)])
+    np.testing.assert_array_equal(np.array([found.stack[n] for n in (10, 2)]), FRAMES[[10, 2]])
+    np.testing.assert_allclose(found.times, 0.04 * np.arange(11))
+    assert found.spacing == pytest.approx((0.2, 0.3))
+
+
+def test_a_vector_of_frame_times_is_summed(dicom, tmp_path):
+    path = write_dicom(dicom, tmp_path / "a.dcm", FRAMES[:3], FrameTimeVector=[0, 40, 60])
+    np.testing.assert_allclose(open_images([path]).times, [0.0, 0.04, 0.1])
+
+
+def test_dicom_files_of_one_frame_come_in_order_of_their_instance(dicom, tmp_path):
+    for n, name in enumerate(("c.dcm", "a.dcm", "b.dcm")):
+        write_dicom(dicom, tmp_path / name, FRAMES[n], InstanceNumber=n + 1, PixelSpacing=[0.5, 0.25])
+    found = open_images([tmp_path])
+    assert found.names == ("c.dcm", "a.dcm", "b.dcm")
+    np.testing.assert_array_equal(found.stack[1], FRAMES[1])
+    assert found.spacing == (0.25, 0.5)
+
+
+def test_a_pixel_size_of_zero_is_none(dicom, tmp_path):
+    assert open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES[0], PixelSpacing=[0.0, 0.5])]).spacing is None
+
+
+def test_a_number_of_frames_beyond_all_limits_is_refused(dicom, tmp_path):
+    path = write_dicom(dicom, tmp_path / "a.dcm", FRAMES[:2], NumberOfFrames=2_000_000_000)
+    with pytest.raises(FileFormatError, match="NumberOfFrames must be at most 1000000; got 2000000000"):
+        open_images([path])
+
+
+def test_a_file_that_is_no_dicom_is_named(dicom, tmp_path):
+    (tmp_path / "a.dcm").write_bytes(b"x" * 500)
+    with pytest.raises(FileFormatError, match=r"a\.dcm: it cannot be read as DICOM"):
+        open_images([tmp_path / "a.dcm"])
+
+
+def write_video(path, frames, rate=25):
+    """A video made by the program that will read it."""
+    ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="imageio-ffmpeg is not installed").get_ffmpeg_exe()
+    size = f"{frames.shape[2]}x{frames.shape[1]}"
+    source = ["-f", "rawvideo", "-pix_fmt", "gray", "-s", size, "-r", str(rate), "-i", "-"]
+    subprocess.run([ffmpeg, "-v", "error", *source, "-pix_fmt", "yuv420p", "-y", str(path)], input=frames.tobytes(), check=True)
+    return path
+
+
+STEPS = np.stack([np.full((48, 64), 20 * n, np.uint8) for n in range(9)])
+
+
+def test_the_frames_of_a_video_come_near_and_have_times(tmp_path):
+    found = open_images([write_video(tmp_path / "a.mp4", STEPS)])
+    assert found.stack.shape == (9, 48, 64)
+    np.testing.assert_allclose(found.times, np.arange(9) / 25)
+    assert [abs(int(np.median(found.stack[n])) - 20 * n) <= 4 for n in (8, 0, 3)] == [True] * 3
+
+
+def test_a_video_of_odd_size_is_read_as_it_is(tmp_path):
+    frames = np.stack([np.full((47, 63), 90, np.uint8)] * 3)
+    ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="imageio-ffmpeg is not installed").get_ffmpeg_exe()
+    command = [
+        ffmpeg,
+        "-v",
+        "error",
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "gray",
+        "-s",
+        "63x47",
+        "-i",
+        "-",
+        "-c:v",
+        "mjpeg",
+        "-y",
+        tmp_path / "a.avi",
+    ]
+    subprocess.run(list(map(str, command)), input=frames.tobytes(), check=True)
+    assert open_images([tmp_path / "a.avi"]).stack.shape == (3, 47, 63)
+
+
+def test_a_video_that_is_none_is_named(tmp_path):
+    pytest.importorskip("imageio_ffmpeg", reason="imageio-ffmpeg is not installed")
+    (tmp_path / "a.mp4").write_bytes(b"x" * 500)
+    with pytest.raises(FileFormatError, match=r"a\.mp4: it cannot be decoded as a video"):
+        open_images([tmp_path / "a.mp4"])
+
+
+@pytest.mark.parametrize(("name", "package"), [("a.png", "PIL"), ("a.dcm", "pydicom"), ("a.mp4", "imageio_ffmpeg")])
+def test_a_package_that_is_missing_is_named_with_the_way_to_get_it(tmp_path, monkeypatch, name, package):
+    import sys
+
+    monkeypatch.setitem(sys.modules, package, None)
+    for module in [module for module in sys.modules if module.startswith(f"{package}.")]:
+        monkeypatch.setitem(sys.modules, module, None)
+    (tmp_path / name).write_bytes(b"x")
+    with pytest.raises(FileFormatError, match=rf"without the Python package {package}.*pip install aifrecon\[import\]"):
+        open_images([tmp_path / name])
+
+
+def test_files_of_two_kinds_are_refused(tmp_path):
+    for name in ("a.png", "b.dcm"):
+        (tmp_path / name).write_bytes(b"x")
+    with pytest.raises(FileFormatError, match="one kind"):
+        open_images([tmp_path])
+
+
+@pytest.mark.parametrize("name", ["a.xyz", "noSuffix"])
+def test_a_file_of_an_unknown_kind_is_refused_with_those_that_are_known(tmp_path, name):
+    (tmp_path / name).write_bytes(b"x")
+    with pytest.raises(FileFormatError, match=r"\.png, .*\.dcm, .*\.mp4, .*\.npy"):
+        open_images([tmp_path / name])
+
+
+def test_an_empty_folder_is_refused(tmp_path):
+    with pytest.raises(FileFormatError, match="no images in this folder"):
+        open_images([tmp_path])
+
+
+def test_a_file_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(FileFormatError, match="no such file"):
+        open_images([tmp_path / "a.png"])
+
+
+@pytest.mark.parametrize(("code", "flip"), [("MF", np.s_[:, :]), ("UF", np.s_[:, ::-1]), ("MN", np.s_[::-1]), ("UN", np.s_[::-1, ::-1])])
+def test_images_are_turned_to_marked_far(code, flip):
+    np.testing.assert_array_equal(FlippedImages(FRAMES, code)[3], FRAMES[3][flip])
+
+
+def test_every_kind_of_file_has_its_opener():
+    suffixes = [suffix for known, _ in imported_images._KINDS for suffix in known]
+    assert len(suffixes) == len(set(suffixes))

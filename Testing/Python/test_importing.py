@@ -1,0 +1,304 @@
+"""`aifrecon import`: exported frames and poses give the volume of the recording they are from, whatever the way they were written."""
+
+from __future__ import annotations
+
+import json
+import re
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+from files import IMAGE_TO_PROBE, SPACING, refused, tracked_sequence
+from scipy.spatial.transform import Rotation
+from sweeps import rigid
+
+from AIFReconLib.cli import main
+from AIFReconLib.errors import SettingsError
+from AIFReconLib.importing import ImportSettings
+from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.poses import sweep_poses
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep_drawing import draw_sweep
+from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+
+SEQUENCE = tracked_sequence()
+TIMES = [record.timestamp for record in SEQUENCE.records]
+
+
+def tracker_pose(record, tool) -> np.ndarray:
+    return record.transforms[TransformName(tool, "Tracker")].matrix
+
+
+PROBE_TO_REFERENCE = [np.linalg.inv(tracker_pose(r, "Reference")) @ tracker_pose(r, "Probe") for r in SEQUENCE.records]
+IMAGE_TO_REFERENCE = np.array([pose @ IMAGE_TO_PROBE for pose in PROBE_TO_REFERENCE])
+RIGID_IMAGE_TO_REFERENCE = [pose @ np.diag([1 / SPACING[0], 1 / SPACING[1], 1 / 0.45, 1.0]) for pose in IMAGE_TO_REFERENCE]
+
+
+def save(path, rows, header=None):
+    lines = [",".join(header)] if header else []
+    path.write_text("\n".join([*lines, *(",".join(map(str, row)) for row in rows)]))
+    return path
+
+
+def flat(matrices):
+    return [matrix.ravel().tolist() for matrix in matrices]
+
+
+def quaternions(matrices):
+    """w x y z x y z, scalar first."""
+    return [[*np.roll(Rotation.from_matrix(m[:3, :3]).as_quat(), 1).tolist(), *m[:3, 3].tolist()] for m in matrices]
+
+
+@pytest.fixture
+def frames(tmp_path):
+    """The images of the recording as an array file, which needs no other package."""
+    np.save(tmp_path / "frames.npy", np.asarray(SEQUENCE.images))
+    return tmp_path / "frames.npy"
+
+
+@pytest.fixture
+def calibration(tmp_path):
+    (tmp_path / "ImageToProbe.txt").write_text(" ".join(map(repr, IMAGE_TO_PROBE.ravel().tolist())))
+    return tmp_path / "ImageToProbe.txt"
+
+
+def imported(results, *arguments):
+    assert main(["import", *map(str, arguments), "--output", str(results / "sweep.igs.mha")]) == 0
+    return read_sequence(results / "sweep.igs.mha")
+
+
+def expected_volume():
+    from dataclasses import replace
+
+    calibrated = replace(SEQUENCE, transforms={TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)})
+    return reconstruct(calibrated, ReconstructionSettings(spacing=1.0)).intensity
+
+
+def test_exported_pictures_and_poses_give_the_same_volume(tmp_path, results, calibration):
+    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    for n, image in enumerate(SEQUENCE.images):
+        pil.fromarray(image).save(folder / f"{n}.png")
+    poses = save(tmp_path / "poses.csv", [[t, *row] for t, row in zip(TIMES, flat(PROBE_TO_REFERENCE))])
+    sequence = imported(results, folder, "--poses", poses, "--transform", "ProbeToReference", "--calibration", calibration)
+    found, expected = reconstruct(sequence, ReconstructionSettings(spacing=1.0)).intensity, expected_volume()
+    np.testing.assert_allclose(found.ijk_to_reference, expected.ijk_to_reference, atol=1e-9)
+    np.testing.assert_array_equal(found.array, expected.array)
+
+
+def write_poses(tmp_path, how):
+    """A file of the recording's poses in one of many ways, and the options that say which."""
+    inverse = [np.linalg.inv(m) for m in PROBE_TO_REFERENCE]
+    if how == "image to reference, pixels":
+        return save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE)), ["--transform", "ImageToReference"]
+    if how == "image to reference, mm":
+        options = ["--transform", "ImageToReference", "--spacing", *SPACING]
+        return save(tmp_path / "p.csv", flat(RIGID_IMAGE_TO_REFERENCE)), options
+    if how == "image to reference, mm, from the middle of the image":
+        shifted = [m @ rigid(translation=(20 * SPACING[0], 15 * SPACING[1], 0)) for m in RIGID_IMAGE_TO_REFERENCE]
+        options = ["--transform", "ImageToReference", "--spacing", *SPACING, "--image-origin-px", 20, 15]
+        return save(tmp_path / "p.csv", flat(shifted)), options
+    if how == "reference to image, mm":
+        options = ["--transform", "ReferenceToImage", "--spacing", *SPACING]
+        return save(tmp_path / "p.csv", flat([np.linalg.inv(m) for m in RIGID_IMAGE_TO_REFERENCE])), options
+    if how == "image to reference, meters":
+        meters = [np.diag([1e-3, 1e-3, 1e-3, 1]) @ m for m in IMAGE_TO_REFERENCE]
+        return save(tmp_path / "p.csv", flat(meters)), ["--transform", "ImageToReference", "--units", "m"]
+    if how == "reference to probe":
+        return save(tmp_path / "p.csv", flat(inverse)), ["--transform", "ReferenceToProbe"]
+    if how == "probe, quaternions in meters":
+        rows = [[*row[:4], *(v / 1000 for v in row[4:])] for row in quaternions(PROBE_TO_REFERENCE)]
+        return save(tmp_path / "p.csv", rows), ["--columns", "qw qx qy qz x y z", "--units", "m", "--transform", "ProbeToReference"]
+    if how == "probe, Euler angles":
+        rows = [[*m[:3, 3].tolist(), *Rotation.from_matrix(m[:3, :3]).as_euler("ZYX").tolist()] for m in PROBE_TO_REFERENCE]
+        options = ["--euler-order", "ZYX", "--angle-unit", "rad", "--transform", "ProbeToReference"]
+        return save(tmp_path / "p.txt", rows), options
+    (tmp_path / "p.json").write_text(json.dumps({"frames": [{"matrix": m.tolist(), "time": t} for t, m in zip(TIMES, PROBE_TO_REFERENCE)]}))
+    return tmp_path / "p.json", ["--transform", "ProbeToReference"]
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        "image to reference, pixels",
+        "image to reference, mm",
+        "image to reference, mm, from the middle of the image",
+        "reference to image, mm",
+        "image to reference, meters",
+        "reference to probe",
+        "probe, quaternions in meters",
+        "probe, Euler angles",
+        "probe, JSON",
+    ],
+)
+def test_every_way_to_write_poses_puts_the_pixels_in_the_same_place(tmp_path, results, frames, calibration, how):
+    poses, options = write_poses(tmp_path, how)
+    if "probe" in how:
+        options += ["--calibration", calibration]
+    sequence = imported(results, frames, "--poses", poses, *options)
+    found = sweep_poses(sequence).image_to_reference
+    for pixel in ((0, 0, 0, 1), (39, 0, 0, 1), (0, 29, 0, 1), (12, 17, 0, 1)):
+        np.testing.assert_allclose(found @ pixel, IMAGE_TO_REFERENCE @ pixel, atol=1e-8)
+
+
+def test_images_and_times_are_those_of_the_recording(tmp_path, results, frames):
+    poses = save(tmp_path / "p.csv", [[t, *row] for t, row in zip(TIMES, flat(IMAGE_TO_REFERENCE))])
+    sequence = imported(results, frames, "--poses", poses, "--transform", "ImageToReference")
+    np.testing.assert_array_equal(np.asarray(sequence.images), np.asarray(SEQUENCE.images))
+    assert [record.timestamp for record in sequence.records] == TIMES
+
+
+def test_it_prints_what_it_understood(tmp_path, results, frames, calibration, capsys):
+    poses, options = write_poses(tmp_path, "probe, quaternions in meters")
+    imported(results, frames, "--poses", poses, *options, "--calibration", calibration, "--rate", 20)
+    out = capsys.readouterr().out
+    for line in (
+        "6 frames of 40 x 30 pixels, uint8 in frames.npy, orientation MF",
+        "translation in m and quaternion (x, y, z, w by name)",
+        "ProbeToReference takes points of Probe to Reference",
+        "ImageToProbe as calibrated",
+        "times from 20 frames/s",
+        "one image is 16.0 x 15.0 mm, a pixel 0.4 x 0.5 mm",
+        "to reconstruct: aifrecon reconstruct sweep.igs.mha --output volume.nrrd",
+    ):
+        assert line in out
+
+
+def test_it_draws_the_sweep(tmp_path, results, frames):
+    poses, options = write_poses(tmp_path, "image to reference, pixels")
+    imported(results, frames, "--poses", poses, *options)
+    drawing = ElementTree.parse(results / "sweep-sweep.svg").getroot()
+    assert len(list(drawing.iter("{http://www.w3.org/2000/svg}polygon"))) == 2 * 6
+
+
+def test_the_command_it_suggests_names_the_frame_to_reconstruct_in(tmp_path, results, frames, capsys):
+    poses = save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE))
+    imported(results, frames, "--poses", poses, "--transform", "ImageToTracker")
+    assert "--reference Tracker" in capsys.readouterr().out
+
+
+def test_poses_are_paired_by_the_names_of_their_images(tmp_path, results):
+    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    for n, image in enumerate(SEQUENCE.images):
+        pil.fromarray(image).save(folder / f"{n}.png")
+    rows = [[f"somewhere/else/{n}.png", TIMES[n], *flat(IMAGE_TO_REFERENCE)[n]] for n in (5, 0, 3, 1, 2)]
+    poses = save(tmp_path / "p.csv", rows, ["image", "time", *(f"m{r}{c}" for r in range(4) for c in range(4))])
+    sequence = imported(results, folder, "--poses", poses, "--transform", "ImageToReference")
+    found = sweep_poses(sequence)
+    assert found.skipped() == {"ImageToReference MISSING": [4]}
+    np.testing.assert_allclose(found.image_to_reference[3], IMAGE_TO_REFERENCE[3], atol=1e-12)
+
+
+def test_a_status_of_the_file_is_kept(tmp_path, results, frames):
+    rows = [["ok" if n != 2 else "OUT_OF_VIEW", *row] for n, row in enumerate(flat(IMAGE_TO_REFERENCE))]
+    poses = save(tmp_path / "p.csv", rows, ["status", *(f"m{r}{c}" for r in range(4) for c in range(4))])
+    sequence = imported(results, frames, "--poses", poses, "--transform", "ImageToReference")
+    assert sequence.records[2].transforms[TransformName("Image", "Reference")].status is TransformStatus.OUT_OF_VIEW
+
+
+def test_poses_of_another_rate_are_interpolated_at_the_images(tmp_path, results):
+    """Images of a DICOM file at 0, 0.04 and 0.08 s, poses every 0.02 s."""
+    dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
+    from test_imported_images import write_dicom
+
+    images = write_dicom(dicom, tmp_path / "a.dcm", np.asarray(SEQUENCE.images)[:3], FrameTime=40.0)
+    rows = [[0.02 * n + 0.01, *(rigid(translation=(n, 0, 0)) @ np.diag([0.4, 0.5, 1, 1])).ravel().tolist()] for n in range(-1, 5)]
+    sequence = imported(results, images, "--poses", save(tmp_path / "p.csv", rows), "--transform", "ImageToReference")
+    found = sweep_poses(sequence).image_to_reference[:, 0, 3]
+    np.testing.assert_allclose(found, [-0.5, 1.5, 3.5], atol=1e-9)
+
+
+def test_pictures_stored_mirrored_are_turned(tmp_path, results):
+    np.save(tmp_path / "frames.npy", np.asarray(SEQUENCE.images)[:, :, ::-1])
+    poses, options = write_poses(tmp_path, "image to reference, pixels")
+    sequence = imported(results, tmp_path / "frames.npy", "--poses", poses, *options, "--orientation", "UF")
+    np.testing.assert_array_equal(sequence.images[3], SEQUENCE.images[3])
+
+
+def test_without_a_calibration_the_recording_waits_for_one(tmp_path, results, frames, capsys):
+    poses, options = write_poses(tmp_path, "reference to probe")
+    imported(results, frames, "--poses", poses, *options)
+    out = capsys.readouterr().out
+    assert "give ImageToReference with --config" in out or "with --config when reconstructing" in out
+    assert "no drawing: the image cannot be placed without a calibration" in out
+
+
+def test_positions_that_look_like_meters_are_a_doubt(tmp_path, results, frames, capsys):
+    rows = [[*(v / 1000 for v in m[:3, 3]), *np.roll(Rotation.from_matrix(m[:3, :3]).as_quat(), 1)] for m in PROBE_TO_REFERENCE]
+    poses = save(tmp_path / "p.csv", rows)
+    imported(results, frames, "--poses", poses, "--quaternion-order", "wxyz", "--transform", "ProbeToReference")
+    assert "If they are in meters, give --units m" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("how", "options", "message"),
+    [
+        ("image to reference, mm", ["--transform", "ImageToReference"], "size of a pixel is not known. Give --spacing X Y"),
+        ("image to reference, pixels", ["--transform", "ImageToReference", "--spacing", "1", "1"], "hold the size of a pixel already"),
+        ("image to reference, pixels", ["--transform", "ImageToReference", "--calibration", "CAL"], "no calibration to apply"),
+        ("image to reference, pixels", ["--transform", "ProbeToReference"], "Pose 0 must be a rotation and a translation; it is not rigid"),
+        ("reference to probe", ["--transform", "Probe"], "must be FromToTo"),
+        ("reference to probe", ["--transform", "ProbeToTracker", "--spacing", "1", "1"], "does not say where the image lies in Probe"),
+        ("reference to probe", ["--transform", "ProbeToTracker", "--spacing", "0", "1"], "spacing must be two numbers above 0"),
+        ("reference to probe", ["--transform", "ProbeToTracker", "--rate", "-5"], "rate must be above 0"),
+        ("reference to probe", ["--transform", "ProbeToTracker", "--orientation", "up"], "orientation must be MF, MN, UF or UN"),
+        ("reference to probe", ["--transform", "ProbeToTracker", "--euler-order", "abc"], "three axes"),
+        (
+            "reference to probe",
+            ["--transform", "NeedleToTracker", "--calibration", "ImageToProbe=CAL"],
+            "must lead from Image to Needle or",
+        ),
+        (
+            "reference to probe",
+            ["--transform", "ProbeToTracker", "--calibration", "CAL", "--spacing", "1", "1"],
+            "calibration holds the size",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_explained(tmp_path, results, frames, calibration, capsys, how, options, message):
+    poses, _ = write_poses(tmp_path, how)
+    options = [word.replace("CAL", str(calibration)) for word in options]
+    said = refused(["import", frames, "--poses", poses, *options, "--output", results / "s.mha"], capsys, results)
+    assert re.search(message, said)
+
+
+def test_numbers_that_differ_are_told_apart(tmp_path, results, frames, capsys):
+    poses = save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE)[:4])
+    said = refused(["import", frames, "--poses", poses, "--transform", "ImageToReference", "--output", results / "s.mha"], capsys, results)
+    assert "got 4 poses for 6 images" in said
+
+
+def test_a_damaged_picture_leaves_nothing_behind(tmp_path, results, capsys):
+    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    for n, image in enumerate(SEQUENCE.images):
+        pil.fromarray(image).save(folder / f"{n}.png")
+    (folder / "4.png").write_bytes((folder / "4.png").read_bytes()[:200])
+    poses = save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE))
+    said = refused(["import", folder, "--poses", poses, "--transform", "ImageToReference", "--output", results / "s.mha"], capsys, results)
+    assert "4.png" in said
+
+
+def test_the_poses_are_not_overwritten(tmp_path, frames, capsys):
+    poses = save(tmp_path / "sweep.mha", flat(IMAGE_TO_REFERENCE))
+    assert main(["import", str(frames), "--poses", str(poses), "--transform", "ImageToReference", "--output", str(poses)]) == 2
+    assert "would overwrite an input" in capsys.readouterr().err
+
+
+def test_settings_may_be_made_in_a_script():
+    with pytest.raises(SettingsError, match="spacing must be two numbers above 0"):
+        ImportSettings(TransformName("Image", "Tracker"), spacing=(np.nan, 1.0))
+
+
+def test_a_drawing_of_one_still_image_is_no_error():
+    ElementTree.fromstring(draw_sweep(IMAGE_TO_REFERENCE[:1], (40, 30), "a < b & c"))
+
+
+def test_a_drawing_of_many_frames_stays_small():
+    many = np.repeat(IMAGE_TO_REFERENCE, 1000, axis=0)
+    assert len(draw_sweep(many, (40, 30))) < 60_000

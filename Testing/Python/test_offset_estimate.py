@@ -1,0 +1,131 @@
+"""How far images and poses are out of step: told from simulated sweeps of known offset, and not told where it cannot be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import ndimage
+from sweeps import rigid
+
+from AIFReconLib.errors import OperationCanceled
+from AIFReconLib.frames import FrameRecord, TrackedSequence
+from AIFReconLib.offset_estimate import estimate_time_offset
+from AIFReconLib.poses import sweep_poses
+from AIFReconLib.transform_graph import TransformName, TransformSample
+
+COLUMNS, ROWS, SPACING, RATE = 48, 40, 1.0, 20.0
+
+
+def to_and_fro(t):
+    """Elevational position in mm: 6 s there and back, 24 mm wide."""
+    return 12.0 * np.sin(2 * np.pi * t / 6.0)
+
+
+def one_way(t):
+    return 4.0 * t - 20.0
+
+
+def sweep(path=to_and_fro, late=0.0, seconds=12.0, seed=0, noise=8.0, sideways=False) -> TrackedSequence:
+    """Images of a made-up body at the true places, with poses that are `late` seconds old."""
+    rng = np.random.default_rng(seed)
+    body = ndimage.gaussian_filter(rng.standard_normal((90, 70, 90)), 2.5)
+    body = 128 + 60 * body / body.std()
+    rows, columns = np.indices((ROWS, COLUMNS), dtype=float)
+    images, records = [], []
+    for n in range(int(seconds * RATE)):
+        t = n / RATE
+        offset = (path(t), 0.0) if sideways else (0.0, path(t))
+        place = np.stack([np.full_like(rows, 45.0 + offset[1]), rows + 10, columns + 20 + offset[0]])
+        image = ndimage.map_coordinates(body, place, order=1, mode="reflect") + noise * rng.standard_normal(rows.shape)
+        images.append(np.clip(image, 0, 255).astype(np.uint8))
+        claimed = path(t - late)
+        pose = rigid((20.0, 5.0, -30.0), (7.0, 8.0, 9.0)) @ rigid((0, 0, 0), (claimed, 0, 0) if sideways else (0, 0, claimed))
+        pose = pose @ np.diag([SPACING, SPACING, 1.0, 1.0])
+        records.append(FrameRecord(timestamp=100.0 + t, transforms={TransformName("Image", "Reference"): TransformSample(pose)}))
+    return TrackedSequence(np.array(images), records)
+
+
+def estimate(sequence, **options):
+    return estimate_time_offset(sequence, sweep_poses(sequence), **options)
+
+
+@pytest.mark.parametrize("late", [-0.21, 0.0, 0.05, 0.3])
+def test_poses_that_are_late_are_told_with_their_sign(late):
+    found = estimate(sweep(late=late))
+    assert found.time_offset == pytest.approx(late, abs=0.01)
+    assert found.time_offset == pytest.approx(late, abs=found.uncertainty + 0.005)
+
+
+def test_motion_within_the_image_plane_tells_it_too():
+    assert estimate(sweep(late=0.12, sideways=True)).time_offset == pytest.approx(0.12, abs=0.01)
+
+
+def test_an_offset_beyond_doubt_comes_with_the_option_that_mends_it():
+    found = estimate(sweep(late=0.2))
+    assert found.out_of_step
+    assert f"Try --time-offset {found.time_offset:.3f}" in found.to_text()
+
+
+def test_a_sweep_in_step_is_said_to_be():
+    found = estimate(sweep())
+    assert not found.out_of_step
+    assert "in step" in found.to_text()
+
+
+def test_more_noise_makes_it_less_sure():
+    assert estimate(sweep(noise=100.0, late=0.1)).uncertainty > estimate(sweep(noise=2.0, late=0.1)).uncertainty
+
+
+@pytest.mark.parametrize(
+    ("sequence", "reason"),
+    [
+        (sweep(one_way, late=0.2), "does not go back over the same place"),
+        (sweep(lambda t: 4.0 * (t % 6.0), late=0.2), "contradict each other"),
+        (sweep(lambda t: 0.0), "does not go back over the same place"),
+        (sweep(seconds=0.9), "only 18 frames"),
+    ],
+    ids=["one way", "one way twice", "still", "short"],
+)
+def test_a_sweep_that_says_nothing_is_said_to(sequence, reason):
+    found = estimate(sequence)
+    assert found.time_offset is None
+    assert reason in found.to_text()
+    assert "cannot be told" in found.to_text()
+
+
+def test_images_of_noise_say_nothing():
+    sequence = sweep(late=0.1)
+    noise = np.random.default_rng(1).integers(0, 256, sequence.images.shape, dtype=np.uint8)
+    assert estimate(replace(sequence, images=noise)).time_offset is None
+
+
+def test_frames_without_times_say_nothing():
+    sequence = sweep(seconds=3)
+    sequence = replace(sequence, records=[replace(record, timestamp=None) for record in sequence.records])
+    assert "time stamp" in estimate(sequence).reason
+
+
+def test_black_images_say_nothing():
+    sequence = sweep(late=0.1)
+    assert estimate(replace(sequence, images=np.zeros_like(sequence.images))).time_offset is None
+
+
+def test_images_are_not_read_where_the_poses_already_say_that_it_is_no_use():
+    class Unread:
+        shape, dtype = (200, ROWS, COLUMNS), np.dtype(np.uint8)
+
+        def __len__(self):
+            return 200
+
+        def __getitem__(self, index):
+            raise AssertionError("an image was read")
+
+    sequence = sweep(one_way, seconds=10)
+    assert estimate(replace(sequence, images=Unread())).time_offset is None
+
+
+def test_it_can_be_canceled():
+    with pytest.raises(OperationCanceled):
+        estimate(sweep(), progress=lambda fraction, _: fraction < 0.5)

@@ -1,0 +1,272 @@
+"""Poses in other people's files: every way to write one, read as meant; every convention that is left open is asked for."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+from sweeps import rigid
+
+from AIFReconLib.errors import AIFReconError, FileFormatError, SettingsError
+from AIFReconLib.io.pose_files import read_poses
+from AIFReconLib.io.pose_rows import PoseFormat, in_millimeters
+
+POSES = [rigid((10.0 * n - 20.0, 5.0, 30.0 + n), (1.5 * n, -20.0, 7.25)) for n in range(3)]
+TIMES = [3.5, 3.55, 3.625]
+
+
+def words(values) -> str:
+    return " ".join(repr(float(value)) for value in np.asarray(values).ravel())
+
+
+def quaternion(pose, order="xyzw") -> list[float]:
+    by_axis = dict(zip("xyzw", Rotation.from_matrix(pose[:3, :3]).as_quat()))
+    return [float(by_axis[axis]) for axis in order]
+
+
+def euler(pose, order, degrees=True) -> list[float]:
+    return Rotation.from_matrix(pose[:3, :3]).as_euler(order, degrees=degrees).tolist()
+
+
+def table(rows, header=None, separator=",") -> str:
+    return "\n".join([*([separator.join(header)] if header else []), *(separator.join(map(str, row)) for row in rows)]) + "\n"
+
+
+def read(tmp_path, text, form=None, name="poses.csv"):
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    return read_poses(tmp_path / name, form)
+
+
+def assert_poses(found, times=None):
+    np.testing.assert_allclose(found.matrices, POSES, atol=1e-9)
+    if times is None:
+        assert found.times is None
+    else:
+        np.testing.assert_allclose(found.times, times, atol=1e-12)
+
+
+BY_ROW = [pose.ravel().tolist() for pose in POSES]
+M00 = [f"m{r}{c}" for r in range(4) for c in range(4)]
+M11 = [f"M{r}{c}" for r in range(1, 5) for c in range(1, 5)]
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " "])
+@pytest.mark.parametrize("header", [None, M00, M11, [f"m{n}" for n in range(16)]], ids=["none", "from 0", "from 1", "counted"])
+def test_matrices_in_columns(tmp_path, header, separator):
+    assert_poses(read(tmp_path, table(BY_ROW, header, separator)))
+
+
+def test_matrices_of_twelve_numbers(tmp_path):
+    assert_poses(read(tmp_path, table([row[:12] for row in BY_ROW])))
+
+
+def test_matrices_with_the_time_in_front(tmp_path):
+    assert_poses(read(tmp_path, table([[t, *row] for t, row in zip(TIMES, BY_ROW)])), TIMES)
+
+
+def test_matrices_of_four_lines(tmp_path):
+    text = "\n\n".join("\n".join(words(line) for line in pose) for pose in POSES)
+    assert_poses(read(tmp_path, text, name="poses.txt"))
+
+
+def test_matrices_written_column_by_column(tmp_path):
+    assert_poses(read(tmp_path, table([pose.T.ravel().tolist() for pose in POSES]), PoseFormat(column_major=True)))
+
+
+@pytest.mark.parametrize("header", ["x y z qx qy qz qw", "tx ty tz q_x q_y q_z q_w", "Pos_X Pos_Y Pos_Z Quat_X Quat_Y Quat_Z Quat_W"])
+def test_named_quaternions_need_no_order(tmp_path, header):
+    rows = [[*pose[:3, 3], *quaternion(pose)] for pose in POSES]
+    assert_poses(read(tmp_path, table(rows, header.split())))
+
+
+def test_named_columns_may_come_in_any_order(tmp_path):
+    rows = [[*quaternion(pose, "wxyz"), *pose[:3, 3]] for pose in POSES]
+    assert_poses(read(tmp_path, table(rows, ["qw", "qx", "qy", "qz", "x", "y", "z"])))
+
+
+@pytest.mark.parametrize("order", ["xyzw", "wxyz"])
+@pytest.mark.parametrize("header", [None, ["x", "y", "z", "q0", "q1", "q2", "q3"], ["x", "y", "z", "q1", "q2", "q3", "q4"]])
+def test_quaternions_without_names_take_their_order(tmp_path, header, order):
+    rows = [[*pose[:3, 3], *quaternion(pose, order)] for pose in POSES]
+    assert_poses(read(tmp_path, table(rows, header), PoseFormat(quaternion_order=order)))
+
+
+def test_a_comment_may_be_the_header(tmp_path):
+    """The TUM format: time, translation, quaternion."""
+    rows = [[t, *pose[:3, 3], *quaternion(pose)] for t, pose in zip(TIMES, POSES)]
+    assert_poses(read(tmp_path, "# ground truth\n# timestamp tx ty tz qx qy qz qw\n" + table(rows, separator=" "), name="p.txt"), TIMES)
+
+
+@pytest.mark.parametrize("degrees", [True, False])
+@pytest.mark.parametrize("order", ["xyz", "ZYX", "XYZ", "zxy"])
+def test_named_euler_angles_belong_to_their_axes(tmp_path, order, degrees):
+    rows = []
+    for pose in POSES:
+        by_axis = dict(zip(order.lower(), euler(pose, order, degrees)))
+        rows.append([*pose[:3, 3], *(by_axis[axis] for axis in "xyz")])
+    form = PoseFormat(euler_order=order, angle_unit="deg" if degrees else "rad")
+    assert_poses(read(tmp_path, table(rows, ["x", "y", "z", "rx", "ry", "rz"]), form))
+
+
+@pytest.mark.parametrize("order", ["xyz", "ZYX", "ZXZ"])
+def test_euler_angles_without_names_come_in_the_order_of_the_turns(tmp_path, order):
+    rows = [[*pose[:3, 3], *euler(pose, order)] for pose in POSES]
+    assert_poses(read(tmp_path, table(rows), PoseFormat(euler_order=order)))
+
+
+def test_named_angles_cannot_have_an_axis_twice(tmp_path):
+    with pytest.raises(SettingsError, match="an axis twice"):
+        read(tmp_path, table([[1, 2, 3, 4, 5, 6]], ["x", "y", "z", "roll", "pitch", "yaw"]), PoseFormat(euler_order="ZXZ"))
+
+
+def test_lines_may_end_with_a_separator(tmp_path):
+    assert_poses(read(tmp_path, table([[*row, ""] for row in BY_ROW], M00)))
+
+
+def test_columns_can_be_named_by_the_user(tmp_path):
+    rows = [["Probe", t, 0.7, *quaternion(pose, "wxyz"), *pose[:3, 3]] for t, pose in zip(TIMES, POSES)]
+    form = PoseFormat(columns=("-", "time", "-", "qw", "qx", "qy", "qz", "x", "y", "z"))
+    assert_poses(read(tmp_path, table(rows), form), TIMES)
+
+
+def test_times_in_milliseconds_become_seconds(tmp_path):
+    rows = [[1000 * t, *row] for t, row in zip(TIMES, BY_ROW)]
+    assert_poses(read(tmp_path, table(rows, ["time_ms", *M00])), TIMES)
+
+
+def test_columns_that_are_not_used_are_named(tmp_path):
+    found = read(tmp_path, table([[n, *row] for n, row in enumerate(BY_ROW)], ["error", *M00]))
+    assert found.understood == ("3, 4x4 matrices, row by row, in mm", "columns that are not used: error")
+
+
+def test_images_and_statuses_are_kept(tmp_path):
+    found = read(tmp_path, table([[f"f{n}.png", "OK", *row] for n, row in enumerate(BY_ROW)], ["image", "status", *M00]))
+    assert (found.images, found.statuses) == (("f0.png", "f1.png", "f2.png"), ("OK", "OK", "OK"))
+
+
+@pytest.mark.parametrize(
+    "missing", [["nan"] * 7, [""] * 7, ["1", "2", "3", "0", "0", "0", "0"]], ids=["nan", "empty", "a quaternion of zeros"]
+)
+def test_a_row_without_a_pose_is_a_missing_pose(tmp_path, missing):
+    rows = [[*pose[:3, 3], *quaternion(pose)] for pose in POSES]
+    rows[1] = missing
+    found = read(tmp_path, table(rows, ["x", "y", "z", "qx", "qy", "qz", "qw"]))
+    assert np.isnan(found.matrices[1]).all()
+    assert np.isfinite(found.matrices[[0, 2]]).all()
+
+
+JSON_POSES = {
+    "list of matrices": [pose.tolist() for pose in POSES],
+    "list of rows": BY_ROW,
+    "objects with matrices": [{"matrix": pose.tolist()} for pose in POSES],
+    "under frames": {"frames": [{"transform": pose.tolist()} for pose in POSES], "units": "mm"},
+    "named parts": [
+        {"translation": dict(zip("xyz", pose[:3, 3].tolist())), "quaternion": dict(zip("xyzw", quaternion(pose)))} for pose in POSES
+    ],
+    "columns": [dict(zip(("x", "y", "z", "qx", "qy", "qz", "qw"), [*pose[:3, 3].tolist(), *quaternion(pose)])) for pose in POSES],
+}
+
+
+@pytest.mark.parametrize("name", JSON_POSES)
+def test_poses_in_json(tmp_path, name):
+    assert_poses(read(tmp_path, json.dumps(JSON_POSES[name]), name="poses.json"))
+
+
+def test_json_quaternions_in_a_list_take_their_order(tmp_path):
+    text = json.dumps([{"position": pose[:3, 3].tolist(), "rotation": quaternion(pose, "wxyz"), "timestamp": 1.0} for pose in POSES])
+    np.testing.assert_allclose(read(tmp_path, text, PoseFormat(quaternion_order="wxyz"), "p.json").matrices, POSES, atol=1e-9)
+    with pytest.raises(SettingsError, match=r"order of the quaternion's numbers is not known. Give --quaternion-order"):
+        read(tmp_path, text, name="p.json")
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)])
+def test_lengths_become_millimeters(unit, factor):
+    found = in_millimeters(np.array(POSES), PoseFormat(length_unit=unit), takes_pixels=False)
+    np.testing.assert_allclose(found[:, :3, 3], factor * np.array(POSES)[:, :3, 3])
+    np.testing.assert_array_equal(found[:, :3, :3], np.array(POSES)[:, :3, :3])
+
+
+def test_where_poses_take_pixels_their_axes_are_lengths_too():
+    found = in_millimeters(np.array(POSES), PoseFormat(length_unit="m"), takes_pixels=True)
+    np.testing.assert_allclose(found[:, :3], 1000.0 * np.array(POSES)[:, :3])
+
+
+@pytest.mark.parametrize(
+    ("text", "form", "message"),
+    [
+        ("", None, "holds no poses"),
+        ("x,y,z\n", None, "holds no poses"),
+        (table([row[:12] for row in BY_ROW]) + "1,2\n", None, r"line 4 .frame 3. must have 12 columns; got 2"),
+        (table(BY_ROW, M00).replace("-20.0", "left", 1), None, r"line 2 .frame 0., column m13 must be a number; got 'left'"),
+        (table([[1, 2, 3, 4, 5, 6, 7]]), None, "7 columns without names can be many things.*--columns"),
+        (
+            table([[1, 2, 3, 0.5, 0.5, 0.5, 0.1]], ["x", "y", "z", "qx", "qy", "qz", "qw"]),
+            None,
+            r"frame 0. must have a quaternion of length 1",
+        ),
+        (
+            table([[1, 2, 3, 4, 5, 6]], ["x", "y", "z", "rx", "ry", "rz"]),
+            None,
+            "order of the Euler angles is not known. Give --euler-order",
+        ),
+        (table([[1, 2, 3]], ["x", "y", "z"]), None, "must be 4x4 matrices .*known columns: x, y, z"),
+        (table([pose.T.ravel().tolist() for pose in POSES]), None, r"0 0 0 1 as its last row; got .*--column-major"),
+        ("1 0 0 0\n0 1 0 0\n0 0 1 0\n", None, "must come in fours"),
+        (table(BY_ROW), PoseFormat(columns=("x", "y")), r"must have 2 columns; got 16"),
+    ],
+)
+def test_a_file_that_cannot_be_used_is_explained(tmp_path, text, form, message):
+    with pytest.raises(AIFReconError, match=message) as caught:
+        read(tmp_path, text, form)
+    assert "poses.csv" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "this is not JSON"),
+        ("3", "must hold a list of poses; got int"),
+        ('{"a": 1}', "object with one under frames, poses"),
+        ('[{"matrix": [1, 2, 3]}]', "pose 0, matrix must be 16 or 12 numbers; got 3"),
+        ('[{"matrix": [[1, "a"]]}]', "must be 16 or 12 numbers"),
+        ('[{"x": true, "y": 1, "z": 2}]', "pose 0, x must be a number; got True"),
+        ("[" * 100_000, "this is not JSON"),
+    ],
+)
+def test_json_that_cannot_be_used_is_explained(tmp_path, text, message):
+    with pytest.raises(FileFormatError, match=message):
+        read(tmp_path, text, name="poses.json")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"quaternion_order": "xwyz"}, "must be xyzw or wxyz; got 'xwyz'"),
+        ({"euler_order": "xyzz"}, "three axes"),
+        ({"euler_order": "xXy"}, "three axes"),
+        ({"euler_order": "xxy"}, "three axes"),
+        ({"length_unit": "inch"}, "mm, cm or m"),
+    ],
+)
+def test_a_convention_that_is_none_is_refused(options, message):
+    with pytest.raises(SettingsError, match=message):
+        PoseFormat(**options)
+
+
+def test_a_binary_file_is_refused(tmp_path):
+    (tmp_path / "p.csv").write_bytes(bytes(range(256)))
+    with pytest.raises(FileFormatError, match="not a text file"):
+        read_poses(tmp_path / "p.csv")
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(text=st.text(st.characters(exclude_categories=["Cs"]), max_size=200), suffix=st.sampled_from([".csv", ".txt", ".json"]))
+def test_no_text_is_more_than_a_clear_refusal(tmp_path, text, suffix):
+    with contextlib.suppress(AIFReconError):
+        read(tmp_path, text, name=f"p{suffix}")

@@ -1,0 +1,102 @@
+"""The pose between two poses: against scipy's slerp, and by what must hold for any two."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation, Slerp
+from sweeps import image_pose, rigid
+
+from AIFReconLib.errors import GeometryError
+from AIFReconLib.pose_interpolation import interpolate_at, interpolate_pose, pose_change, rotation_between
+
+vectors = st.tuples(*[st.floats(-170, 170)] * 3)
+fractions = st.floats(0, 1)
+
+
+@given(vectors, vectors, fractions)
+@settings(max_examples=60, deadline=None)
+def test_rotations_follow_scipys_slerp(a, b, fraction):
+    turns = Rotation.from_rotvec(np.deg2rad([a, b]))
+    if (turns[0].inv() * turns[1]).magnitude() > np.pi - 1e-3:
+        return  # two ways are equally short
+    expected = Slerp([0, 1], turns)(fraction).as_matrix()
+    np.testing.assert_allclose(interpolate_pose(rigid(a), rigid(b), fraction)[:3, :3], expected, atol=1e-7)
+
+
+@given(vectors, vectors, fractions)
+@settings(max_examples=60, deadline=None)
+def test_a_rigid_pose_stays_rigid(a, b, fraction):
+    rotation = interpolate_pose(rigid(a, b), rigid(b, a), fraction)[:3, :3]
+    np.testing.assert_allclose(rotation.T @ rotation, np.eye(3), atol=1e-9)
+
+
+@given(vectors, vectors, fractions)
+@settings(max_examples=60, deadline=None)
+def test_the_way_back_passes_the_same_pose(a, b, fraction):
+    first, second = rigid(a, b), rigid(b, a)
+    if pose_change(first, second)[1] > np.pi - 1e-3:
+        return
+    np.testing.assert_allclose(interpolate_pose(first, second, fraction), interpolate_pose(second, first, 1 - fraction), atol=1e-6)
+
+
+def test_the_ends_are_the_samples_to_the_bit():
+    first, second = rigid((10, 20, 30), (1, 2, 3)), rigid((-40, 5, 60), (7, 8, 9))
+    np.testing.assert_array_equal(interpolate_pose(first, second, 0.0), first)
+    np.testing.assert_array_equal(interpolate_pose(first, second, 1.0), second)
+
+
+def test_translation_is_linear():
+    pose = interpolate_pose(rigid(translation=(0, 0, 0)), rigid((90, 0, 0), (4, 8, -2)), 0.25)
+    np.testing.assert_allclose(pose[:3, 3], (1, 2, -0.5))
+
+
+def test_an_image_pose_keeps_its_pixel_spacing():
+    pose = interpolate_pose(image_pose((0.4, 0.7), (0, 0, 0)), image_pose((0.4, 0.7), (0, 80, 30)), 0.3)
+    np.testing.assert_allclose(np.linalg.norm(pose[:3, :2], axis=0), (0.4, 0.7), atol=1e-12)
+
+
+def test_half_a_turn_is_passed_through_a_quarter():
+    pose = interpolate_pose(np.eye(4), rigid((180, 0, 0)), 0.5)
+    assert abs(pose_change(np.eye(4), pose)[1] - np.pi / 2) < 1e-6
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 1e-7, 30.0, 119.0, 121.0, 179.999, 180.0])
+def test_axis_and_angle_lead_from_one_rotation_to_the_other(angle_deg):
+    first = Rotation.from_rotvec((0.3, -0.2, 0.9))
+    axis = np.array([2.0, -1.0, 2.0]) / 3
+    second = first * Rotation.from_rotvec(np.deg2rad(angle_deg) * axis)
+    found, angle = rotation_between(first.as_matrix(), second.as_matrix())
+    led = (first * Rotation.from_rotvec(angle * found)).as_matrix()
+    np.testing.assert_allclose(led, second.as_matrix(), atol=1e-9)
+
+
+def test_among_samples_the_neighbors_in_time_are_used():
+    times = np.array([0.0, 1.0, 3.0])
+    poses = np.stack([rigid(translation=(x, 0, 0)) for x in (0, 10, 30)])
+    np.testing.assert_allclose(interpolate_at(times, poses, 1.5)[:3, 3], (15, 0, 0))
+
+
+def test_at_a_samples_time_the_sample_is_the_answer_to_the_bit():
+    times, poses = np.array([0.0, 1.0, 3.0]), np.stack([rigid((x, 2 * x, 3), (x, 0, 0)) for x in (0, 10, 30)])
+    np.testing.assert_array_equal(interpolate_at(times, poses, 1.0), poses[1])
+
+
+@pytest.mark.parametrize("time", [-0.1, 3.1, np.nan])
+def test_poses_are_not_extrapolated(time):
+    with pytest.raises(GeometryError, match="not extrapolated"):
+        interpolate_at(np.array([0.0, 3.0]), np.stack([np.eye(4)] * 2), time)
+
+
+@pytest.mark.parametrize("fraction", [-0.01, 1.01, np.nan])
+def test_a_fraction_outside_the_two_poses_is_refused(fraction):
+    with pytest.raises(GeometryError, match="fraction"):
+        interpolate_pose(np.eye(4), np.eye(4), fraction)
+
+
+@pytest.mark.parametrize("bad", [np.full((4, 4), np.nan), np.zeros((4, 4)), np.diag([-1.0, 1.0, 1.0, 1.0])])
+def test_what_is_no_pose_or_mirrored_is_refused(bad):
+    with pytest.raises(GeometryError):
+        interpolate_pose(np.eye(4), bad, 0.5)

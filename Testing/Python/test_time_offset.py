@@ -1,0 +1,179 @@
+"""Images and poses out of step: which pose an image gets then, and when it gets none."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from files import IMAGE_TO_PROBE, write_patient
+from sweeps import rigid
+
+from AIFReconLib.cli import main
+from AIFReconLib.errors import SettingsError
+from AIFReconLib.frames import FrameRecord, TrackedSequence
+from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.pose_tracks import PoseTrack
+from AIFReconLib.poses import sweep_poses
+from AIFReconLib.time_offset import with_time_offset
+from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+
+PROBE_TO_TRACKER, REFERENCE_TO_TRACKER = TransformName("Probe", "Tracker"), TransformName("Reference", "Tracker")
+
+
+def probe_at(time) -> np.ndarray:
+    """A probe that moves at 30 mm/s and turns at 40 degrees/s."""
+    return rigid((0.0, 40.0 * time, 0.0), (30.0 * time, -5.0, 2.0))
+
+
+def sweep(times=None, late=0.0, statuses=None, image_statuses=None) -> TrackedSequence:
+    """Frames at these times, whose recorded poses are those of `late` seconds before."""
+    times = np.arange(12) * 0.1 if times is None else times
+    records = []
+    for n, time in enumerate(times):
+        status = (statuses or {}).get(n, TransformStatus.OK)
+        transforms = {
+            PROBE_TO_TRACKER: TransformSample(probe_at(time - late), status),
+            REFERENCE_TO_TRACKER: TransformSample(rigid((0, 0, 20.0), (1.0, 2.0, 3.0))),
+        }
+        records.append(FrameRecord(float(time), image_status=(image_statuses or {}).get(n, TransformStatus.OK), transforms=transforms))
+    header = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
+    return TrackedSequence(np.zeros((len(records), 30, 40), np.uint8), records, transforms=header)
+
+
+def probe_poses(sequence) -> list[np.ndarray]:
+    return [record.transforms[PROBE_TO_TRACKER].matrix for record in sequence.records]
+
+
+@pytest.mark.parametrize("late", [0.04, 0.1, -0.07])
+def test_poses_that_come_late_are_mended_by_that_offset(late):
+    mended = with_time_offset(sweep(late=late), late)
+    for n in range(2, 10):
+        np.testing.assert_allclose(probe_poses(mended)[n], probe_at(0.1 * n), atol=1e-9)
+
+
+def test_the_sign_is_that_of_the_image_devices_local_time_offset():
+    """LocalTimeOffsetSec = -0.3 of a frame grabber: its images show what was there 0.3 s before their time stamp."""
+    np.testing.assert_allclose(probe_poses(with_time_offset(sweep(), -0.3))[7], probe_at(0.7 - 0.3), atol=1e-9)
+
+
+def test_a_whole_number_of_frames_takes_the_very_poses():
+    original = sweep()
+    shifted = with_time_offset(original, 0.2)
+    assert [p.tolist() for p in probe_poses(shifted)[:10]] == [p.tolist() for p in probe_poses(original)[2:]]
+
+
+def test_no_offset_is_the_sequence_itself():
+    original = sweep()
+    assert with_time_offset(original, 0.0) is original
+
+
+def test_a_static_transform_stays_as_it_is():
+    shifted = with_time_offset(sweep(), 0.05)
+    np.testing.assert_allclose(shifted.records[3].transforms[REFERENCE_TO_TRACKER].matrix, rigid((0, 0, 20.0), (1.0, 2.0, 3.0)), atol=1e-12)
+
+
+def test_frames_beyond_the_ends_have_no_pose():
+    found = sweep_poses(with_time_offset(sweep(), 0.25))
+    assert found.skipped() == {"ProbeToTracker MISSING": [9, 10, 11]}
+
+
+def test_frames_lost_to_the_offset_are_counted_in_a_note():
+    assert "3 frames have no pose then" in with_time_offset(sweep(), 0.25).notes[0]
+    assert "1 frame has no pose then" in with_time_offset(sweep(), -0.05).notes[0]
+
+
+def test_a_short_loss_of_tracking_is_bridged():
+    shifted = with_time_offset(sweep(statuses={5: TransformStatus.OUT_OF_VIEW}), 0.05)
+    np.testing.assert_allclose(probe_poses(shifted)[5], probe_at(0.55), atol=1e-9)
+
+
+def test_a_loss_longer_than_the_longest_gap_is_not():
+    lost = dict.fromkeys((4, 5, 6), TransformStatus.OUT_OF_VIEW)
+    found = sweep_poses(with_time_offset(sweep(statuses=lost), 0.05, longest_gap=0.3))
+    assert found.skipped() == {"ProbeToTracker MISSING": [3, 11], "ProbeToTracker OUT_OF_VIEW": [4, 5, 6]}
+
+
+def test_the_longest_gap_itself_is_bridged():
+    lost = dict.fromkeys((4, 5), TransformStatus.OUT_OF_VIEW)
+    assert 4 in sweep_poses(with_time_offset(sweep(statuses=lost), 0.05, longest_gap=0.3)).usable
+
+
+def test_a_frame_without_an_image_still_says_where_the_probe_was():
+    shifted = with_time_offset(sweep(image_statuses={6: TransformStatus.INVALID}), 0.1)
+    assert probe_poses(shifted)[5].tolist() == probe_at(6 * 0.1).tolist()
+
+
+def test_frames_in_any_order_are_interpolated_in_order_of_time():
+    order = [3, 0, 7, 1, 2, 11, 4, 5, 6, 8, 9, 10]
+    shifted = with_time_offset(sweep(times=np.array(order) * 0.1), 0.05)
+    np.testing.assert_allclose(probe_poses(shifted)[2], probe_at(0.75), atol=1e-9)
+
+
+def test_the_images_and_times_stay():
+    original = sweep()
+    shifted = with_time_offset(original, 0.1)
+    assert shifted.images is original.images
+    assert [r.timestamp for r in shifted.records] == [r.timestamp for r in original.records]
+
+
+@pytest.mark.parametrize(
+    ("offset", "gap", "message"),
+    [
+        (np.nan, 0.5, "time_offset must be within 10 s; got nan"),
+        (250.0, 0.5, "time_offset must be within 10 s; got 250.0. Give it in seconds"),
+        (0.1, 0.0, "longest_gap must be above 0 s; got 0.0"),
+        (0.1, np.inf, "longest_gap must be above 0 s"),
+    ],
+)
+def test_an_offset_or_gap_out_of_range_is_refused(offset, gap, message):
+    with pytest.raises(SettingsError, match=message):
+        with_time_offset(sweep(), offset, gap)
+
+
+@pytest.mark.parametrize("timestamp", [None, 3.0])
+def test_an_offset_without_times_is_refused(timestamp):
+    sequence = sweep()
+    sequence = replace(sequence, records=[replace(record, timestamp=timestamp) for record in sequence.records])
+    with pytest.raises(SettingsError, match="a time stamp for every frame, and they must differ"):
+        with_time_offset(sequence, 0.1)
+
+
+def test_a_track_says_why_it_has_no_pose():
+    track = PoseTrack([(1.0, TransformSample(np.eye(4))), (3.0, TransformSample(np.eye(4)))])
+    assert track.at(0.5)[1] == "no pose before 1.000 s"
+    assert track.at(3.5)[1] == "no pose after 3.000 s"
+    assert track.at(2.0)[1] == "no valid pose between 1.000 and 3.000 s"
+    assert PoseTrack([]).at(2.0)[1] == "no valid pose at all"
+
+
+def test_poses_that_cannot_be_interpolated_are_a_missing_pose():
+    mirrored = np.diag([1.0, 1.0, -1.0, 1.0])
+    track = PoseTrack([(1.0, TransformSample(np.eye(4))), (1.2, TransformSample(mirrored))])
+    assert "cannot be interpolated" in track.at(1.1)[1]
+
+
+def test_reconstruct_takes_the_offset(tmp_path, results, capsys):
+    patient = write_patient(tmp_path, sweep(late=0.1))
+    assert (
+        main([*patient.reconstruct, "--time-offset", "0.1", "--output", str(results / "v.nrrd"), "--report", str(results / "r.json")]) == 0
+    )
+    assert "Poses are those of 0.1 s after each image's time stamp; 1 frame has no pose then." in capsys.readouterr().out
+    assert json.loads((results / "r.json").read_text())["tracking"]["frames_used"] == 11
+
+
+def test_info_takes_the_offset_and_the_longest_gap(tmp_path, capsys):
+    patient = write_patient(tmp_path, sweep(times=np.arange(12) * 0.2))
+    assert main(["info", str(patient.sweep), "--time-offset", "0.1", "--longest-gap", "0.1", "--config", str(patient.config)]) == 0
+    out = capsys.readouterr().out
+    assert "ProbeToTracker MISSING: 12 frames (0-11)" in out
+    assert "12 frames have no pose then" in out
+
+
+def test_an_offset_written_to_a_file_is_read_back(tmp_path):
+    from AIFReconLib.io.sequence_writer import write_sequence
+
+    shifted = with_time_offset(sweep(), 0.05)
+    write_sequence(shifted, tmp_path / "sweep.mha")
+    assert [p.tolist() for p in probe_poses(read_sequence(tmp_path / "sweep.mha"))[:11]] == [p.tolist() for p in probe_poses(shifted)[:11]]
