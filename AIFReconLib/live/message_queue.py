@@ -1,0 +1,93 @@
+"""What lies between the thread that receives and the one that works: the newest messages, and a count of those that had to go."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+
+from .messages import ImageMessage, Message, StreamEvent
+
+REPORT_INTERVAL = 1.0
+"""Shortest time between two events that report dropped messages, s."""
+
+
+class MessageQueue:
+    """Bounded in number and in bytes. When full, the oldest message goes: a live view must stay current.
+
+    Parameters
+    ----------
+    limit : int
+        Messages.
+    byte_limit : int
+        Bytes of pixels.
+    """
+
+    def __init__(self, limit: int, byte_limit: int):
+        self._limit = limit
+        self._byte_limit = byte_limit
+        self._changed = threading.Condition()
+        self._messages: deque[Message] = deque()
+        self._bytes = 0
+        self._dropped = 0
+        self._reported = 0
+        self._report_time = -REPORT_INTERVAL
+        self._open = False
+
+    @property
+    def dropped(self) -> int:
+        """Messages that were pushed out since it was opened."""
+        with self._changed:
+            return self._dropped
+
+    def open(self) -> None:
+        """Begin anew: empty, nothing dropped."""
+        with self._changed:
+            self._messages.clear()
+            self._bytes = self._dropped = self._reported = 0
+            self._report_time = -REPORT_INTERVAL
+            self._open = True
+
+    def close(self) -> None:
+        """Take no more; what is there can still be taken out, and nobody waits any longer."""
+        with self._changed:
+            self._open = False
+            self._changed.notify_all()
+
+    def put(self, message: Message) -> None:
+        """Add a message; does nothing once closed."""
+        with self._changed:
+            if not self._open:
+                return
+            self._messages.append(message)
+            self._bytes += _size(message)
+            while len(self._messages) > self._limit or (self._bytes > self._byte_limit and len(self._messages) > 1):
+                self._drop_oldest()
+            self._changed.notify()
+
+    def get(self, timeout: float | None) -> Message | None:
+        """The oldest message; None if there is none within `timeout` s (None: without limit) or the queue is closed."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._messages or not self._open, timeout)
+            if not self._messages:
+                return None
+            now = time.monotonic()
+            if self._dropped > self._reported and now - self._report_time >= REPORT_INTERVAL:
+                count, self._reported, self._report_time = self._dropped - self._reported, self._dropped, now
+                return StreamEvent(
+                    "dropped", f"{count} messages were left out, the oldest first: they arrive faster than they are worked on.", now
+                )
+            message = self._messages.popleft()
+            self._bytes -= _size(message)
+            return message
+
+    def _drop_oldest(self) -> None:
+        """The oldest message goes; events stay as long as there is anything else, because they tell what happened to the rest."""
+        place = next((n for n, message in enumerate(self._messages) if not isinstance(message, StreamEvent)), 0)
+        self._bytes -= _size(self._messages[place])
+        del self._messages[place]
+        self._dropped += 1
+
+
+def _size(message: Message) -> int:
+    return message.image.nbytes if isinstance(message, ImageMessage) else 0

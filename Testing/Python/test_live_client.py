@@ -1,0 +1,538 @@
+"""The OpenIGTLink client against real sockets: what arrives, and everything that can go wrong on the way."""
+
+from __future__ import annotations
+
+import socket
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import numpy as np
+import pytest
+from igtl_streams import DEADLINE, Inbox, ScriptedServer, image_bytes, picture, recorded, transform_bytes, wait_for, with_size
+
+from AIFReconLib.errors import LiveConnectionError, SettingsError
+from AIFReconLib.live.connection import open_connection
+from AIFReconLib.live.encoding import encode_status, encode_status_request
+from AIFReconLib.live.message_queue import MessageQueue
+from AIFReconLib.live.messages import StatusMessage, StreamEvent
+from AIFReconLib.live.openigtlink import OpenIGTLinkClient
+
+QUICK = {"retry_delays": (0.02,), "stall_after": 30.0}
+
+
+@pytest.fixture
+def server() -> Iterator[ScriptedServer]:
+    with ScriptedServer() as server:
+        yield server
+
+
+@pytest.fixture
+def connect(server):
+    """Starts a client of the server, waits for its connection and its request, and gives its inbox."""
+    clients = []
+
+    def start(**options) -> Inbox:
+        client = OpenIGTLinkClient("127.0.0.1", server.port, **{**QUICK, **options})
+        clients.append(client)
+        client.start()
+        server.accept()
+        server.receive(len(encode_status_request()))
+        inbox = Inbox(client)
+        inbox.client = client
+        return inbox
+
+    yield start
+    for client in clients:
+        client.stop()
+
+
+def free_port() -> int:
+    """A port on which nobody listens."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+@pytest.fixture
+def silent_port() -> Iterator[int]:
+    """A port that neither accepts nor refuses, as behind a firewall: its queue of connections is full."""
+    if sys.platform != "linux":
+        pytest.skip("elsewhere a full queue of connections refuses instead of keeping silent")
+    with socket.socket() as listener, ExitStack() as waiting:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen(0)
+        for _ in range(3):
+            probe = waiting.enter_context(socket.socket())
+            probe.setblocking(False)
+            probe.connect_ex(listener.getsockname())
+        yield listener.getsockname()[1]
+
+
+# ---- what arrives
+
+
+def test_the_first_thing_sent_is_a_status_request_of_version_2(server):
+    with OpenIGTLinkClient("127.0.0.1", server.port, **QUICK):
+        assert server.accept().receive(len(encode_status_request())) == encode_status_request()
+
+
+def test_images_and_transforms_arrive_in_order(server, connect):
+    inbox = connect()
+    server.send(*(image_bytes(picture(n), timestamp=n) + transform_bytes(timestamp=n) for n in range(1, 6)))
+    inbox.until(lambda inbox: len(inbox.transforms()) == 5)
+    assert [type(message).__name__ for message in inbox.messages[1:]] == ["ImageMessage", "TransformMessage"] * 5
+    assert [image.timestamp for image in inbox.images()] == [1, 2, 3, 4, 5]
+
+
+def test_a_message_in_many_small_pieces_arrives_whole(server, connect):
+    inbox = connect()
+    data = image_bytes()
+    for start in range(0, len(data), 40):
+        server.send(data[start : start + 40])
+    inbox.until(lambda inbox: inbox.images())
+    assert np.array_equal(inbox.images()[0].image, picture())
+
+
+def test_a_status_arrives(server, connect):
+    inbox = connect()
+    server.send(encode_status("Tracker", 1.0, 13, "no marker"))
+    inbox.until(lambda inbox: any(isinstance(message, StatusMessage) for message in inbox.messages))
+    assert inbox.messages[-1].text == "no marker"
+
+
+def test_the_connection_is_announced(connect):
+    assert connect().until_event("connected").detail.startswith("Connected to 127.0.0.1, port ")
+
+
+def test_a_client_knows_the_devices_and_their_types(server, connect):
+    inbox = connect()
+    server.send(image_bytes(device="Same"), transform_bytes(device="Same"), transform_bytes(device="ProbeToTracker"))
+    inbox.until_transform("ProbeToTracker")
+    assert inbox.client.devices() == {"Same": ("IMAGE", "TRANSFORM"), "ProbeToTracker": ("TRANSFORM",)}
+
+
+def test_200_devices_are_told_apart(server, connect):
+    inbox = connect()
+    server.send(*(transform_bytes(device=f"Tool{n}ToTracker") for n in range(200)))
+    inbox.until(lambda inbox: len(inbox.transforms()) == 200)
+    assert len(inbox.client.devices()) == 200
+
+
+def test_devices_without_end_do_not_fill_the_memory(server, connect):
+    inbox = connect(queue_size=10)
+    server.send(*(transform_bytes(device=f"Tool{n}") for n in range(1500)), transform_bytes(device="Last"))
+    wait_for(lambda: sum(inbox.client.statistics.received.values()) == 1501, "1501 messages")
+    assert len(inbox.client.devices()) == 1001
+
+
+def test_types_that_are_not_used_are_counted(server, connect, data_dir):
+    inbox = connect(queue_size=10_000)
+    server.send(recorded(data_dir, "C"))
+    wait_for(lambda: inbox.client.statistics.count("TRANSFORM", "ImageToReference") == 80, "the last transform")
+    assert inbox.client.statistics.unused == {"RTS_TDATA": 1, "TRACKEDFRAME": 80, "USMESSAGE": 80, "POSITION": 320}
+
+
+def test_the_age_of_the_last_message_is_known(server, connect):
+    inbox = connect()
+    assert inbox.client.statistics.last_message_age is None
+    server.send(transform_bytes())
+    inbox.until_transform("ProbeToTracker")
+    assert 0 <= inbox.client.statistics.last_message_age < DEADLINE
+
+
+def test_every_image_of_a_real_server_arrives(server, connect, data_dir):
+    inbox = connect(queue_size=10_000)
+    sender = threading.Thread(target=server.send, args=(recorded(data_dir, "A"),))
+    sender.start()
+    inbox.until(lambda inbox: len(inbox.images()) == 36)
+    sender.join()
+    assert inbox.client.statistics.dropped == 0
+
+
+# ---- damage
+
+
+def test_of_a_really_damaged_stream_only_its_own_images_arrive(server, connect, data_dir):
+    inbox = connect(queue_size=10_000)
+    sender = threading.Thread(target=server.send, args=(recorded(data_dir, "H") + transform_bytes(device="End"),))
+    sender.start()
+    inbox.until_transform("End")
+    sender.join()
+    # The very images that stand in the recording beside an undamaged message of the same time
+    times = {message.timestamp for message in inbox.transforms("ImageToReference")}
+    assert {image.timestamp for image in inbox.images()} <= times
+    assert len(inbox.images()) == 22
+    statistics = inbox.client.statistics
+    assert (statistics.bad_crc, statistics.resyncs, statistics.skipped_bytes) == (1, 1, 342817 + 261932)
+
+
+def test_a_wrong_checksum_is_reported_and_counted(server, connect):
+    inbox = connect()
+    broken = bytearray(image_bytes())
+    broken[-1] ^= 1
+    server.send(bytes(broken), transform_bytes())
+    inbox.until_transform("ProbeToTracker")
+    assert inbox.images() == []
+    assert "has a wrong checksum. It is left out" in inbox.events("refused")[0].detail
+    assert inbox.client.statistics.bad_crc == 1
+
+
+def test_one_stray_byte_costs_nothing_but_itself(server, connect):
+    inbox = connect()
+    server.send(b"\x00", transform_bytes(device="A"), b"?", transform_bytes(device="B"))
+    inbox.until_transform("B")
+    assert [message.device for message in inbox.transforms()] == ["A", "B"]
+    assert inbox.client.statistics.skipped_bytes == 2
+
+
+def test_random_bytes_are_skipped_and_counted(server, connect):
+    inbox = connect()
+    server.send(np.random.default_rng(0).bytes(300_000), transform_bytes())
+    inbox.until_transform("ProbeToTracker")
+    assert inbox.client.statistics.skipped_bytes == 300_000
+    assert inbox.until_event("resynchronized").detail.startswith("300000 bytes")
+
+
+@pytest.mark.parametrize("size", [2**31, 2**40])
+def test_an_impossible_size_is_refused_and_the_next_message_arrives(server, connect, size):
+    inbox = connect()
+    server.send(with_size(image_bytes(), size), transform_bytes())
+    inbox.until_transform("ProbeToTracker")
+    assert f"declares {size} bytes" in inbox.events("refused")[0].detail
+    assert inbox.client.statistics.refused_sizes == 1
+
+
+def test_a_matrix_of_nan_arrives_as_an_invalid_transform(server, connect):
+    inbox = connect()
+    server.send(transform_bytes(np.full((4, 4), np.nan)))
+    assert inbox.until_transform("ProbeToTracker").status.value == "INVALID"
+
+
+def test_a_3d_image_is_refused_with_a_sentence(server, connect):
+    inbox = connect()
+    server.send(image_bytes(np.zeros((3, 4, 5), np.uint8), device="Volume"), transform_bytes())
+    inbox.until_transform("ProbeToTracker")
+    assert inbox.events("refused")[0].detail.startswith("IMAGE message of 'Volume' holds 5 x 4 x 3 pixels: frames must be 2D")
+    assert inbox.client.statistics.refused == 1
+
+
+def test_a_trouble_that_goes_on_is_not_reported_with_every_message(server, connect):
+    inbox = connect()
+    server.send(*[image_bytes(np.zeros((3, 4, 5), np.uint8))] * 50, transform_bytes())
+    inbox.until_transform("ProbeToTracker")
+    assert len(inbox.events("refused")) < 10
+    assert inbox.client.statistics.refused == 50
+
+
+# ---- stalls
+
+
+def next_stall(inbox: Inbox) -> str:
+    """The stall that is reported next; on a busy machine there may have been one before the first message."""
+    return inbox.until_event("stalled", 1 + len(inbox.events("stalled"))).detail
+
+
+def test_a_stall_between_messages_is_reported_once(server, connect):
+    inbox = connect(stall_after=0.1)
+    server.send(transform_bytes())
+    inbox.until_transform("ProbeToTracker")
+    assert "nothing arrived. Waiting; check 127.0.0.1" in next_stall(inbox)
+    time.sleep(0.3)
+    while (message := inbox.client.get(0)) is not None:
+        assert not isinstance(message, StreamEvent)
+
+
+def test_a_stall_in_a_header_is_reported_and_survived(server, connect):
+    inbox = connect(stall_after=0.1)
+    data = transform_bytes()
+    server.send(transform_bytes(device="Before"), data[:30])
+    inbox.until_transform("Before")
+    assert "in the middle of a header (30 of 58 bytes)" in next_stall(inbox)
+    server.send(data[30:])
+    inbox.until_transform("ProbeToTracker")
+
+
+def test_a_stall_in_a_body_is_reported_and_survived(server, connect):
+    inbox = connect(stall_after=0.1)
+    data = image_bytes()
+    server.send(transform_bytes(device="Before"), data[:78])
+    inbox.until_transform("Before")
+    assert "in the middle of an IMAGE of Image_Reference (20 of 107 bytes)" in next_stall(inbox)
+    server.send(data[78:])
+    inbox.until(lambda inbox: inbox.images())
+    assert np.array_equal(inbox.images()[0].image, picture())
+
+
+def test_a_message_that_never_ends_does_not_swallow_those_behind_it(server, connect):
+    inbox = connect(stall_after=0.1)
+    server.send(with_size(image_bytes(), 2**20), transform_bytes(device="Behind"))
+    inbox.until_transform("Behind")
+
+
+def test_bytes_that_are_no_message_count_as_a_stall(server, connect):
+    inbox = connect(stall_after=0.1)
+    server.send(b"HTTP/1.1 400 Bad Request\r\n" * 4)
+    assert "only bytes that are no message arrive" in inbox.until_event("stalled").detail
+
+
+# ---- the end, and after it
+
+
+def test_the_end_of_the_stream_is_noticed(server, connect):
+    inbox = connect(retry_delays=(30.0,))
+    server.hang_up()
+    assert inbox.until_event("disconnected").detail.endswith("closed the connection. Connecting again in 30 s.")
+    assert inbox.client.state == "waiting to reconnect"
+
+
+def test_an_end_in_the_middle_of_a_message_says_so(server, connect):
+    inbox = connect()
+    server.send(image_bytes()[:78])
+    wait_for(lambda: inbox.client.statistics.received_bytes == 78, "78 bytes")
+    server.hang_up()
+    assert "in the middle of an IMAGE of Image_Reference (20 of 107 bytes)" in inbox.until_event("disconnected").detail
+
+
+def test_a_server_that_is_killed_and_restarted_is_found_again():
+    with ScriptedServer() as first:
+        port = first.port
+        client = OpenIGTLinkClient("127.0.0.1", port, **QUICK)
+        inbox = Inbox(client)
+        client.start()
+        first.accept().send(transform_bytes(device="Before"))
+        inbox.until_transform("Before")
+    inbox.until_event("disconnected")
+    with ScriptedServer(port) as second, client:
+        second.accept().send(transform_bytes(device="After"))
+        inbox.until_transform("After")
+        assert client.statistics.reconnects == 1
+
+
+def test_the_rest_of_a_message_cut_by_a_disconnection_is_not_joined_to_the_next_connection(server, connect):
+    inbox = connect()
+    data = image_bytes()
+    server.send(data[:78])
+    wait_for(lambda: inbox.client.statistics.received_bytes == 78, "78 bytes")
+    server.hang_up()
+    server.accept().send(data[78:], transform_bytes(device="After"))
+    inbox.until_transform("After")
+    assert inbox.images() == []
+
+
+def test_pauses_between_attempts_grow_and_the_last_one_repeats():
+    client = OpenIGTLinkClient("127.0.0.1", free_port(), retry_delays=(0.01, 0.02, 0.03))
+    with client:
+        inbox = Inbox(client)
+        inbox.until_event("disconnected", 4)
+    assert [event.detail.split()[-2] for event in inbox.events("disconnected")[:4]] == ["0.01", "0.02", "0.03", "0.03"]
+
+
+# ---- no connection
+
+
+def test_a_closed_port_is_reported_in_plain_words():
+    port = free_port()
+    with OpenIGTLinkClient("127.0.0.1", port, **QUICK) as client:
+        inbox = Inbox(client)
+        assert f"127.0.0.1 has no server on port {port}. Start the server there" in inbox.until_event("disconnected").detail
+        assert client.last_error.startswith("127.0.0.1 has no server")
+
+
+def test_a_closed_port_fails_at_once_where_that_is_asked_for():
+    client = OpenIGTLinkClient("127.0.0.1", free_port(), **QUICK)
+    with pytest.raises(LiveConnectionError, match="has no server on port"):
+        client.connect_once()
+    assert client.state == "stopped"
+
+
+def test_a_server_that_is_there_lets_the_first_attempt_succeed(server):
+    client = OpenIGTLinkClient("127.0.0.1", server.port, **QUICK)
+    client.start(wait=True)
+    assert client.state == "connected"
+    client.stop()
+
+
+def test_a_host_that_does_not_resolve_is_reported_in_plain_words(monkeypatch):
+    def unknown(*_, **__):
+        raise socket.gaierror(-2, "Name or service not known")
+
+    monkeypatch.setattr(socket, "getaddrinfo", unknown)
+    with pytest.raises(LiveConnectionError, match=r"Host 'nowhere\.invalid' cannot be found \(Name or service not known\)"):
+        OpenIGTLinkClient("nowhere.invalid", 18944).connect_once()
+
+
+def test_a_host_that_cannot_be_a_name_is_reported_too():
+    with pytest.raises(LiveConnectionError, match="cannot be found"):
+        OpenIGTLinkClient("a" * 70 + ".b", 18944).connect_once()
+
+
+def test_a_machine_that_does_not_answer_is_given_up_after_the_timeout(silent_port):
+    with pytest.raises(LiveConnectionError, match=f"does not answer on port {silent_port} within 0.2 s"):
+        open_connection("127.0.0.1", silent_port, 0.2, lambda: False)
+
+
+def test_a_missing_codec_is_reported_before_anything_is_started(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyigtl", None)
+    with pytest.raises(LiveConnectionError, match="pip install pyigtl"):
+        OpenIGTLinkClient("localhost", 18944).start()
+
+
+@pytest.mark.parametrize("port", [0, -1, 65536, "18944", 18944.0, True])
+def test_a_port_that_is_none_is_refused(port):
+    with pytest.raises(SettingsError, match="Input port must be a whole number from 1 to 65535"):
+        OpenIGTLinkClient("localhost", port)
+
+
+@pytest.mark.parametrize("host", ["", "  ", None, 7])
+def test_a_host_that_is_none_is_refused(host):
+    with pytest.raises(SettingsError, match="Input host must be"):
+        OpenIGTLinkClient(host, 18944)
+
+
+# ---- stopping
+
+
+def stopped_in_time(client: OpenIGTLinkClient) -> bool:
+    start = time.monotonic()
+    client.stop()
+    return time.monotonic() - start < 1.0 and client.state == "stopped"
+
+
+def test_it_stops_in_time_while_it_waits_to_reconnect():
+    client = OpenIGTLinkClient("127.0.0.1", free_port(), retry_delays=(60.0,))
+    client.start()
+    wait_for(lambda: client.state == "waiting to reconnect")
+    assert stopped_in_time(client)
+
+
+def test_it_stops_in_time_while_a_machine_does_not_answer(silent_port):
+    client = OpenIGTLinkClient("127.0.0.1", silent_port, connect_timeout=60.0)
+    client.start()
+    wait_for(lambda: client.state == "connecting")
+    assert stopped_in_time(client)
+    wait_for(lambda: not any(thread.name.endswith(f":{silent_port}") for thread in threading.enumerate()), "the end of the thread", 2.0)
+
+
+def test_it_stops_in_time_while_nothing_arrives(connect):
+    assert stopped_in_time(connect().client)
+
+
+def test_it_stops_in_time_in_the_middle_of_a_message(server, connect):
+    inbox = connect()
+    server.send(image_bytes()[:70])
+    wait_for(lambda: inbox.client.statistics.received_bytes == 70)
+    assert stopped_in_time(inbox.client)
+
+
+def test_it_stops_in_time_while_messages_keep_arriving(server, connect):
+    inbox = connect(queue_size=5)
+    over = threading.Event()
+
+    def flood():
+        data = image_bytes(picture(rows=100, columns=100)) * 20
+        while not over.is_set():
+            try:
+                server.send(data)
+            except OSError:
+                return
+
+    sender = threading.Thread(target=flood)
+    sender.start()
+    wait_for(lambda: inbox.client.statistics.count("IMAGE") > 50, "50 images")
+    assert stopped_in_time(inbox.client)
+    over.set()
+    sender.join()
+
+
+def test_it_stops_in_time_while_a_name_is_resolved(monkeypatch):
+    answer = threading.Event()
+
+    def slow(*_, **__):
+        answer.wait(DEADLINE)
+        raise socket.gaierror(-3, "Temporary failure")
+
+    monkeypatch.setattr(socket, "getaddrinfo", slow)
+    client = OpenIGTLinkClient("slow.invalid", 18944)
+    client.start()
+    assert stopped_in_time(client)
+    answer.set()
+
+
+def test_stopping_twice_or_before_the_start_does_nothing(connect):
+    client = connect().client
+    client.stop()
+    client.stop()
+    OpenIGTLinkClient("localhost", 1).stop()
+
+
+def test_whoever_waits_for_a_message_is_let_go_by_a_stop(connect):
+    client = connect().client
+    while client.get(0) is not None:
+        pass
+    got = []
+    waiting = threading.Thread(target=lambda: got.append(client.get(None)))
+    waiting.start()
+    client.stop()
+    waiting.join(DEADLINE)
+    assert got == [None]
+
+
+def test_what_was_received_can_be_taken_after_the_stop(server, connect):
+    inbox = connect()
+    server.send(transform_bytes())
+    wait_for(lambda: inbox.client.statistics.count("TRANSFORM") == 1)
+    inbox.client.stop()
+    inbox.until_transform("ProbeToTracker")
+
+
+def test_a_client_can_be_started_again(server, connect):
+    inbox = connect()
+    server.send(transform_bytes(device="First"))
+    inbox.until_transform("First")
+    inbox.client.stop()
+    inbox.client.start()
+    server.accept().send(transform_bytes(device="Second"))
+    inbox.until_transform("Second")
+    assert inbox.client.devices() == {"Second": ("TRANSFORM",)}
+
+
+# ---- a slow reader of the queue
+
+
+def test_a_slow_consumer_loses_the_oldest_messages_and_is_told_how_many(server, connect):
+    inbox = connect(queue_size=20)
+    server.send(*(transform_bytes(timestamp=n) for n in range(100)))
+    wait_for(lambda: inbox.client.statistics.dropped == 81, "81 dropped messages")
+    inbox.until(lambda inbox: inbox.transforms() and inbox.transforms()[-1].timestamp == 99)
+    # One place in the queue is held by the event of the connection
+    assert [message.timestamp for message in inbox.transforms()] == list(range(81, 100))
+    assert inbox.client.statistics.dropped == 81
+    assert inbox.events("dropped")[0].detail.startswith("81 messages were left out")
+
+
+def test_pixels_that_wait_are_limited_in_bytes_too(server, connect):
+    inbox = connect(queue_bytes=50_000)
+    server.send(*(image_bytes(picture(rows=100, columns=100), timestamp=n) for n in range(20)))
+    wait_for(lambda: inbox.client.statistics.dropped == 15, "15 dropped images")
+    inbox.until(lambda inbox: inbox.images() and inbox.images()[-1].timestamp == 19)
+    assert [image.timestamp for image in inbox.images()] == [15, 16, 17, 18, 19]
+
+
+def test_events_outlast_a_full_queue():
+    queue = MessageQueue(3, 10**9)
+    queue.open()
+    queue.put(StreamEvent("connected", "first"))
+    for n in range(10):
+        queue.put(StatusMessage("", float(n), 1))
+    assert queue.get(0).kind == "dropped"
+    assert queue.get(0).detail == "first"
+    assert queue.get(0).timestamp == 8.0
+
+
+def test_a_closed_queue_takes_nothing():
+    queue = MessageQueue(3, 10**9)
+    queue.put(StatusMessage("", 0.0, 1))
+    assert queue.get(0) is None

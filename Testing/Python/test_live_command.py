@@ -1,0 +1,299 @@
+"""`aifrecon live` as a user meets it, against a real server on this machine."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from files import refused, tracked_sequence
+from igtl_streams import ScriptedServer, image_bytes
+
+from AIFReconLib.cli import main
+from AIFReconLib.commands.live import StatusLine, status_text
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.frames import TrackedSequence
+from AIFReconLib.io.plus_config import read_plus_configuration
+from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.volume_files import read_volume
+from AIFReconLib.live.replay import ReplayServer
+from AIFReconLib.live.session_statistics import LiveStatistics
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.transform_graph import TransformStatus
+from AIFReconLib.volume import Volume, VoxelGrid
+
+LONG = 60.0
+GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
+
+
+@pytest.fixture
+def serve(patient):
+    """Starts servers of a sequence with the patient's calibration."""
+    servers = []
+
+    def start(sequence=None, **options):
+        sequence = sequence or tracked_sequence(count=12)
+        sequence = replace(sequence, configuration=read_plus_configuration(patient.config))
+        servers.append(ReplayServer(sequence, port=0, **{"rate": 60.0, **options}))
+        servers[-1].start()
+        return servers[-1]
+
+    yield start
+    for server in servers:
+        server.stop()
+
+
+@pytest.fixture
+def live(patient, tmp_path):
+    """The usual command line for a server, up to the output."""
+    like = tmp_path / "like.nrrd"
+    Volume(np.zeros(GRID.shape, np.uint8), GRID.ijk_to_reference).write(like)
+
+    def arguments(server, *more, grid=True):
+        where = ["--grid-like", str(like)] if grid else ["--spacing", "1"]
+        return ["live", "--port", str(server.port), "--config", str(patient.config), *where, *map(str, more)]
+
+    return arguments
+
+
+def closed_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        return listening.getsockname()[1]
+
+
+def test_a_live_scan_writes_the_volume_of_its_recording(serve, live, patient, results, capsys):
+    output, record = results / "v.nrrd", results / "scan.mha"
+    assert main(live(serve(loop=True), "--frames", "10", "--output", output, "--record", record)) == 0
+    sequence = read_sequence(record, config=patient.config)
+    offline = reconstruct(sequence, grid=GRID, image_to_reference="ImageToReference")
+    np.testing.assert_array_equal(read_volume(output).array, offline.intensity.array)
+    out = capsys.readouterr().out
+    assert "average: 10 of 10 frames" in out
+    assert f"recorded 10 frames to {record}" in out
+
+
+def test_scouting_finds_the_box_and_what_was_seen_enters_the_volume(serve, live, results, capsys):
+    arguments = live(serve(loop=True), "--frames", "30", "--scout-seconds", "0.2", "--output", results / "v.nrrd", grid=False)
+    assert main(arguments) == 0
+    captured = capsys.readouterr()
+    assert "The box is" in captured.err
+    assert "30 of 30 frames" in captured.out
+
+
+def test_a_scan_that_ends_while_scouting_is_reconstructed_all_the_same(serve, live, results, capsys):
+    assert main(live(serve(loop=True), "--frames", "8", "--output", results / "v.nrrd", grid=False)) == 0
+    assert "8 of 8 frames" in capsys.readouterr().out
+
+
+def test_seconds_end_the_scan(serve, live, results):
+    assert main(live(serve(loop=True), "--seconds", "0.3", "--output", results / "v.nrrd")) == 0
+    assert read_volume(results / "v.nrrd").array.any()
+
+
+def test_side_outputs_are_written(serve, live, results):
+    arguments = live(serve(loop=True), "--frames", "5", "--output", results / "v.nrrd", "--hits", results / "h.nrrd")
+    assert main(arguments) == 0
+    assert read_volume(results / "h.nrrd").array.sum() > 0
+
+
+def test_bone_options_are_those_of_reconstruct(serve, live, patient, results, capsys):
+    assert main([*live(serve(loop=True), "--frames", "4", "--output", results / "v.nrrd"), *patient.bone]) == 0
+    assert capsys.readouterr().out.startswith("weighted: 4 of 4 frames")
+
+
+def test_frames_without_tracking_are_named_in_the_summary(serve, live, results, capsys):
+    sequence = tracked_sequence(count=12, statuses={3: TransformStatus.OUT_OF_VIEW, 4: TransformStatus.OUT_OF_VIEW})
+    main(live(serve(sequence, loop=True), "--frames", "10", "--output", results / "v.nrrd"))
+    out = capsys.readouterr().out
+    assert "8 of 10 frames" in out
+    assert "ProbeToTracker" in out
+
+
+def test_a_server_that_is_not_there_is_one_line(live, results, capsys):
+    class Nobody:
+        port = closed_port()
+
+    assert str(Nobody.port) in refused(live(Nobody, "--output", results / "v.nrrd"), capsys, results)
+
+
+def test_a_wrong_device_name_lists_what_the_server_sends(serve, live, results, capsys, monkeypatch):
+    monkeypatch.setattr("AIFReconLib.commands.live.DEVICE_TIMEOUT", 0.5)
+    message = refused(live(serve(loop=True), "--image", "Camera_Reference", "--output", results / "v.nrrd"), capsys, results)
+    assert "no images of Camera_Reference" in message
+    assert "Image_Reference (IMAGE)" in message
+    assert "--image" in message
+
+
+def test_when_nothing_was_inserted_the_reason_is_said_and_the_recording_kept(serve, live, results, capsys):
+    sequence = tracked_sequence(count=12, statuses=dict.fromkeys(range(12), TransformStatus.OUT_OF_VIEW))
+    record = results / "scan.mha"
+    code = main(live(serve(sequence, loop=True), "--frames", "5", "--output", results / "v.nrrd", "--record", record))
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert code == 2
+    assert "Not one of 5 frames" in error
+    assert "ProbeToTracker" in error
+    assert f"recorded 5 frames to {record}" in error
+    assert len(read_sequence(record)) == 5
+
+
+def test_images_whose_pose_nothing_confirms_are_explained(live, results, capsys):
+    with ScriptedServer() as server:
+        thread = threading.Thread(target=main, args=(live(server, "--frames", "3", "--output", results / "v.nrrd"),))
+        thread.start()
+        server.accept()
+        for n in range(8):
+            server.send(image_bytes(timestamp=100.0 + n))
+        thread.join(LONG)
+    error = capsys.readouterr().err
+    assert "not confirmed" in error
+    assert "--trust-image-pose" in error
+
+
+@pytest.mark.parametrize("option", ["--frames", "--seconds", "--scout-seconds"])
+def test_impossible_lengths_are_refused(option, serve, live, results, capsys):
+    assert option in refused(live(serve(), option, "0", "--output", results / "v.nrrd"), capsys, results)
+
+
+def test_bone_from_a_sweep_that_is_not_there_yet_is_refused(serve, live, results, capsys):
+    assert "--record" in refused(live(serve(), "--bone-from-sweep", "--output", results / "v.nrrd"), capsys, results)
+
+
+def test_recording_over_an_input_is_refused(serve, live, patient, results, capsys):
+    arguments = live(serve(), "--output", results / "v.nrrd", "--record", patient.config)
+    assert "overwrite" in refused(arguments, capsys, results)
+
+
+def test_a_recording_that_cannot_be_written_is_refused(serve, live, results, capsys):
+    arguments = live(serve(), "--output", results / "v.nrrd", "--record", results / "nowhere" / "scan.mha")
+    assert "nowhere" in refused(arguments, capsys, results)
+
+
+def test_images_of_several_devices_have_to_be_chosen_from(serve, live, results, capsys, monkeypatch):
+    monkeypatch.setattr(
+        "AIFReconLib.live.openigtlink.OpenIGTLinkClient.devices", lambda self: {"Image_Reference": ("IMAGE",), "Other": ("IMAGE",)}
+    )
+    assert "Image_Reference, Other" in refused(live(serve(loop=True), "--output", results / "v.nrrd"), capsys, results)
+
+
+def fail_at_frame(number, monkeypatch):
+    real = Reconstructor.insert
+
+    def insert(self, frame):
+        if frame.number >= number:
+            raise MemoryError("no more memory")
+        real(self, frame)
+
+    monkeypatch.setattr(Reconstructor, "insert", insert)
+
+
+def test_an_error_ends_the_scan_and_what_was_there_before_is_saved(serve, live, results, capsys, monkeypatch):
+    fail_at_frame(5, monkeypatch)
+    assert main(live(serve(loop=True), "--output", results / "v.nrrd")) == 2
+    assert "stopped early: no more memory" in capsys.readouterr().err
+    assert read_volume(results / "v.nrrd").array.any()
+
+
+def test_a_recording_goes_on_after_an_error(serve, live, results, monkeypatch):
+    fail_at_frame(3, monkeypatch)
+    assert main(live(serve(loop=True), "--frames", "9", "--output", results / "v.nrrd", "--record", results / "scan.mha")) == 2
+    assert len(read_sequence(results / "scan.mha")) == 9
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="interrupts are sent differently there")
+def test_ctrl_c_saves_what_there_is(serve, live, results):
+    arguments = live(serve(loop=True), "--output", results / "v.nrrd", "--record", results / "scan.mhd")
+    child = subprocess.Popen(
+        [sys.executable, "-m", "AIFReconLib", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ
+    )
+    with child:
+        deadline = time.monotonic() + 60
+        # The header of the recording is renewed every second
+        while not (results / "scan.recording.mhd").exists() or len(read_sequence(results / "scan.recording.mhd")) < 5:
+            assert child.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        child.send_signal(signal.SIGINT)
+        out, error = child.communicate(timeout=60)
+    assert child.returncode == 130, (out, error)
+    assert "frames into" in out
+    assert read_volume(results / "v.nrrd").array.any()
+    assert len(read_sequence(results / "scan.mhd")) > 0
+
+
+# ---- the status line
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+class Shown:
+    """What a status line asks of a session."""
+
+    scouted = 0
+    statistics = LiveStatistics("reconstructing", "connected", "tracked", 40, 31, 0, {"x": 9}, 29.9, 0.012, 0.05)
+
+
+def test_the_status_tells_tracking_rate_latency_and_counts():
+    text = status_text(Shown.statistics)
+    for word in ("29.9 frames/s", "tracked", "31 inserted", "12 ms", "9 skipped"):
+        assert word in text
+
+
+def test_the_status_tells_that_the_connection_is_lost():
+    assert status_text(replace(Shown.statistics, connection="waiting to reconnect")).startswith("waiting to reconnect")
+
+
+def test_a_terminal_is_drawn_to_at_most_five_times_a_second():
+    clock = iter(np.arange(0, 2, 0.05))
+    stream = Terminal()
+    line = StatusLine(stream, lambda: next(clock))
+    for _ in range(40):
+        line.show(Shown)
+    assert 9 <= stream.getvalue().count("\r") <= 10
+
+
+def test_trouble_is_said_once_in_a_line_of_its_own():
+    class Troubled(Shown):
+        statistics = replace(Shown.statistics, trouble="Nothing has arrived for 2 s.")
+
+    clock = iter(np.arange(0, 20, 0.5))
+    stream = Terminal()
+    line = StatusLine(stream, lambda: next(clock))
+    for _ in range(40):
+        line.show(Troubled)
+    assert stream.getvalue().count("Nothing has arrived for 2 s.\n") == 1
+
+
+def test_elsewhere_a_line_is_written_every_five_seconds():
+    clock = iter(np.arange(0, 20, 0.5))
+    stream = io.StringIO()
+    line = StatusLine(stream, lambda: next(clock))
+    for _ in range(40):
+        line.show(Shown)
+    assert stream.getvalue().count("\n") == 4
+
+
+def test_the_status_is_taken_off_the_line():
+    stream = Terminal()
+    line = StatusLine(stream, lambda: 0.0)
+    line.show(Shown)
+    line.clear()
+    assert stream.getvalue().endswith(" \r")
+
+
+def test_no_thread_outlives_the_command(serve, live, results):
+    server = serve(loop=True)
+    before = {thread.name for thread in threading.enumerate()}
+    main(live(server, "--frames", "3", "--output", results / "v.nrrd"))
+    assert not {name for name in {thread.name for thread in threading.enumerate()} - before if "aifrecon" in name or "OpenIGTLink" in name}
+    assert isinstance(tracked_sequence(), TrackedSequence)

@@ -1,0 +1,265 @@
+"""Recordings of a stream: what is in them, and what is left of them when the program or the disk fails."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from live_messages import SMALL, image, metadata, tracked
+from sweeps import image_pose
+
+from AIFReconLib.errors import OutputError, SequenceFormatError
+from AIFReconLib.frames import FrameRecord
+from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.live import recording
+from AIFReconLib.live.recording import Recorder
+from AIFReconLib.live.synchronizer import LiveFrame, Synchronizer
+from AIFReconLib.poses import sweep_poses
+from AIFReconLib.transform_graph import TransformName, TransformStatus
+
+PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
+
+
+def frames(count=5, unseen=(), **options):
+    messages = [m for n in range(count) for m in tracked(1.0 + 0.1 * n, probe=n not in unseen, pixels=SMALL + n, **options)]
+    synchronizer = Synchronizer()
+    return [frame for message in messages for frame in synchronizer.feed(message)] + synchronizer.flush()
+
+
+@pytest.fixture
+def record():
+    """Records frames; what a test leaves open is closed."""
+    recorders = []
+
+    def start(path, stream):
+        recorders.append(Recorder(path))
+        append_all(recorders[-1], stream)
+        return recorders[-1]
+
+    yield start
+    for recorder in recorders:
+        recorder.close()
+
+
+def append_all(recorder, stream):
+    for frame in stream:
+        recorder.append(frame)
+
+
+@pytest.mark.parametrize("suffix", [".mha", ".mhd", ".nrrd"])
+def test_a_finished_recording_holds_every_image(suffix, tmp_path, record):
+    recorder = record(tmp_path / f"scan.igs{suffix}", frames())
+    assert recorder.finish() == tmp_path / f"scan.igs{suffix}"
+    np.testing.assert_array_equal(np.asarray(read_sequence(tmp_path / f"scan.igs{suffix}").images), [SMALL + n for n in range(5)])
+
+
+@pytest.mark.parametrize("suffix", [".mha", ".mhd", ".nrrd"])
+def test_nothing_but_the_finished_recording_is_left(suffix, tmp_path, record):
+    record(tmp_path / f"scan{suffix}", frames()).finish()
+    assert {path.name for path in tmp_path.iterdir()} == {f"scan{suffix}"} | ({"scan.raw"} if suffix == ".mhd" else set())
+
+
+def test_transforms_and_times_are_recorded_to_the_bit(tmp_path, record):
+    stream = frames()
+    record(tmp_path / "scan.mha", stream).finish()
+    for frame, kept in zip(stream, read_sequence(tmp_path / "scan.mha").records, strict=True):
+        assert kept.timestamp == frame.timestamp
+        assert kept.transforms.keys() == frame.record.transforms.keys()
+        for name, sample in kept.transforms.items():
+            np.testing.assert_array_equal(sample.matrix, frame.record.transforms[name].matrix)
+
+
+def test_frames_without_tracking_are_recorded_with_their_statuses(tmp_path, record):
+    record(tmp_path / "scan.mha", frames(unseen=(2,))).finish()
+    records = read_sequence(tmp_path / "scan.mha").records
+    assert [r.transforms[PROBE_TO_TRACKER].status is TransformStatus.OK for r in records] == [True, True, False, True, True]
+
+
+@pytest.mark.parametrize("told", [{}, metadata(ProbeToTracker="OUT_OF_VIEW", ReferenceToTracker="OK")])
+def test_a_recording_gives_the_poses_and_statuses_that_the_stream_gave(told, tmp_path, record):
+    synchronizer = Synchronizer()
+    messages = [*tracked(1.0), *tracked(2.0), image(3.0, metadata=told, version=2), *tracked(4.0, probe=False), *tracked(5.0, probe=False)]
+    stream = [frame for message in messages for frame in synchronizer.feed(message)] + synchronizer.flush()
+    record(tmp_path / "scan.mha", stream).finish()
+    poses = sweep_poses(read_sequence(tmp_path / "scan.mha"))
+    assert (
+        [problem is None for problem in poses.problems] == [frame.status == "OK" for frame in stream] == [True, True, False, False, False]
+    )
+    for pose, frame in zip(poses.image_to_reference, stream, strict=True):
+        if frame.status == "OK":
+            np.testing.assert_array_equal(pose, frame.image_to_reference)
+
+
+def test_a_pose_that_is_not_confirmed_is_not_usable_from_the_recording_either(tmp_path, record):
+    synchronizer = Synchronizer()
+    stream = [frame for t in (1.0, 2.0) for frame in synchronizer.feed(image(t))] + synchronizer.flush()
+    record(tmp_path / "scan.mha", stream).finish()
+    assert not sweep_poses(read_sequence(tmp_path / "scan.mha")).usable.size
+
+
+def test_a_recording_can_be_read_before_it_is_finished(tmp_path, record):
+    recorder = record(tmp_path / "scan.mha", frames(3))
+    recorder.refresh()
+    assert len(read_sequence(recorder.header_path)) == 3
+
+
+def test_frames_behind_the_last_header_do_not_spoil_the_file(tmp_path, record):
+    recorder = record(tmp_path / "scan.mha", frames(3))
+    recorder.refresh()
+    recorder.append(frames(1)[0])
+    sequence = read_sequence(recorder.header_path)
+    np.testing.assert_array_equal(np.asarray(sequence.images), [SMALL, SMALL + 1, SMALL + 2])
+
+
+def test_a_finished_file_with_bytes_too_many_is_still_refused(tmp_path, record):
+    record(tmp_path / "scan.mhd", frames(3)).finish()
+    with open(tmp_path / "scan.raw", "ab") as file:
+        file.write(b"x")
+    with pytest.raises(SequenceFormatError, match="1 bytes more"):
+        read_sequence(tmp_path / "scan.mhd")
+
+
+@pytest.mark.parametrize("moment", range(8))
+def test_a_crash_between_any_two_writes_leaves_a_file_that_can_be_read(moment, tmp_path, monkeypatch, record):
+    """Every write and every rename of a header is a moment; the program dies before it, or half way through a write."""
+
+    class Crash(BaseException):
+        pass
+
+    steps = iter(range(1000))
+
+    def die_at_moment(real):
+        def step(first, second):
+            if next(steps) == moment + 2:
+                if not isinstance(first, Path):
+                    first.write(memoryview(second).cast("B")[: memoryview(second).nbytes // 2])
+                raise Crash
+            return real(first, second)
+
+        return step
+
+    recorder = record(tmp_path / "scan.mha", frames(1))
+    monkeypatch.setattr(recording, "REFRESH", 0.0)
+    monkeypatch.setattr(recording, "REFRESH_SHARE", 0.0)
+    monkeypatch.setattr(Recorder, "_write", staticmethod(die_at_moment(Recorder._write)))
+    monkeypatch.setattr(os, "replace", die_at_moment(os.replace))
+    with pytest.raises(Crash):
+        append_all(recorder, frames(20))
+    sequence = read_sequence(recorder.header_path)
+    np.testing.assert_array_equal(np.asarray(sequence.images)[0], SMALL)
+    assert len(np.asarray(sequence.images)) == len(sequence)
+
+
+CHILD = """
+import sys, numpy as np
+from AIFReconLib.live import recording
+from AIFReconLib.live.synchronizer import LiveFrame
+recording.REFRESH = 0.001
+recorder = recording.Recorder(sys.argv[1])
+number = 0
+while True:
+    recorder.append(LiveFrame(np.full((64, 64), number % 251, np.uint8), None, record=recording.LiveFrame(None, None).record))
+    number += 1
+    if number == 20:
+        print("going", flush=True)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no kill -9 here")
+@pytest.mark.parametrize("delay_ms", [0, 3, 11, 40])
+def test_a_killed_program_leaves_a_recording_that_can_be_read(delay_ms, tmp_path):
+    child = subprocess.Popen([sys.executable, "-c", CHILD, str(tmp_path / "scan.mha")], stdout=subprocess.PIPE)
+    with child:
+        child.stdout.readline()
+        time.sleep(delay_ms / 1000)
+        child.send_signal(signal.SIGKILL)
+    sequence = read_sequence(tmp_path / "scan.recording.mhd")
+    assert [int(picture[0, 0]) for picture in sequence.images] == [n % 251 for n in range(len(sequence))]
+    assert len(sequence) > 0
+
+
+def test_an_unfinished_recording_is_not_overwritten(tmp_path, record):
+    record(tmp_path / "scan.mha", frames()).refresh()
+    with pytest.raises(OutputError, match="not finished"):
+        Recorder(tmp_path / "scan.mha")
+
+
+def full_after(monkeypatch, count):
+    """The disk takes `count` more writes, and a part of the next one."""
+    real, left = Recorder._write, iter(range(count))
+
+    def write(file, data):
+        if next(left, None) is None:
+            file.write(memoryview(data).cast("B")[: memoryview(data).nbytes // 2])
+            raise OSError(errno.ENOSPC, "No space left on device")
+        real(file, data)
+
+    monkeypatch.setattr(Recorder, "_write", staticmethod(write))
+
+
+@pytest.mark.parametrize("writes", [6, 7])
+def test_a_full_disk_stops_the_recording_and_says_so(writes, tmp_path, monkeypatch, record):
+    full_after(monkeypatch, writes)
+    recorder = record(tmp_path / "scan.mha", frames())
+    assert "the disk is full" in recorder.failure
+    assert "3 frames are kept" in recorder.failure
+
+
+@pytest.mark.parametrize("writes", [6, 7])
+def test_what_was_recorded_before_the_disk_was_full_can_be_read(writes, tmp_path, monkeypatch, record):
+    full_after(monkeypatch, writes)
+    record(tmp_path / "scan.mha", frames()).finish()
+    np.testing.assert_array_equal(np.asarray(read_sequence(tmp_path / "scan.mha").images), [SMALL, SMALL + 1, SMALL + 2])
+
+
+def test_a_recording_that_cannot_be_copied_stays_where_it_is(tmp_path, monkeypatch, record):
+    recorder = record(tmp_path / "scan.mha", frames())
+
+    def full(*_, **__):
+        raise OutputError("Cannot write scan.mha: the disk is full.")
+
+    monkeypatch.setattr(recording, "write_sequence", full)
+    with pytest.raises(OutputError, match=r"scan\.recording\.mhd"):
+        recorder.finish()
+    assert len(read_sequence(recorder.header_path)) == 5
+
+
+def test_an_mhd_is_finished_without_a_second_copy_where_links_are_not_known(tmp_path, monkeypatch, record):
+    def no_links(*_):
+        raise OSError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", no_links)
+    record(tmp_path / "scan.mhd", frames()).finish()
+    assert len(read_sequence(tmp_path / "scan.mhd")) == 5
+
+
+def test_an_image_of_another_size_is_recorded_as_missing(tmp_path, record):
+    stream = [*frames(2), LiveFrame(np.zeros((5, 5), np.uint8), image_pose(), 9.0, record=FrameRecord(9.0)), *frames(1)]
+    record(tmp_path / "scan.mha", stream).finish()
+    records = read_sequence(tmp_path / "scan.mha").records
+    assert [r.image_status is TransformStatus.OK for r in records] == [True, True, False, True]
+
+
+def test_without_a_frame_there_is_no_file(tmp_path):
+    assert Recorder(tmp_path / "scan.mha").finish() is None
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["scan.txt", "scan", "nowhere/scan.mha"])
+def test_a_path_that_cannot_be_recorded_to_is_refused_at_once(name, tmp_path):
+    with pytest.raises(OutputError):
+        Recorder(tmp_path / name)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.int16, np.float32])
+def test_pixels_of_every_type_are_kept(dtype, tmp_path, record):
+    picture = (np.arange(12).reshape(3, 4) * 20 - 100).astype(dtype)
+    record(tmp_path / "scan.mhd", [LiveFrame(picture, None, record=FrameRecord(1.0))]).finish()
+    np.testing.assert_array_equal(read_sequence(Path(tmp_path / "scan.mhd")).images[0], picture)

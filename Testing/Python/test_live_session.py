@@ -1,0 +1,598 @@
+"""A live session: the same voxels as offline, every frame accounted for, and nothing lost when something fails."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import threading
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from files import IMAGE_TO_PROBE, tracked_sequence, write_patient
+from igtl_streams import recorded
+from live_messages import image, streamed, tracked
+from sweeps import sphere_bone
+
+from AIFReconLib.beams import LINEAR, ProbeGeometry
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.errors import BeamGeometryError, LiveMessageError, NoUsableFramesError, OutputError, SettingsError
+from AIFReconLib.extent import grid_around_sweep
+from AIFReconLib.frames import FrameRecord
+from AIFReconLib.io.plus_config import read_plus_configuration
+from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.live.decoding import decode
+from AIFReconLib.live.framing import Frame, Framer
+from AIFReconLib.live.keep_up import KeepUp
+from AIFReconLib.live.messages import StreamEvent
+from AIFReconLib.live.openigtlink import OpenIGTLinkClient
+from AIFReconLib.live.recording import Recorder
+from AIFReconLib.live.replay import ReplayServer
+from AIFReconLib.live.session import LiveSession
+from AIFReconLib.live.session_statistics import Meter, tracking_words
+from AIFReconLib.live.sources import QueueSource
+from AIFReconLib.live.synchronizer import Synchronizer, SynchronizerSettings
+from AIFReconLib.poses import sweep_poses
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.region import ClipRectangle, ImageRegion
+from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.volume import VoxelGrid
+
+GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
+WHOLE = ImageRegion(ClipRectangle((0.0, 0.0), (39.0, 29.0)))
+EVERYWHERE = VoxelGrid.from_spacing((-500.0, -500.0, -500.0), (50, 50, 50), 20.0)
+LONG = 60.0
+
+
+@pytest.fixture
+def configuration(tmp_path):
+    folder = tmp_path / "calibration"
+    folder.mkdir()
+    return read_plus_configuration(write_patient(folder).config)
+
+
+@pytest.fixture
+def session_of(configuration):
+    """Makes sessions that read from a queue; they are stopped in the end."""
+    made = []
+
+    def make(messages=(), settings=None, bone=None, grid=GRID, **options):
+        source = QueueSource(limit=100_000)
+        for message in messages:
+            source.put(message)
+        options = {"configuration": configuration, "longest_delay": None, **options}
+        made.append(LiveSession(source, settings, bone, grid, **options))
+        made[-1].queue = source
+        return made[-1]
+
+    yield make
+    for session in made:
+        session.stop()
+
+
+def run(session):
+    """Everything that is in the queue, to the end."""
+    session.start()
+    return session.finish()
+
+
+def wait_for(condition):
+    deadline = time.monotonic() + LONG
+    while not condition():
+        assert time.monotonic() < deadline, "it never happened"
+        time.sleep(0.005)
+
+
+def captured(data: bytes) -> QueueSource:
+    """A source of the messages in recorded bytes, as they arrive now."""
+    source, framer = QueueSource(limit=100_000, byte_limit=2**31), Framer()
+    for start in range(0, len(data), 2**18):
+        for part in framer.feed(data[start : start + 2**18]):
+            with contextlib.suppress(LiveMessageError):
+                for message in decode(part, time.monotonic()) if isinstance(part, Frame) else ():
+                    source.put(message)
+    source.stop()
+    return source
+
+
+# ---- live equals offline
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_live_gives_the_very_voxels_of_offline(method, session_of, configuration):
+    sequence = replace(tracked_sequence(), configuration=configuration)
+    settings = ReconstructionSettings(method=method, output_type="float32", hole_limit=2.0)
+    bone = sphere_bone(center=(0.0, 0.0, 0.0)) if method in METHODS[3:] else None
+    offline = reconstruct(sequence, settings, bone, GRID)
+    live = run(session_of(streamed(sequence), settings, bone))
+    for name in ("intensity", "score", "hits", "mask"):
+        np.testing.assert_array_equal(getattr(live, name).array, getattr(offline, name).array)
+
+
+def test_frames_without_tracking_are_skipped_alike(session_of, configuration):
+    sequence = tracked_sequence(statuses={1: TransformStatus.OUT_OF_VIEW, 4: TransformStatus.MISSING})
+    sequence = replace(sequence, configuration=configuration)
+    offline, live = reconstruct(sequence, grid=GRID), run(session_of(streamed(sequence)))
+    assert live.skipped == offline.skipped == {"ProbeToTracker OUT_OF_VIEW": [1], "ProbeToTracker MISSING": [4]}
+    np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
+
+
+def test_skip_uses_the_same_frames_as_offline(session_of, configuration):
+    sequence = replace(tracked_sequence(), configuration=configuration)
+    settings = ReconstructionSettings(skip=2)
+    offline, live = reconstruct(sequence, settings, grid=GRID), run(session_of(streamed(sequence), settings))
+    np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
+
+
+def test_the_recording_of_a_session_reconstructs_to_its_very_volume(session_of, configuration, tmp_path):
+    sequence = tracked_sequence(statuses={2: TransformStatus.OUT_OF_VIEW})
+    session = session_of(streamed(sequence), record=tmp_path / "scan.mha")
+    live = run(session)
+    offline = reconstruct(read_sequence(tmp_path / "scan.mha", config=configuration), grid=GRID)
+    np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
+    assert live.skipped == offline.skipped
+
+
+def test_a_scouted_box_is_that_of_an_offline_sweep(session_of, configuration):
+    sequence = replace(tracked_sequence(), configuration=configuration)
+    session = session_of(streamed(sequence), ReconstructionSettings(spacing=0.8), grid=None)
+    session.start()
+    session.queue.put(image(99.0, "Image"))
+    wait_for(lambda: session.scouted == 6)
+    grid = session.grid_from_scout()
+    poses = sweep_poses(sequence).image_to_reference
+    region = configuration.scan_region
+    expected = grid_around_sweep(poses, sequence.frame_size, region, (0.8, 0.8, 0.8))
+    assert grid.size == expected.size
+    np.testing.assert_allclose(grid.ijk_to_reference, expected.ijk_to_reference, atol=1e-9)
+
+
+def test_frames_seen_while_scouting_enter_the_volume(session_of, configuration):
+    sequence = replace(tracked_sequence(), configuration=configuration)
+    session = session_of(streamed(sequence), grid=None)
+    session.start()
+    session.queue.put(image(99.0, "Image"))
+    wait_for(lambda: session.scouted == 6)
+    session.use_grid(GRID)
+    np.testing.assert_array_equal(session.finish().intensity.array, reconstruct(sequence, grid=GRID).intensity.array)
+
+
+def test_a_margin_makes_the_scouted_box_larger_on_every_side(session_of):
+    session = session_of(streamed(tracked_sequence()), grid=None)
+    session.start()
+    session.queue.put(image(99.0, "Image"))
+    wait_for(lambda: session.scouted == 6)
+    small, large = session.grid_from_scout(1.0), session.grid_from_scout(1.0, margin=2.5)
+    np.testing.assert_allclose(large.origin, small.origin - 3)
+    assert large.size == tuple(n + 6 for n in small.size)
+
+
+def test_without_a_tracked_frame_there_is_no_box(session_of):
+    session = session_of(grid=None)
+    session.start()
+    with pytest.raises(NoUsableFramesError, match="Not one tracked frame"):
+        session.grid_from_scout()
+
+
+def test_the_probe_is_recognized_in_the_first_images(session_of):
+    """Without configuration, a lit rectangle in a black surround shows where the ultrasound is."""
+    images = np.zeros((30, 60, 80), np.uint8)
+    images[:, 10:50, 20:60] = np.random.default_rng(0).integers(60, 250, (30, 40, 40), dtype=np.uint8)
+    messages = [m for n in range(30) for m in tracked(1.0 + n / 30, pixels=images[n])]
+    grid = VoxelGrid.from_spacing((0, 0, 0), (60, 50, 10), 1.0)
+    result = run(session_of(messages, grid=grid, configuration=None))
+    assert any("linear probe" in note for note in result.notes)
+    assert int(result.hits.array.sum()) <= 30 * 42 * 42
+
+
+def test_a_probe_that_cannot_be_told_is_reported_and_frames_are_accounted_for(session_of):
+    messages = [m for n in range(30) for m in tracked(1.0 + n / 30)]
+    session = session_of(messages, ReconstructionSettings(method="aif"), sphere_bone(), configuration=None)
+    run(session)
+    assert isinstance(session.error, BeamGeometryError)
+    assert session.statistics.skipped == {"not inserted after an error": 30}
+
+
+# ---- control
+
+
+def test_paused_frames_are_counted_and_recorded_and_not_inserted(session_of, tmp_path):
+    session = session_of(record=tmp_path / "scan.mha")
+    session.start()
+    session.pause()
+    for message in streamed(tracked_sequence()):
+        session.queue.put(message)
+    session.stop()
+    assert session.statistics.skipped == {"paused": 6}
+    assert len(read_sequence(tmp_path / "scan.mha")) == 6
+
+
+def test_after_resume_frames_are_inserted_again(session_of):
+    session = session_of()
+    session.start()
+    session.pause()
+    session.resume()
+    for message in streamed(tracked_sequence()):
+        session.queue.put(message)
+    session.stop()
+    assert session.statistics.inserted == 6
+
+
+def test_reset_empties_the_volume_and_the_counts(session_of):
+    session = session_of(streamed(tracked_sequence()))
+    session.start()
+    session.queue.put(image(99.0, "Image"))
+    wait_for(lambda: session.statistics.inserted == 6)
+    session.reset()
+    wait_for(lambda: session.snapshot() is not None and not session.snapshot().hits.array.any())
+    assert session.statistics.inserted == 0
+
+
+def test_after_a_reset_the_volume_grows_anew(session_of, configuration):
+    sequence = replace(tracked_sequence(), configuration=configuration)
+    session = session_of(streamed(sequence))
+    session.start()
+    session.queue.put(image(9.0, "Image"))
+    wait_for(lambda: session.statistics.inserted == 6)
+    session.reset()
+    session.queue.put(StreamEvent("connected", "Connected.", 0.0))
+    later = replace(sequence, records=[replace(record, timestamp=record.timestamp + 50) for record in sequence.records])
+    for message in streamed(later):
+        session.queue.put(message)
+    np.testing.assert_array_equal(session.finish().intensity.array, reconstruct(sequence, grid=GRID).intensity.array)
+
+
+def test_a_frame_from_before_a_reset_is_not_counted_after_it():
+    meter = Meter()
+    before = meter.receive(0.0)
+    meter.restart()
+    meter.insert(0.01, before)
+    meter.skip("paused", before)
+    counts = meter.counts(0.0)
+    assert (counts["inserted"], counts["skipped"], counts["waiting"]) == (0, {}, 0)
+
+
+def test_frames_of_a_scan_that_never_got_a_box_are_accounted_for(session_of):
+    session = session_of(streamed(tracked_sequence(statuses={2: TransformStatus.OUT_OF_VIEW})), grid=None)
+    assert run(session) is None
+    assert session.statistics.skipped == {"seen while scouting": 5, "ProbeToTracker OUT_OF_VIEW": 1}
+
+
+def test_a_session_ends_after_the_frames_that_were_asked_for(session_of):
+    session = session_of(streamed(tracked_sequence()), frame_limit=4)
+    session.start()
+    assert session.finished.wait(LONG)
+    session.stop()
+    assert session.statistics.frames_received == 4
+
+
+def test_a_session_can_be_prepared_before_it_starts(session_of, configuration):
+    sequence = replace(tracked_sequence(), configuration=configuration)
+    session = session_of(streamed(sequence))
+    assert session.prepare(LONG)
+    assert session.snapshot().frames_inserted == 0
+    np.testing.assert_array_equal(run(session).intensity.array, reconstruct(sequence, grid=GRID).intensity.array)
+
+
+def test_stop_may_be_called_twice_and_before_start(session_of):
+    session = session_of()
+    session.stop()
+    session.stop()
+    assert session.statistics.phase == "stopped"
+
+
+def test_a_stopped_session_is_not_started_again(session_of):
+    session = session_of()
+    session.stop()
+    with pytest.raises(RuntimeError, match="Make a new one"):
+        session.start()
+
+
+def test_no_thread_is_left_after_stop(session_of):
+    before = threading.active_count()
+    session = session_of(streamed(tracked_sequence()))
+    session.start()
+    session.stop()
+    assert threading.active_count() == before
+
+
+def test_a_method_that_needs_bone_is_refused_at_once(session_of):
+    with pytest.raises(SettingsError, match="bone"):
+        session_of(settings=ReconstructionSettings(method="aif"))
+
+
+# ---- what is seen while it runs
+
+
+def test_a_snapshot_is_the_volume_of_the_frames_so_far(session_of, configuration):
+    sequence = replace(tracked_sequence(), configuration=configuration)
+    settings = ReconstructionSettings(hole_limit=2.0)
+    session = session_of(streamed(sequence), settings)
+    session.start()
+    session.queue.put(image(99.0, "Image"))
+    wait_for(lambda: session.statistics.inserted == 6)
+    np.testing.assert_array_equal(session.snapshot().intensity.array, reconstruct(sequence, settings, grid=GRID).intensity.array)
+
+
+def test_snapshots_while_frames_come_lose_none(session_of, configuration):
+    sequence = tracked_sequence(count=60)
+    session = session_of(settings=ReconstructionSettings(hole_limit=3.0))
+    session.start()
+    for number, message in enumerate(streamed(sequence)):
+        session.queue.put(message)
+        if number % 15 == 0:
+            session.snapshot()
+    expected = reconstruct(replace(sequence, configuration=configuration), ReconstructionSettings(hole_limit=3.0), grid=GRID)
+    np.testing.assert_array_equal(session.finish().intensity.array, expected.intensity.array)
+
+
+def test_every_frame_is_accounted_for(session_of):
+    statuses = dict.fromkeys((3, 4), TransformStatus.OUT_OF_VIEW)
+    session = session_of(streamed(tracked_sequence(count=20, statuses=statuses)), grid=VoxelGrid.from_spacing((0, 0, 0), (4, 4, 4), 1.0))
+    run(session)
+    statistics = session.statistics
+    assert statistics.frames_received == 20 == statistics.inserted + statistics.frames_skipped
+    assert statistics.waiting == 0
+
+
+def test_latency_and_rate_are_told(session_of):
+    session = session_of()
+    session.prepare(LONG)
+    for message in streamed(tracked_sequence()):
+        session.queue.put(message)
+    run(session)
+    statistics = session.statistics
+    assert 0 < statistics.latency_p50 <= statistics.latency_p99
+    assert math.isfinite(statistics.frame_rate)
+
+
+def test_frames_that_waited_for_the_volume_to_be_made_say_nothing_of_latency(session_of):
+    session = session_of(streamed(tracked_sequence()))
+    run(session)
+    assert session.statistics.inserted == 6
+    assert math.isnan(session.statistics.latency_p50)
+
+
+@pytest.mark.parametrize(
+    ("status", "words"),
+    [
+        ("OK", "tracked"),
+        ("ReferenceToTracker OUT_OF_VIEW", "Reference not visible"),
+        ("ProbeToTracker MISSING", "Probe not visible"),
+        ("ProbeToReference MISSING", "Probe or Reference not visible"),
+        ("ImageToReference MISSING", "Probe or Reference not visible"),
+        ("ProbeToTracker stale", "ProbeToTracker comes too rarely"),
+        ("ProbeToTracker not rigid (mirrored)", "ProbeToTracker not rigid (mirrored)"),
+        ("pose not confirmed", "pose not confirmed"),
+    ],
+)
+def test_the_tracking_state_names_the_tool(status, words):
+    assert tracking_words(status, "Reference") == words
+
+
+def test_the_tracking_state_is_that_of_the_latest_frame(session_of):
+    session = session_of(streamed(tracked_sequence(statuses={5: TransformStatus.OUT_OF_VIEW})))
+    session.start()
+    wait_for(lambda: session.latest is not None and session.latest.number == 5)
+    assert session.statistics.tracking in ("Probe not visible", "no images")
+
+
+def test_trouble_of_the_stream_is_told(session_of):
+    session = session_of([StreamEvent("stalled", "Nothing has arrived for 2 s.", 0.0)])
+    session.start()
+    wait_for(lambda: session.statistics.trouble is not None)
+    assert "Nothing has arrived" in session.statistics.trouble
+
+
+# ---- when something fails
+
+
+def test_an_error_while_inserting_is_kept_and_the_volume_so_far_with_it(session_of, monkeypatch, configuration):
+    sequence = replace(tracked_sequence(), configuration=configuration)
+    real = Reconstructor.insert
+
+    def insert(self, frame):
+        if frame.number == 3:
+            raise MemoryError("no more")
+        real(self, frame)
+
+    monkeypatch.setattr(Reconstructor, "insert", insert)
+    session = session_of(streamed(sequence))
+    result = run(session)
+    assert isinstance(session.error, MemoryError)
+    assert result.frames_inserted == 3
+    assert session.statistics.skipped == {"not inserted after an error": 3}
+
+
+def test_the_recording_goes_on_when_the_reconstruction_fails(session_of, monkeypatch, tmp_path):
+    def insert(self, frame):
+        raise MemoryError("no more")
+
+    monkeypatch.setattr(Reconstructor, "insert", insert)
+    run(session_of(streamed(tracked_sequence()), record=tmp_path / "scan.mha"))
+    assert len(read_sequence(tmp_path / "scan.mha")) == 6
+
+
+def test_the_reconstruction_goes_on_when_the_recording_fails(session_of, monkeypatch, tmp_path):
+    def write(file, data):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Recorder, "_write", staticmethod(write))
+    session = session_of(streamed(tracked_sequence()), record=tmp_path / "scan.mha")
+    assert run(session).frames_inserted == 6
+    assert "the disk is full" in session.recording_failure
+
+
+def test_a_recording_that_cannot_be_written_is_refused_at_once(session_of, tmp_path):
+    with pytest.raises(OutputError):
+        session_of(record=tmp_path / "nowhere" / "scan.mha")
+
+
+def test_an_image_of_another_size_is_skipped_and_the_scan_goes_on(session_of):
+    messages = list(streamed(tracked_sequence()))
+    messages[3] = replace(messages[3], image=np.zeros((7, 7), np.uint8))
+    session = session_of(messages)
+    assert run(session).frames_inserted == 5
+    assert session.statistics.skipped == {"image of another size or type": 1}
+
+
+def test_an_error_while_receiving_is_told_and_no_hang(session_of, monkeypatch):
+    def feed(self, message):
+        raise ValueError("what is this?")
+
+    monkeypatch.setattr(Synchronizer, "feed", feed)
+    session = session_of(streamed(tracked_sequence()))
+    session.start()
+    assert session.finished.wait(LONG)
+    assert (str(session.error), session.statistics.phase) == ("what is this?", "failed")
+
+
+# ---- too slow
+
+
+def test_all_frames_are_admitted_while_there_is_time():
+    keep_up = KeepUp(0.5)
+    assert all(keep_up.admit(0.4) for _ in range(1000))
+
+
+def simulate(load, frames=4000, interval=1 / 30):
+    """Which frames are admitted when inserting one takes `load` times the interval between two."""
+    keep_up, backlog, admitted = KeepUp(0.5), 0.0, []
+    for _ in range(frames):
+        admitted.append(keep_up.admit(backlog))
+        backlog = max(backlog + admitted[-1] * load * interval - interval, 0.0)
+    return admitted
+
+
+@pytest.mark.parametrize("load", [1.2, 1.5, 2.0, 3.7, 10.0])
+def test_when_too_slow_as_many_frames_are_admitted_as_can_be_inserted(load):
+    share = np.mean(simulate(load)[1000:])
+    assert 0.85 / load < share <= 1.02 / load
+
+
+@pytest.mark.parametrize("load", [1.5, 2.0, 3.7, 10.0])
+def test_when_too_slow_frames_are_left_out_evenly(load):
+    gaps = np.diff(np.flatnonzero(simulate(load)[1000:]))
+    assert gaps.max() <= 2 * math.ceil(load) + 1
+
+
+def test_a_session_that_is_too_slow_says_how_many_frames_it_left_out(session_of, monkeypatch):
+    real = Reconstructor.insert
+
+    def slow(self, frame):
+        time.sleep(0.05)
+        real(self, frame)
+
+    monkeypatch.setattr(Reconstructor, "insert", slow)
+    session = session_of(longest_delay=0.05)
+    session.start()
+    messages = list(streamed(tracked_sequence(count=80)))
+    for message in messages[:15]:
+        session.queue.put(message)
+    wait_for(lambda: session.statistics.inserted == 5)
+    for message in messages[15:]:
+        session.queue.put(message)
+    session.stop()
+    statistics = session.statistics
+    assert statistics.skipped["skipped to keep up"] > 0
+    assert statistics.inserted + statistics.skipped["skipped to keep up"] == 80
+
+
+def test_a_bounded_source_counts_what_it_drops(session_of):
+    session = session_of(synchronizer=SynchronizerSettings(patience=0.0))
+    source = QueueSource(limit=3)
+    for message in streamed(tracked_sequence()):
+        source.put(message)
+    assert source.statistics.dropped == 15
+    assert session.statistics.dropped == 0
+
+
+def test_the_probe_given_overrides_the_configuration(session_of):
+    session = session_of(streamed(tracked_sequence()), region=WHOLE, probe=ProbeGeometry(LINEAR))
+    assert int(run(session).hits.array.sum()) > 0
+    assert IMAGE_TO_PROBE.shape == (4, 4)
+
+
+# ---- over a real socket
+
+
+@pytest.mark.parametrize("header_version", [1, 2])
+def test_over_a_socket_the_recording_reconstructs_to_the_very_volume_of_the_session(header_version, configuration, tmp_path):
+    statuses = dict.fromkeys((5, 6, 7), TransformStatus.OUT_OF_VIEW)
+    sequence = replace(tracked_sequence(count=16, statuses=statuses), configuration=configuration)
+    with ReplayServer(sequence, port=0, rate=100.0, header_version=header_version) as server:
+        client = OpenIGTLinkClient(server.host, server.port)
+        options = {"configuration": configuration, "record": tmp_path / "scan.mha", "frame_limit": 15, "longest_delay": None}
+        with LiveSession(client, grid=GRID, **options) as session:
+            assert session.finished.wait(LONG), session.statistics
+            live = session.finish()
+    offline = reconstruct(read_sequence(tmp_path / "scan.mha", config=configuration), grid=GRID, image_to_reference="ImageToReference")
+    assert live.frames_inserted == 12
+    np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
+
+
+def test_over_a_socket_the_volume_is_that_of_the_file(configuration):
+    """The wire holds 32-bit numbers, which here move no pixel into another voxel."""
+    sequence = replace(tracked_sequence(count=8), configuration=configuration)
+    poses = sweep_poses(sequence).image_to_reference.astype(np.float32).astype(np.float64)
+    name = TransformName("Image", "Reference")
+    records = [FrameRecord(r.timestamp, transforms={name: TransformSample(pose)}) for r, pose in zip(sequence.records, poses, strict=True)]
+    sequence = replace(sequence, records=records, configuration=None)
+    with ReplayServer(sequence, port=0, rate=100.0) as server:
+        client = OpenIGTLinkClient(server.host, server.port)
+        settings = SynchronizerSettings(image_to_reference="ImageToReference")
+        session = LiveSession(client, grid=GRID, region=WHOLE, synchronizer=settings, frame_limit=7, longest_delay=None)
+        with session:
+            assert session.finished.wait(LONG), session.statistics
+            live = session.finish()
+    offline = reconstruct(replace(sequence, images=sequence.images[:7], records=records[:7]), grid=GRID, region=WHOLE)
+    np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
+
+
+def test_a_server_that_comes_back_is_reconstructed_from_again(configuration):
+    sequence = replace(tracked_sequence(count=50), configuration=configuration)
+    server = ReplayServer(sequence, port=0, rate=50.0, loop=True)
+    server.start()
+    client = OpenIGTLinkClient(server.host, server.port, retry_delays=(0.05,))
+    with LiveSession(client, grid=GRID, configuration=configuration) as session:
+        wait_for(lambda: session.statistics.inserted > 3)
+        server.stop()
+        wait_for(lambda: session.statistics.connection != "connected")
+        before = session.statistics.inserted
+        with ReplayServer(sequence, port=server.port, rate=50.0, loop=True):
+            wait_for(lambda: session.statistics.inserted > before + 3)
+
+
+def test_a_server_that_goes_away_leaves_the_volume(configuration):
+    sequence = replace(tracked_sequence(count=200), configuration=configuration)
+    server = ReplayServer(sequence, port=0, rate=50.0, loop=True)
+    server.start()
+    session = LiveSession(OpenIGTLinkClient(server.host, server.port), grid=GRID, configuration=configuration)
+    with session:
+        wait_for(lambda: session.statistics.inserted > 3)
+        server.stop()
+        wait_for(lambda: session.statistics.connection != "connected")
+        assert session.snapshot().frames_inserted > 3
+
+
+# ---- what real servers sent
+
+
+@pytest.mark.parametrize(("letter", "images", "usable"), [("A", 36, 36), ("B", 108, 108), ("C", 81, 81), ("J", 54, 42)])
+def test_of_a_real_stream_exactly_the_frames_with_a_tracked_tool_are_inserted(letter, images, usable, data_dir):
+    everything = ImageRegion(ClipRectangle((0, 0), (0, 0)))
+    session = LiveSession(captured(recorded(data_dir, letter)), grid=EVERYWHERE, region=everything, longest_delay=None)
+    result = run(session)
+    assert (session.statistics.frames_received, result.frames_inserted) == (images, usable)
+
+
+def test_no_wrong_image_of_a_corrupt_stream_enters_the_volume(data_dir, real_data, tmp_path):
+    """One image of this stream is sent in pieces, three times over; every image that comes through is one of the recording it shows."""
+    originals = {picture.tobytes() for picture in read_sequence(real_data("SpinePhantomFreehand.igs.mha")).images}
+    source = captured(recorded(data_dir, "H"))
+    run(LiveSession(source, grid=EVERYWHERE, region=WHOLE, record=tmp_path / "scan.mhd"))
+    received = read_sequence(tmp_path / "scan.mhd").images
+    assert len(received) >= 22
+    assert all(picture.tobytes() in originals for picture in received)

@@ -1,0 +1,129 @@
+"""Our client and server against programs of the OpenIGTLink C++ library: its examples, compiled where Debian's packages are installed.
+
+The packages: openigtlink-examples (sources and images), libopenigtlink-dev, g++.
+"""
+
+from __future__ import annotations
+
+import shutil
+import socket
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from files import IMAGE_TO_PROBE, tracked_sequence
+from igtl_streams import DEADLINE, Inbox, wait_for
+
+from AIFReconLib.live.messages import StatusMessage
+from AIFReconLib.live.openigtlink import OpenIGTLinkClient
+from AIFReconLib.live.replay import ReplayServer
+from AIFReconLib.transform_graph import TransformName, TransformSample
+
+EXAMPLES = Path("/usr/share/doc/openigtlink-examples/examples")
+HEADERS = Path("/usr/include/openigtlink")
+
+
+@pytest.fixture(scope="session")
+def program(tmp_path_factory) -> Callable[[str], Path]:
+    """Compiles an example of the C++ library by its name, ``Imager/ImagerServer``, with every checksum verified."""
+    compiler = shutil.which("g++") or shutil.which("c++")
+    if compiler is None or not HEADERS.is_dir() or not EXAMPLES.is_dir():
+        pytest.skip("the Debian packages openigtlink-examples, libopenigtlink-dev and g++ are not all installed")
+    folder = tmp_path_factory.mktemp("peers")
+
+    def compiled(name: str) -> Path:
+        built, copy = folder / Path(name).name, folder / f"{Path(name).name}.cxx"
+        if not built.is_file():
+            source = EXAMPLES / f"{name}.cxx"
+            if not source.is_file():
+                pytest.skip(f"{source} is not there")
+            # The examples skip the checksum; with 1 they verify it
+            copy.write_text(source.read_text("utf-8", "replace").replace("->Unpack()", "->Unpack(1)"), "utf-8")
+            command = [compiler, "-w", f"-I{HEADERS}", str(copy), "-lOpenIGTLink", "-lpthread", "-o", str(built)]
+            outcome = subprocess.run(command, capture_output=True, text=True, timeout=120)
+            if outcome.returncode:
+                pytest.skip(f"{name} cannot be compiled here: {outcome.stderr.splitlines()[0]}")
+        return built
+
+    return compiled
+
+
+@pytest.fixture
+def served(program):
+    """Starts a server of the C++ library and gives the inbox of our client of it."""
+    running = []
+
+    def start(name: str, *arguments: str) -> Inbox:
+        with socket.create_server(("127.0.0.1", 0)) as probe:
+            port = probe.getsockname()[1]
+        process = subprocess.Popen([program(name), str(port), *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        running.append(process)
+        client = OpenIGTLinkClient("127.0.0.1", port, retry_delays=(0.05,))
+        running.append(client)
+        client.start()
+        inbox = Inbox(client)
+        inbox.server = process
+        return inbox
+
+    yield start
+    for one in reversed(running):
+        if isinstance(one, OpenIGTLinkClient):
+            one.stop()
+        else:
+            one.kill()
+            one.wait()
+
+
+def test_images_of_the_cpp_library_arrive_pixel_for_pixel(served):
+    inbox = served("Imager/ImagerServer", "50", str(EXAMPLES / "Imager" / "img")).until(lambda inbox: len(inbox.images()) >= 5)
+    stored = [np.fromfile(EXAMPLES / "Imager" / "img" / f"igtlTestImage{n}.raw", np.uint8).reshape(256, 256) for n in range(1, 6)]
+    assert all(np.array_equal(message.image, expected) for message, expected in zip(inbox.images(), stored, strict=False))
+    assert inbox._client.statistics.bad_crc == 0
+
+
+def test_the_center_of_an_image_lies_where_the_cpp_library_puts_it(served):
+    image = served("Imager/ImagerServer", "50", str(EXAMPLES / "Imager" / "img")).until(lambda inbox: inbox.images()).images()[0]
+    # The example: axes (1, -1, 1), spacing (1, 1, 5), position 0
+    assert np.allclose(image.image_to_sender @ (127.5, 127.5, 0, 1), (0, 0, 0, 1))
+    assert np.allclose(image.image_to_sender[:3, :3], np.diag([1.0, -1.0, 5.0]))
+
+
+def test_transforms_of_the_cpp_library_arrive(served):
+    inbox = served("Tracker/TrackerServer", "50").until(lambda inbox: len(inbox.transforms("Tracker")) >= 3)
+    matrices = np.array([message.matrix for message in inbox.transforms()[:3]])
+    # The example turns about an axis and moves on a circle of 50 mm
+    assert np.allclose(matrices[:, :3, :3] @ matrices[:, :3, :3].transpose(0, 2, 1), np.eye(3), atol=1e-5)
+    assert np.allclose(np.hypot(matrices[:, 0, 3], matrices[:, 1, 3]), 50.0, atol=1e-3)
+
+
+def test_a_status_of_the_cpp_library_arrives(served):
+    inbox = served("Status/StatusServer").until(lambda inbox: any(isinstance(message, StatusMessage) for message in inbox.messages))
+    assert inbox.messages[-1].text == "This is a test to send status message."
+
+
+def test_a_server_of_the_cpp_library_that_is_killed_is_noticed(served):
+    inbox = served("Tracker/TrackerServer", "50").until(lambda inbox: inbox.transforms())
+    inbox.server.kill()
+    inbox.until_event("disconnected", 1 + len(inbox.events("disconnected")))
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_the_cpp_library_receives_a_replay_checksums_verified(program, tmp_path, dtype):
+    tracked = tracked_sequence(images=np.full((6, 30, 40), 7, dtype))
+    records = tracked.records
+    for record in records:
+        record.transforms[TransformName("Image", "Probe")] = TransformSample(IMAGE_TO_PROBE)
+    with ReplayServer(tracked, port=0, rate=50.0) as server, open(tmp_path / "log", "w+") as log:
+        process = subprocess.Popen([program("Receiver/ReceiveClient"), "127.0.0.1", str(server.port)], stdout=log, stderr=log)
+        try:
+            assert server.wait(DEADLINE)
+            text = wait_for(lambda: t if (t := (tmp_path / "log").read_text()).count("STATUS data type") else None, "a status in the log")
+        finally:
+            process.kill()
+            process.wait()
+    # A body is printed only when its checksum was right
+    assert text.count("Device Name           : Image_Reference") == 6
+    assert text.count("Dimensions            : (40, 30, 1)") == 6
+    assert text.count("Receiving TRANSFORM data type.") == 6 * 4
