@@ -8,11 +8,13 @@ DEMO_OUTPUT ?= demo-output
 STUDY_OUTPUT ?= study-output
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint format bench study clean
+.PHONY: help setup demo test slicer-test screenshots lint format bench study clean
 
 help:
 	@echo "make demo    reconstruct a simulated lumbar scan and draw it, into $(DEMO_OUTPUT)/"
 	@echo "make test    lint, format check and all tests"
+	@echo "make slicer-test  only the self tests of the Slicer module, on real MRML nodes and Qt, without Slicer"
+	@echo "make screenshots  the module's panel and views as pictures, into Resources/Screenshots/"
 	@echo "make setup   only install what the two above need, into $(VENV)/"
 	@echo "make lint    only lint and format check"
 	@echo "make format  reformat the code"
@@ -43,6 +45,12 @@ demo: setup
 
 test: lint
 	@$(BIN)/python -m pytest --quiet --cov --cov-report=term:skip-covered --cov-fail-under=90
+
+slicer-test: setup
+	@QT_QPA_PLATFORM=offscreen $(BIN)/python Testing/host/run_self_tests.py
+
+screenshots: setup
+	@QT_QPA_PLATFORM=offscreen $(BIN)/python Testing/host/screenshots.py
 
 lint: setup
 	@$(BIN)/python -m ruff check --quiet .

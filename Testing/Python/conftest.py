@@ -47,3 +47,17 @@ def results(tmp_path):
     folder = tmp_path / "results"
     folder.mkdir()
     return folder
+
+
+@pytest.fixture
+def scene():
+    """A new MRML scene as Slicer's application sets it up; it is `slicer.mrmlScene` while the test runs."""
+    slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
+    import scene_host  # noqa: F401, puts Testing/host on the path
+    from mrml_scene import createScene
+
+    before = getattr(slicer, "mrmlScene", None)
+    made = slicer.mrmlScene = createScene()
+    yield made
+    slicer.mrmlScene = before
+    made.host.close()

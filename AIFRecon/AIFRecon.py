@@ -1,0 +1,396 @@
+"""AIFRecon in 3D Slicer: from a tracked sweep and a registered CT to a volume over that CT.
+
+The numbers come from AIFReconLib, which knows nothing of Slicer; AIFReconScene turns nodes into its inputs and its results into nodes;
+this file holds what Slicer looks for by name: the module, its parameters, its panel and its logic.
+"""
+
+import pathlib
+import sys
+
+import slicer
+import vtk
+from slicer.i18n import tr as _
+from slicer.i18n import translate
+from slicer.ScriptedLoadableModule import (
+    ScriptedLoadableModule,
+    ScriptedLoadableModuleLogic,
+    ScriptedLoadableModuleTest,
+    ScriptedLoadableModuleWidget,
+)
+from slicer.util import VTKObservationMixin
+
+try:
+    import AIFReconLib  # noqa: F401
+except ImportError:
+    # Loaded from source: Slicer knows this folder alone, and the library stands beside it
+    sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
+
+from AIFReconGui.parameterNode import AIFReconParameterNode
+from AIFReconGui.sampleData import registerSampleData
+from AIFReconScene import readiness
+from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.parameters import ProbeShape, Region, settingsFrom
+from AIFReconScene.sweepStatus import SweepStatus
+
+
+class AIFRecon(ScriptedLoadableModule):
+    """What Slicer's module list shows."""
+
+    def __init__(self, parent):
+        ScriptedLoadableModule.__init__(self, parent)
+        parent.title = _("AIFRecon: Angle-weighted Ultrasound Reconstruction")
+        parent.categories = [translate("qSlicerAbstractCoreModule", "Ultrasound")]
+        parent.dependencies = ["Sequences", "Segmentations", "Markups", "VolumeRendering"]
+        parent.contributors = ["The AIFRecon developers"]
+        parent.helpText = _(
+            "Reconstructs a volume of the spine from tracked ultrasound frames, weighting every beam by its angle of incidence to the "
+            "bone that a registered CT shows. Research software, not a medical device."
+        )
+        parent.acknowledgementText = _(
+            "The method is that of Jiang, Xu, Moghekar, Kazanzides and Boctor: Insonification Angle-based Ultrasound Volume "
+            "Reconstruction for Spine Intervention."
+        )
+        slicer.app.connect("startupCompleted()", registerSampleData)
+
+
+class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
+    """The panel: binds the parameters to the .ui file, says what is missing, and hands the work to the logic."""
+
+    def __init__(self, parent=None) -> None:
+        ScriptedLoadableModuleWidget.__init__(self, parent)
+        VTKObservationMixin.__init__(self)
+        self.logic = None
+        self._parameterNode = None
+        self._parameterNodeGuiTag = None
+        self._work = None
+        self._live = None
+        self._report = ""
+        self._followers = ()
+
+    # ---- life of the panel
+
+    def setup(self) -> None:
+        """Load the .ui file and connect it; called when the module is first opened."""
+        ScriptedLoadableModuleWidget.setup(self)
+        from AIFReconGui.livePanel import LivePanel
+        from AIFReconGui.longWork import LongWork
+        from AIFReconGui.pathField import PathField
+        from AIFReconGui.segmentsChooser import SegmentsChooser
+
+        uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
+        self.layout.addWidget(uiWidget)
+        self.ui = slicer.util.childWidgetVariables(uiWidget)
+        uiWidget.setMRMLScene(slicer.mrmlScene)
+        self.logic = AIFReconLogic()
+        self._followers = (
+            SegmentsChooser(self.ui.segmentsComboBox, self.ui.segmentsLabel),
+            PathField(self.ui.recordingPathLineEdit, "recordingPath"),
+            PathField(self.ui.configurationPathLineEdit, "configurationPath"),
+            PathField(self.ui.liveRecordPathLineEdit, "liveRecordPath"),
+        )
+        self._work = LongWork(uiWidget)
+        self._live = LivePanel(self.ui, self._run)
+
+        self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
+        self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneEndClose)
+        self.ui.loadButton.connect("clicked(bool)", self.onLoadButton)
+        self.ui.applyButton.connect("clicked(bool)", self.onApplyButton)
+        self.ui.compareButton.connect("clicked(bool)", self.onCompareButton)
+        self.ui.singleViewButton.connect("clicked(bool)", self.onSingleViewButton)
+        self.initializeParameterNode()
+
+    def cleanup(self) -> None:
+        """Let go of everything; called when the application closes or the module is reloaded."""
+        self._live.close()
+        self.setParameterNode(None)
+        self.removeObservers()
+        self.logic.cleanup()
+
+    def enter(self) -> None:
+        """The user opens the module."""
+        self.initializeParameterNode()
+
+    def exit(self) -> None:
+        """The user opens another module."""
+        self.setParameterNode(None)
+
+    def onReload(self) -> None:
+        """Reload the library as well as this file."""
+        for name in [name for name in sys.modules if name.split(".")[0] in ("AIFReconLib", "AIFReconScene", "AIFReconGui")]:
+            del sys.modules[name]
+        super().onReload()
+
+    def onSceneStartClose(self, caller, event) -> None:
+        """The parameters go with the scene, and a reconstruction under way has nothing left to write to."""
+        self._report = ""
+        self._work.cancel()
+        self._live.close()
+        self.setParameterNode(None)
+        self.logic.cleanup()
+
+    def onSceneEndClose(self, caller, event) -> None:
+        """Begin anew with the new scene."""
+        if self.parent.isEntered:
+            self.initializeParameterNode()
+
+    def initializeParameterNode(self) -> None:
+        """Take the scene's parameters; where nothing is chosen, choose the only sweep, CT and segmentation there are."""
+        self.setParameterNode(self.logic.getParameterNode())
+        self.logic.chooseDefaults(self._parameterNode)
+
+    def setParameterNode(self, parameterNode) -> None:
+        """Bind the panel to these parameters, or to none."""
+        if self._parameterNode:
+            self._parameterNode.disconnectGui(self._parameterNodeGuiTag)
+            self.removeObserver(self._parameterNode, vtk.vtkCommand.ModifiedEvent, self._onParametersModified)
+        self._parameterNode = parameterNode
+        for follower in self._followers:
+            follower.setParameterNode(parameterNode)
+        self._live.setParameterNode(parameterNode)
+        if self._parameterNode:
+            self._parameterNodeGuiTag = self._parameterNode.connectGui(self.ui)
+            self.addObserver(self._parameterNode, vtk.vtkCommand.ModifiedEvent, self._onParametersModified)
+            self._onParametersModified()
+
+    # ---- what the panel shows
+
+    def _onParametersModified(self, caller=None, event=None) -> None:
+        """Show what follows from the parameters: texts, what can be pressed, and the display."""
+        parameters = self._parameterNode
+        if parameters is None or self._work.isRunning:
+            return
+        for follower in self._followers:
+            follower.update()
+        self.ui.sweepStatusLabel.text = self.logic.describeSweep(parameters)
+        self.ui.boneStatusLabel.text = self.logic.describeBone(parameters)
+        self.ui.roiSelector.enabled = parameters.region == Region.BOX
+        self.ui.regionVolumeSelector.enabled = parameters.region == Region.LIKE_VOLUME
+        self.ui.spacingSpinBox.enabled = parameters.region != Region.LIKE_VOLUME
+        self.ui.apexColumnSpinBox.enabled = self.ui.apexRowSpinBox.enabled = parameters.probe == ProbeShape.SECTOR
+        self.ui.singleViewButton.enabled = parameters.output is not None
+        self._live.update(readiness.whyNotLive(parameters))
+        self._checkCanApply()
+        self.logic.updateDisplay(parameters)
+
+    def _checkCanApply(self) -> None:
+        """Enable what can be done, and say what is missing for the rest."""
+        parameters = self._parameterNode
+        for button, missing, does in (
+            (self.ui.loadButton, self.logic.whyNotLoad(parameters), _("Read the recording into a sweep that can be replayed")),
+            (self.ui.applyButton, self.logic.whyNotReconstruct(parameters), _("Reconstruct the volume")),
+            (self.ui.compareButton, self.logic.whyNotCompare(parameters), _("Reconstruct with each method and show them side by side")),
+        ):
+            button.enabled = not missing
+            button.toolTip = missing or does
+        self.ui.statusLabel.text = self.logic.whyNotReconstruct(parameters) or self._report
+
+    # ---- buttons
+
+    def onLoadButton(self) -> None:
+        """Read the recording."""
+        self._run(_("Load recording"), _("The recording could not be loaded."), self.logic.loadRecording)
+
+    def onApplyButton(self) -> None:
+        """Reconstruct."""
+        self._run(_("Reconstruction"), _("The volume could not be reconstructed."), self.logic.apply)
+
+    def onCompareButton(self) -> None:
+        """Reconstruct with every method that is compared."""
+        self._run(_("Compare methods"), _("The methods could not be compared."), self.logic.compare)
+
+    def onSingleViewButton(self) -> None:
+        """Go back from the comparison."""
+        self.logic.showOutput(self._parameterNode)
+
+    def _run(self, title: str, failure: str, work) -> None:
+        """Do long work with progress and cancel; its errors are shown, a cancel leaves the scene as it was."""
+        self._report = ""
+        try:
+            self._report = self._work.run(title, failure, work, self._parameterNode)
+        finally:
+            self._onParametersModified()
+
+
+class AIFReconLogic(ScriptedLoadableModuleLogic):
+    """What the module does, without its panel: nodes to the library's inputs, one call, results to nodes.
+
+    From the Python console::
+
+        logic = AIFReconLogic()
+        sweep = logic.readRecording("sweep.igs.mha", "PlusDeviceSet.xml")
+        bone = slicer.util.getNode("Segmentation")
+        volume = logic.reconstruct(sweep, bone, spacing=0.5, hole_limit=1.0)
+        slicer.util.setSliceViewerLayers(foreground=volume, foregroundOpacity=0.6)
+    """
+
+    def __init__(self) -> None:
+        ScriptedLoadableModuleLogic.__init__(self)
+        self._display = None
+        self._sweep = SweepStatus()
+
+    def getParameterNode(self):
+        """The parameters of the scene, typed."""
+        return AIFReconParameterNode(super().getParameterNode())
+
+    def cleanup(self) -> None:
+        """Take what is drawn for orientation out of the scene."""
+        self._sweep = SweepStatus()
+        if self._display is not None:
+            self._display.clear()
+
+    # ---- for the console
+
+    def readRecording(self, recording, configuration=None, progress=None):
+        """Read a sequence recorded by Plus into a sequence browser that can be replayed.
+
+        `configuration` is the Plus configuration with the calibration, if needed. Returns the vtkMRMLSequenceBrowserNode. An
+        AIFReconError says what is wrong, where, and what to do; the scene is then as before.
+        """
+        from AIFReconScene.sequenceNodes import browserFromSequence
+
+        from AIFReconLib import read_sequence
+
+        sequence = read_sequence(recording, config=configuration)
+        return browserFromSequence(sequence, pathlib.Path(recording).name.split(".")[0], progress)
+
+    def reconstruct(self, sweep, bone=None, *, output=None, keep=(), progress=None, inputs=None, **settings):
+        """Reconstruct a volume from the nodes of a sweep.
+
+        Parameters
+        ----------
+        sweep : vtkMRMLSequenceBrowserNode
+        bone : vtkMRMLSegmentationNode, vtkMRMLLabelMapVolumeNode or vtkMRMLScalarVolumeNode (probability), or None
+        output : vtkMRMLScalarVolumeNode or None
+            Takes the intensities; a new node by default.
+        keep : sequence of str
+            Other results to output: "score", "hits", "cosine", "mask".
+        progress : callable or None
+            ``progress(fraction, message) -> bool``; False cancels.
+        inputs : dict or None
+            More about the inputs: the fields of `AIFReconScene.inputs.Inputs`, as ``{"boneSigmaMm": 4.0, "region": roiNode}``.
+        **settings
+            The fields of `AIFReconLib.ReconstructionSettings`, as ``method="average", spacing=0.5``.
+
+        Returns
+        -------
+        volume : vtkMRMLScalarVolumeNode
+            Or an AIFReconError with what is wrong and what to do, OperationCanceled after a cancel; the scene is then as before.
+        """
+        from AIFReconScene.inputs import Inputs
+
+        from AIFReconLib import ReconstructionSettings
+
+        asked = ReconstructionSettings(**{"best_cosine": "cosine" in keep, **settings})
+        nodes, _report = self._reconstruct(Inputs(sweep=sweep, bone=bone, **(inputs or {})), asked, output, keep, progress)
+        return nodes["intensity"]
+
+    # ---- for the panel
+
+    def chooseDefaults(self, parameters) -> None:
+        """Choose the only sweep, CT and segmentation there are, where nothing is chosen yet."""
+        readiness.chooseDefaults(parameters)
+
+    def describeSweep(self, parameters) -> str:
+        """How many frames the chosen sweep has and why some cannot be used, in words; also what is wrong with it as a whole."""
+        return inPanelWords(self._sweep.text(parameters))
+
+    def describeBone(self, parameters) -> str:
+        """What the chosen bone is taken for."""
+        return readiness.describeBone(parameters)
+
+    def whyNotLoad(self, parameters) -> str:
+        """What is missing before the recording can be read; empty: nothing."""
+        return readiness.whyNotLoad(parameters)
+
+    def whyNotReconstruct(self, parameters) -> str:
+        """What is missing before a volume can be reconstructed; empty: nothing."""
+        return readiness.whyNotReconstruct(parameters, self._sweep.summary(parameters))
+
+    def whyNotCompare(self, parameters) -> str:
+        """What is missing before the methods can be compared; empty: nothing."""
+        return readiness.whyNotCompare(parameters, self._sweep.summary(parameters))
+
+    def loadRecording(self, parameters, progress=None) -> str:
+        """Read the chosen recording and select it; the spacing follows a configuration that tells one."""
+        configuration = parameters.configurationPath if parameters.configurationPath.is_file() else None
+        browser = self.readRecording(parameters.recordingPath, configuration, progress)
+        parameters.sweep = browser
+        parameters.imageSequence = None
+        return self.describeSweep(parameters)
+
+    def apply(self, parameters, progress=None) -> str:
+        """Reconstruct what the parameters ask for, show it over the CT, and return what was done in a few lines."""
+        from AIFReconScene.inputs import Inputs
+
+        keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
+        keep += ["cosine"] if parameters.bestCosine else []
+        nodes, report = self._reconstruct(Inputs.fromParameters(parameters), settingsFrom(parameters), parameters.output, keep, progress)
+        parameters.output = nodes["intensity"]
+        self.showOutput(parameters)
+        return report
+
+    def compare(self, parameters, progress=None) -> str:
+        """Reconstruct with every method that is compared, show the volumes side by side and measure them; returns what was done."""
+        from AIFReconScene.comparison import compareMethods
+        from AIFReconScene.inputs import Inputs
+
+        comparison = compareMethods(Inputs.fromParameters(parameters), settingsFrom(parameters), progress)
+        self.display.showComparison(comparison, parameters)
+        return comparison.report
+
+    def showOutput(self, parameters) -> None:
+        """Show the output over the CT in the usual slice views."""
+        self.display.showOutput(parameters)
+
+    def updateDisplay(self, parameters) -> None:
+        """Let the views follow the panel: opacity, volume rendering, probe and outlines."""
+        if self._display is not None or parameters.output is not None or parameters.showProbe or parameters.showOutlines:
+            self.display.update(parameters)
+
+    @property
+    def display(self):
+        """What the views show, kept in step with the parameters."""
+        if self._display is None:
+            from AIFReconScene.display import SceneDisplay
+
+            self._display = SceneDisplay()
+        return self._display
+
+    def _reconstruct(self, inputs, settings, output, keep, progress):
+        from AIFReconScene.inputs import reconstructed
+        from AIFReconScene.volumeNodes import outputNodes
+
+        from AIFReconLib.progress import part
+        from AIFReconLib.summary import summary_lines
+
+        result, sequence = reconstructed(inputs, settings, part(progress, 0.0, 0.95))
+        nodes = outputNodes(result, inputs.sweep.GetName(), ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())
+        return nodes, "\n".join(summary_lines(result, len(sequence)))
+
+
+class AIFReconTest(ScriptedLoadableModuleTest):
+    """The whole on the simulated patient; Testing/Slicer holds the tests of each part."""
+
+    def setUp(self):
+        """Begin with an empty scene."""
+        slicer.mrmlScene.Clear()
+
+    def test_the_simulated_patient_s_bone_appears_where_the_ct_shows_it(self):
+        """The peaks across the segmented surface lie on it."""
+        from AIFReconScene.boneNodes import labelsFromNode
+        from AIFReconScene.metricsTable import measureVolumes
+        from AIFReconScene.phantomSample import loadPhantom
+
+        from AIFReconLib import Volume
+
+        loadPhantom()
+        logic = AIFReconLogic()
+        parameters = logic.getParameterNode()
+        logic.chooseDefaults(parameters)
+        volume = logic.reconstruct(parameters.sweep, parameters.bone, spacing=1.0, hole_limit=2.0, inputs={"boneSigmaMm": 4.0})
+        matrix = vtk.vtkMatrix4x4()
+        volume.GetIJKToRASMatrix(matrix)
+        placed = Volume(slicer.util.arrayFromVolume(volume), slicer.util.arrayFromVTKMatrix(matrix))
+        bone = measureVolumes({"": placed}, labelsFromNode(parameters.bone))[""].bone
+        self.assertGreater(bone.coverage, 0.1)
+        self.assertLess(bone.localization_error, 1.0)

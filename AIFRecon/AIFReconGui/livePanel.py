@@ -1,0 +1,191 @@
+"""The Live section of the panel: starts and stops a scan, and says in large letters whether the probe is seen."""
+
+import html
+
+import qt
+import slicer
+from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.parameters import LiveSource
+from slicer.i18n import tr as _
+
+COLLECTED_EVERY, SHOWN_EVERY = 10, 200
+"""ms between two looks at the scene's image, and between two updates of what is shown."""
+
+TRACKED_COLOR, LOST_COLOR, IDLE_COLOR = "#1b7a3d", "#b3261e", "#5f6368"
+"""Backgrounds of the tracking state; white text has a contrast of 5 or more on each."""
+
+
+class LivePanel:
+    """Connects the widgets of the Live section to a `LiveReconstruction`.
+
+    Parameters
+    ----------
+    ui : namespace of the widgets in AIFRecon.ui
+    run : callable
+        ``run(title, failure, work)`` does long work with progress and shows its errors, as the other buttons do.
+    """
+
+    def __init__(self, ui, run):
+        self._ui = ui
+        self._run = run
+        self._parameterNode = None
+        self._live = None
+        self._missing = ""
+        self._collecting = self._timer(COLLECTED_EVERY, self._collect)
+        self._showing = self._timer(SHOWN_EVERY, self._show)
+        ui.liveStartButton.connect("clicked(bool)", self.onStart)
+        ui.livePauseButton.connect("toggled(bool)", self.onPause)
+        ui.liveResetButton.connect("clicked(bool)", self.onReset)
+        ui.liveStopButton.connect("clicked(bool)", self.onStop)
+        ui.liveUseBoxButton.connect("clicked(bool)", self.onUseBox)
+        self._showState(_("not started"), IDLE_COLOR)
+
+    @staticmethod
+    def _timer(interval: int, slot):
+        timer = qt.QTimer()
+        timer.setInterval(interval)
+        timer.connect("timeout()", slot)
+        return timer
+
+    @property
+    def isRunning(self) -> bool:
+        """Whether a scan is under way."""
+        return self._live is not None
+
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none; a scan that is under way goes on."""
+        self._parameterNode = parameterNode
+        if (
+            parameterNode is not None
+            and not parameterNode.liveImageDevice
+            and parameterNode.liveHost == parameterNode.default("liveHost").value
+        ):
+            parameterNode.liveHost = slicer.util.settingsValue("AIFRecon/LiveHost", parameterNode.liveHost)
+            parameterNode.livePort = slicer.util.settingsValue("AIFRecon/LivePort", parameterNode.livePort, converter=int)
+
+    def update(self, missing: str) -> None:
+        """Enable what can be done; `missing` says why a scan cannot begin."""
+        ui, running = self._ui, self.isRunning
+        fromServer = self._parameterNode is None or self._parameterNode.liveSource == LiveSource.OPENIGTLINK
+        self._missing = missing
+        for widget in (ui.liveHostLineEdit, ui.livePortSpinBox, ui.liveDeviceLineEdit):
+            widget.enabled = fromServer and not running
+        ui.liveImageSelector.enabled = not fromServer and not running
+        ui.liveSourceComboBox.enabled = ui.liveRecordPathLineEdit.enabled = not running
+        ui.liveStartButton.enabled = not running and not missing
+        ui.liveStartButton.toolTip = missing or _("Begin to receive and reconstruct")
+        for button in (ui.livePauseButton, ui.liveResetButton, ui.liveStopButton):
+            button.enabled = running
+        ui.liveUseBoxButton.enabled = running and self._live.isScouting
+
+    # ---- buttons
+
+    def onStart(self) -> None:
+        """Begin a scan."""
+        self._run(_("Live reconstruction"), _("The live reconstruction could not be started."), self._start)
+
+    def onPause(self, paused: bool) -> None:
+        """Insert nothing for a while, or go on."""
+        if self._live is not None:
+            (self._live.session.pause if paused else self._live.session.resume)()
+
+    def onReset(self) -> None:
+        """Empty the volume and go on."""
+        self._live.session.reset()
+
+    def onUseBox(self) -> None:
+        """Reconstruct in the box that was scanned so far."""
+        with slicer.util.tryWithErrorDisplay(_("The box cannot be used yet.")):
+            self._live.useScoutedBox()
+        self.update(self._missing)
+
+    def onStop(self) -> None:
+        """End the scan and keep its volume."""
+        self._run(_("Live reconstruction"), _("The live reconstruction could not be ended as it should."), self._stop)
+
+    def close(self) -> None:
+        """End the scan without showing anything more: the scene or the application is being closed."""
+        live, self._live = self._live, None
+        self._stopTimers()
+        if live is not None:
+            live.abandon()
+            self._showState(_("not started"), IDLE_COLOR)
+
+    def _start(self, parameters, progress) -> str:
+        from AIFReconScene.liveReconstruction import LiveReconstruction
+
+        if parameters.liveSource == LiveSource.OPENIGTLINK:
+            from .packages import ensureLivePackages
+
+            ensureLivePackages()
+        self._live = LiveReconstruction(parameters, progress)
+        settings = slicer.app.userSettings()
+        settings.setValue("AIFRecon/LiveHost", parameters.liveHost)
+        settings.setValue("AIFRecon/LivePort", parameters.livePort)
+        self._ui.livePauseButton.checked = False
+        self._collecting.start()
+        self._showing.start()
+        return _("Live reconstruction started.")
+
+    def _stop(self, parameters, progress) -> str:
+        self._stopTimers()
+        live, self._live = self._live, None
+        node = live.stop(progress)
+        self._showState(_("not started"), IDLE_COLOR)
+        if node is not None:
+            parameters.output = node
+        said = _describe(live.statistics)
+        if live.session.recorded is not None:
+            said += "\n" + _("Recorded to {path}.").format(path=live.session.recorded)
+        if live.session.recording_failure:
+            said += "\n" + live.session.recording_failure
+        return said
+
+    # ---- timers
+
+    def _collect(self) -> None:
+        if self._live is not None:
+            self._live.collect()
+
+    def _show(self) -> None:
+        live = self._live
+        if live is None:
+            return
+        live.refresh()
+        statistics = live.statistics
+        tracked = statistics.tracking == "tracked"
+        if live.isScouting:
+            word = _("Scan once quickly, then use the box") if tracked else statistics.tracking
+        else:
+            word = _("Paused") if statistics.phase == "paused" else statistics.tracking
+        self._showState(word, TRACKED_COLOR if tracked else LOST_COLOR)
+        lines = [_describe(statistics)]
+        if statistics.trouble:
+            lines.append(inPanelWords(statistics.trouble))
+        if statistics.recording_failure:
+            lines.append(statistics.recording_failure)
+        self._ui.liveStatisticsLabel.text = "\n".join(lines)
+        self._ui.liveUseBoxButton.enabled = live.isScouting and live.session.scouted > 0
+        if live.volumeNode is not None and self._parameterNode is not None and self._parameterNode.output is not live.volumeNode:
+            self._parameterNode.output = live.volumeNode
+
+    def _showState(self, word: str, color: str) -> None:
+        self._ui.liveStateLabel.text = html.escape(word)
+        self._ui.liveStateLabel.styleSheet = (
+            f"QLabel {{ background-color: {color}; color: white; font-size: 26px; font-weight: bold; padding: 10px; border-radius: 4px; }}"
+        )
+
+    def _stopTimers(self) -> None:
+        self._collecting.stop()
+        self._showing.stop()
+
+
+def _describe(statistics) -> str:
+    """Rate, latency and where the frames went, in a line or two."""
+    latency = _("no latency yet") if statistics.latency_p50 != statistics.latency_p50 else f"{1000 * statistics.latency_p50:.0f} ms"
+    first = _("{rate:.0f} frames/s, {latency}; {connection}").format(
+        rate=statistics.frame_rate, latency=latency, connection=statistics.connection
+    )
+    second = _("{inserted} of {received} frames inserted").format(inserted=statistics.inserted, received=statistics.frames_received)
+    reasons = "; ".join(f"{count} {reason}" for reason, count in statistics.skipped.items())
+    return "\n".join([first, second + (f" ({reasons})" if reasons else "")])

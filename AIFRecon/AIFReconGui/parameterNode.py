@@ -1,0 +1,76 @@
+"""Every choice of the panel, as typed parameters that are saved with the scene."""
+
+import pathlib
+from typing import Annotated
+
+from AIFReconScene.parameters import PARAMETERS, BoneDirection, Engine, LiveSource, Method, OutputType, ProbeShape, Region, SigmaUnit
+from slicer import (
+    vtkMRMLLabelMapVolumeNode,
+    vtkMRMLMarkupsROINode,
+    vtkMRMLScalarVolumeNode,
+    vtkMRMLSegmentationNode,
+    vtkMRMLSequenceBrowserNode,
+    vtkMRMLSequenceNode,
+)
+from slicer.parameterNodeWrapper import Minimum, WithinRange, parameterNodeWrapper
+
+
+def _within(name: str) -> WithinRange:
+    """The range that the library gives a parameter."""
+    return WithinRange(PARAMETERS[name]["minimum"], PARAMETERS[name]["maximum"])
+
+
+@parameterNodeWrapper
+class AIFReconParameterNode:
+    """Every choice of the panel, saved with the scene. Ranges and defaults are those of AIFReconLib.settings.
+
+    Where the library's default is "not given", 0 or an automatic choice stands for it.
+    """
+
+    sweep: vtkMRMLSequenceBrowserNode | None
+    imageSequence: vtkMRMLSequenceNode | None
+    recordingPath: pathlib.Path
+    configurationPath: pathlib.Path
+
+    ctVolume: vtkMRMLScalarVolumeNode | None
+    bone: vtkMRMLSegmentationNode | vtkMRMLLabelMapVolumeNode | vtkMRMLScalarVolumeNode | None
+    boneSegments: list[str]
+    boneSigma: Annotated[float, WithinRange(0.1, 100.0)] = 10.0
+    boneSigmaUnit: SigmaUnit = SigmaUnit.VOXELS
+
+    region: Region = Region.AROUND_SWEEP
+    roi: vtkMRMLMarkupsROINode | None
+    regionVolume: vtkMRMLScalarVolumeNode | None
+    output: vtkMRMLScalarVolumeNode | None
+
+    method: Method = Method.AUTOMATIC
+    spacing: Annotated[float, _within("spacing")] = PARAMETERS["spacing"]["default"]
+    alpha: Annotated[float, _within("alpha")] = PARAMETERS["alpha"]["default"]
+    beta: Annotated[float, _within("beta")] = PARAMETERS["beta"]["default"]
+    boneDirection: BoneDirection = BoneDirection(PARAMETERS["bone_direction"]["default"])
+    holeLimit: Annotated[float, _within("hole_limit")] = PARAMETERS["hole_limit"]["default"]
+    intensityMaximum: Annotated[float, Minimum(0.0)] = 0.0
+    bestCosine: bool = PARAMETERS["best_cosine"]["default"]
+    skip: Annotated[int, WithinRange(0, 1000)] = 0
+    engine: Engine = Engine(PARAMETERS["engine"]["default"])
+    outputType: OutputType = OutputType.AUTOMATIC
+    boneGain: Annotated[float, _within("bone_gain")] = PARAMETERS["bone_gain"]["default"]
+    weightFloor: Annotated[float, _within("weight_floor")] = PARAMETERS["weight_floor"]["default"]
+    probe: ProbeShape = ProbeShape.AUTOMATIC
+    apexColumn: Annotated[float, WithinRange(-100000.0, 100000.0)] = 0.0
+    apexRow: Annotated[float, WithinRange(-100000.0, 100000.0)] = 0.0
+
+    liveSource: LiveSource = LiveSource.OPENIGTLINK
+    liveHost: str = "127.0.0.1"
+    livePort: Annotated[int, WithinRange(1, 65535)] = 18944
+    liveImageDevice: str
+    liveImage: vtkMRMLScalarVolumeNode | None
+    liveRecordPath: pathlib.Path
+
+    keepScore: bool = False
+    keepHits: bool = False
+    keepMask: bool = False
+    opacity: Annotated[float, WithinRange(0.0, 1.0)] = 0.6
+    volumeRendering: bool = False
+    showProbe: bool = False
+    showOutlines: bool = False

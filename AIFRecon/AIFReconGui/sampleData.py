@@ -1,0 +1,37 @@
+"""The simulated patient in Slicer's Sample Data module."""
+
+import pathlib
+
+import slicer
+from slicer.i18n import tr as _
+
+SAMPLE_NAME = "AIFRecon lumbar phantom"
+THUMBNAIL = pathlib.Path(__file__).resolve().parent.parent / "Resources" / "Icons" / "AIFReconLumbarPhantom.png"
+
+
+def registerSampleData():
+    """Offer the simulated patient in the Sample Data module; it is built on the spot when asked for."""
+    import SampleData
+
+    SampleData.SampleDataLogic.registerCustomSampleDataSource(
+        category="AIFRecon",
+        sampleName=SAMPLE_NAME,
+        uris="",  # nothing is downloaded
+        thumbnailFileName=str(THUMBNAIL),
+        customDownloader=loadPhantomSample,
+    )
+
+
+def loadPhantomSample(source=None):
+    """Simulate the patient and add CT, segmentation and sweep to the scene; cancel leaves the scene as it was."""
+    from AIFReconScene.phantomSample import loadPhantom
+
+    from AIFReconLib.errors import OperationCanceled
+
+    from .progressDialog import ProgressDialog
+
+    with slicer.util.tryWithErrorDisplay(_("The lumbar phantom could not be made.")), ProgressDialog(_("Lumbar phantom")) as progress:
+        try:
+            return loadPhantom(progress).nodes
+        except OperationCanceled:
+            return []

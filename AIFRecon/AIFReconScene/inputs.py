@@ -1,0 +1,127 @@
+"""The nodes that a reconstruction starts from, and what the library makes of them."""
+
+from dataclasses import dataclass
+
+from AIFReconLib import reconstruct
+from AIFReconLib.errors import SettingsError
+from AIFReconLib.progress import part
+
+from .parameters import ProbeShape, Region, SigmaUnit
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Nodes and choices, as the console or the panel give them.
+
+    Parameters
+    ----------
+    sweep : vtkMRMLSequenceBrowserNode
+    imageSequence : vtkMRMLSequenceNode or None
+        None: the only sequence of images there is.
+    bone : vtkMRMLSegmentationNode, vtkMRMLLabelMapVolumeNode, vtkMRMLScalarVolumeNode or None
+    ct : vtkMRMLScalarVolumeNode or None
+        Never changed; segments that are surfaces only are brought to its voxels.
+    boneSegments : tuple of str
+        IDs; empty: all.
+    boneSigmaVoxels, boneSigmaMm : float or None
+        Width of the bone map; the library's default where both are None.
+    region : vtkMRMLMarkupsROINode, vtkMRMLScalarVolumeNode or None
+        None: around the sweep.
+    probe : ProbeGeometry or None
+        None: as configured, else as the images show.
+    """
+
+    sweep: object
+    imageSequence: object = None
+    bone: object = None
+    ct: object = None
+    boneSegments: tuple = ()
+    boneSigmaVoxels: float | None = None
+    boneSigmaMm: float | None = None
+    region: object = None
+    probe: object = None
+
+    @classmethod
+    def fromParameters(cls, parameters) -> "Inputs":
+        """What the panel's parameters name."""
+        inVoxels = parameters.boneSigmaUnit == SigmaUnit.VOXELS
+        return cls(
+            sweep=parameters.sweep,
+            imageSequence=parameters.imageSequence,
+            bone=parameters.bone,
+            ct=parameters.ctVolume,
+            boneSegments=tuple(parameters.boneSegments),
+            boneSigmaVoxels=parameters.boneSigma if inVoxels else None,
+            boneSigmaMm=None if inVoxels else parameters.boneSigma,
+            region={Region.BOX: parameters.roi, Region.LIKE_VOLUME: parameters.regionVolume}.get(parameters.region),
+            probe=probeFrom(parameters),
+        )
+
+    def nodes(self) -> tuple:
+        """The nodes that an output must not overwrite."""
+        return tuple(node for node in (self.bone, self.ct, self.region) if node is not None)
+
+    def prepared(self, progress=None) -> "PreparedInputs":
+        """Turn the nodes into the library's inputs, once for any number of reconstructions.
+
+        Raises
+        ------
+        AIFReconError
+            With the node that cannot be used and what to do.
+        """
+        from .sequenceReader import sequenceFromBrowser
+
+        if self.sweep is None:
+            raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
+        sequence = sequenceFromBrowser(self.sweep, self.imageSequence)
+        return PreparedInputs(self, sequence, self.boneMap(progress))
+
+    def boneMap(self, progress=None):
+        """The `BoneMap` of the chosen bone in RAS, or None without."""
+        from .boneNodes import boneMapFromNode
+
+        if self.bone is None:
+            return None
+        sigma = {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": self.boneSigmaMm}
+        given = {name: value for name, value in sigma.items() if value is not None}
+        return boneMapFromNode(self.bone, list(self.boneSegments) or None, referenceVolumeNode=self.ct, progress=progress, **given)
+
+    def grid(self, settings):
+        """The `VoxelGrid` of the chosen region in RAS, or None for the box around the sweep."""
+        from .gridNodes import gridFromROI, gridFromVolume
+
+        if self.region is None:
+            return None
+        if self.region.IsA("vtkMRMLMarkupsROINode"):
+            return gridFromROI(self.region, settings.spacing_xyz())
+        return gridFromVolume(self.region)
+
+
+@dataclass(frozen=True)
+class PreparedInputs:
+    """The library's inputs; `reconstruct` may be called with any settings."""
+
+    inputs: Inputs
+    sequence: object
+    bone: object
+
+    def reconstruct(self, settings, progress=None):
+        """One call of the library: `settings` to a `Reconstruction` in RAS."""
+        grid = self.inputs.grid(settings)
+        return reconstruct(self.sequence, settings, self.bone, grid, probe=self.inputs.probe, progress=progress)
+
+
+def probeFrom(parameters):
+    """The probe that the panel sets by hand; None where it leaves that to the configuration and the images."""
+    from AIFReconLib import ProbeGeometry
+
+    if parameters.probe == ProbeShape.AUTOMATIC:
+        return None
+    apex = (parameters.apexColumn, parameters.apexRow) if parameters.probe == ProbeShape.SECTOR else None
+    return ProbeGeometry(parameters.probe.value, apex)
+
+
+def reconstructed(inputs: Inputs, settings, progress=None):
+    """A `Reconstruction` and the sequence it was made from."""
+    prepared = inputs.prepared(part(progress, 0.0, 0.1))
+    return prepared.reconstruct(settings, part(progress, 0.1, 1.0)), prepared.sequence

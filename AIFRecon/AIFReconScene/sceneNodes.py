@@ -1,0 +1,20 @@
+"""Finding nodes of a scene, and taking them out again without leaving anything behind."""
+
+
+def nodesOfClass(className: str, scene) -> list:
+    """The nodes of a class in a scene, in the scene's order."""
+    return [scene.GetNthNodeByClass(index, className) for index in range(scene.GetNumberOfNodesByClass(className))]
+
+
+def removeNodes(nodes, scene) -> None:
+    """Take nodes out of a scene, the last first, with the display and storage nodes that were made for them."""
+    for node in reversed([node for node in nodes if node is not None and node.GetScene() is scene]):
+        own = []
+        if node.IsA("vtkMRMLDisplayableNode"):
+            own += [node.GetNthDisplayNode(index) for index in range(node.GetNumberOfDisplayNodes())]
+        if node.IsA("vtkMRMLStorableNode"):
+            own += [node.GetNthStorageNode(index) for index in range(node.GetNumberOfStorageNodes())]
+        scene.RemoveNode(node)
+        for each in own:
+            if each is not None and each.GetScene() is scene:
+                scene.RemoveNode(each)

@@ -1,0 +1,187 @@
+"""The volumes of a reconstruction as nodes: in RAS world, named for sweep and method, in one folder, shown as ultrasound."""
+
+import numpy as np
+import slicer
+import vtk
+from vtk.util import numpy_support
+
+from AIFReconLib.errors import SettingsError
+from AIFReconLib.volume import Volume
+
+from .sceneNodes import nodesOfClass, removeNodes
+from .transforms import vtkMatrixOf
+
+INTENSITY, SCORE, HITS, COSINE, MASK = "intensity", "score", "hits", "cosine", "mask"
+KINDS = (INTENSITY, SCORE, HITS, COSINE, MASK)
+"""The volumes of a `Reconstruction`, by their names there."""
+
+MASK_NAMES = ("empty", "measured", "filled")
+MASK_COLORS = ((0.0, 0.0, 0.0, 0.0), (0.25, 0.65, 0.35, 1.0), (0.95, 0.7, 0.2, 1.0))
+_MASK_ATTRIBUTE = "AIFRecon.MaskColors"
+
+BRIGHTEST_SHARE = 99.8
+"""Percent of the measured voxels that the window reaches up to: single bright voxels must not darken the rest."""
+
+SAMPLED = 1_000_000
+"""Voxels that are looked at for the window, at most."""
+
+
+def updateVolumeNode(node, volume: Volume) -> None:
+    """Put a volume into a volume node, in RAS world.
+
+    Parameters
+    ----------
+    node : vtkMRMLScalarVolumeNode
+        Its voxels and geometry are replaced. A parent transform is taken off, because the volume holds world coordinates already.
+    volume : Volume
+        [k, j, i] and ijk_to_reference in mm, Reference being RAS world. Its voxels are copied once.
+    """
+    _place(node, _imageData(volume.array), volume.ijk_to_reference)
+
+
+def outputNodes(
+    result,
+    sweepName: str,
+    kinds: tuple[str, ...] = (INTENSITY,),
+    nodes: dict | None = None,
+    *,
+    inputs: tuple = (),
+    scene=None,
+) -> dict:
+    """Nodes for the volumes of a reconstruction, made or brought up to date.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    sweepName : str
+        What was reconstructed; with the method it names the nodes.
+    kinds : tuple of str
+        Which of `KINDS`; a cosine that was not computed is left out.
+    nodes : dict of str to node, or None
+        Nodes to use again, by kind. They keep their names and lose their parent transform: the result holds world coordinates.
+    inputs : tuple of node
+        What must not be overwritten: CT, bone, volume of the region.
+    scene : vtkMRMLScene or None
+        Default: Slicer's scene.
+
+    Returns
+    -------
+    nodes : dict of str to vtkMRMLScalarVolumeNode
+        By kind, the mask a vtkMRMLLabelMapVolumeNode. All of them lie in one folder of the subject hierarchy.
+
+    Raises
+    ------
+    SettingsError
+        When a node to use again is an input. Whatever is raised, the scene is as it was.
+    """
+    scene = scene or slicer.mrmlScene
+    given = {kind: node for kind, node in (nodes or {}).items() if node is not None and kind in kinds}
+    for node in given.values():
+        if any(node is each for each in inputs):
+            raise SettingsError(f"Output must be another volume than the inputs; got {node.GetName()!r}. Choose or create another one.")
+    volumes = {kind: getattr(result, kind) for kind in KINDS if kind in kinds and getattr(result, kind) is not None}
+    # All memory is taken before the first node changes
+    images = {kind: _imageData(volume.array) for kind, volume in volumes.items()}
+    window = ultrasoundWindow(result.intensity.array, result.mask.array)
+    made = []
+    try:
+        placed = {}
+        for kind, volume in volumes.items():
+            node = given.get(kind)
+            if node is None:
+                name = f"{sweepName} {result.method}" + ("" if kind == INTENSITY else f" {kind}")
+                className = "vtkMRMLLabelMapVolumeNode" if kind == MASK else "vtkMRMLScalarVolumeNode"
+                node = scene.AddNewNodeByClass(className, scene.GenerateUniqueName(name))
+                made.append(node)
+            _place(node, images[kind], volume.ijk_to_reference)
+            node.SetAttribute("AIFRecon.Method", result.method)
+            node.SetAttribute("AIFRecon.Volume", kind)
+            _show(node, kind, window, scene)
+            placed[kind] = node
+        _collect(placed.values(), sweepName, scene)
+    except Exception:
+        removeNodes(made, scene)
+        raise
+    return placed
+
+
+def ultrasoundWindow(intensity: np.ndarray, mask: np.ndarray) -> tuple[float, float]:
+    """Darkest and brightest gray level to show: from 0 to the level that all but the brightest 0.2% of measured voxels stay below."""
+    step = max(1, intensity.size // SAMPLED)
+    levels = intensity.ravel()[::step][mask.ravel()[::step] != 0]
+    levels = levels[np.isfinite(levels)]
+    brightest = float(np.percentile(levels, BRIGHTEST_SHARE)) if levels.size else 0.0
+    return 0.0, brightest if brightest > 0 else 1.0
+
+
+def _imageData(array: np.ndarray):
+    """The vtkImageData of an array [k, j, i]: the one copy of its voxels."""
+    plain = array.view(np.uint8) if array.dtype == bool else array
+    imageData = vtk.vtkImageData()
+    imageData.SetDimensions(*plain.shape[::-1])
+    imageData.AllocateScalars(numpy_support.get_vtk_array_type(plain.dtype), 1)
+    numpy_support.vtk_to_numpy(imageData.GetPointData().GetScalars())[:] = plain.ravel()
+    return imageData
+
+
+def _place(node, imageData, ijkToWorld: np.ndarray) -> None:
+    with slicer.util.NodeModify(node):
+        node.SetAndObserveTransformNodeID(None)
+        node.SetAndObserveImageData(imageData)
+        node.SetIJKToRASMatrix(vtkMatrixOf(ijkToWorld))
+
+
+def _show(node, kind: str, window: tuple[float, float], scene) -> None:
+    """Window, level and colors. What was not measured is transparent, so that a CT below shows through."""
+    if node.GetDisplayNode() is None:
+        node.CreateDefaultDisplayNodes()
+    display = node.GetDisplayNode()
+    if kind == MASK:
+        display.SetAndObserveColorNodeID(_maskColors(scene).GetID())
+        return
+    if kind in (INTENSITY, COSINE):
+        display.SetAutoWindowLevel(False)
+        display.SetWindowLevelMinMax(*(window if kind == INTENSITY else (0.0, 1.0)))
+    display.SetInterpolate(kind == INTENSITY)
+    high = node.GetImageData().GetScalarRange()[1]
+    if kind == INTENSITY and high > 0:
+        smallest = 1 if node.GetImageData().GetScalarType() == vtk.VTK_UNSIGNED_CHAR else np.finfo(np.float32).tiny
+        display.AutoThresholdOff()
+        display.SetThreshold(float(smallest), high)
+        display.SetApplyThreshold(True)
+
+
+def _maskColors(scene):
+    """The color table of masks, one for all of them."""
+    for node in nodesOfClass("vtkMRMLColorTableNode", scene):
+        if node.GetAttribute(_MASK_ATTRIBUTE):
+            return node
+    node = slicer.vtkMRMLColorTableNode()
+    node.SetName("AIFRecon mask")
+    node.SetTypeToUser()
+    node.SetNumberOfColors(len(MASK_NAMES))
+    for number, (name, color) in enumerate(zip(MASK_NAMES, MASK_COLORS)):
+        node.SetColor(number, name, *color)
+    node.SetAttribute(_MASK_ATTRIBUTE, "1")
+    node.SetAttribute("Category", "AIFRecon")
+    return scene.AddNode(node)
+
+
+def folderOf(sweepName: str, scene) -> int:
+    """The subject hierarchy item of the folder for what was made from a sweep; it is made where it is not there."""
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
+    top, name = hierarchy.GetSceneItemID(), f"AIFRecon {sweepName}"
+    folder = hierarchy.GetItemChildWithName(top, name)
+    return folder or hierarchy.CreateFolderItem(top, name)
+
+
+def _collect(nodes, sweepName: str, scene) -> None:
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
+    folder = folderOf(sweepName, scene)
+    for node in nodes:
+        item = hierarchy.GetItemByDataNode(node)
+        # Slicer makes items for new nodes itself, but not before a batch of changes has ended
+        if item:
+            hierarchy.SetItemParent(item, folder)
+        else:
+            hierarchy.CreateItem(folder, node)

@@ -1,0 +1,302 @@
+"""Sweeps that somebody else put into the scene: recorded live through OpenIGTLink, imported, or arranged by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from sweeps import rigid
+
+slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
+from scene_host import transform_node  # noqa: E402
+
+from AIFReconLib.errors import NoUsableFramesError, SequenceFormatError, TransformError  # noqa: E402
+from AIFReconLib.poses import sweep_poses  # noqa: E402
+
+CALIBRATION = rigid((5.0, 60.0, -4.0), (1.0, -2.0, 3.0)) @ np.diag([0.3, 0.5, 0.4, 1.0])
+
+
+def probe_pose(number: int) -> np.ndarray:
+    return rigid((10.0 * number, 5.0, -20.0), (3.0 * number, 40.0, -7.0))
+
+
+def images(count=4, shape=(5, 7), **options) -> list[np.ndarray]:
+    return [np.random.default_rng(number).integers(0, 255, shape).astype(np.uint8) for number in range(count)]
+
+
+def sequence_of(scene, name, nodes, values=None):
+    """A sequence node of these data nodes, numbered by 0.1 s."""
+    sequence = scene.AddNewNodeByClass("vtkMRMLSequenceNode", name)
+    sequence.SetIndexName("time")
+    sequence.SetIndexUnit("s")
+    for number, node in enumerate(nodes):
+        sequence.SetDataNodeAtValue(node, f"{0.1 * number:.3f}" if values is None else values[number])
+    return sequence
+
+
+def image_nodes(arrays, matrix=None, class_name="vtkMRMLScalarVolumeNode"):
+    for number, array in enumerate(arrays):
+        node = getattr(slicer, class_name)()
+        node.SetName("Image_Image")
+        if array is not None:
+            slicer.util.updateVolumeFromArray(node, array if array.ndim > 3 or array.ndim == 3 else array[None])
+        node.SetIJKToRASMatrix(slicer.util.vtkMatrixFromArray(matrix(number) if matrix else np.eye(4)))
+        yield node
+
+
+def pose_nodes(matrices, name="ProbeToReference", statuses=None, attribute="TransformStatus"):
+    for number, matrix in enumerate(matrices):
+        node = slicer.vtkMRMLLinearTransformNode()
+        node.SetName(name)
+        node.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(matrix))
+        if statuses:
+            node.SetAttribute(attribute, statuses[number])
+        yield node
+
+
+def browser_of(scene, master, *others, name="Live"):
+    browser = scene.AddNewNodeByClass("vtkMRMLSequenceBrowserNode", name)
+    browser.SetAndObserveMasterSequenceNodeID(master.GetID())
+    for sequence in others:
+        browser.AddSynchronizedSequenceNode(sequence)
+    for sequence in (master, *others):
+        if browser.GetProxyNode(sequence) is None:
+            browser.AddProxyNode(sequence.GetNthDataNode(0), sequence, True)
+    return browser
+
+
+def live(scene, count=4, values=None, poses=None, **options):
+    """What SlicerIGT users have: image under the static ImageToProbe under the recorded ProbeToReference."""
+    recorded = sequence_of(scene, "ProbeToReference", pose_nodes(poses or [probe_pose(n) for n in range(count)], **options), values)
+    pictures = sequence_of(scene, "Image_Image", image_nodes(images(count)))
+    browser = browser_of(scene, pictures, recorded)
+    calibration = transform_node(scene, CALIBRATION, "ImageToProbe", parent=browser.GetProxyNode(recorded))
+    browser.GetProxyNode(pictures).SetAndObserveTransformNodeID(calibration.GetID())
+    return browser
+
+
+def read(browser, *arguments, **options):
+    from AIFReconScene.sequenceReader import sequenceFromBrowser
+
+    return sequenceFromBrowser(browser, *arguments, **options)
+
+
+def poses_of(browser, **options) -> np.ndarray:
+    return sweep_poses(read(browser, **options)).image_to_reference
+
+
+# ---- parent transforms
+
+
+def test_static_and_recorded_transforms_multiply(scene):
+    assert np.allclose(poses_of(live(scene)), [probe_pose(n) @ CALIBRATION for n in range(4)], atol=1e-12)
+
+
+def test_reference_to_ras_above_a_live_recording_counts(scene):
+    browser = live(scene)
+    reference_to_ras = rigid((0.0, 0.0, 90.0), (10.0, 20.0, 30.0))
+    probe = browser.GetProxyNode(browser.GetScene().GetFirstNodeByName("ProbeToReference"))
+    probe.SetAndObserveTransformNodeID(transform_node(scene, reference_to_ras, "ReferenceToRAS").GetID())
+    assert np.allclose(poses_of(browser)[2], reference_to_ras @ probe_pose(2) @ CALIBRATION, atol=1e-12)
+
+
+def test_the_image_s_own_matrix_counts_below_its_parents(scene):
+    own = np.diag([-1.0, -1.0, 1.0, 1.0])
+    recorded = sequence_of(scene, "ImageToReference", pose_nodes([probe_pose(n) @ CALIBRATION for n in range(3)], "ImageToReference"))
+    pictures = sequence_of(scene, "Image", image_nodes(images(3), lambda number: own))
+    browser = browser_of(scene, pictures, recorded)
+    browser.GetProxyNode(pictures).SetAndObserveTransformNodeID(browser.GetProxyNode(recorded).GetID())
+    assert np.allclose(poses_of(browser)[1], probe_pose(1) @ CALIBRATION @ own, atol=1e-12)
+
+
+@pytest.mark.parametrize("attribute", ["TransformStatus", "OpenIGTLink.TransformStatus"])
+def test_a_status_from_the_live_stream_keeps_frames_out(scene, attribute):
+    browser = live(scene, statuses=["OK", "OUT_OF_VIEW", "OK", "MISSING"], attribute=attribute)
+    assert sweep_poses(read(browser)).usable.tolist() == [0, 2]
+
+
+def test_a_transform_that_the_stream_calls_invalid_keeps_frames_out(scene):
+    browser = live(scene, statuses=["true", "false", "True", "0"], attribute="OpenIGTLink.TransformValid")
+    assert sweep_poses(read(browser)).usable.tolist() == [0, 2]
+
+
+def test_a_status_in_the_image_message_keeps_the_frame_out(scene):
+    browser = live(scene)
+    browser.GetMasterSequenceNode().GetNthDataNode(2).SetAttribute("OpenIGTLink.ProbeToReferenceTransformStatus", "OUT_OF_VIEW")
+    assert sweep_poses(read(browser)).usable.tolist() == [0, 1, 3]
+
+
+def test_a_pose_between_images_is_the_previous_one_as_slicer_replays_it(scene):
+    browser = live(scene, values=["0.000", "0.050", "0.150", "0.250"])
+    sequence = scene.GetFirstNodeByName("ProbeToReference")
+    browser.SetMissingItemMode(sequence, slicer.vtkMRMLSequenceBrowserNode.MissingItemCreateFromPrevious)
+    assert np.allclose(poses_of(browser), [probe_pose(n) @ CALIBRATION for n in (0, 1, 2, 3)], atol=1e-12)
+
+
+def test_a_pose_that_the_browser_would_not_replay_is_missing(scene):
+    browser = live(scene, values=["0.000", "0.050", "0.200", "0.300"])
+    sequence = scene.GetFirstNodeByName("ProbeToReference")
+    browser.SetMissingItemMode(sequence, slicer.vtkMRMLSequenceBrowserNode.MissingItemIgnore)
+    assert sweep_poses(read(browser)).usable.tolist() == [0, 2, 3]
+
+
+def test_a_transform_whose_replay_is_off_stays_where_it_is(scene):
+    browser = live(scene)
+    sequence = scene.GetFirstNodeByName("ProbeToReference")
+    browser.SetPlayback(sequence, False)
+    browser.GetProxyNode(sequence).SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(probe_pose(7)))
+    assert np.allclose(poses_of(browser), [probe_pose(7) @ CALIBRATION] * 4, atol=1e-12)
+
+
+# ---- transforms found by their names
+
+
+def test_images_without_a_parent_are_placed_by_the_names_of_transforms(scene):
+    calibration = sequence_of(scene, "ImageToProbe", pose_nodes([CALIBRATION] * 3, "ImageToProbe"))
+    recorded = sequence_of(scene, "ProbeToReference", pose_nodes([probe_pose(n) for n in range(3)]))
+    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), calibration, recorded)
+    assert np.allclose(poses_of(browser), [probe_pose(n) @ CALIBRATION for n in range(3)], atol=1e-12)
+
+
+def test_names_are_those_of_the_recording_where_slicer_imported_it(scene):
+    recorded = sequence_of(scene, "sweep-1", pose_nodes([CALIBRATION] * 3, "X"))
+    recorded.SetAttribute("Sequences.Source", "ImageToReferenceTransform")
+    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
+    assert np.allclose(poses_of(browser)[1], CALIBRATION, atol=1e-12)
+
+
+def test_a_calibration_of_the_scene_completes_the_chain(scene):
+    recorded = sequence_of(scene, "ProbeToReference", pose_nodes([probe_pose(n) for n in range(3)]))
+    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
+    transform_node(scene, CALIBRATION, "ImageToProbe")
+    assert np.allclose(poses_of(browser)[2], probe_pose(2) @ CALIBRATION, atol=1e-12)
+
+
+def test_another_reference_can_be_chosen(scene):
+    recorded = sequence_of(scene, "ImageToTracker", pose_nodes([CALIBRATION] * 3, "ImageToTracker"))
+    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
+    assert np.allclose(poses_of(browser, reference="Tracker")[0], CALIBRATION, atol=1e-12)
+
+
+def test_a_parent_of_the_last_named_transform_counts(scene):
+    recorded = sequence_of(scene, "ImageToReference", pose_nodes([CALIBRATION] * 3, "ImageToReference"))
+    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
+    browser.GetProxyNode(recorded).SetAndObserveTransformNodeID(transform_node(scene, probe_pose(5), "ReferenceToRAS").GetID())
+    assert np.allclose(poses_of(browser)[0], probe_pose(5) @ CALIBRATION, atol=1e-12)
+
+
+def test_a_missing_calibration_is_named(scene):
+    recorded = sequence_of(scene, "ProbeToReference", pose_nodes([probe_pose(n) for n in range(3)]))
+    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
+    with pytest.raises(TransformError, match="Live: No transform leads from Image to Reference"):
+        read(browser)
+
+
+def test_images_alone_are_refused(scene):
+    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))))
+    with pytest.raises(TransformError, match="no transforms at all"):
+        read(browser)
+
+
+# ---- poses within the images
+
+
+def test_images_that_carry_their_pose_lie_there(scene):
+    browser = browser_of(scene, sequence_of(scene, "Image_Reference", image_nodes(images(3), lambda n: probe_pose(n) @ CALIBRATION)))
+    assert np.allclose(poses_of(browser), [probe_pose(n) @ CALIBRATION for n in range(3)], atol=1e-12)
+
+
+def test_the_status_of_the_image_s_own_transform_counts_and_that_of_a_stylus_does_not(scene):
+    pictures = sequence_of(scene, "Image_Reference", image_nodes(images(3), lambda n: probe_pose(n) @ CALIBRATION))
+    pictures.GetNthDataNode(0).SetAttribute("OpenIGTLink.StylusToTrackerTransformStatus", "OUT_OF_VIEW")
+    pictures.GetNthDataNode(1).SetAttribute("OpenIGTLink.ProbeToTrackerTransformStatus", "OUT_OF_VIEW")
+    assert sweep_poses(read(browser_of(scene, pictures))).skipped() == {"ImageToReference OUT_OF_VIEW": [1]}
+
+
+# ---- images
+
+
+def test_colors_become_luminance(scene):
+    from AIFReconLib.io.file_images import luminance
+
+    color = [np.random.default_rng(n).integers(0, 255, (1, 5, 7, 3)).astype(np.uint8) for n in range(3)]
+    pictures = sequence_of(scene, "I", image_nodes(color, lambda n: probe_pose(n) @ CALIBRATION, "vtkMRMLVectorVolumeNode"))
+    assert np.array_equal(read(browser_of(scene, pictures)).images[1], luminance(color[1][0]))
+
+
+def test_volumes_are_no_frames(scene):
+    pictures = sequence_of(scene, "I", image_nodes([np.zeros((3, 5, 7), np.uint8)] * 2, probe_pose))
+    with pytest.raises(SequenceFormatError, match="item 0 must be a 2D image; got 7 x 5 x 3 voxels"):
+        read(browser_of(scene, pictures))
+
+
+@pytest.mark.parametrize(("code", "rows", "columns"), [("UFD", 1, -1), ("MND", -1, 1), ("UN", -1, -1), ("MFA", 1, 1), ("??", 1, 1)])
+def test_images_of_another_orientation_are_turned(scene, code, rows, columns):
+    browser = live(scene)
+    browser.GetMasterSequenceNode().SetAttribute("Sequences.UltrasoundImageOrientation", code)
+    assert np.array_equal(read(browser).images[2], images()[2][::rows, ::columns])
+
+
+def test_an_item_without_an_image_is_a_frame_without_one(scene):
+    frames = images(3)
+    frames[1] = None
+    browser = browser_of(scene, sequence_of(scene, "I", image_nodes(frames, lambda n: probe_pose(n) @ CALIBRATION)))
+    assert sweep_poses(read(browser)).skipped() == {"no image (MISSING)": [1]}
+
+
+def test_a_sequence_of_transforms_may_be_the_master(scene):
+    recorded = sequence_of(scene, "ImageToReference", pose_nodes([probe_pose(n) @ CALIBRATION for n in range(4)], "ImageToReference"))
+    browser = browser_of(scene, recorded, sequence_of(scene, "Image", image_nodes(images(4))))
+    assert np.array_equal(read(browser).images[3], images()[3])
+
+
+def test_images_that_are_not_the_browser_s_are_refused(scene):
+    with pytest.raises(SequenceFormatError, match=r"'Other' is not one of this browser's\. Choose one of: Image_Image, ProbeToReference"):
+        read(live(scene), sequence_of(scene, "Other", image_nodes(images(1))))
+
+
+def test_a_browser_without_items_is_refused(scene):
+    with pytest.raises(SequenceFormatError, match="has no items"):
+        read(scene.AddNewNodeByClass("vtkMRMLSequenceBrowserNode", "Empty"))
+
+
+def test_a_browser_without_images_is_refused(scene):
+    with pytest.raises(SequenceFormatError, match="none of its sequences holds images"):
+        read(browser_of(scene, sequence_of(scene, "T", pose_nodes([np.eye(4)] * 2))))
+
+
+# ---- summaries
+
+
+def summary(browser):
+    from AIFReconScene.sequenceReader import sweepSummary
+
+    return sweepSummary(browser)
+
+
+def test_a_summary_counts_frames_by_reason(scene):
+    found = summary(live(scene, statuses=["OK", "OUT_OF_VIEW", "OK", "MISSING"]))
+    assert found.lines == [
+        "2 of 4 frames can be placed.",
+        "Will be skipped: 1 frame (1): ProbeToReference OUT_OF_VIEW.",
+        "Will be skipped: 1 frame (3): ProbeToReference MISSING.",
+    ]
+
+
+def test_a_summary_says_what_keeps_a_sweep_from_being_used(scene):
+    found = summary(live(scene, statuses=["OUT_OF_VIEW"] * 4))
+    assert found.problem == (
+        "Live: no frame can be placed (ProbeToReference OUT_OF_VIEW: 4 frames (0-3)). Check the tracking of this recording."
+    )
+
+
+def test_a_summary_reads_no_pixels(scene, monkeypatch):
+    from AIFReconScene import sweepImages
+
+    browser = live(scene)
+    monkeypatch.setattr(sweepImages.SweepImages, "__getitem__", lambda *_: pytest.fail("a pixel was read"))
+    assert summary(browser).usable == 4
+
+
+def test_a_sweep_in_which_no_frame_has_a_pose_is_refused_by_the_library(scene):
+    with pytest.raises(NoUsableFramesError, match="Live: no frame can be placed"):
+        sweep_poses(read(live(scene, statuses=["OUT_OF_VIEW"] * 4))).require_usable("Live")

@@ -1,0 +1,349 @@
+"""Sweeps as sequence browsers and back: the same poses, statuses, times and pixels, in memory and through a saved scene."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sweeps import rigid
+
+slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
+from scene_host import class_counts, transform_node, warping_node  # noqa: E402
+
+from AIFReconLib.beams import ProbeGeometry  # noqa: E402
+from AIFReconLib.errors import NoUsableFramesError, OperationCanceled, SequenceFormatError, TransformError  # noqa: E402
+from AIFReconLib.frames import FrameRecord, TrackedSequence  # noqa: E402
+from AIFReconLib.io.plus_config import PlusConfiguration  # noqa: E402
+from AIFReconLib.poses import sweep_poses  # noqa: E402
+from AIFReconLib.reconstruction import reconstruct  # noqa: E402
+from AIFReconLib.region import ClipRectangle, Fan, ImageRegion  # noqa: E402
+from AIFReconLib.settings import ReconstructionSettings  # noqa: E402
+from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
+
+IMAGE_TO_PROBE = TransformName("Image", "Probe")
+PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
+REFERENCE_TO_TRACKER = TransformName("Reference", "Tracker")
+COMMENT = {"Comment": 'a 50% "sweep" of <a & b>;\n\u00b5m'}
+
+
+def plus_configuration(**changes) -> PlusConfiguration:
+    calibration = rigid((3.0, -4.0, 80.0), (5.0, 6.0, -7.0)) @ np.diag([0.31, 0.47, 0.4, 1.0])
+    values = {
+        "path": Path("PlusDeviceSet.xml"),
+        "transforms": {IMAGE_TO_PROBE: TransformSample(calibration)},
+        "image_frame": "Image",
+        "reference_frame": "Reference",
+        "spacing": (0.9, 0.9, 0.9),
+        "region": ImageRegion(ClipRectangle((1.0, 2.0), (15.0, 11.0)), Fan((8.0, -6.0), (-40.0, 40.0), (5.0, 40.0))),
+        "probe": ProbeGeometry("sector", (8.0, -6.0)),
+        "method": "average",
+        "skip": 2,
+        "warnings": ("LINEAR is not honored.",),
+    }
+    return PlusConfiguration(**{**values, **changes})
+
+
+def sweep(frames: int = 7, lost=(2, 3), dtype=np.uint8, start: float = 215.1021, step: float = 0.0521) -> TrackedSequence:
+    """A recording with a calibration in its configuration, oblique poses, anisotropic pixels and a tool that was out of view."""
+    rng = np.random.default_rng(4)
+    images = rng.integers(0, 250, (frames, 14, 18)).astype(dtype)
+    records = []
+    for number in range(frames):
+        status = TransformStatus.OUT_OF_VIEW if number in lost else TransformStatus.OK
+        probe = rigid((10.0 + number, 20.0, -30.0), (100.0 / 3, 2.0 * number / 3, 1.0 + number / 7))
+        transforms = {
+            PROBE_TO_TRACKER: TransformSample(np.eye(4) if number in lost else probe, status),
+            REFERENCE_TO_TRACKER: TransformSample(rigid((1.0, 2.0, 3.0), (4.0 / 3, 5.0, 6.0))),
+        }
+        time = start + step * number
+        records.append(FrameRecord(time, time - 0.001, TransformStatus.OK, transforms, {"FrameNumber": str(number + 7)}))
+    return TrackedSequence(images, records, COMMENT, {}, plus_configuration(), Path("sweep.igs.mha"))
+
+
+@pytest.fixture
+def converted(scene):
+    from AIFReconScene.sequenceNodes import browserFromSequence
+
+    return browserFromSequence(sweep(), "Sweep")
+
+
+def back(browser, *arguments) -> TrackedSequence:
+    from AIFReconScene.sequenceReader import sequenceFromBrowser
+
+    return sequenceFromBrowser(browser, *arguments)
+
+
+def world_matrix(node) -> np.ndarray:
+    """Slicer's own answer to where a node's coordinates lie."""
+    import vtk
+
+    matrix = vtk.vtkMatrix4x4()
+    node.GetParentTransformNode().GetMatrixTransformToWorld(matrix)
+    return slicer.util.arrayFromVTKMatrix(matrix)
+
+
+def proxy(browser, name):
+    """The node that a browser replays the sequence of `name` into."""
+    nodes = [browser.GetScene().GetNthNode(index) for index in range(browser.GetScene().GetNumberOfNodes())]
+    wanted = f"{browser.GetName()}-{name}"
+    return next(node for node in nodes if node.GetName() == wanted and browser.IsProxyNodeID(node.GetID()))
+
+
+def saved_and_loaded(scene, tmp_path, name="sweep.mrb"):
+    """The same scene after a trip through a file, in a scene of its own."""
+    from mrml_scene import createScene
+
+    assert scene.WriteToMRB(str(tmp_path / name))
+    other = createScene()
+    assert other.ReadFromMRB(str(tmp_path / name), True)
+    return other
+
+
+# ---- there and back in memory
+
+
+def test_poses_come_back_to_the_last_digit(converted):
+    assert np.array_equal(sweep_poses(back(converted)).image_to_reference, sweep_poses(sweep()).image_to_reference, equal_nan=True)
+
+
+def test_pixels_come_back(converted):
+    assert np.array_equal(np.asarray(back(converted).images), sweep().images)
+
+
+@pytest.mark.parametrize("dtype", [np.int8, np.int16, np.uint16, np.float32, np.float64])
+def test_pixels_of_any_type_come_back(scene, dtype):
+    from AIFReconScene.sequenceNodes import browserFromSequence
+
+    images = back(browserFromSequence(sweep(dtype=dtype), "Sweep")).images
+    assert images.dtype == dtype
+    assert np.array_equal(np.asarray(images), sweep(dtype=dtype).images)
+
+
+def test_a_frame_out_of_view_has_no_pose_and_says_why(converted):
+    records = back(converted).records
+    assert [record.transforms[TransformName("Image", "Reference")].status.value for record in records][1:5] == [
+        "OK",
+        "OUT_OF_VIEW",
+        "OUT_OF_VIEW",
+        "OK",
+    ]
+
+
+def test_a_frame_out_of_view_is_not_inserted(converted):
+    assert sweep_poses(back(converted)).usable.tolist() == [0, 1, 4, 5, 6]
+
+
+def test_times_come_back_to_the_last_digit(converted):
+    assert [(r.timestamp, r.unfiltered_timestamp) for r in back(converted).records] == [
+        (r.timestamp, r.unfiltered_timestamp) for r in sweep().records
+    ]
+
+
+def test_custom_fields_come_back(converted):
+    assert back(converted).records[3].fields["FrameNumber"] == "10"
+    assert back(converted).fields == COMMENT
+
+
+def test_the_configuration_comes_back_without_the_calibration_that_is_in_the_poses(converted):
+    expected = plus_configuration(transforms={}, image_frame=None, reference_frame=None)
+    assert vars(back(converted).configuration) == vars(expected)
+
+
+def test_what_the_user_should_know_of_the_recording_comes_back(scene):
+    from AIFReconScene.sequenceNodes import browserFromSequence
+
+    told = replace(sweep(), notes=("Images were turned to MF.",))
+    assert sweep_poses(back(browserFromSequence(told, "Sweep"))).notes == ("Images were turned to MF.",)
+
+
+def test_reconstruction_from_the_scene_gives_the_same_voxels(converted):
+    settings = ReconstructionSettings(method="average")
+    before, after = reconstruct(sweep(), settings), reconstruct(back(converted), settings)
+    assert np.array_equal(before.grid.ijk_to_reference, after.grid.ijk_to_reference)
+    assert np.array_equal(before.intensity.array, after.intensity.array)
+    assert before.frames_inserted == after.frames_inserted > 0
+
+
+def test_a_frame_without_an_image_stays_one(scene):
+    from AIFReconScene.sequenceNodes import browserFromSequence
+
+    recording = sweep(lost=())
+    recording.records[1] = FrameRecord(215.2, None, TransformStatus.INVALID, recording.records[1].transforms)
+    assert sweep_poses(back(browserFromSequence(recording, "Sweep"))).skipped() == {"no image (INVALID)": [1]}
+
+
+def test_a_transform_that_one_frame_lacks_is_missing_there(scene):
+    from AIFReconScene.sequenceNodes import browserFromSequence
+
+    recording = sweep(lost=())
+    del recording.records[4].transforms[PROBE_TO_TRACKER]
+    assert sweep_poses(back(browserFromSequence(recording, "Sweep"))).usable.tolist() == [0, 1, 2, 3, 5, 6]
+
+
+# ---- what Slicer shows
+
+
+def test_items_are_numbered_by_time_in_seconds(converted):
+    master = converted.GetMasterSequenceNode()
+    assert (master.GetIndexName(), master.GetIndexUnit(), master.GetNthIndexValue(1)) == ("time", "s", "215.154")
+
+
+@pytest.mark.parametrize("times", [[1.0, 1.0, 2.0], [3.0, 2.0, 1.0], [1.0, None, 2.0], [0.0, 0.0005, 0.001], [0.0, 0.0014, 0.0026]])
+def test_times_that_cannot_number_frames_are_kept_beside_frame_numbers(scene, times):
+    from AIFReconScene.sequenceNodes import browserFromSequence
+
+    recording = sweep(len(times), lost=())
+    records = [FrameRecord(time, None, r.image_status, r.transforms) for time, r in zip(times, recording.records)]
+    browser = browserFromSequence(TrackedSequence(recording.images, records, configuration=plus_configuration()), "Sweep")
+    assert [r.timestamp for r in back(browser).records] == times
+    assert [browser.GetMasterSequenceNode().GetNthIndexValue(n) for n in range(len(times))] == ["0", "1", "2"]
+
+
+def test_replaying_puts_the_image_where_its_pose_says(converted):
+    converted.SetSelectedItemNumber(5)
+    image = proxy(converted, "Image")
+    assert np.allclose(world_matrix(image), sweep_poses(sweep()).image_to_reference[5], atol=1e-9)
+    assert np.array_equal(slicer.util.arrayFromVolume(image)[0], sweep().images[5])
+
+
+def test_replaying_a_frame_out_of_view_says_so(converted):
+    converted.SetSelectedItemNumber(3)
+    assert proxy(converted, "ImageToReference").GetAttribute("TransformStatus") == "OUT_OF_VIEW"
+
+
+def test_a_sweep_replays_as_fast_as_it_was_recorded(converted):
+    assert converted.GetPlaybackRateFps() == pytest.approx(1 / 0.0521, rel=1e-2)
+
+
+def test_recorded_transforms_replay_too(converted):
+    import vtk
+
+    converted.SetSelectedItemNumber(6)
+    matrix = vtk.vtkMatrix4x4()
+    proxy(converted, "ProbeToTracker").GetMatrixTransformToParent(matrix)
+    assert np.allclose(slicer.util.arrayFromVTKMatrix(matrix), sweep().records[6].transforms[PROBE_TO_TRACKER].matrix)
+
+
+def test_a_recording_without_calibration_can_be_looked_at(scene):
+    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sequenceReader import sweepSummary
+
+    recording = sweep()
+    browser = browserFromSequence(TrackedSequence(recording.images, recording.records), "Sweep")
+    assert browser.GetNumberOfItems() == 7
+    assert "No transform leads from Image to Reference" in sweepSummary(browser).problem
+
+
+def test_loading_the_same_sweep_again_makes_another_browser(scene, converted):
+    from AIFReconScene.sequenceNodes import browserFromSequence
+
+    assert browserFromSequence(sweep(), "Sweep").GetName() != "Sweep"
+    assert np.array_equal(np.asarray(back(converted).images), sweep().images)
+
+
+def test_canceling_leaves_the_scene_as_it_was(scene):
+    from AIFReconScene.sequenceNodes import browserFromSequence
+
+    before = class_counts(scene)
+    with pytest.raises(OperationCanceled):
+        browserFromSequence(sweep(), "Sweep", lambda fraction, message: fraction < 0.5)
+    assert class_counts(scene) == before
+
+
+def test_a_frame_that_cannot_be_read_leaves_the_scene_as_it_was(scene):
+    from AIFReconScene.sequenceNodes import browserFromSequence
+
+    class Damaged(list):
+        shape, dtype = (3, 4, 5), np.dtype(np.uint8)
+
+        def __getitem__(self, index):
+            raise SequenceFormatError("frame 0 cannot be read.")
+
+    before = class_counts(scene)
+    with pytest.raises(SequenceFormatError):
+        browserFromSequence(TrackedSequence(Damaged([0] * 3), sweep(3).records), "Sweep")
+    assert class_counts(scene) == before
+
+
+def test_an_empty_recording_is_refused(scene):
+    from AIFReconScene.sequenceNodes import browserFromSequence
+
+    with pytest.raises(NoUsableFramesError, match="has no frames"):
+        browserFromSequence(TrackedSequence(np.zeros((0, 3, 4), np.uint8), []), "Sweep")
+
+
+# ---- transforms above the sweep
+
+
+def test_reference_to_ras_above_the_sweep_counts_in_millimeters(scene, converted):
+    reference_to_ras = rigid((0.0, 90.0, 10.0), (11.0, -22.0, 33.0))
+    proxy(converted, "ImageToReference").SetAndObserveTransformNodeID(transform_node(scene, reference_to_ras, "ReferenceToRAS").GetID())
+    found = sweep_poses(back(converted)).image_to_reference[5]
+    assert np.allclose(found, reference_to_ras @ sweep_poses(sweep()).image_to_reference[5], atol=1e-9)
+
+
+def test_a_corner_pixel_lies_where_slicer_shows_it(scene, converted):
+    top = transform_node(scene, rigid((0.0, 0.0, 45.0), (1.0, 2.0, 3.0)), "Table")
+    middle = transform_node(scene, rigid((30.0, 0.0, 0.0), (-5.0, 0.0, 0.0)), "ReferenceToRAS", parent=top)
+    proxy(converted, "ImageToReference").SetAndObserveTransformNodeID(middle.GetID())
+    corner = np.array([17.0, 13.0, 0.0, 1.0])
+    found = sweep_poses(back(converted)).image_to_reference[6] @ corner
+    converted.SetSelectedItemNumber(6)
+    assert np.allclose(found, world_matrix(proxy(converted, "Image")) @ corner, atol=1e-6)
+
+
+def test_a_warping_transform_above_the_sweep_is_named(scene, converted):
+    proxy(converted, "ImageToReference").SetAndObserveTransformNodeID(warping_node(scene, "Breathing").GetID())
+    with pytest.raises(TransformError, match=r"'Breathing' must be linear.*Harden it"):
+        back(converted)
+
+
+def test_a_transform_that_another_browser_replays_is_refused(scene, converted):
+    from AIFReconScene.sequenceNodes import browserFromSequence
+
+    other = browserFromSequence(sweep(), "Other")
+    proxy(converted, "Image").SetAndObserveTransformNodeID(proxy(other, "ImageToReference").GetID())
+    with pytest.raises(TransformError, match="replayed by 'Other'"):
+        back(converted)
+
+
+# ---- saved scenes
+
+
+def test_a_saved_scene_gives_the_same_poses_to_the_last_digit(scene, converted, tmp_path):
+    other = saved_and_loaded(scene, tmp_path)
+    try:
+        found = sweep_poses(back(other.GetFirstNodeByName("Sweep")))
+        assert np.array_equal(found.image_to_reference, sweep_poses(sweep()).image_to_reference, equal_nan=True)
+    finally:
+        other.host.close()
+
+
+def test_a_saved_scene_gives_the_same_voxels(scene, converted, tmp_path):
+    other = saved_and_loaded(scene, tmp_path)
+    try:
+        settings = ReconstructionSettings(method="average")
+        after = reconstruct(back(other.GetFirstNodeByName("Sweep")), settings)
+        assert np.array_equal(reconstruct(sweep(), settings).intensity.array, after.intensity.array)
+    finally:
+        other.host.close()
+
+
+def test_a_saved_scene_keeps_times_and_configuration(scene, converted, tmp_path):
+    other = saved_and_loaded(scene, tmp_path)
+    try:
+        loaded = back(other.GetFirstNodeByName("Sweep"))
+        assert [r.timestamp for r in loaded.records] == [r.timestamp for r in sweep().records]
+        assert loaded.configuration.probe == plus_configuration().probe
+        assert loaded.fields == COMMENT
+    finally:
+        other.host.close()
+
+
+def test_a_pose_that_the_user_changes_counts_although_the_record_has_another(scene, converted):
+    poses = converted.GetSequenceNode(proxy(converted, "ImageToReference"))
+    moved = rigid((0.0, 0.0, 5.0), (9.0, 9.0, 9.0)) @ np.diag([0.3, 0.5, 0.4, 1.0])
+    poses.GetNthDataNode(5).SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(moved))
+    assert np.allclose(sweep_poses(back(converted)).image_to_reference[5], moved, atol=1e-12)

@@ -1,0 +1,199 @@
+"""Self tests of the Live section: from a server and from the scene's nodes, with what is lost, paused, and closed meanwhile."""
+
+import pathlib
+import sys
+import time
+import unittest
+
+import numpy as np
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+
+PATIENCE = 30.0
+"""s that a test waits for what must come."""
+
+
+def waitFor(condition, seconds=PATIENCE):
+    """Let Qt work until `condition()` holds; whether it does."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        slicer.app.processEvents()
+        if condition():
+            return True
+        time.sleep(0.005)
+    return False
+
+
+class AIFReconLiveTest(unittest.TestCase):
+    """The Live section, with a real server on this machine."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters, self.live = self.widget.ui, self.widget._parameterNode, self.widget._live
+        self.server = None
+        self.parameters.spacing = 1.0
+
+    def tearDown(self):
+        self.live.close()
+        if self.server is not None:
+            self.server.stop()
+        slicer.mrmlScene.Clear()
+
+    def serve(self, **options):
+        """A server of the tiny sweep, chosen in the panel."""
+        from AIFReconLib.live.replay import ReplayServer
+
+        self.server = ReplayServer(tinyScene.makeSequence(), 0, **options)
+        self.server.start()
+        self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", self.server.port
+
+    def chooseBox(self):
+        """A box around what the sweep sees."""
+        from AIFReconScene.parameters import Region
+
+        roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Box")
+        roi.SetCenterWorld(0.0, 16.0, 0.0)
+        roi.SetSize(40.0, 40.0, 30.0)
+        self.parameters.roi, self.parameters.region = roi, Region.BOX
+        return roi
+
+    def scan(self, frames=tinyScene.FRAMES):
+        """Start, wait until so many frames have come, stop; the session's last statistics."""
+        self.ui.liveStartButton.click()
+        live = self.live._live
+        self.assertTrue(waitFor(lambda: live.statistics.frames_received >= frames), live.statistics)
+        self.ui.liveStopButton.click()
+        return live.statistics
+
+    def offline(self, roi):
+        """What a reconstruction of the recording gives in that box."""
+        from AIFReconScene.gridNodes import gridFromROI
+
+        from AIFReconLib import ReconstructionSettings, reconstruct
+
+        settings = ReconstructionSettings(spacing=1.0)
+        return reconstruct(tinyScene.makeSequence(), settings, grid=gridFromROI(roi, settings.spacing_xyz())).intensity
+
+    def test_a_scan_from_a_server_gives_the_voxels_of_the_recording(self):
+        self.serve(rate=60.0)
+        roi = self.chooseBox()
+        self.scan()
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(self.parameters.output), self.offline(roi).array)
+
+    def test_a_frame_whose_tool_is_not_seen_is_not_inserted(self):
+        self.serve(rate=60.0)
+        self.chooseBox()
+        statistics = self.scan()
+        self.assertEqual((statistics.inserted, sum(statistics.skipped.values())), (tinyScene.FRAMES - 1, 1))
+
+    def test_the_volume_is_seen_to_grow(self):
+        self.serve(rate=20.0, loop=True)
+        self.chooseBox()
+        self.ui.liveStartButton.click()
+        self.assertTrue(waitFor(lambda: self.parameters.output is not None and self.parameters.output.GetImageData() is not None))
+        self.assertTrue(waitFor(lambda: slicer.util.arrayFromVolume(self.parameters.output).any()))
+        self.assertIsNotNone(self.live._live.frameNode)
+        self.assertIn("frames/s", self.ui.liveStatisticsLabel.text)
+
+    def test_the_red_slice_lies_in_the_frame(self):
+        self.serve(rate=20.0, loop=True)
+        self.chooseBox()
+        self.ui.liveStartButton.click()
+        self.assertTrue(waitFor(lambda: self.live._live.frameNode is not None))
+        red = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceNode()
+        pose = tinyScene.ijkToRAS(self.live._live.frameNode)
+        toFrame = np.linalg.inv(pose) @ slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS())
+        np.testing.assert_allclose(toFrame[:, 3], [31.5, 39.5, 0.0, 1.0], atol=1e-6)
+        np.testing.assert_allclose(toFrame[2, :2], 0.0, atol=1e-6)
+        self.assertTrue(red.GetSliceVisible())
+        self.ui.liveStopButton.click()
+        self.assertFalse(red.GetSliceVisible())
+
+    def test_the_tracking_is_told_in_large_letters(self):
+        self.serve(rate=20.0, loop=True)
+        self.chooseBox()
+        self.ui.liveStartButton.click()
+        self.assertTrue(waitFor(lambda: self.ui.liveStateLabel.text == "tracked"))
+        self.assertIn("26px", self.ui.liveStateLabel.styleSheet)
+
+    def test_without_a_box_the_sweep_finds_it(self):
+        self.serve(rate=30.0, loop=True)
+        self.ui.liveStartButton.click()
+        self.assertTrue(waitFor(lambda: self.ui.liveUseBoxButton.enabled and self.live._live.session.scouted >= 30))
+        self.ui.liveUseBoxButton.click()
+        self.assertTrue(waitFor(lambda: self.live._live.statistics.inserted > 30))
+        self.assertFalse(self.ui.liveUseBoxButton.enabled)
+
+    def test_nothing_is_inserted_during_a_pause(self):
+        self.serve(rate=30.0, loop=True)
+        self.chooseBox()
+        self.ui.liveStartButton.click()
+        self.assertTrue(waitFor(lambda: self.live._live.statistics.inserted > 0))
+        self.ui.livePauseButton.checked = True
+        self.assertTrue(waitFor(lambda: self.live._live.statistics.skipped.get("paused", 0) > 2))
+        self.assertTrue(waitFor(lambda: self.live._live.statistics.waiting == 0))
+        inserted = self.live._live.statistics.inserted
+        self.assertTrue(waitFor(lambda: self.live._live.statistics.skipped.get("paused", 0) > 6))
+        self.assertEqual(self.live._live.statistics.inserted, inserted)
+
+    def test_a_server_that_is_not_there_is_told_and_the_panel_stays_alive(self):
+        self.serve()
+        self.server.stop()
+        self.chooseBox()
+        self.ui.liveStartButton.click()
+        self.assertTrue(waitFor(lambda: "frames/s" in self.ui.liveStatisticsLabel.text and self.live._live.statistics.trouble))
+        self.assertTrue(waitFor(lambda: self.live._live.statistics.trouble in self.ui.liveStatisticsLabel.text))
+        self.ui.liveStopButton.click()
+        self.assertTrue(self.ui.liveStartButton.enabled)
+        self.assertIsNone(self.parameters.output)
+
+    def test_every_frame_is_recorded(self):
+        import tempfile
+
+        from AIFReconLib import read_sequence
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "scan.mhd"
+            self.parameters.liveRecordPath = path
+            self.serve(rate=60.0)
+            self.chooseBox()
+            self.scan()
+            recorded = read_sequence(path)
+            np.testing.assert_array_equal(np.asarray(recorded.images[3]), tinyScene.makeSequence().images[3])
+            self.assertEqual(len(recorded), tinyScene.FRAMES)
+
+    def test_a_scene_that_is_closed_ends_the_scan(self):
+        import threading
+
+        self.serve(rate=30.0, loop=True)
+        self.chooseBox()
+        self.ui.liveStartButton.click()
+        self.assertTrue(waitFor(lambda: self.live._live.statistics.inserted > 0))
+        slicer.mrmlScene.Clear()
+        self.assertFalse(self.live.isRunning)
+        names = [thread.name for thread in threading.enumerate() if thread.name.startswith("aifrecon")]
+        self.assertEqual([name for name in names if "live" in name or "snapshot" in name], [])
+
+    def test_a_replayed_sweep_of_the_scene_can_be_the_source(self):
+        from AIFReconScene.parameters import LiveSource
+
+        sweep = tinyScene.addSweep()
+        roi = self.chooseBox()
+        self.parameters.liveSource = LiveSource.SCENE
+        self.parameters.liveImage = sweep.GetProxyNode(sweep.GetMasterSequenceNode())
+        self.ui.liveStartButton.click()
+        live = self.live._live
+        for number in [*range(1, tinyScene.FRAMES), 0]:  # the first is shown already: nothing would change
+            seen = live.statistics.frames_received
+            sweep.SetSelectedItemNumber(number)
+            slicer.modules.sequences.logic().UpdateProxyNodesFromSequences(sweep)
+            self.assertTrue(waitFor(lambda seen=seen: live.statistics.frames_received > seen))
+        self.ui.liveStopButton.click()
+        self.assertEqual((live.statistics.inserted, sum(live.statistics.skipped.values())), (tinyScene.FRAMES - 1, 1))
+        different = slicer.util.arrayFromVolume(self.parameters.output) != self.offline(roi).array
+        self.assertLess(different.mean(), 0.01)

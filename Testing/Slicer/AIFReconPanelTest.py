@@ -1,0 +1,234 @@
+"""Self tests of the panel: nodes to widgets and back, what can be pressed and why not, cancel, a scene that is closed or saved, reload."""
+
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+
+
+class AIFReconPanelTest(unittest.TestCase):
+    """The panel, as a user works with it."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui = self.widget.ui
+        self.parameters = self.widget._parameterNode
+
+    def tearDown(self):
+        slicer.mrmlScene.Clear()
+
+    def addInputs(self):
+        """Sweep, CT and bone, chosen."""
+        self.parameters.sweep = tinyScene.addSweep()
+        ct, bone, _registration = tinyScene.addCT()
+        self.parameters.ctVolume, self.parameters.bone = ct, bone
+        self.parameters.spacing = 1.0
+
+    # ---- widgets and parameters
+
+    def test_a_parameter_shows_in_its_widget(self):
+        self.parameters.alpha = 0.35
+        self.assertAlmostEqual(self.ui.alphaSliderWidget.value, 0.35)
+
+    def test_a_widget_sets_its_parameter(self):
+        self.ui.holeLimitSpinBox.value = 1.5
+        self.assertAlmostEqual(self.parameters.holeLimit, 1.5)
+
+    def test_a_node_that_is_chosen_becomes_the_parameter(self):
+        sweep = tinyScene.addSweep()
+        self.ui.sweepSelector.setCurrentNode(sweep)
+        self.assertIs(self.parameters.sweep, sweep)
+
+    def test_the_method_of_the_list_reaches_the_settings(self):
+        from AIFReconScene.parameters import settingsFrom
+
+        self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText("aif-compensated")
+        self.assertEqual(settingsFrom(self.parameters).method, "aif-compensated")
+
+    def test_a_file_that_is_entered_becomes_the_parameter(self):
+        self.ui.recordingPathLineEdit.currentPath = "folder/sweep.igs.mha"
+        self.assertEqual(self.parameters.recordingPath, pathlib.Path("folder/sweep.igs.mha"))
+
+    def test_a_path_that_is_not_chosen_is_an_empty_line(self):
+        self.assertEqual(self.ui.configurationPathLineEdit.currentPath, "")
+
+    def test_only_the_chosen_segments_are_bone(self):
+        self.addInputs()
+        segmentation = self.parameters.bone.GetSegmentation()
+        segmentation.AddEmptySegment("extra", "Extra")
+        self.parameters.boneSegments = ["extra"]
+        combo = self.ui.segmentsComboBox
+        names = [combo.itemText(row) for row in range(combo.count)]
+        checked = [index.row() for index in combo.checkedIndexes()]
+        self.assertEqual([names[row] for row in checked], ["Extra"])
+
+    # ---- what can be pressed
+
+    def test_apply_asks_for_a_sweep_first(self):
+        self.assertFalse(self.ui.applyButton.enabled)
+        self.assertIn("sweep", self.ui.applyButton.toolTip)
+
+    def test_apply_asks_for_bone_where_the_method_needs_it(self):
+        from AIFReconScene.parameters import Method
+
+        self.parameters.sweep = tinyScene.addSweep()
+        self.parameters.method = Method.WEIGHTED
+        self.assertFalse(self.ui.applyButton.enabled)
+        self.assertIn("needs bone", self.ui.statusLabel.text)
+
+    def test_apply_asks_for_the_box_where_one_is_wanted(self):
+        from AIFReconScene.parameters import Region
+
+        self.addInputs()
+        self.parameters.region = Region.BOX
+        self.assertFalse(self.ui.applyButton.enabled)
+        self.assertIn("box", self.ui.applyButton.toolTip)
+
+    def test_apply_refuses_to_overwrite_the_ct(self):
+        self.addInputs()
+        self.parameters.output = self.parameters.ctVolume
+        self.assertFalse(self.ui.applyButton.enabled)
+        self.assertIn("overwrite", self.ui.applyButton.toolTip)
+
+    def test_apply_is_enabled_when_nothing_is_missing(self):
+        self.addInputs()
+        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
+
+    def test_the_panel_says_how_many_frames_have_no_valid_pose(self):
+        self.addInputs()
+        self.assertIn("11 of 12", self.ui.sweepStatusLabel.text)
+        self.assertIn("OUT_OF_VIEW", self.ui.sweepStatusLabel.text)
+
+    def test_loading_asks_for_a_file_that_is_there(self):
+        self.parameters.recordingPath = pathlib.Path("missing.igs.mha")
+        self.assertFalse(self.ui.loadButton.enabled)
+        self.assertIn("missing.igs.mha", self.ui.loadButton.toolTip)
+
+    # ---- work
+
+    def test_apply_makes_the_volume_and_shows_it_over_the_ct(self):
+        self.addInputs()
+        self.ui.applyButton.click()
+        output = self.parameters.output
+        self.assertIsNotNone(output)
+        composite = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceCompositeNode()
+        self.assertEqual(composite.GetBackgroundVolumeID(), self.parameters.ctVolume.GetID())
+        self.assertEqual(composite.GetForegroundVolumeID(), output.GetID())
+        self.assertAlmostEqual(composite.GetForegroundOpacity(), self.parameters.opacity)
+
+    def test_the_opacity_slider_is_followed_by_the_slice_views(self):
+        self.addInputs()
+        self.ui.applyButton.click()
+        self.ui.opacitySliderWidget.value = 0.25
+        composite = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceCompositeNode()
+        self.assertAlmostEqual(composite.GetForegroundOpacity(), 0.25)
+
+    def test_an_error_names_what_the_panel_calls_it(self):
+        from AIFReconScene.panelWords import inPanelWords
+
+        said = inPanelWords("Give --probe linear, or --probe sector with --apex-px COLUMN ROW; --unknown stays.")
+        self.assertEqual(said, "Give “Probe” linear, or “Probe” sector with “Apex”; --unknown stays.")
+
+    def test_a_recording_is_loaded_with_poses_and_statuses(self):
+        from AIFReconLib import write_sequence
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "sweep.igs.mha"
+            write_sequence(tinyScene.makeSequence(), path)
+            self.parameters.recordingPath = path
+            self.assertTrue(self.ui.loadButton.enabled, self.ui.loadButton.toolTip)
+            self.ui.loadButton.click()
+        self.assertIsNotNone(self.parameters.sweep)
+        self.assertIn("11 of 12", self.ui.sweepStatusLabel.text)
+
+    def test_a_cancel_leaves_the_scene_as_it_was(self):
+        self.addInputs()
+        before = self.nodeIDs()
+        self.cancelDuring(lambda: self.widget._work.cancel())
+        self.assertEqual(self.nodeIDs(), before)
+        self.assertIsNone(self.parameters.output)
+        self.assertTrue(self.ui.applyButton.enabled)
+
+    def test_a_scene_that_is_closed_during_a_run_ends_the_run(self):
+        self.addInputs()
+        self.cancelDuring(lambda: slicer.mrmlScene.Clear())
+        self.assertFalse(self.widget._work.isRunning)
+        self.assertEqual(slicer.util.getNodesByClass("vtkMRMLSequenceBrowserNode"), [])
+        self.assertFalse(self.ui.applyButton.enabled)
+
+    def cancelDuring(self, interrupt):
+        """Press Apply and do something as soon as the work has begun."""
+        apply = self.widget.logic.apply
+
+        def interrupted(parameters, progress):
+            seen = []
+
+            def report(fraction, message):
+                if fraction > 0.3 and not seen:
+                    seen.append(fraction)
+                    interrupt()
+                return progress(fraction, message)
+
+            try:
+                return apply(parameters, report)
+            finally:
+                self.assertTrue(seen)
+
+        self.widget.logic.apply = interrupted
+        try:
+            self.ui.applyButton.click()
+        finally:
+            del self.widget.logic.apply
+
+    def nodeIDs(self):
+        """Every node of the scene."""
+        nodes = slicer.mrmlScene.GetNodes()
+        return sorted(nodes.GetItemAsObject(index).GetID() for index in range(nodes.GetNumberOfItems()))
+
+    def test_the_methods_are_compared_in_a_table(self):
+        self.addInputs()
+        self.ui.compareButton.click()
+        table = slicer.util.getNodesByClass("vtkMRMLTableNode")[-1]
+        self.assertEqual(table.GetNumberOfRows(), 4)
+        made = {node.GetAttribute("AIFRecon.Method") for node in slicer.util.getNodesByClass("vtkMRMLScalarVolumeNode")}
+        self.assertEqual(made - {None}, {"average", "aif", "aif-compensated", "weighted"})
+
+    # ---- scenes and reload
+
+    def test_a_saved_scene_brings_everything_back(self):
+        self.addInputs()
+        self.parameters.alpha = 0.4
+        self.ui.applyButton.click()
+        voxels = slicer.util.arrayFromVolume(self.parameters.output).copy()
+        name = self.parameters.output.GetName()
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "scene.mrb"
+            self.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
+            slicer.mrmlScene.Clear()
+            self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
+        parameters = self.widget.logic.getParameterNode()
+        self.assertEqual(parameters.output.GetName(), name)
+        self.assertAlmostEqual(parameters.alpha, 0.4)
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(parameters.output), voxels)
+        again = self.widget.logic.reconstruct(parameters.sweep, parameters.bone, spacing=1.0, alpha=0.4)
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(again), voxels)
+
+    def test_a_closed_scene_leaves_an_empty_panel(self):
+        self.addInputs()
+        slicer.mrmlScene.Clear()
+        self.assertFalse(self.ui.applyButton.enabled)
+        self.assertIsNone(self.widget._parameterNode.sweep)
+
+    def test_the_module_can_be_reloaded(self):
+        self.widget.onReload()
+        self.assertIsNot(slicer.modules.AIFReconWidget, self.widget)
+        self.assertFalse(slicer.modules.AIFReconWidget.ui.applyButton.enabled)

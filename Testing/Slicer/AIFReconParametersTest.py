@@ -1,0 +1,59 @@
+"""Self tests of the parameters: names, ranges and defaults are the library's, and they come back from a saved scene."""
+
+import unittest
+
+import slicer
+from AIFReconGui.parameterNode import AIFReconParameterNode
+from AIFReconScene.parameters import PARAMETERS, SettingChoice, camelCase, settingsFrom
+
+from AIFRecon import AIFReconLogic
+from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
+
+
+class AIFReconParametersTest(unittest.TestCase):
+    """The parameter node beside AIFReconLib.settings."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        self.parameters = AIFReconLogic().getParameterNode()
+
+    def test_every_setting_of_the_library_is_a_parameter(self):
+        missing = [name for name in PARAMETERS if camelCase(name) not in AIFReconParameterNode.allParameters]
+        self.assertEqual(missing, [])
+
+    def test_untouched_parameters_are_the_library_s_defaults(self):
+        self.assertEqual(settingsFrom(self.parameters), ReconstructionSettings(spacing=DEFAULT_SPACING))
+
+    def test_ranges_are_the_library_s(self):
+        for name, rule in PARAMETERS.items():
+            value = getattr(self.parameters, camelCase(name))
+            if isinstance(value, bool | SettingChoice) or rule["default"] is None:
+                continue
+            for limit, beyond in ((rule["minimum"], -1e-3), (rule["maximum"], 1e-3)):
+                with self.subTest(name=name, limit=limit):
+                    setattr(self.parameters, camelCase(name), limit)
+                    self.assertEqual(getattr(settingsFrom(self.parameters), name), limit)
+                    with self.assertRaises(ValueError):
+                        setattr(self.parameters, camelCase(name), limit + beyond * abs(limit) + beyond * 1e-3)
+
+    def test_choices_are_the_library_s(self):
+        for name, rule in PARAMETERS.items():
+            if rule["choices"]:
+                with self.subTest(name=name):
+                    words = [member.value for member in type(getattr(self.parameters, camelCase(name))) if member.value]
+                    self.assertEqual(words, list(rule["choices"]))
+
+    def test_a_number_that_is_left_open_is_left_to_the_library(self):
+        self.parameters.skip, self.parameters.intensityMaximum = 0, 0.0
+        settings = settingsFrom(self.parameters)
+        self.assertIsNone(settings.skip)
+        self.assertIsNone(settings.intensity_maximum)
+
+    def test_a_choice_is_kept_in_the_scene_by_its_name(self):
+        self.parameters.method = type(self.parameters.method)["AIF_COMPENSATED"]
+        self.assertEqual(self.parameters.parameterNode.GetParameter("method"), "AIF_COMPENSATED")
+
+    def test_there_is_one_set_of_parameters_in_a_scene(self):
+        again = AIFReconLogic().getParameterNode()
+        self.parameters.alpha = 0.7
+        self.assertAlmostEqual(again.alpha, 0.7)

@@ -1,0 +1,114 @@
+"""A slab of bone, a tracked sweep over it and its registered CT, small enough for every self test to make anew.
+
+The slab's near face is the plane y = 20 mm of the world. The sweep sees it as a bright line with darkness behind it, in tilted frames of
+anisotropic pixels; one frame was not tracked. The CT holds the slab in coordinates of its own, which a transform node turns and moves
+to where it belongs.
+"""
+
+import numpy as np
+import slicer
+import vtk
+
+FACE = 20.0
+"""mm, y of the near face of the bone."""
+
+FRAMES = 12
+UNTRACKED = 5
+FRAME_SIZE = 64, 80
+PIXEL = 0.5, 0.4
+MARGIN = 6
+"""Black columns at both sides, by which the probe is recognized."""
+
+ECHO, TISSUE = 220, 40
+
+
+def rotation(axis: int, degrees: float) -> np.ndarray:
+    """(4, 4) rotation about an axis."""
+    turned = vtk.vtkTransform()
+    turned.RotateWXYZ(degrees, *np.eye(3)[axis])
+    return slicer.util.arrayFromVTKMatrix(turned.GetMatrix())
+
+
+def moved(x: float, y: float, z: float) -> np.ndarray:
+    """(4, 4) translation."""
+    matrix = np.eye(4)
+    matrix[:3, 3] = x, y, z
+    return matrix
+
+
+CT_TO_WORLD = moved(12.0, -7.0, 30.0) @ rotation(2, 25.0) @ rotation(0, -10.0)
+
+
+def makeSequence():
+    """The sweep as the library has it: poses to world, frame 5 out of view."""
+    from AIFReconLib.frames import FrameRecord, TrackedSequence
+    from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+
+    columns, rows = FRAME_SIZE
+    random = np.random.default_rng(1)
+    images, records = [], []
+    for number in range(FRAMES):
+        pose = moved(-16.0, 0.0, number - 5.5) @ rotation(0, 12.0 * np.sin(number)) @ rotation(2, 6.0 * np.cos(number))
+        pose = pose @ np.diag([*PIXEL, 0.45, 1.0])
+        row, column = np.indices((rows, columns))
+        y = pose[1, 0] * column + pose[1, 1] * row + pose[1, 3]
+        image = np.where(y < FACE, TISSUE + random.integers(-15, 15, y.shape), 2)
+        image[np.abs(y - FACE) < 0.5] = ECHO
+        image[:, :MARGIN] = image[:, columns - MARGIN :] = 0
+        images.append(image.astype(np.uint8))
+        status = TransformStatus.OUT_OF_VIEW if number == UNTRACKED else TransformStatus.OK
+        name = TransformName("Image", "Reference")
+        records.append(FrameRecord(timestamp=0.1 * number, transforms={name: TransformSample(pose, status)}))
+    return TrackedSequence(np.stack(images), records)
+
+
+def addSweep(name="Sweep"):
+    """The sweep as a sequence browser node of the scene."""
+    from AIFReconScene.sequenceNodes import browserFromSequence
+
+    return browserFromSequence(makeSequence(), name)
+
+
+def addCT():
+    """CT volume and segmentation of the slab, both under the transform node that registers them; (ct, segmentation, transform)."""
+    transform = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "CTToReference")
+    transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(CT_TO_WORLD))
+    size, spacing = (50, 50, 40), 1.0
+    center = np.linalg.inv(CT_TO_WORLD) @ [0.0, FACE, 0.0, 1.0]
+    ijkToCT = moved(*(center[:3] - np.array(size) / 2 * spacing)) @ np.diag([spacing, spacing, spacing, 1.0])
+    k, j, i = np.indices(size[::-1])
+    world = CT_TO_WORLD @ ijkToCT @ np.stack([i, j, k, np.ones_like(i)]).reshape(4, -1)
+    bone = ((world[1] >= FACE) & (world[1] < FACE + 8)).reshape(size[::-1])
+    ct = addVolume("vtkMRMLScalarVolumeNode", "CT", np.where(bone, 900, 30).astype(np.int16), ijkToCT)
+    labels = addVolume("vtkMRMLLabelMapVolumeNode", "Bone labels", bone.astype(np.uint8), ijkToCT)
+    segmentation = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLSegmentationNode", "Bone")
+    segmentation.SetReferenceImageGeometryParameterFromVolumeNode(ct)
+    slicer.modules.segmentations.logic().ImportLabelmapToSegmentationNode(labels, segmentation)
+    slicer.mrmlScene.RemoveNode(labels)
+    for node in (ct, segmentation):
+        node.SetAndObserveTransformNodeID(transform.GetID())
+    return ct, segmentation, transform
+
+
+def addVolume(className: str, name: str, array: np.ndarray, ijkToRAS: np.ndarray):
+    """A volume node with these voxels, [k, j, i]."""
+    node = slicer.mrmlScene.AddNewNodeByClass(className, name)
+    slicer.util.updateVolumeFromArray(node, array)
+    node.SetIJKToRASMatrix(slicer.util.vtkMatrixFromArray(ijkToRAS))
+    node.CreateDefaultDisplayNodes()
+    return node
+
+
+def ijkToRAS(volumeNode) -> np.ndarray:
+    """(4, 4) matrix of a volume node, without its parent transforms."""
+    matrix = vtk.vtkMatrix4x4()
+    volumeNode.GetIJKToRASMatrix(matrix)
+    return slicer.util.arrayFromVTKMatrix(matrix)
+
+
+def worldOfBrightVoxels(volumeNode, threshold: float) -> np.ndarray:
+    """Centers of the voxels above `threshold` in RAS, (n, 3) mm."""
+    array = slicer.util.arrayFromVolume(volumeNode)
+    k, j, i = np.nonzero(array > threshold)
+    points = ijkToRAS(volumeNode) @ np.stack([i, j, k, np.ones_like(i)]).astype(float)
+    return points[:3].T

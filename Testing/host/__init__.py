@@ -1,0 +1,28 @@
+"""A headless stand-in for the Slicer application, to run a scripted module with its panel on real MRML nodes and real Qt.
+
+Real: the MRML scene, nodes and logics (slicer-core); VTK; Qt with its layouts, signals, property system and .ui loader (PySide6);
+`slicer.util` (slicer-core ships Slicer's own file); the module and its .ui file.
+
+Stood in, as small as can be: PythonQt's way of showing Qt (`pythonqt.py`, `connections.py`); CTK's and MRML's widgets
+(`widgets_ctk.py`, `widgets_qmrml.py`), whose accepted names a test compares with their headers; the application object, its windows
+and its module list (`application.py`, `modules.py`); `slicer.ScriptedLoadableModule`, `slicer.parameterNodeWrapper`, `slicer.i18n` and
+the part of `SampleData` that registers data. With AIFRECON_SLICER_SOURCE=<a checkout of Slicer> the first three and `slicer.util` are
+Slicer's own files instead.
+
+What it cannot show: nothing is drawn in views, so no displayable manager, no interaction and no picture of a slice; no readers or
+writers of the application (`slicer.util.loadVolume` fails), no panels of C++ modules, no translation, no packaging, no packages
+installed (`pip_install` refuses). The look is Qt's Fusion style, with what CTK draws itself drawn alike. Which node a selector falls
+back to when its node goes is that of a plain list. Python classes that derive from Qt classes cannot override their C++ methods.
+Parameter packs, dictionaries, ranges and colors as parameters, and panels made from parameters, need Slicer's own files.
+
+Stricter than Slicer: where Slicer prints an error and goes on (a signal that does not exist, an unknown class or property in a .ui
+file, an exception in `setup`, `enter` or `exit`), the host raises; exceptions in slots and VTK observers are kept for the test
+(`take_slot_errors`). Conversions of arguments are PySide6's, which accepts less than PythonQt. Modal dialogs never wait: `dialogs`
+says what was shown and gives the answers.
+
+Use: `host = runHost(); host.load_module("AIFRecon/AIFRecon.py"); widget = host.open("AIFRecon")`. One host per process.
+"""
+
+from .slicer_host import SlicerHost, missing, runHost
+
+__all__ = ["SlicerHost", "missing", "runHost"]

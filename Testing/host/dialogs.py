@@ -1,0 +1,145 @@
+"""Dialogs that do not wait for anybody: what would be shown is kept, and the answer is given beforehand.
+
+In a headless process a modal dialog would wait forever. So `exec` of any dialog notes what it would have shown and returns the next
+prepared answer, else that of Cancel. A progress dialog is Qt's own; a test can have its Cancel button pressed after some updates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from PySide6 import QtWidgets
+
+
+@dataclass
+class ShownDialog:
+    """A dialog that the user would have seen.
+
+    Attributes
+    ----------
+    kind : str
+        Its class.
+    title, text : str
+    """
+
+    kind: str
+    title: str = ""
+    text: str = ""
+
+
+@dataclass
+class Dialogs:
+    """What was shown, and what will be answered.
+
+    Attributes
+    ----------
+    shown : list of ShownDialog
+    answers : list
+        Returned by the next dialogs, in order: an enumeration value, a path, or text.
+    progress : list of str
+        Every text that progress dialogs have shown, in order, without repetitions in a row.
+    cancel_after : int or None
+        Press Cancel in a progress dialog at that many updates of its value.
+    on_progress : callable or None
+        Called with the value at every update of a progress dialog.
+    """
+
+    shown: list[ShownDialog] = field(default_factory=list)
+    answers: list = field(default_factory=list)
+    progress: list[str] = field(default_factory=list)
+    cancel_after: int | None = None
+    on_progress: object = None
+    _updates: int = 0
+
+    def answer(self, default):
+        """The next prepared answer, else `default`."""
+        return self.answers.pop(0) if self.answers else default
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self.shown.clear()
+        self.answers.clear()
+        self.progress.clear()
+        self.cancel_after, self.on_progress, self._updates = None, None, 0
+
+    def cancel_progress(self, after: int = 1) -> None:
+        """Have Cancel pressed at the given update of the next progress dialog: the first value above 0 is number 1."""
+        self.cancel_after, self._updates = after, 0
+
+    def messages(self) -> list[str]:
+        """The texts of all dialogs shown."""
+        return [dialog.text for dialog in self.shown]
+
+
+DIALOGS = Dialogs()
+
+
+class QProgressDialog(QtWidgets.QProgressDialog):
+    """Qt's progress dialog, watched."""
+
+    def setValue(self, value):
+        """Sets the value; Cancel may then be pressed, as a user could."""
+        super().setValue(value)
+        DIALOGS._updates += value > 0
+        if DIALOGS.on_progress is not None:
+            DIALOGS.on_progress(value)
+        if value > 0 and DIALOGS.cancel_after is not None and DIALOGS._updates >= DIALOGS.cancel_after:
+            DIALOGS.cancel_after = None
+            for button in self.findChildren(QtWidgets.QPushButton):
+                button.click()
+
+    def setLabelText(self, text):
+        """Sets the text."""
+        super().setLabelText(text)
+        if text and DIALOGS.progress[-1:] != [text]:
+            DIALOGS.progress.append(text)
+
+
+def text_of(dialog) -> str:
+    """What a dialog says."""
+    if isinstance(dialog, QtWidgets.QMessageBox):
+        return "\n".join(part for part in (dialog.text(), dialog.informativeText(), dialog.detailedText()) if part)
+    return "\n".join(label.text() for label in dialog.findChildren(QtWidgets.QLabel) if label.text())
+
+
+def execute(dialog) -> int:
+    """Notes a dialog in place of waiting for it; returns the prepared answer or that of Cancel."""
+    DIALOGS.shown.append(ShownDialog(type(dialog).__name__, dialog.windowTitle().strip(), text_of(dialog)))
+    if isinstance(dialog, QtWidgets.QMessageBox):
+        buttons = dialog.standardButtons()
+        default = next(
+            (b for b in (dialog.StandardButton.Cancel, dialog.StandardButton.No, dialog.StandardButton.Close) if buttons & b),
+            dialog.StandardButton.Ok,
+        )
+        answer = DIALOGS.answer(default)
+        return int(getattr(answer, "value", answer))
+    return int(DIALOGS.answer(0))
+
+
+def ask_for_path(parent, filters: int, name_filters) -> str:
+    """Notes a file dialog in place of waiting for it; returns the prepared path, "" for Cancel."""
+    DIALOGS.shown.append(ShownDialog("QFileDialog", "", ";;".join(name_filters)))
+    return str(DIALOGS.answer(""))
+
+
+def ask_statically(kind: str, default):
+    """A function that stands for a static dialog such as QInputDialog.getText."""
+
+    def ask(*args):
+        DIALOGS.shown.append(ShownDialog(kind, *(str(argument) for argument in args[1:3])))
+        return DIALOGS.answer(default)
+
+    return ask
+
+
+STATIC = {
+    ("QFileDialog", "getOpenFileName"): "",
+    ("QFileDialog", "getSaveFileName"): "",
+    ("QFileDialog", "getExistingDirectory"): "",
+    ("QFileDialog", "getOpenFileNames"): (),
+    ("QInputDialog", "getText"): "",
+    ("QInputDialog", "getItem"): "",
+    ("QInputDialog", "getInt"): 0,
+    ("QInputDialog", "getDouble"): 0.0,
+}
+"""Static functions that open a dialog, with the answer of Cancel."""

@@ -1,0 +1,163 @@
+"""Which widget can stand for a parameter of which type, and how: read, write, and the signal of a change."""
+
+from __future__ import annotations
+
+import enum
+import pathlib
+import types
+import typing
+from dataclasses import dataclass
+
+import ctk
+import qt
+import slicer
+
+from .parameter_types import Choice, Maximum, Minimum, WithinRange
+
+
+@dataclass
+class Decimals:
+    """Digits after the point that a widget shows."""
+
+    value: int
+
+
+@dataclass
+class SingleStep:
+    """Step of a widget."""
+
+    value: float
+
+
+def split(kind):
+    """A type without its annotations, and those."""
+    if typing.get_origin(kind) is typing.Annotated:
+        plain, *annotations = typing.get_args(kind)
+        return plain, annotations
+    return kind, []
+
+
+def _first(annotations, kind):
+    return next((each for each in annotations if isinstance(each, kind)), None)
+
+
+def node_classes(kind) -> tuple[str, ...]:
+    """The class names of a node type or of a union of them with None; empty for other types."""
+    members = typing.get_args(kind) if typing.get_origin(kind) in (typing.Union, types.UnionType) else (kind,)
+    members = [member for member in members if member is not type(None)]
+    if members and all(isinstance(member, type) and issubclass(member, slicer.vtkMRMLNode) for member in members):
+        return tuple(member().GetClassName() for member in members)
+    return ()
+
+
+class Connector:
+    """A widget bound to a parameter.
+
+    Parameters
+    ----------
+    widget : Wrapper
+    signal : str or None
+        Attribute name of the signal of a change; None where the widget only shows.
+    read, write : callable
+        From the widget, to the widget.
+    """
+
+    def __init__(self, widget, signal, read, write):
+        self.widget, self._signal, self.read, self.write = widget, signal, read, write
+        self._callback = None
+
+    def onChanged(self, callback):
+        """Calls `callback` at every change; None ends it."""
+        if self._signal is not None:
+            signal = getattr(self.widget, self._signal)
+            if callback is None:
+                signal.disconnect(self._changed)
+            else:
+                signal.connect(self._changed)
+        self._callback = callback
+
+    def _changed(self):
+        if self._callback:
+            self._callback()
+
+
+def _property(widget, name, signal, convert=lambda value: value, back=lambda value: value):
+    return Connector(widget, signal, lambda: convert(getattr(widget, name)), lambda value: setattr(widget, name, back(value)))
+
+
+def _number(widget, plain, annotations):
+    spin = type(widget) in (qt.QSpinBox, qt.QSlider)
+    within, low, high = _first(annotations, WithinRange), _first(annotations, Minimum), _first(annotations, Maximum)
+    decimals, step = _first(annotations, Decimals), _first(annotations, SingleStep)
+    low = within.minimum if within else low.minimum if low else None
+    high = within.maximum if within else high.maximum if high else None
+    if type(widget) in (qt.QSlider, ctk.ctkSliderWidget, slicer.qMRMLSliderWidget) and (low is None or high is None):
+        raise RuntimeError(f"Cannot have a connection to {widget.className()} where the type is unbounded.")
+    if not spin and (plain is int or decimals):
+        widget.decimals = 0 if plain is int else decimals.value
+    if step:
+        widget.singleStep = step.value
+    widget.minimum = low if low is not None else -(2**31) if spin else float("-inf")
+    widget.maximum = high if high is not None else 2**31 - 1 if spin else float("inf")
+    return _property(widget, "value", "valueChanged", plain, plain if plain is int else lambda value: value)
+
+
+def _items(widget, labels, values):
+    """A combo box with one item per value; what was selected by number stays selected."""
+    before = widget.currentIndex
+    widget.clear()
+    for label in labels:
+        widget.addItem(label)
+    widget.currentIndex = max(before, 0)
+
+    def write(value):
+        if value not in values:
+            raise ValueError(f"Unable to find value {value} in choices {values}")
+        widget.currentIndex = values.index(value)
+
+    return Connector(widget, "currentIndexChanged", lambda: values[widget.currentIndex], write)
+
+
+def _text(widget):
+    def write(value):
+        # Writing moves the cursor to the end, which must not happen while the user types
+        if value != widget.text:
+            widget.text = value
+
+    return Connector(widget, "textChanged", lambda: widget.text, write)
+
+
+def make_connector(widget, kind) -> Connector:
+    """The connector of a widget and a type; raises RuntimeError where Slicer has none."""
+    plain, annotations = split(kind)
+    look = type(widget)
+    if plain is bool and look is qt.QCheckBox:
+        return _property(widget, "checked", "stateChanged")
+    if plain is bool and look is qt.QPushButton:
+        widget.checkable = True
+        return _property(widget, "checked", "toggled")
+    if plain is int and look in (qt.QSlider, qt.QSpinBox):
+        return _number(widget, plain, annotations)
+    if plain in (int, float) and look in (qt.QDoubleSpinBox, ctk.ctkSliderWidget, slicer.qMRMLSliderWidget):
+        return _number(widget, plain, annotations)
+    if look in (qt.QComboBox, ctk.ctkComboBox):
+        if plain in (int, float, str, bool):
+            choice = _first(annotations, Choice)
+            if choice is None:
+                raise RuntimeError("A combo box needs the Choice annotation.")
+            return _items(widget, [str(each) for each in choice.choices], list(choice.choices))
+        if isinstance(plain, type) and issubclass(plain, enum.Enum):
+            label = getattr(plain, "label", lambda member: member.name)
+            return _items(widget, [label(member) for member in plain], list(plain))
+    if plain is str and look is qt.QLineEdit:
+        return _text(widget)
+    if plain is str and look is qt.QLabel:
+        return _property(widget, "text", None)
+    if plain is str and look is qt.QTextEdit:
+        return Connector(widget, "textChanged", widget.toPlainText, widget.setPlainText)
+    if look is ctk.ctkPathLineEdit and isinstance(plain, type) and issubclass(plain, pathlib.PurePath):
+        return _property(widget, "currentPath", "currentPathChanged", plain, str)
+    if look is slicer.qMRMLNodeComboBox and node_classes(plain):
+        widget.nodeTypes = node_classes(plain)
+        return Connector(widget, "currentNodeChanged", widget.currentNode, widget.setCurrentNode)
+    raise RuntimeError(f"Unable to create GUI connector from datatype '{kind}' to widget type '{look}'.")

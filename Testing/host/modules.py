@@ -1,0 +1,208 @@
+"""Modules as the application holds them, and the life of a scripted one: loaded from its file, opened, left, reloaded, unloaded.
+
+In Slicer an exception in a module's `setup`, `enter` or `exit` is printed and life goes on; here it reaches the test.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import slicer
+from PySide6 import QtCore, QtGui, QtWidgets
+from PySide6.QtCore import Property
+
+from .pythonqt import wrap
+from .widgets_qmrml import qSlicerWidget
+
+
+def _held(name, kind, writable=True):
+    def write(self, value):
+        self._values[name] = value
+
+    return Property(kind, lambda self: self._values[name], write if writable else None)
+
+
+class _Module(QtCore.QObject):
+    """What both kinds of modules have."""
+
+    def __init__(self, name, path="", logic=None):
+        super().__init__()
+        self.setObjectName(name)
+        self._logic = logic
+        self._values = {"name": name, "title": name, "path": path, "categories": [], "dependencies": [], "contributors": []}
+        self._values |= {"helpText": "", "acknowledgementText": "", "hidden": False, "index": -1, "associatedNodeTypes": []}
+
+    def logic(self):
+        """The module's logic."""
+        return self._logic
+
+    def mrmlScene(self):
+        """The scene."""
+        return slicer.mrmlScene
+
+    def setMRMLScene(self, scene):
+        """Does nothing: there is one scene."""
+
+    def widgetRepresentation(self):
+        """The module's panel: None, since panels of C++ modules are not supplied."""
+        return
+
+    createNewWidgetRepresentation = widgetRepresentation
+
+    name = _held("name", str, writable=False)
+    path = _held("path", str, writable=False)
+
+
+MODULE_METHODS = ("logic", "mrmlScene", "setMRMLScene", "widgetRepresentation", "createNewWidgetRepresentation")
+
+
+class qSlicerLoadableModule(_Module):
+    """A module whose logic is C++: the logic is real, there is no panel."""
+
+    api = {"methods": MODULE_METHODS}
+    title = _held("title", str, writable=False)
+    categories = _held("categories", "QStringList", writable=False)
+    dependencies = _held("dependencies", "QStringList", writable=False)
+    contributors = _held("contributors", "QStringList", writable=False)
+
+
+class qSlicerScriptedLoadableModule(_Module):
+    """A module made of a Python file."""
+
+    api = {"methods": MODULE_METHODS}
+
+    def __init__(self, path: str):
+        super().__init__(Path(path).stem, path, slicer.vtkSlicerScriptedLoadableModuleLogic())
+        self._widget = None
+        self._values["icon"] = QtGui.QIcon()
+
+    def widgetRepresentation(self):
+        """The module's panel, made at the first call."""
+        if self._widget is None and hasattr(sys.modules[self._values["name"]], f"{self._values['name']}Widget"):
+            self._widget = self.createNewWidgetRepresentation()
+        return self._widget
+
+    def createNewWidgetRepresentation(self):
+        """Another panel."""
+        widget = qSlicerScriptedLoadableModuleWidget(self._values["name"])
+        widget.setPythonSource(self._values["path"])
+        widget.setMRMLScene(slicer.mrmlScene)
+        widget.setup()
+        return widget
+
+    title = _held("title", str)
+    categories = _held("categories", "QStringList")
+    dependencies = _held("dependencies", "QStringList")
+    contributors = _held("contributors", "QStringList")
+    helpText = _held("helpText", str)
+    acknowledgementText = _held("acknowledgementText", str)
+    associatedNodeTypes = _held("associatedNodeTypes", "QStringList")
+    hidden = _held("hidden", bool)
+    index = _held("index", int)
+    icon = _held("icon", QtGui.QIcon)
+
+
+class qSlicerScriptedLoadableModuleWidget(qSlicerWidget):
+    """The panel of a scripted module."""
+
+    api = {
+        "methods": ("setMRMLScene", "enter", "exit", "reload", "self"),
+        "signals": {"mrmlSceneChanged(vtkMRMLScene*)": "mrmlSceneChanged"},
+    }
+
+    def __init__(self, module_name):
+        super().__init__()
+        QtWidgets.QVBoxLayout(self)
+        self._module_name = module_name
+        self._entered = False
+        self._python = None
+        self._path = ""
+
+    def setPythonSource(self, path):
+        """Makes the Python object of the class that the loaded module has now."""
+        self._path = path
+        kind = getattr(sys.modules[self._module_name], f"{self._module_name}Widget")
+        self._python = kind(wrap(self))
+        setattr(slicer.modules, f"{self._module_name}Widget", self._python)
+
+    def setup(self):
+        """Has the Python object build the panel."""
+        self._python.setup()
+
+    def reload(self):
+        """Makes the Python object anew, of the reloaded file."""
+        self.setPythonSource(self._path)
+        self.setup()
+
+    def enter(self):
+        """The user opens the module."""
+        self._entered = True
+        if hasattr(self._python, "enter"):
+            self._python.enter()
+
+    def exit(self):
+        """The user leaves the module."""
+        self._entered = False
+        if hasattr(self._python, "exit"):
+            self._python.exit()
+
+    def self(self):
+        """The Python object."""
+        return self._python
+
+    isEntered = Property(bool, lambda self: self._entered)
+    moduleName = Property(str, lambda self: self._module_name)
+
+
+def load_file(name: str, path: str):
+    """Runs a module's file as Slicer does: under its bare name, with its folder on sys.path."""
+    folder = str(Path(path).parent)
+    if folder not in sys.path:
+        sys.path.append(folder)
+    spec = importlib.util.spec_from_file_location(name, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
+
+
+def load_module(application, path: str) -> qSlicerScriptedLoadableModule:
+    """A scripted module from its file, made known as `slicer.modules.<name>`."""
+    name = Path(path).stem
+    python = load_file(name, str(path))
+    module = qSlicerScriptedLoadableModule(str(path))
+    instance = getattr(python, name)(wrap(module))
+    register(application, module)
+    setattr(slicer.modules, f"{name}Instance", instance)
+    if hasattr(instance, "setup"):
+        instance.setup()
+    application.moduleManager().moduleLoaded.emit(name)
+    return module
+
+
+def register(application, module) -> None:
+    """Makes a module known by its name."""
+    name = module._values["name"]
+    application.moduleManager().loaded[name] = module
+    setattr(slicer.modules, name.lower(), wrap(module))
+    setattr(slicer.moduleNames, name, name)
+
+
+def unload_module(application, name: str) -> None:
+    """Ends a module as the application does when it closes: its widget's `cleanup` runs, then its panel is destroyed."""
+    module = application.moduleManager().loaded[name]
+    application.moduleManager().moduleAboutToBeUnloaded.emit(name)
+    del application.moduleManager().loaded[name]
+    for attribute in (name.lower(), f"{name}Instance", f"{name}Widget"):
+        if hasattr(slicer.modules, attribute):
+            delattr(slicer.modules, attribute)
+    if module._widget is not None:
+        module._widget.deleteLater()
+        module._widget = None
+    sys.modules.pop(name, None)

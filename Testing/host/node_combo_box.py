@@ -1,0 +1,377 @@
+"""A stand-in for Slicer's node selector, over a real scene."""
+
+from __future__ import annotations
+
+from PySide6 import QtWidgets
+from PySide6.QtCore import Property, Signal
+
+from .dialogs import ask_statically
+from .widgets_ctk import ctkComboBox
+
+
+class WithScene:
+    """Keeps a scene, by plain reference."""
+
+    _scene = None
+
+    def mrmlScene(self):
+        """The scene, or None."""
+        return self._scene
+
+
+class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
+    """The nodes of the scene that match, and actions to create, rename and delete one."""
+
+    api = {
+        "methods": (
+            "mrmlScene",
+            "setMRMLScene",
+            "addAttribute",
+            "removeAttribute",
+            "setNodeTypeLabel",
+            "nodeTypeLabel",
+            "nodeCount",
+            "nodeFromIndex",
+            "currentNode",
+            "setCurrentNode",
+            "setCurrentNodeID",
+            "setCurrentNodeIndex",
+            "addNode",
+            "removeCurrentNode",
+            "editCurrentNode",
+            "renameCurrentNode",
+            "addMenuAction",
+        ),
+        "signals": {
+            "currentNodeChanged(vtkMRMLNode*)": "currentNodeChanged",
+            "currentNodeIDChanged(QString)": "currentNodeIDChanged",
+            "nodeActivated(vtkMRMLNode*)": "nodeActivated",
+            "currentNodeChanged(bool)": "currentNodeValid",
+            "nodeAdded(vtkMRMLNode*)": "nodeAdded",
+            "nodeAddedByUser(vtkMRMLNode*)": "nodeAddedByUser",
+            "nodeAddedByUserAction(vtkMRMLNode*)": "nodeAddedByUserAction",
+            "nodeAboutToBeRemoved(vtkMRMLNode*)": "nodeAboutToBeRemoved",
+            "currentNodeRenamed(QString)": "currentNodeRenamed",
+            "nodeAboutToBeEdited(vtkMRMLNode*)": "nodeAboutToBeEdited",
+        },
+    }
+    currentNodeChanged = Signal(object)
+    currentNodeIDChanged = Signal(str)
+    currentNodeValid = Signal(bool)
+    nodeActivated = Signal(object)
+    nodeAdded = Signal(object)
+    nodeAddedByUser = Signal(object)
+    nodeAddedByUserAction = Signal(object)
+    nodeAboutToBeRemoved = Signal(object)
+    currentNodeRenamed = Signal(str)
+    nodeAboutToBeEdited = Signal(object)
+
+    def __init__(self, parent=None):
+        super().__init__(parent)
+        self._values = {
+            "showHidden": False,
+            "showChildNodeTypes": True,
+            "hideChildNodeTypes": [],
+            "noneEnabled": False,
+            "addEnabled": True,
+            "removeEnabled": True,
+            "editEnabled": False,
+            "renameEnabled": False,
+            "interactionNodeSingletonTag": "Singleton",
+            "selectNodeUponCreation": True,
+            "noneDisplay": "None",
+        }
+        self._types: list[str] = []
+        self._base_names: dict[str, str] = {}
+        self._labels: dict[str, str] = {}
+        self._attributes: list[tuple] = []
+        self._actions: list = []
+        self._nodes: list = []
+        self._current = None
+        self._requested = ""
+        self._observers: list = []
+        self._box = ctkComboBox(self)
+        self._box.setSizePolicy(QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed)
+        row = QtWidgets.QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.addWidget(self._box)
+        self.setSizePolicy(QtWidgets.QSizePolicy.Policy.Preferred, QtWidgets.QSizePolicy.Policy.Fixed)
+        self.setFocusProxy(self._box)
+        self._box.activated.connect(self._activated)
+        self.destroyed.connect(_unobserver(self._observers))
+        self.setEnabled(False)
+
+    # ---- scene
+
+    def setMRMLScene(self, scene):
+        """Sets the scene: the list is filled, and the node that was asked for, the one that was selected or the first is selected."""
+        if scene is self._scene:
+            return
+        _unobserver(self._observers)()
+        previous = self._current.GetID() if self._current is not None else ""
+        self._scene = scene
+        if scene is not None:
+            events = (scene.NodeAddedEvent, scene.NodeRemovedEvent, scene.EndBatchProcessEvent)
+            self._observers += [(scene, scene.AddObserver(event, self._scene_changed)) for event in events]
+        self._list()
+        wanted = self._requested or previous
+        if not wanted and not self._values["noneEnabled"] and self._nodes:
+            wanted = self._nodes[0].GetID()
+        self._requested = ""
+        self.setCurrentNodeID(wanted)
+        self.setEnabled(scene is not None)
+
+    def _scene_changed(self, caller, event):
+        if self._scene is not None and not self._scene.IsBatchProcessing():
+            self._update()
+
+    def _update(self):
+        before, row = self._nodes, self._nodes.index(self._current) if self._current in self._nodes else None
+        self._list()
+        for node in self._nodes:
+            if node not in before:
+                self.nodeAdded.emit(node)
+        if self._current is not None and self._current not in self._nodes:
+            # As a combo box does when its current row goes: the next row, else the last one
+            self._select(self._nodes[min(row or 0, len(self._nodes) - 1)] if self._nodes else None)
+        elif self._current is None and not before and self._nodes and not self._values["noneEnabled"] and not self._extra_items():
+            self._select(self._nodes[0])
+        else:
+            self._show()
+
+    def _kinds_of(self, node) -> list[str]:
+        """The node types on account of which a node's class is listed."""
+        name, children = node.GetClassName(), self._values["showChildNodeTypes"]
+        hidden = any(node.IsA(kind) for kind in self._values["hideChildNodeTypes"])
+        return [kind for kind in self._types if name == kind or (children and node.IsA(kind) and not hidden)]
+
+    def _matches(self, node) -> bool:
+        if node.GetHideFromEditors() and not self._values["showHidden"]:
+            return False
+        for kind in self._kinds_of(node):
+            rules = [(attribute, value) for a_kind, attribute, value in self._attributes if a_kind == kind]
+            if all(
+                node.GetAttribute(attribute) is not None and (value is None or node.GetAttribute(attribute) == str(value))
+                for attribute, value in rules
+            ):
+                return True
+        return False
+
+    def _list(self):
+        scene = self._scene
+        all_nodes = [] if scene is None else [scene.GetNthNode(i) for i in range(scene.GetNumberOfNodes())]
+        candidates = [node for node in all_nodes if self._kinds_of(node)]
+        self._nodes = [node for node in candidates if self._matches(node)]
+        # Names, attributes and visibility may change; a node that is gone is let go
+        for entry in [entry for entry in self._observers if entry[0] is not scene and entry[0] not in candidates]:
+            _unobserver([entry])()
+            self._observers.remove(entry)
+        watched = {observed for observed, _ in self._observers}
+        self._observers += [(node, node.AddObserver("ModifiedEvent", self._modified)) for node in candidates if node not in watched]
+        self._show()
+
+    def _modified(self, node, event):
+        if self._matches(node) != (node in self._nodes):
+            self._update()
+        elif node in self._nodes and self._box.itemText(self._row(node)) != node.GetName():
+            self._show()
+
+    def _row(self, node) -> int:
+        return self._nodes.index(node) + self._values["noneEnabled"] if node in self._nodes else 0 if self._values["noneEnabled"] else -1
+
+    def _extra_items(self) -> list[tuple[str, str]]:
+        kind = self._types[0] if len(self._types) == 1 else ""
+        items = []
+        if self._values["renameEnabled"]:
+            items.append((f"Rename current {self.nodeTypeLabel(kind)}", "RENAME"))
+        if self._values["editEnabled"]:
+            items.append((f"Edit current {self.nodeTypeLabel(kind)}", "EDIT"))
+        if self._values["addEnabled"]:
+            items += [(f"Create new {self.nodeTypeLabel(each)}", f"CREATE/{each}") for each in self._types]
+        if self._values["removeEnabled"]:
+            items.append((f"Delete current {self.nodeTypeLabel(kind)}", "DELETE"))
+        return items + [(action.text(), action) for action in self._actions]
+
+    def _show(self):
+        """Makes the combo box show the list; selection and signals are not touched."""
+        self._box.clear()
+        if self._scene is None:
+            return
+        if self._values["noneEnabled"]:
+            self._box.addItem(self._values["noneDisplay"])
+        for node in self._nodes:
+            self._box.addItem(node.GetName())
+        extra = self._extra_items()
+        if extra:
+            self._box.insertSeparator(self._box.count())
+        for text, action in extra:
+            self._box.addItem(text, action)
+        self._box.setPlaceholderText(f"Select a {self.nodeTypeLabel(self._types[0] if self._types else '')}")
+        self._box.setCurrentIndex(self._row(self._current))
+
+    def _activated(self, row):
+        """The user picked an item."""
+        position = row - self._values["noneEnabled"]
+        if position < len(self._nodes):
+            self._select(self._nodes[position] if position >= 0 else None)
+            self.nodeActivated.emit(self._current)
+            return
+        self._box.setCurrentIndex(self._row(self._current))
+        action = self._box.itemData(row)
+        if isinstance(action, str) and action.startswith("CREATE/"):
+            node = self.addNode(action.split("/")[1])
+            self._select(node)
+            self.nodeAddedByUserAction.emit(node)
+        elif action in ("DELETE", "EDIT", "RENAME"):
+            {"DELETE": self.removeCurrentNode, "EDIT": self.editCurrentNode, "RENAME": self.renameCurrentNode}[action]()
+        elif action is not None:
+            action.trigger()
+
+    def _select(self, node):
+        if node is not None and node not in self._nodes:
+            node = None
+        if node is self._current:
+            self._show()
+            return
+        self._current = node
+        self._show()
+        self.currentNodeChanged.emit(node)
+        self.currentNodeValid.emit(node is not None)
+        self.currentNodeIDChanged.emit(node.GetID() if node is not None else "")
+
+    # ---- what Python may call
+
+    def addAttribute(self, kind, attribute, value=None):
+        """Lists nodes of a class only if they have the attribute; new nodes get it."""
+        self._attributes.append((kind, attribute, value))
+        self._update()
+
+    def removeAttribute(self, kind, attribute):
+        """Takes `addAttribute` back."""
+        self._attributes = [rule for rule in self._attributes if rule[:2] != (kind, attribute)]
+        self._update()
+
+    def setNodeTypeLabel(self, label, kind):
+        """Names a node class in the actions."""
+        self._labels[kind] = label
+        self._show()
+
+    def nodeTypeLabel(self, kind):
+        """What the actions call a node class."""
+        label = self._labels.get(kind)
+        return label or (self._scene.GetTypeDisplayNameByClassName(kind) if self._scene is not None and kind else "") or "node"
+
+    def nodeCount(self):
+        """The number of nodes listed."""
+        return len(self._nodes)
+
+    def nodeFromIndex(self, index):
+        """A node by its place in the list, or None."""
+        return self._nodes[index] if 0 <= index < len(self._nodes) else None
+
+    def currentNode(self):
+        """The selected node, or None."""
+        return self._current
+
+    def setCurrentNode(self, node):
+        """Selects a node (a node, not its ID: that form is deprecated in Slicer); None where it is not listed."""
+        if isinstance(node, str):
+            raise TypeError("setCurrentNode takes a node; use setCurrentNodeID for an ID")
+        self.setCurrentNodeID(node.GetID() if node is not None else "")
+
+    def setCurrentNodeID(self, node_id):
+        """Selects a node by its ID; none where it is not listed."""
+        if self._scene is None:
+            self._requested = node_id or ""
+            return
+        self._select(next((node for node in self._nodes if node.GetID() == node_id), None))
+
+    def setCurrentNodeIndex(self, index):
+        """Selects a node by its place in the list."""
+        self._select(self.nodeFromIndex(index))
+
+    def addNode(self, kind=None):
+        """Creates a node of the first, or the given, class and selects it; returns it."""
+        kind = kind or (self._types[0] if self._types else None)
+        if self._scene is None or kind not in self._types:
+            return None
+        node = self._scene.CreateNodeByClass(kind)
+        node.UnRegister(None)
+        for a_kind, attribute, value in self._attributes:
+            if a_kind == kind:
+                node.SetAttribute(attribute, "" if value is None else str(value))
+        base = self._base_names.get(kind) or self._scene.GetTypeDisplayNameByClassName(kind) or kind
+        node.SetName(self._scene.GetUniqueNameByString(base))
+        self._scene.AddNode(node)
+        if self._values["selectNodeUponCreation"]:
+            self._select(node)
+        self.nodeAddedByUser.emit(node)
+        return node
+
+    def removeCurrentNode(self):
+        """Removes the selected node from the scene."""
+        if self._current is not None:
+            self.nodeAboutToBeRemoved.emit(self._current)
+            self._scene.RemoveNode(self._current)
+
+    def editCurrentNode(self):
+        """Says that the selected node is to be edited."""
+        self.nodeAboutToBeEdited.emit(self._current)
+
+    def renameCurrentNode(self):
+        """Asks for a new name."""
+        name = ask_statically("QInputDialog", "")(self, "Rename", "New name:")
+        if name and self._current is not None:
+            self._current.SetName(name)
+            self.currentNodeRenamed.emit(name)
+
+    def addMenuAction(self, action):
+        """Adds an action to the menu."""
+        self._actions.append(action)
+        self._show()
+
+    def _set_types(self, kinds):
+        self._types = [kind for kind in kinds if kind]
+        self._update()
+
+    def _set_value(self, name, value):
+        self._values[name] = value
+        self._update()
+
+    def _set_base_name(self, name):
+        self._base_names = dict.fromkeys(self._types, name)
+
+    def _value(name, kind):
+        return Property(kind, lambda self: self._values[name], lambda self, value: self._set_value(name, value))
+
+    showHidden = _value("showHidden", bool)
+    showChildNodeTypes = _value("showChildNodeTypes", bool)
+    hideChildNodeTypes = _value("hideChildNodeTypes", "QStringList")
+    noneEnabled = _value("noneEnabled", bool)
+    addEnabled = _value("addEnabled", bool)
+    removeEnabled = _value("removeEnabled", bool)
+    editEnabled = _value("editEnabled", bool)
+    renameEnabled = _value("renameEnabled", bool)
+    interactionNodeSingletonTag = _value("interactionNodeSingletonTag", str)
+    selectNodeUponCreation = _value("selectNodeUponCreation", bool)
+    noneDisplay = _value("noneDisplay", str)
+    del _value
+    nodeTypes = Property("QStringList", lambda self: self._types, _set_types)
+    currentNodeID = Property(str, lambda self: self._current.GetID() if self._current is not None else "", setCurrentNodeID)
+    baseName = Property(str, lambda self: next(iter(self._base_names.values()), ""), _set_base_name)
+    sizeAdjustPolicy = Property(
+        QtWidgets.QComboBox.SizeAdjustPolicy,
+        lambda self: self._box.sizeAdjustPolicy(),
+        lambda self, policy: self._box.setSizeAdjustPolicy(policy),
+    )
+
+
+def _unobserver(observers: list):
+    """A function that removes observers, given as pairs of object and tag, and empties the list."""
+
+    def remove(*_):
+        while observers:
+            observed, tag = observers.pop()
+            observed.RemoveObserver(tag)
+
+    return remove

@@ -1,0 +1,338 @@
+"""Qt objects as PythonQt shows them: properties are attributes, and what C++ does not offer is an AttributeError.
+
+Slicer's Python reaches Qt through PythonQt, which is property based; PySide6, which is installed here, is method based. Every Qt
+object that a module gets hold of is therefore a wrapper around the PySide6 object. A name is looked up as PythonQt does it: Qt
+property first (so `label.text` is a string, and `label.text()` fails), then method or signal, then enumeration value, then dynamic
+property, then child of that object name. Setting a name that is no property raises AttributeError, unless a Python class derives
+from the Qt class. A stand-in for a class of CTK or Slicer shows only what its table in `api_tables.py` admits, beside what it
+inherits from Qt.
+"""
+
+from __future__ import annotations
+
+import enum
+import functools
+import inspect
+import math
+import weakref
+
+import shiboken6
+from PySide6 import QtCore
+
+from .connections import BoundSignal, connect, disconnect, guarded
+
+_BUILTIN = ("PySide6.", "Shiboken")
+
+
+class EnumValue(int):
+    """An enumeration value: an int, as in PythonQt, that remembers its Qt type so that PySide6 accepts it back.
+
+    Parameters
+    ----------
+    native : enum.Enum
+        The value as PySide6 has it; flags may be combined with `|`, `&` and `~`.
+    """
+
+    def __new__(cls, native):
+        """The value as an int."""
+        value = int.__new__(cls, native.value if isinstance(native.value, int) else 0)
+        value.native = native
+        return value
+
+    def __or__(self, other):
+        """Both flags."""
+        return EnumValue(self.native | unwrap(other))
+
+    def __and__(self, other):
+        """The flags that both have."""
+        return EnumValue(self.native & unwrap(other))
+
+    def __invert__(self):
+        """All other flags."""
+        return EnumValue(~self.native)
+
+
+class EnumType:
+    """An enumeration as PythonQt shows it: it can be called with an int; its values are those of the class around it."""
+
+    def __init__(self, native):
+        self._native = native
+
+    def __call__(self, value):
+        """The enumeration's value of that number."""
+        return EnumValue(self._native(int(value)))
+
+
+class PythonQtMeta(type):
+    """Class attributes of wrapped classes: static methods and enumeration values."""
+
+    def __getattr__(cls, name):
+        """A static method or an enumeration value of the Qt class."""
+        native = cls.__dict__.get("_native") or next((base.__dict__["_native"] for base in cls.__mro__ if "_native" in base.__dict__), None)
+        if native is not None and not name.startswith("_") and is_offered(native, name):
+            found = getattr(native, name, None)
+            if isinstance(found, enum.Enum):
+                return EnumValue(found)
+            if isinstance(found, type) and issubclass(found, enum.Enum):
+                return EnumType(found)
+            if isinstance(found, int) and not isinstance(found, bool):
+                return found
+            if callable(found) and not isinstance(found, type):
+                return lambda *args: wrap(found(*map(unwrap, args)))
+        raise AttributeError(f"type object '{cls.__name__}' has no attribute '{name}'")
+
+
+class Wrapper(metaclass=PythonQtMeta):
+    """A Qt object, or a value such as a color, as PythonQt shows it. Derived classes are made by `wrapper_class`."""
+
+    __slots__ = ("__weakref__", "_destroyed", "_object")
+    _native = None
+    _wrappers: weakref.WeakValueDictionary = weakref.WeakValueDictionary()
+
+    def __init__(self, *args):
+        native = type(self)._native
+        if native is None:
+            raise TypeError(f"{type(self).__name__} cannot be created from Python")
+        table = native.__dict__.get("api")
+        if table is not None and not (not args or (len(args) == 1 and (args[0] is None or isinstance(args[0], Wrapper)))):
+            raise ValueError(f"{type(self).__name__} can be created with a parent only; got {args!r}")
+        self._adopt(native(*map(unwrap, args)))
+
+    def _adopt(self, native):
+        object.__setattr__(self, "_object", native)
+        object.__setattr__(self, "_destroyed", False)
+        Wrapper._wrappers[id(native)] = self
+        if isinstance(native, QtCore.QObject):
+            # PySide6 does not hear of the end of every object that C++ made and deletes
+            native.destroyed.connect(functools.partial(_mark_destroyed, weakref.ref(self)))
+
+    def __bool__(self):
+        """False once the Qt object is destroyed."""
+        return not self._destroyed and shiboken6.isValid(self._object)
+
+    def __repr__(self):
+        return f"{type(self).__name__} ({type(self).__name__} at: {id(self._object):#x})"
+
+    def __eq__(self, other):
+        if isinstance(other, Wrapper) and not isinstance(self._object, QtCore.QObject):
+            return self._object == other._object
+        return self is other
+
+    def __hash__(self):
+        return hash(id(self._object))
+
+    def __getattr__(self, name):
+        """A property's value, a method, a signal, an enumeration value, a dynamic property or a child."""
+        if name.startswith("_"):
+            raise AttributeError(f"{type(self).__name__} has no attribute named '{name}'")
+        native = _alive(self, name)
+        if isinstance(native, QtCore.QObject):
+            position = property_index(native, name)
+            if position >= 0:
+                return wrap(_read(native, native.metaObject().property(position)))
+            if signals := signals_of(native, name):
+                return BoundSignal(self, signals)
+        if is_offered(type(native), name):
+            found = getattr(native, name, None)
+            if isinstance(found, enum.Enum | type):
+                return getattr(type(self), name)
+            if callable(found):
+                return lambda *args: wrap(found(*map(unwrap, args)))
+        if len(name) > 2 and name.endswith("_") and is_offered(type(native), name[:-1]):
+            return getattr(self, name[:-1])
+        if isinstance(native, QtCore.QObject):
+            if name in [bytes(known).decode() for known in native.dynamicPropertyNames()]:
+                return wrap(native.property(name))
+            for child in native.children():
+                if child.objectName() == name:
+                    return wrap(child)
+        raise AttributeError(f"{type(self).__name__} has no attribute named '{name}'")
+
+    def __setattr__(self, name, value):
+        """Sets a property, or, in a Python class that derives from a Qt class, an attribute."""
+        native = _alive(self, name)
+        kind = type(self).__name__
+        if isinstance(native, QtCore.QObject):
+            position = property_index(native, name)
+            if position >= 0:
+                _write(native, native.metaObject().property(position), value, kind)
+                return
+            if signals_of(native, name):
+                raise AttributeError(f"Signal '{name}' can not be overwritten on {kind} object")
+        if is_offered(type(native), name):
+            raise AttributeError(f"Slot '{name}' can not be overwritten on {kind} object")
+        if isinstance(native, QtCore.QObject) and name in [bytes(known).decode() for known in native.dynamicPropertyNames()]:
+            native.setProperty(name, unwrap(value))
+        elif "_generated" not in type(self).__dict__:
+            object.__setattr__(self, name, value)
+        else:
+            raise AttributeError(f"'{name}' does not exist on {kind} and creating new attributes on C++ objects is not allowed")
+
+    def connect(self, signal, receiver, slot=None):
+        """Connects `signal`, such as "clicked(bool)", to a callable, or to a slot of another Qt object."""
+        return connect(self, signal, receiver if slot is None else getattr(receiver, slot.split("(")[0]))
+
+    def disconnect(self, signal, receiver=None):
+        """Disconnects a callable, or everything, from a signal; False where it was not connected."""
+        return disconnect(self, signal, receiver)
+
+    def className(self):
+        """The name of the C++ class."""
+        return type(self._object).__name__
+
+    def delete(self):
+        """Destroys the Qt object at once."""
+        shiboken6.delete(self._object)
+
+
+def _mark_destroyed(reference, *_):
+    wrapper = reference()
+    if wrapper is not None:
+        object.__setattr__(wrapper, "_destroyed", True)
+
+
+def _alive(wrapper, name):
+    try:
+        native = object.__getattribute__(wrapper, "_object")
+    except AttributeError:
+        raise AttributeError(f"{type(wrapper).__name__} was not initialized: call super().__init__() first") from None
+    if isinstance(native, QtCore.QObject) and not wrapper:
+        raise ValueError(f"Trying to reach '{name}' of a destroyed {type(wrapper).__name__} object")
+    return native
+
+
+def property_index(native, name: str) -> int:
+    """The number of a Qt property, -1 where there is none; `name` stands for `objectName`, as Slicer builds PythonQt."""
+    position = native.metaObject().indexOfProperty(name)
+    if position < 0 and name == "name":
+        return native.metaObject().indexOfProperty("objectName")
+    return position
+
+
+def _read(native, meta):
+    getter = getattr(type(native), meta.name(), None)
+    if callable(getter) and not isinstance(getter, QtCore.Property):
+        return getattr(native, meta.name())()
+    return native.property(meta.name())
+
+
+def converted(value, type_name: str):
+    """A Python value as PythonQt makes it for a property of that C++ type; raises TypeError or ValueError where it cannot."""
+    if isinstance(value, Wrapper | EnumValue):
+        return unwrap(value)
+    if type_name in ("int", "uint"):
+        return math.floor(value) if type(value) is float else int(value.__index__() if hasattr(value, "__index__") else _refuse(value))
+    if type_name in ("double", "float"):
+        return float(value if not isinstance(value, str) else _refuse(value))
+    if type_name == "bool":
+        return bool(value)
+    if type_name == "QString":
+        return str(value)
+    if type_name == "QStringList":
+        return [str(item) for item in (value if not isinstance(value, str) else _refuse(value))]
+    return unwrap(value)
+
+
+def _refuse(value):
+    raise TypeError(f"not accepted: {value!r}")
+
+
+def _write(native, meta, value, kind):
+    if not meta.isWritable():
+        raise AttributeError(f"Property '{meta.name()}' of {kind} object is not writable")
+    try:
+        value = converted(value, meta.typeName())
+        setter = getattr(native, f"set{meta.name()[0].upper()}{meta.name()[1:]}", None)
+        if setter is not None and "api" not in type(native).__dict__:
+            setter(value)
+            return
+        accepted = native.setProperty(meta.name(), value)
+    except (TypeError, ValueError, OverflowError):
+        accepted = False
+    if not accepted:
+        raise AttributeError(
+            f"Property '{meta.name()}' of type '{meta.typeName()}' does not accept an object of type {type(value).__name__} ({value!r})"
+        )
+
+
+def tables_of(native: type) -> list[dict]:
+    """The tables of what the stand-ins among a class and its bases offer; empty for a class of Qt."""
+    return [base.__dict__["api"] for base in native.__mro__ if "api" in base.__dict__]
+
+
+def is_offered(native: type, name: str) -> bool:
+    """Whether C++ offers a method or enumeration of that name on a class."""
+    for base in native.__mro__:
+        if base.__module__.startswith(_BUILTIN):
+            if name in base.__dict__:
+                return True
+        elif name in base.__dict__.get("api", {}).get("methods", ()) or name in base.__dict__.get("api", {}).get("enums", ()):
+            return True
+    # PySide6 resolves the values of scoped enumerations by its own metaclass, so they are in no __dict__
+    qt = next((base for base in native.__mro__ if base.__module__.startswith(_BUILTIN)), None)
+    return qt is not None and isinstance(inspect.getattr_static(qt, name, None) or getattr(qt, name, None), enum.Enum)
+
+
+def signals_of(native, name: str) -> dict[str, str]:
+    """The signals of that name: C++ signature to the name by which PySide6 knows it, in C++ order; empty where there is none."""
+    for table in tables_of(type(native)):
+        found = {signature: attribute for signature, attribute in table.get("signals", {}).items() if signature.split("(")[0] == name}
+        if found:
+            return found
+    meta = native.metaObject()
+    methods = (meta.method(i) for i in range(meta.methodCount()))
+    signatures = [bytes(m.methodSignature().data()).decode() for m in methods if m.methodType() == QtCore.QMetaMethod.MethodType.Signal]
+    private = {attribute for table in tables_of(type(native)) for attribute in table.get("signals", {}).values()}
+    return {s: s for s in signatures if s.split("(")[0] == name and name not in private}
+
+
+def wrapper_class(native: type) -> type:
+    """The wrapper class of a PySide6 class or of a stand-in; the same one every time."""
+    made = native.__dict__.get("_wrapper_class") if not native.__module__.startswith(_BUILTIN) else _MADE.get(native)
+    if made is None:
+        namespace = {"_native": native, "_generated": True, "__slots__": (), "__module__": "PythonQt", **getattr(native, "extras", {})}
+        made = PythonQtMeta(native.__name__, (Wrapper,), namespace)
+        if native.__module__.startswith(_BUILTIN):
+            _MADE[native] = made
+        else:
+            native._wrapper_class = made
+    return made
+
+
+_MADE: dict[type, type] = {}
+
+
+def wrap(value):
+    """A PySide6 result as PythonQt shows it; a list as a tuple; anything that is not Qt's as it is."""
+    if isinstance(value, enum.Enum):
+        return EnumValue(value)
+    if type(value) in (list, tuple):
+        # PythonQt makes a tuple of every list that it hands to Python
+        return tuple(wrap(item) for item in value)
+    if isinstance(value, shiboken6.Object):
+        known = Wrapper._wrappers.get(id(value))
+        if known is not None and known._object is value:
+            return known
+        if isinstance(value, QtCore.QByteArray):
+            return value.data()
+        if value.__class__.__name__ in ("QKeyCombination",):
+            return value.toCombined()
+        made = object.__new__(wrapper_class(type(value)))
+        made._adopt(value)
+        return made
+    return value
+
+
+def unwrap(value):
+    """What PySide6 takes for a value that came from a module: the PySide6 object, class or enumeration, a guarded callable."""
+    if isinstance(value, Wrapper):
+        return _alive(value, "object")
+    if isinstance(value, EnumValue):
+        return value.native
+    if isinstance(value, PythonQtMeta):
+        return value._native
+    if type(value) in (list, tuple):
+        return type(value)(unwrap(item) for item in value)
+    if inspect.isfunction(value) or inspect.ismethod(value):
+        return guarded(value, wrap)
+    return value

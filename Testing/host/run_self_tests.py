@@ -1,0 +1,99 @@
+"""Runs AIFRecon's self tests on the host, alone in one process: those of the module's file and Testing/Slicer/*Test.py.
+
+    python Testing/host/run_self_tests.py [-k WORD] [--list]
+
+The exit status is 0 when all passed, 1 when one failed, 2 when the host cannot run here or the tests cannot be loaded.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import sys
+import unittest
+from pathlib import Path
+
+TESTING = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(TESTING))
+from host import missing, runHost  # noqa: E402 - the folder must be known first
+
+
+def all_cases(suite):
+    """The single tests of a suite."""
+    for each in suite:
+        if isinstance(each, unittest.TestSuite):
+            yield from all_cases(each)
+        else:
+            yield each
+
+
+def load(path: Path):
+    """A test file as a Python module."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[path.stem] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def collect(host, module: Path, folder: Path) -> list[unittest.TestCase]:
+    """Every test of the module's test class and of the test files in a folder."""
+    loader = unittest.defaultTestLoader
+    loader.testMethodPrefix = "test"
+    host.load_module(module)
+    host.startup()
+    python = sys.modules[module.stem]
+    cases = list(all_cases(loader.loadTestsFromTestCase(getattr(python, f"{module.stem}Test"))))
+    for path in sorted(folder.glob("*Test.py")) if folder.is_dir() else []:
+        cases += all_cases(loader.loadTestsFromModule(load(path)))
+    return cases
+
+
+class Result(unittest.TextTestResult):
+    """Resets the host before every test and says which slots failed during one."""
+
+    host = None
+
+    def startTest(self, test):
+        """Begins with an empty scene, as in a fresh Slicer."""
+        self.host.reset()
+        super().startTest(test)
+
+    def stopTest(self, test):
+        """Names exceptions that stayed in slots. A test may have meant them, so only a failed assertion is a failure."""
+        super().stopTest(test)
+        for error in self.host.take_slot_errors():
+            self.stream.writeln(f"  (raised in a slot: {type(error).__name__}: {error})")
+            if isinstance(error, AssertionError):
+                self.addFailure(test, (type(error), error, error.__traceback__))
+
+
+def main(arguments=None) -> int:
+    """Runs the tests; returns the exit status."""
+    parser = argparse.ArgumentParser(description="Run the module's self tests on the host.")
+    parser.add_argument("--module", type=Path, default=TESTING.parent / "AIFRecon" / "AIFRecon.py", help="the scripted module")
+    parser.add_argument("--tests", type=Path, default=TESTING / "Slicer", help="folder of further test files, *Test.py")
+    parser.add_argument("-k", metavar="WORD", default="", help="only tests whose name contains WORD")
+    parser.add_argument("--list", action="store_true", help="only name the tests")
+    options = parser.parse_args(arguments)
+    if reason := missing():
+        print(f"The self tests cannot run here: {reason}.", file=sys.stderr)
+        return 2
+    host = runHost(testing=True)
+    try:
+        cases = collect(host, options.module.resolve(), options.tests.resolve())
+    except Exception as error:
+        print(f"The self tests cannot be loaded: {type(error).__name__}: {error}", file=sys.stderr)
+        return 2
+    cases = [case for case in cases if options.k in case.id()]
+    if options.list or not cases:
+        print("\n".join(case.id() for case in cases) or "There is no such test.")
+        return 0 if cases else 2
+    Result.host = host
+    outcome = unittest.TextTestRunner(stream=sys.stdout, verbosity=2, resultclass=Result).run(unittest.TestSuite(cases))
+    host.close()
+    return 0 if outcome.wasSuccessful() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,247 @@
+"""Pictures of the module for the README: the program behind `make screenshots`.
+
+    python Testing/host/screenshots.py [--output FOLDER] [--thumbnail FILE]
+
+The module is used as a user does: the sample data are loaded, its own buttons are pressed and its check boxes set. What is shown comes
+from real MRML nodes, drawn by Slicer's own displayable managers, and from real Qt widgets in Qt's Fusion style, all of it offscreen and
+not in the Slicer application. Exit status: 0, 1 when the module failed, 2 when pictures cannot be made here.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(REPOSITORY / "Testing"))
+from host import missing, runHost, view_render  # noqa: E402 - the folder must be known first
+
+SPACING, HOLE_LIMIT = 0.7, 2.0
+"""mm. Coarser than the default, and without holes: the phantom's sweep has few frames, so that it is made quickly."""
+
+LOOK_AT = (0.0, 52.0, -13.7)
+"""RAS mm: where the lamina of a vertebra, its facets and the transverse processes are all cut."""
+
+FRAME = 36
+"""Of the sweep, for the beams."""
+
+PANEL_WIDTH = 400
+FIELD_OF_VIEW = 130.0
+"""mm, across a slice view."""
+
+
+class Module:
+    """The module in the host, with short ways to what the pictures need."""
+
+    def __init__(self, host):
+        import slicer
+
+        self.host = host
+        host.load_module(REPOSITORY / "AIFRecon" / "AIFRecon.py")
+        host.startup()
+        slicer.mrmlScene.Clear()
+        self.widget = host.open("AIFRecon")
+        self.application = slicer.app.applicationLogic()
+        self.check()
+
+    @property
+    def parameters(self):
+        """The panel's parameters."""
+        return self.widget._parameterNode
+
+    def check(self) -> None:
+        """Raises what went wrong in a slot, or what a message box said: a picture of a failure is worth nothing."""
+        self.host.raise_slot_errors()
+        if messages := self.host.dialogs.messages():
+            raise RuntimeError(messages[0])
+
+    def press(self, button) -> None:
+        """Clicks a button that must be enabled."""
+        if not button.enabled:
+            raise RuntimeError(f"{button.text} cannot be pressed: {button.toolTip}")
+        button.click()
+        self.check()
+
+    def load_sample(self) -> None:
+        """The lumbar phantom, as the Sample Data module loads it."""
+        from AIFReconGui.sampleData import loadPhantomSample
+
+        loadPhantomSample()
+        self.check()
+        self.widget.initializeParameterNode()
+        # A user who compares with the reconstruction wants to see through bone
+        self.parameters.bone.GetDisplayNode().SetVisibility2DFill(False)
+
+    def _middle_of_voxel(self, place) -> np.ndarray:
+        """The middle of the reconstruction's voxel at a place: between two layers, one that is empty darkens the other."""
+        import slicer
+        import vtk
+
+        matrix = vtk.vtkMatrix4x4()
+        self.parameters.output.GetIJKToRASMatrix(matrix)
+        ijk_to_ras = slicer.util.arrayFromVTKMatrix(matrix)
+        ijk = np.rint(np.linalg.inv(ijk_to_ras) @ [*place, 1.0])
+        return (ijk_to_ras @ ijk)[:3]
+
+    def slice_view(self, name: str, size, field_of_view: float = FIELD_OF_VIEW, center=LOOK_AT):
+        """A slice view under its bar, looking at a place; `center` None: where it looks already."""
+        from host import view_frames
+
+        logic = self.application.GetSliceLogicByLayoutName(name)
+        node = logic.GetSliceNode()
+        with view_render.OffscreenSliceView(logic, self.application, size) as view:
+            if center is not None:
+                node.JumpSliceByCentering(*self._middle_of_voxel(center))
+            node.SetFieldOfView(field_of_view, field_of_view * size[1] / size[0], 1.0)
+            node.SetRulerType(node.RulerTypeThin)
+            pixels = view.image()
+        return view_frames.framed(
+            pixels, view_frames.slice_title(logic), node.GetLayoutColor(), view_frames.slice_names(logic), view_frames.slice_letters(node)
+        )
+
+
+def panel(module: Module, folder: Path) -> None:
+    """panel.png: the panel after a reconstruction."""
+    parameters = module.parameters
+    parameters.spacing, parameters.holeLimit = SPACING, HOLE_LIMIT
+    module.press(module.widget.ui.applyButton)
+    module.host.grab(module.widget.parent, folder / "panel.png", width=PANEL_WIDTH)
+
+
+def panel_needs(module: Module, folder: Path) -> None:
+    """panel-needs.png: what the panel says where bone is missing."""
+    from AIFReconScene.parameters import Method
+
+    parameters = module.parameters
+    bone, method = parameters.bone, parameters.method
+    parameters.bone, parameters.method = None, Method.WEIGHTED
+    module.host.process_events()
+    module.host.grab(module.widget.parent, folder / "panel-needs.png", width=PANEL_WIDTH)
+    parameters.bone, parameters.method = bone, method
+
+
+def slices(module: Module, folder: Path) -> None:
+    """slices.png: the reconstruction over the CT, with the outline of the segmented bone."""
+    from host import view_frames
+
+    views = [module.slice_view(name, (330, 330)) for name in ("Red", "Yellow", "Green")]
+    view_frames.write_png(view_frames.tiled([views]), folder / "slices.png")
+
+
+def compare(module: Module, folder: Path) -> None:
+    """compare.png: the methods side by side."""
+    from host import view_frames
+
+    module.press(module.widget.ui.compareButton)
+    views = [module.slice_view(f"AIFRecon{number}", (440, 275), field_of_view=125.0) for number in (1, 2, 3, 4)]
+    view_frames.write_png(view_frames.tiled([views[:2], views[2:]]), folder / "compare.png")
+    module.press(module.widget.ui.singleViewButton)
+
+
+def overlay(module: Module, folder: Path) -> None:
+    """overlay.png: a frame in its place with the beams, the frames and the CT's bone in 3D, and the reconstruction rendered."""
+    import slicer
+
+    from host import view_frames
+
+    parameters = module.parameters
+    parameters.showProbe = parameters.showOutlines = True
+    parameters.sweep.SetSelectedItemNumber(FRAME)
+    module.check()
+    size = (330, 340)
+    logic = module.application.GetSliceLogicByLayoutName("Red")
+    center = _show_frame(logic, parameters.sweep.GetProxyNode(parameters.sweep.GetMasterSequenceNode()), parameters.ctVolume)
+    pictures = [module.slice_view("Red", size, center=None)]
+
+    slicer.modules.volumerendering.logic().SetDefaultRenderingMethod("vtkMRMLCPURayCastVolumeRenderingDisplayNode")
+    parameters.bone.CreateClosedSurfaceRepresentation()
+    node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
+    node.SetBoxVisible(False)
+    node.SetAxisLabelsVisible(False)
+    node.SetOrientationMarkerType(node.OrientationMarkerTypeAxes)
+    with view_render.OffscreenThreeDView(node, module.application, size) as view:
+        view.look(center, np.add(center, (-170.0, -330.0, 190.0)), (0.0, 0.0, 1.0), 400.0)
+        pictures.append(view_frames.framed(view.image(), "1   Frames, beams, bone of the CT", node.GetLayoutColor()))
+        parameters.showProbe = parameters.showOutlines = False
+        parameters.bone.GetDisplayNode().SetOpacity3D(0.3)
+        parameters.volumeRendering = True
+        module.check()
+        view.look(center, np.add(center, (-90.0, -330.0, 110.0)), (0.0, 0.0, 1.0), 300.0)
+        pictures.append(view_frames.framed(view.image(), "1   Volume rendering in the CT's bone", node.GetLayoutColor()))
+    view_frames.write_png(view_frames.tiled([pictures]), folder / "overlay.png")
+
+
+def _show_frame(slice_logic, image, ct) -> np.ndarray:
+    """Lays a slice view into the plane of an image over the CT; the image's middle, RAS mm."""
+    import slicer
+    import vtk
+
+    ijk_to_ras, to_world = vtk.vtkMatrix4x4(), vtk.vtkMatrix4x4()
+    image.GetIJKToRASMatrix(ijk_to_ras)
+    image.GetParentTransformNode().GetMatrixTransformToWorld(to_world)
+    placed = slicer.util.arrayFromVTKMatrix(to_world) @ slicer.util.arrayFromVTKMatrix(ijk_to_ras)
+    columns, rows, _ = image.GetImageData().GetDimensions()
+    center = (placed @ [(columns - 1) / 2, (rows - 1) / 2, 0.0, 1.0])[:3]
+    right, down = (placed[:3, axis] / np.linalg.norm(placed[:3, axis]) for axis in (0, 1))
+    composite = slice_logic.GetSliceCompositeNode()
+    composite.SetBackgroundVolumeID(ct.GetID())
+    composite.SetForegroundVolumeID(image.GetID())
+    composite.SetForegroundOpacity(0.8)
+    slice_logic.GetSliceNode().SetSliceToRASByNTP(*np.cross(right, -down), *right, *center, 0)
+    return center
+
+
+def thumbnail(module: Module, path: Path) -> None:
+    """The picture of the phantom in the Sample Data module, 260 x 280: its CT above, a frame of its sweep below."""
+    from host import view_frames
+
+    logic = module.application.GetSliceLogicByLayoutName("Red")
+    logic.GetSliceNode().SetOrientationToAxial()
+    _show_frame(logic, module.parameters.sweep.GetProxyNode(module.parameters.sweep.GetMasterSequenceNode()), module.parameters.ctVolume)
+    with view_render.OffscreenSliceView(logic, module.application, (260, 280)) as view:
+        logic.GetSliceNode().SetFieldOfView(125.0, 125.0 * 280 / 260, 1.0)
+        logic.GetSliceNode().SetRulerType(logic.GetSliceNode().RulerTypeNone)
+        pixels = view.image()
+    from PySide6 import QtGui
+
+    picture = QtGui.QImage(pixels.data, 260, 280, 3 * 260, QtGui.QImage.Format.Format_RGB888)
+    view_frames.write_png(picture, path)
+
+
+def main(arguments=None) -> int:
+    """Makes the pictures; returns the exit status."""
+    parser = argparse.ArgumentParser(description="Make the pictures of the module that the README shows.")
+    parser.add_argument("--output", type=Path, default=REPOSITORY / "Resources" / "Screenshots", help="folder of the pictures")
+    parser.add_argument(
+        "--thumbnail",
+        type=Path,
+        default=REPOSITORY / "AIFRecon" / "Resources" / "Icons" / "AIFReconLumbarPhantom.png",
+        help="picture of the sample data",
+    )
+    options = parser.parse_args(arguments)
+    if reason := missing() or view_render.why_no_views():
+        print(f"Pictures cannot be made here: {reason}.", file=sys.stderr)
+        return 2
+    host = runHost()
+    try:
+        options.output.mkdir(parents=True, exist_ok=True)
+        module = Module(host)
+        module.load_sample()
+        for make in (panel, slices, panel_needs, compare, overlay):
+            make(module, options.output)
+            print(make.__doc__)
+        thumbnail(module, options.thumbnail)
+        print(f"{options.thumbnail.name}: the sample data's picture.")
+    except Exception as error:
+        print(f"The pictures could not be made: {type(error).__name__}: {error}", file=sys.stderr)
+        return 1
+    finally:
+        host.close()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,179 @@
+"""The base classes of scripted modules, as `slicer.ScriptedLoadableModule` has them.
+
+Left out: the developer's panel with its reload and edit buttons, and screenshots as annotation nodes.
+"""
+
+from __future__ import annotations
+
+import importlib
+import unittest
+from pathlib import Path
+
+import qt
+import slicer
+
+__all__ = ["ScriptedLoadableModule", "ScriptedLoadableModuleLogic", "ScriptedLoadableModuleTest", "ScriptedLoadableModuleWidget"]
+
+
+def _bare(instance, suffix: str) -> str:
+    return type(instance).__name__.removesuffix(suffix)
+
+
+class ScriptedLoadableModule:
+    """What the application knows of a module: it fills in `parent`."""
+
+    def __init__(self, parent):
+        super().__init__()
+        self.parent = parent
+        self.moduleName = type(self).__name__
+        parent.title = ""
+        parent.categories = parent.dependencies = parent.contributors = []
+        parent.helpText = parent.acknowledgementText = ""
+        for ending in (".svg", ".png"):
+            icon = Path(self.resourcePath("Icons")) / (self.moduleName + ending)
+            if icon.is_file():
+                parent.icon = qt.QIcon(str(icon))
+                break
+        if not hasattr(slicer, "selfTests"):
+            slicer.selfTests = {}
+        slicer.selfTests[self.moduleName] = self.runTest
+
+    def resourcePath(self, filename):
+        """The absolute path of a file of the module's Resources folder."""
+        return str(Path(self.parent.path).parent / "Resources" / filename)
+
+    def getDefaultModuleDocumentationLink(self, docPage=None):
+        """A line of HTML that leads to the documentation."""
+        url = slicer.app.documentationBaseUrl + docPage if docPage else slicer.app.moduleDocumentationUrl(self.moduleName)
+        return f'<p>For more information, see the <a href="{url}">online documentation</a>.</p>'
+
+    def runTest(self, msec=100, **kwargs):
+        """Runs the class <module>Test."""
+        module = importlib.import_module(self.__module__)
+        case = getattr(module, f"{self.moduleName}Test", None)
+        if case is None:
+            raise AssertionError(f"Test case class not found: {self.__module__}.{self.moduleName}Test")
+        case = case()
+        case.messageDelay = msec
+        case.runTest(**kwargs)
+
+
+class ScriptedLoadableModuleWidget:
+    """A module's panel: `layout` is where its widgets go."""
+
+    def __init__(self, parent=None):
+        super().__init__()
+        self.moduleName = _bare(self, "Widget")
+        self.developerMode = False
+        alone = not parent
+        if alone:
+            parent = slicer.qMRMLWidget()
+            parent.setLayout(qt.QVBoxLayout())
+            parent.setMRMLScene(slicer.mrmlScene)
+        self.parent = parent
+        self.layout = parent.layout()
+        if alone:
+            self.setup()
+            parent.show()
+        slicer.app.moduleManager().connect("moduleAboutToBeUnloaded(QString)", self._onModuleAboutToBeUnloaded)
+
+    def resourcePath(self, filename):
+        """The absolute path of a file of the module's Resources folder."""
+        return str(Path(slicer.util.modulePath(self.moduleName)).parent / "Resources" / filename)
+
+    def cleanup(self):
+        """To be overridden: called when the module goes."""
+
+    def _onModuleAboutToBeUnloaded(self, moduleName):
+        if moduleName == self.moduleName:
+            self.cleanup()
+            slicer.app.moduleManager().disconnect("moduleAboutToBeUnloaded(QString)", self._onModuleAboutToBeUnloaded)
+
+    def setup(self):
+        """To be extended: builds the panel."""
+
+    def onReload(self):
+        """Loads the module's file again and builds the panel anew."""
+        slicer.util.reloadScriptedModule(self.moduleName)
+
+    def onTest(self, **kwargs):
+        """Runs the module's self tests."""
+        with slicer.util.tryWithErrorDisplay("Test failed."):
+            slicer.selfTests[self.moduleName](msec=0, **kwargs)
+
+    def onReloadAndTest(self, **kwargs):
+        """Reloads and runs the self tests."""
+        with slicer.util.tryWithErrorDisplay("Reload and Test failed."):
+            self.onReload()
+            slicer.selfTests[self.moduleName](msec=0, **kwargs)
+
+
+class ScriptedLoadableModuleLogic:
+    """A module's logic: it finds or makes the module's parameter node."""
+
+    def __init__(self, parent=None):
+        super().__init__()
+        self.moduleName = _bare(self, "Logic")
+        self.isSingletonParameterNode = True
+
+    def getParameterNode(self):
+        """The module's first parameter node; made where there is none."""
+        if self.isSingletonParameterNode:
+            node = slicer.mrmlScene.GetSingletonNode(self.moduleName, "vtkMRMLScriptedModuleNode")
+            if node:
+                # Closing the scene takes the attributes of singletons away
+                if node.GetAttribute("ModuleName") != self.moduleName:
+                    node.SetAttribute("ModuleName", self.moduleName)
+                return node
+        elif nodes := self.getAllParameterNodes():
+            return nodes[0]
+        return slicer.mrmlScene.AddNode(self.createParameterNode())
+
+    def getAllParameterNodes(self):
+        """The module's parameter nodes."""
+        scene = slicer.mrmlScene
+        count = scene.GetNumberOfNodesByClass("vtkMRMLScriptedModuleNode")
+        nodes = [scene.GetNthNodeByClass(i, "vtkMRMLScriptedModuleNode") for i in range(count)]
+        return [node for node in nodes if node.GetAttribute("ModuleName") == self.moduleName]
+
+    def createParameterNode(self):
+        """A new parameter node, not yet in the scene."""
+        if slicer.mrmlScene is None:
+            return None
+        node = slicer.mrmlScene.CreateNodeByClass("vtkMRMLScriptedModuleNode")
+        node.UnRegister(None)
+        if self.isSingletonParameterNode:
+            node.SetSingletonTag(self.moduleName)
+        node.SetAttribute("ModuleName", self.moduleName)
+        node.SetName(slicer.mrmlScene.GenerateUniqueName(self.moduleName))
+        return node
+
+
+class ScriptedLoadableModuleTest(unittest.TestCase):
+    """A module's self tests: `runTest` runs every method test_*."""
+
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        self.enableScreenshots = False
+        self.screenshotScaleFactor = 1.0
+        # Whatever has "test" in its name, as in Slicer: a helper called `latest` would be run as well
+        self.moduleTestNames = [name for name in dir(self) if "test" in name and callable(getattr(self, name))]
+
+    def delayDisplay(self, message, requestedDelay=None, msec=None):
+        """Shows a message for a moment."""
+        slicer.util.delayDisplay(
+            message, next(delay for delay in (getattr(self, "messageDelay", msec), requestedDelay, 100) if delay is not None)
+        )
+
+    def takeScreenshot(self, name, description, type=-1):
+        """Only shows the description."""
+        self.delayDisplay(description)
+
+    def runTest(self):
+        """Runs every test, each between setUp and tearDown; the first failure ends it."""
+        self.setUpClass()
+        for name in self.moduleTestNames:
+            self.setUp()
+            getattr(self, name)()
+            self.tearDown()
+        self.tearDownClass()

@@ -1,0 +1,323 @@
+"""The host itself: puts `slicer`, `qt`, `ctk` and `SampleData` in place and drives modules as the application would."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import importlib
+import importlib.util
+import os
+import sys
+import tempfile
+import types
+from pathlib import Path
+
+SOURCE_VARIABLE = "AIFRECON_SLICER_SOURCE"
+
+
+def missing() -> str:
+    """Why the host cannot run here; "" where it can."""
+    for package, name in (("PySide6", "PySide6"), ("slicer", "slicer-core"), ("vtk", "vtk")):
+        if importlib.util.find_spec(package) is None:
+            return f"{name} is not installed"
+    try:
+        importlib.import_module("PySide6.QtWidgets")
+        importlib.import_module("PySide6.QtUiTools")
+    except ImportError as error:
+        return f"Qt does not start here: {error}"
+    return ""
+
+
+class SlicerHost:
+    """Slicer as far as a scripted module sees it, in this process. There can be one; `runHost` gives it.
+
+    Parameters
+    ----------
+    testing : bool
+        What `slicer.app.testingEnabled()` says. False: message boxes are noted in `dialogs`; True: `slicer.util` only logs them.
+
+    Attributes
+    ----------
+    scene : vtkMRMLScene
+    dialogs : Dialogs
+        What was shown, and the answers to give.
+    source : pathlib.Path or None
+        The Slicer sources whose Python files stand in for the host's own (environment variable AIFRECON_SLICER_SOURCE).
+    """
+
+    def __init__(self, testing: bool = False):
+        if reason := missing():
+            raise RuntimeError(f"The Slicer host cannot run: {reason}.")
+        os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+        import slicer
+
+        from . import qt_modules
+        from .application import qSlicerApplication
+        from .dialogs import DIALOGS
+        from .mrml_scene import createScene
+
+        self.dialogs = DIALOGS
+        given = os.environ.get(SOURCE_VARIABLE)
+        self.source = Path(given) / "Base" / "Python" / "slicer" if given else None
+        if self.source is not None and not (self.source / "util.py").is_file():
+            raise RuntimeError(f"{SOURCE_VARIABLE} must name a checkout of Slicer; there is no {self.source / 'util.py'}.")
+        self._folder = tempfile.TemporaryDirectory(prefix="aifrecon-host-", ignore_cleanup_errors=True)
+        _quiet()
+        self._application = qSlicerApplication(self._folder.name, testing)
+        _register_fonts()
+        self.scene = createScene()
+        qt, ctk, widgets = qt_modules.make_modules()
+        sys.modules.update(qt=qt, ctk=ctk)
+        _tidy(slicer)
+        slicer.mrmlScene = self.scene
+        slicer.modules = types.ModuleType("slicer.modules")
+        slicer.moduleNames = types.ModuleType("slicer.moduleNames")
+        sys.modules.update({"slicer.modules": slicer.modules, "slicer.moduleNames": slicer.moduleNames})
+        for name, kind in widgets.items():
+            setattr(slicer, name, kind)
+        from . import modules
+        from .pythonqt import wrap, wrapper_class
+
+        for kind in (qSlicerApplication, modules.qSlicerScriptedLoadableModule, modules.qSlicerScriptedLoadableModuleWidget):
+            setattr(slicer, kind.__name__, wrapper_class(kind))
+        self._modules, self._wrap = modules, wrap
+        self._application.start(self.scene.host)
+        slicer.app = wrap(self._application)
+        self._keep = [slicer.app]
+        for name, logic in self.scene.host.logics.items():
+            if not name.islower():
+                module = modules.qSlicerLoadableModule(name, logic=logic)
+                self._keep.append(module)
+                modules.register(self._application, module)
+        self._install_python(slicer)
+        self._hold_nodes()
+        self._hear_observers()
+        atexit.register(self.close)
+
+    def _hold_nodes(self) -> None:
+        """Keeps the Python side of every node of the scene.
+
+        VTK shows Python's garbage collector the observers of an object but not that C++ holds the object: a callback that only leads
+        back to its own node would be cleared while it can still be called, and the process would crash.
+        """
+        import slicer
+        import vtk
+
+        scene = self.scene
+        self._nodes = dict.fromkeys(scene.GetNthNode(i) for i in range(scene.GetNumberOfNodes()))
+
+        @vtk.calldata_type(vtk.VTK_OBJECT)
+        def added(caller, event, node):
+            self._nodes[node] = None
+
+        @vtk.calldata_type(vtk.VTK_OBJECT)
+        def removed(caller, event, node):
+            self._nodes.pop(node, None)
+
+        events = ((slicer.vtkMRMLScene.NodeAddedEvent, added), (slicer.vtkMRMLScene.NodeRemovedEvent, removed))
+        self._tags = [scene.AddObserver(event, callback) for event, callback in events]
+
+    def _hear_observers(self) -> None:
+        """Keeps exceptions of VTK observers with those of slots: VTK prints them and goes on."""
+        from .connections import SlotErrors
+
+        before = self._hook = sys.excepthook
+
+        def hook(kind, error, trace):
+            SlotErrors.caught.append(error)
+            before(kind, error, trace)
+
+        sys.excepthook = hook
+
+    def _install_python(self, slicer) -> None:
+        """The Python files of `slicer`: the host's own, or those of Slicer's sources."""
+        from . import sample_data
+
+        sys.modules["SampleData"] = sample_data
+        names = ("i18n", "ScriptedLoadableModule", "parameterNodeWrapper")
+        if self.source is None:
+            own = dict(zip(names, ("i18n", "scripted_module", "parameter_node")))
+            for name in names:
+                module = importlib.import_module(f"{__package__}.{own[name]}")
+                sys.modules[f"slicer.{name}"] = module
+                setattr(slicer, name, module)
+        else:
+            slicer.__path__.insert(0, str(self.source))
+            for name in ("util", *names):
+                sys.modules.pop(f"slicer.{name}", None)
+                setattr(slicer, name, importlib.import_module(f"slicer.{name}"))
+            # Not in every Slicer, and not for every Python
+            with contextlib.suppress(ImportError):
+                importlib.import_module("slicer.packaging").pip_install = self._refuse_install
+        slicer.util.pip_install = self._refuse_install
+
+    @staticmethod
+    def _refuse_install(requirements, *args, **kwargs):
+        """Says that nothing is installed here."""
+        raise RuntimeError(f"the host does not install packages: {requirements}")
+
+    # ---- modules
+
+    def load_module(self, path):
+        """The application's object of a scripted module, loaded from its file."""
+        return self._wrap(self._modules.load_module(self._application, str(Path(path).resolve())))
+
+    def startup(self) -> None:
+        """What happens once all modules are loaded: `startupCompleted` is emitted."""
+        self._application.startupCompleted.emit()
+        self.raise_slot_errors()
+
+    def open(self, name: str):
+        """Opens a module as the user does, leaving the one that was open; returns its Python widget."""
+        import slicer
+
+        slicer.util.selectModule(name)
+        return getattr(slicer.modules, f"{name}Widget", None)
+
+    def leave(self) -> None:
+        """Leaves the module that is open."""
+        self._application.window.moduleSelector().selectModule("")
+
+    def unload_module(self, name: str) -> None:
+        """Ends a module as closing the application does."""
+        self._modules.unload_module(self._application, name)
+
+    # ---- tests
+
+    def process_events(self) -> None:
+        """Lets Qt handle what is waiting, deletions too."""
+        from PySide6 import QtCore
+
+        self._application.processEvents()
+        self._application.sendPostedEvents(None, QtCore.QEvent.Type.DeferredDelete)
+        self._application.processEvents()
+
+    def take_slot_errors(self) -> list[BaseException]:
+        """The exceptions raised in slots and VTK observers since the last call; neither Qt nor VTK passes them on."""
+        from .connections import SlotErrors
+
+        return SlotErrors.take()
+
+    def raise_slot_errors(self) -> None:
+        """Raises the first exception that a slot has raised since the last call, if any."""
+        errors = self.take_slot_errors()
+        if errors:
+            raise errors[0]
+
+    def reset(self) -> None:
+        """Clears scene, dialogs, settings and slot errors, as between two tests."""
+        self.scene.Clear(False)
+        self.dialogs.clear()
+        self._application.settings().clear()
+        while self._application.overrideCursor() is not None:
+            self._application.restoreOverrideCursor()
+        self.process_events()
+        self.take_slot_errors()
+
+    def grab(self, widget, path, width: int | None = None, height: int | None = None):
+        """Writes a picture of a widget as PNG, one image pixel per screen pixel; returns its size.
+
+        Parameters
+        ----------
+        widget : Wrapper or QWidget
+        path : path-like
+        width, height : int, optional
+            Pixels; by default the widget's present width, and the height that its contents need at that width.
+        """
+        from .pythonqt import unwrap
+
+        native = unwrap(widget)
+        native.ensurePolished()
+        width = width or native.width()
+        native.resize(width, native.height())
+        native.show()
+        self.process_events()
+        layout = native.layout()
+        wanted = layout.totalHeightForWidth(width) if layout is not None and layout.hasHeightForWidth() else native.sizeHint().height()
+        native.resize(width, height or max(wanted, 1))
+        self.process_events()
+        picture = native.grab()
+        if not picture.save(str(path), "PNG"):
+            raise OSError(f"cannot write {path}")
+        return picture.width(), picture.height()
+
+    def close(self) -> None:
+        """Ends the modules, then Qt; called when the process ends."""
+        atexit.unregister(self.close)
+        if self._application is None:
+            return
+        for name, module in list(self._application.moduleManager().loaded.items()):
+            if isinstance(module, self._modules.qSlicerScriptedLoadableModule):
+                self.unload_module(name)
+        self.process_events()
+        import shiboken6
+        from PySide6 import QtCore
+
+        # Those with a parent, such as the lists of combo boxes, go with it
+        for window in [window for window in self._application.topLevelWidgets() if window.parent() is None]:
+            window.deleteLater()
+        self.process_events()
+        for tag in self._tags:
+            self.scene.RemoveObserver(tag)
+        self._nodes.clear()
+        sys.excepthook = self._hook
+        self.scene.host.close()
+        self._application.window = None
+        self._application.processEvents()
+        shiboken6.delete(self._application)
+        self._application = None
+        QtCore.qInstallMessageHandler(None)
+        self._folder.cleanup()
+
+
+def _tidy(slicer) -> None:
+    """Takes out of slicer-core's namespace what Slicer's does not have: the functions of `slicer.util` and what it imported."""
+    import slicer.util as util
+
+    helpers = ("item_name", "info", "module", "me", "extend_path", "import_module", "iter_modules")
+    for name in [name for name in vars(slicer) if not name.startswith(("_", "vtk"))]:
+        if name in helpers or (hasattr(util, name) and getattr(slicer, name) is getattr(util, name)):
+            delattr(slicer, name)
+    slicer.util = util
+
+
+def _register_fonts() -> None:
+    """Where the machine has no fonts, text would be drawn as boxes: Matplotlib's DejaVu serves then."""
+    from PySide6 import QtGui
+
+    if QtGui.QFontDatabase.families():
+        return
+    found = importlib.util.find_spec("matplotlib")
+    if found is not None:
+        for file in sorted((Path(found.origin).parent / "mpl-data" / "fonts" / "ttf").glob("DejaVuSans*.ttf")):
+            QtGui.QFontDatabase.addApplicationFont(str(file))
+
+
+def _quiet() -> None:
+    """Keeps the offscreen platform from saying, for every window, what it lacks; all else that Qt says goes to stderr."""
+    from PySide6 import QtCore
+
+    def say(kind, context, text):
+        if not text.startswith("This plugin does not support"):
+            print(text, file=sys.stderr)
+
+    QtCore.qInstallMessageHandler(say)
+
+
+class _Running:
+    host: SlicerHost | None = None
+
+
+def runHost(testing: bool | None = None) -> SlicerHost:
+    """The host of this process; made at the first call.
+
+    Parameters
+    ----------
+    testing : bool, optional
+        See `SlicerHost`; changes an existing host too.
+    """
+    if _Running.host is None:
+        _Running.host = SlicerHost(bool(testing))
+    elif testing is not None:
+        _Running.host._application.testing = testing
+    return _Running.host

@@ -1,0 +1,299 @@
+"""Stand-ins for the CTK widgets that the module's .ui may hold, on PySide6.
+
+Each class has the Qt properties of CTK's header and, in `api`, the names of the methods (public slots and Q_INVOKABLE methods),
+signals and enumeration values that PythonQt shows of it. A test compares both with CTK's headers where they are present. Getters
+and setters that are plain C++ methods are not offered: PythonQt does not show them.
+"""
+
+from __future__ import annotations
+
+from PySide6 import QtCore, QtWidgets
+from PySide6.QtCore import Property, Qt, Signal
+
+
+class ctkSliderWidget(QtWidgets.QWidget):
+    """A slider and a spin box for one floating point number, rounded to `decimals`."""
+
+    api = {
+        "methods": ("reset", "setValue", "setSpinBoxVisible", "setDecimals"),
+        "signals": {
+            "valueChanged(double)": "valueChanged",
+            "valueIsChanging(double)": "valueIsChanging",
+            "decimalsChanged(int)": "decimalsChanged",
+        },
+    }
+    valueChanged = Signal(float)
+    valueIsChanging = Signal(float)
+    decimalsChanged = Signal(int)
+
+    def __init__(self, parent=None):
+        super().__init__(parent)
+        self._slider = QtWidgets.QSlider(Qt.Orientation.Horizontal, self)
+        self._spin = QtWidgets.QDoubleSpinBox(self)
+        self._tracking = True
+        row = QtWidgets.QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.addWidget(self._slider)
+        row.addWidget(self._spin)
+        self.setFocusProxy(self._spin)
+        self.setSizePolicy(QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed)
+        self._slider.setRange(0, 1000)
+        self._slider.valueChanged.connect(self._slide)
+        self._spin.valueChanged.connect(self._spun)
+
+    def _slide(self, position):
+        low, high = self._spin.minimum(), self._spin.maximum()
+        value = low + (high - low) * position / 1000
+        step = self._spin.singleStep()
+        self._spin.setValue(low + round((value - low) / step) * step if step > 0 else value)
+
+    def _place(self):
+        low, high = self._spin.minimum(), self._spin.maximum()
+        blocked = self._slider.blockSignals(True)
+        self._slider.setValue(round(1000 * (self._spin.value() - low) / (high - low)) if high > low else 0)
+        self._slider.blockSignals(blocked)
+
+    def _spun(self, value):
+        self._place()
+        if not self._tracking:
+            self.valueIsChanging.emit(value)
+        self.valueChanged.emit(value)
+
+    def _set(self, what, value):
+        getattr(self._spin, what)(value)
+        self._place()
+
+    def reset(self):
+        """Sets the value to 0, as far as the range allows."""
+        self.setValue(0.0)
+
+    def setValue(self, value):
+        """Sets the value, limited to the range."""
+        self._spin.setValue(value)
+
+    def setSpinBoxVisible(self, visible):
+        """Shows or hides the spin box."""
+        self._spin.setVisible(visible)
+
+    def setDecimals(self, decimals):
+        """Sets the number of digits after the point."""
+        self._spin.setDecimals(decimals)
+        self.decimalsChanged.emit(decimals)
+
+    value = Property(float, lambda self: self._spin.value(), setValue)
+    minimum = Property(float, lambda self: self._spin.minimum(), lambda self, v: self._set("setMinimum", v))
+    maximum = Property(float, lambda self: self._spin.maximum(), lambda self, v: self._set("setMaximum", v))
+    singleStep = Property(float, lambda self: self._spin.singleStep(), lambda self, v: self._spin.setSingleStep(v))
+    pageStep = Property(float, lambda self: float(self._slider.pageStep()), lambda self, v: self._slider.setPageStep(int(v)))
+    decimals = Property(int, lambda self: self._spin.decimals(), setDecimals)
+    prefix = Property(str, lambda self: self._spin.prefix(), lambda self, v: self._spin.setPrefix(v))
+    suffix = Property(str, lambda self: self._spin.suffix(), lambda self, v: self._spin.setSuffix(v))
+    tracking = Property(bool, lambda self: self._tracking, lambda self, v: setattr(self, "_tracking", v))
+    spinBoxVisible = Property(bool, lambda self: not self._spin.isHidden(), setSpinBoxVisible)
+
+
+class ctkPathLineEdit(QtWidgets.QWidget):
+    """A line for a path, with the paths used before and a button that opens a file dialog."""
+
+    api = {
+        "methods": ("comboBox", "setCurrentPath", "browse", "retrieveHistory", "addCurrentPathToHistory"),
+        "signals": {"validInputChanged(bool)": "validInputChanged", "currentPathChanged(QString)": "currentPathChanged"},
+        "enums": ("Dirs", "Files", "Drives", "NoSymLinks", "Readable", "Writable", "Executable", "Hidden"),
+    }
+    validInputChanged = Signal(bool)
+    currentPathChanged = Signal(str)
+    Dirs, Files, Drives, NoSymLinks, Readable, Writable, Executable, Hidden = 1, 2, 4, 8, 0x10, 0x20, 0x40, 0x100
+
+    def __init__(self, parent=None):
+        super().__init__(parent)
+        self._values = {"label": "", "filters": 7, "nameFilters": [], "settingKey": "", "showHistoryButton": True}
+        self._box = QtWidgets.QComboBox(self)
+        self._box.setEditable(True)
+        self._box.setInsertPolicy(QtWidgets.QComboBox.InsertPolicy.NoInsert)
+        self._box.setSizePolicy(QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed)
+        self._box.setMinimumContentsLength(7)
+        self._button = QtWidgets.QToolButton(self)
+        self._button.setText("...")
+        self._button.setToolTip("Open a dialog")
+        self._button.clicked.connect(lambda: self.browse())
+        row = QtWidgets.QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(0)
+        row.addWidget(self._box)
+        row.addWidget(self._button)
+        self.setFocusProxy(self._box.lineEdit())
+        self.setSizePolicy(QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed)
+        self._box.lineEdit().textChanged.connect(self.currentPathChanged)
+
+    def comboBox(self):
+        """The combo box inside."""
+        return self._box
+
+    def setCurrentPath(self, path):
+        """Sets the path."""
+        self._box.lineEdit().setText(path)
+
+    def browse(self):
+        """Opens the dialog that the filters call for."""
+        from .dialogs import ask_for_path
+
+        path = ask_for_path(self, self._values["filters"], self._values["nameFilters"])
+        if path:
+            self.setCurrentPath(path)
+
+    def _history_key(self):
+        return "ctkPathLineEdit/" + (self._values["settingKey"] or self.objectName())
+
+    def retrieveHistory(self):
+        """Fills the list with the paths of the settings; the newest becomes the current path where there is none."""
+        path = self._box.currentText()
+        self._box.clear()
+        # The settings hand out a list of one as a string
+        known = QtCore.QSettings().value(self._history_key()) or []
+        self._box.addItems([known] if isinstance(known, str) else list(known))
+        self._box.setCurrentText(path or (self._box.itemText(0) if self._box.count() else ""))
+
+    def addCurrentPathToHistory(self):
+        """Puts the current path at the top of the list and of the settings."""
+        path = self._box.currentText()
+        if not path:
+            return
+        known = [self._box.itemText(i) for i in range(self._box.count())]
+        history = [path, *(old for old in known if old != path)][:10]
+        QtCore.QSettings().setValue(self._history_key(), history)
+        self._box.clear()
+        self._box.addItems(history)
+        self._box.setCurrentText(path)
+
+    def _value(name, kind):
+        return Property(kind, lambda self: self._values[name], lambda self, value: self._values.__setitem__(name, value))
+
+    currentPath = Property(str, lambda self: self._box.currentText(), setCurrentPath)
+    label = _value("label", str)
+    filters = _value("filters", int)
+    nameFilters = _value("nameFilters", "QStringList")
+    settingKey = _value("settingKey", str)
+    showHistoryButton = _value("showHistoryButton", bool)
+    showBrowseButton = Property(bool, lambda self: not self._button.isHidden(), lambda self, v: self._button.setVisible(v))
+    minimumContentsLength = Property(
+        int, lambda self: self._box.minimumContentsLength(), lambda self, v: self._box.setMinimumContentsLength(v)
+    )
+    del _value
+
+
+class ctkComboBox(QtWidgets.QComboBox):
+    """A combo box that shows `defaultText` where nothing is selected."""
+
+    api = {"methods": ("setCurrentUserDataAsString",)}
+
+    def setCurrentUserDataAsString(self, text):
+        """Selects the item with that user data."""
+        self.setCurrentIndex(self.findData(text))
+
+    defaultText = Property(str, lambda self: self.placeholderText(), lambda self, text: self.setPlaceholderText(text))
+    currentUserDataAsString = Property(str, lambda self: str(self.currentData() or ""), setCurrentUserDataAsString)
+
+
+class ctkCheckableComboBox(QtWidgets.QComboBox):
+    """A combo box whose items have check boxes; the line lists the checked ones."""
+
+    api = {
+        "methods": (
+            "checkableModel",
+            "setCheckableModel",
+            "checkedIndexes",
+            "allChecked",
+            "allPatiallyChecked",
+            "noneChecked",
+            "setCheckState",
+            "checkState",
+        ),
+        "signals": {"checkedIndexesChanged()": "checkedIndexesChanged"},
+    }
+    checkedIndexesChanged = Signal()
+
+    def __init__(self, parent=None):
+        super().__init__(parent)
+        self.view().pressed.connect(lambda index: self.setCheckState(index, self._other(index)))
+        self._watch(self.model())
+
+    def _watch(self, model):
+        model.rowsInserted.connect(self._adopt)
+        model.dataChanged.connect(lambda *_: self.update())
+
+    def _adopt(self, parent, first, last):
+        for row in range(first, last + 1):
+            index = self.model().index(row, 0, parent)
+            if index.data(Qt.ItemDataRole.CheckStateRole) is None:
+                self.model().setData(index, int(Qt.CheckState.Unchecked.value), Qt.ItemDataRole.CheckStateRole)
+
+    def _other(self, index):
+        return Qt.CheckState.Unchecked if self.checkState(index) == Qt.CheckState.Checked else Qt.CheckState.Checked
+
+    def _indexes(self):
+        return [self.model().index(row, 0) for row in range(self.count())]
+
+    def checkableModel(self):
+        """The model."""
+        return self.model()
+
+    def setCheckableModel(self, model):
+        """Sets the model."""
+        self.setModel(model)
+        self._watch(model)
+
+    def checkedIndexes(self):
+        """The checked items."""
+        return [index for index in self._indexes() if self.checkState(index) == Qt.CheckState.Checked]
+
+    def allChecked(self):
+        """Whether every item is checked."""
+        return len(self.checkedIndexes()) == self.count()
+
+    def allPatiallyChecked(self):
+        """Whether every item is checked in part."""
+        return all(self.checkState(index) == Qt.CheckState.PartiallyChecked for index in self._indexes())
+
+    def noneChecked(self):
+        """Whether no item is checked."""
+        return not self.checkedIndexes()
+
+    def setCheckState(self, index, state):
+        """Checks an item or not."""
+        if self.checkState(index) != state:
+            self.model().setData(index, int(state.value), Qt.ItemDataRole.CheckStateRole)
+            self.checkedIndexesChanged.emit()
+            self.update()
+
+    def checkState(self, index):
+        """Whether an item is checked."""
+        return Qt.CheckState(int(getattr(value := index.data(Qt.ItemDataRole.CheckStateRole) or 0, "value", value)))
+
+    def paintEvent(self, event):
+        """Draws the checked items' names, or that there are none, in place of the current item."""
+        painter = QtWidgets.QStylePainter(self)
+        option = QtWidgets.QStyleOptionComboBox()
+        self.initStyleOption(option)
+        names = [index.data() for index in self.checkedIndexes()]
+        option.currentText = "All" if names and self.allChecked() else ", ".join(names) or "None"
+        painter.drawComplexControl(QtWidgets.QStyle.ComplexControl.CC_ComboBox, option)
+        painter.drawControl(QtWidgets.QStyle.ControlElement.CE_ComboBoxLabel, option)
+        painter.end()
+
+
+class ctkMessageBox(QtWidgets.QMessageBox):
+    """A message box; `slicer.util.messageBox` shows this one."""
+
+    api: dict = {"methods": ("setDontShowAgain", "onFinished", "addDontShowAgainButtonRole")}
+
+    def __init__(self, parent=None):
+        super().__init__(parent)
+        self._values = {"dontShowAgain": False, "dontShowAgainSettingsKey": "", "dontShowAgainVisible": False}
+
+    dontShowAgain = Property(bool, lambda self: self._values["dontShowAgain"], lambda self, v: self._values.update(dontShowAgain=v))
+    dontShowAgainVisible = Property(
+        bool, lambda self: self._values["dontShowAgainVisible"], lambda self, v: self._values.update(dontShowAgainVisible=v)
+    )
+    dontShowAgainSettingsKey = Property(
+        str, lambda self: self._values["dontShowAgainSettingsKey"], lambda self, v: self._values.update(dontShowAgainSettingsKey=v)
+    )
