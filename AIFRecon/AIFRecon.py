@@ -163,6 +163,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             follower.update()
         self.ui.sweepStatusLabel.text = self.logic.describeSweep(parameters)
         self.ui.boneStatusLabel.text = self.logic.describeBone(parameters)
+        for label in (self.ui.sweepStatusLabel, self.ui.boneStatusLabel):
+            label.visible = bool(label.text)
         self.ui.roiSelector.enabled = parameters.region == Region.BOX
         self.ui.regionVolumeSelector.enabled = parameters.region == Region.LIKE_VOLUME
         self.ui.spacingSpinBox.enabled = parameters.region != Region.LIKE_VOLUME

@@ -56,6 +56,7 @@ def compareMethods(inputs, settings, progress=None) -> Comparison:
     report(progress, 0.98, "Showing the volumes")
     name = inputs.sweep.GetName()
     volumes = {method: outputNodes(result, name, inputs=inputs.nodes())["intensity"] for method, result in results.items()}
+    _shareWindow(volumes.values())
     table = _table(metrics, name) if metrics else None
     lines = [summary_lines(result, len(prepared.sequence))[0] for result in results.values()]
     return Comparison(volumes, table, "\n".join(lines))
@@ -73,6 +74,14 @@ def _metrics(inputs, prepared, results, progress) -> dict:
     mask = next(iter(results.values())).mask
     volumes = {method: result.intensity for method, result in results.items()}
     return measureVolumes(volumes, labels, prepared.sequence, mask=mask, probe=inputs.probe, progress=progress)
+
+
+def _shareWindow(nodes) -> None:
+    """One window for all, so that gray levels can be compared: that of the brightest."""
+    displays = [node.GetDisplayNode() for node in nodes]
+    brightest = max(display.GetWindowLevelMax() for display in displays)
+    for display in displays:
+        display.SetWindowLevelMinMax(0.0, brightest)
 
 
 def _table(metrics: dict, sweepName: str):

@@ -80,7 +80,7 @@ class SceneDisplay:
             return
         try:
             sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
-            self._theOverlay().showOutlines(parameters.sweep, sequence)
+            self._theOverlay().showOutlines(parameters.sweep, sequence, _imagingOf(parameters, needProbe=False).region)
         except AIFReconError as error:
             self._hide("Outlines")
             slicer.util.showStatusMessage(str(error), 5000)
@@ -100,7 +100,7 @@ def _sweepOf(parameters) -> tuple:
     return parameters.sweep.GetID(), images.GetID() if images is not None else None
 
 
-def _imagingOf(parameters):
+def _imagingOf(parameters, needProbe: bool = True):
     """Probe and region as a reconstruction would use them."""
     from AIFReconLib.poses import sweep_poses
     from AIFReconLib.reconstruction import resolve_imaging
@@ -111,4 +111,4 @@ def _imagingOf(parameters):
     sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
     poses = sweep_poses(sequence)
     poses.require_usable(sequence.name)
-    return resolve_imaging(sequence, poses, True, probe=probeFrom(parameters))
+    return resolve_imaging(sequence, poses, needProbe, probe=probeFrom(parameters))

@@ -19,7 +19,7 @@ class SettingChoice(enum.Enum):
 
     def label(self) -> str:
         """What the panel shows. The library's words are names and stay as they are in every language."""
-        return self.value or _("automatic")
+        return _("automatic") if self.value in ("", "auto") else self.value
 
 
 def _choices(name: str, setting: str, automatic: bool) -> type[SettingChoice]:
@@ -60,7 +60,7 @@ class ProbeShape(enum.Enum):
     def label(self) -> str:
         """What the panel shows."""
         return {
-            ProbeShape.AUTOMATIC: _("As configured, else as the images show"),
+            ProbeShape.AUTOMATIC: _("automatic"),
             ProbeShape.LINEAR: _("Linear"),
             ProbeShape.SECTOR: _("Sector, with this apex"),
         }[self]

@@ -151,7 +151,7 @@ def _likeUltrasound(display, node) -> None:
         return low + share * (high - low)
 
     opacity = vtk.vtkPiecewiseFunction()
-    for share, value in ((0.0, 0.0), (0.6, 0.0), (0.85, 0.25), (1.0, 0.9)):
+    for share, value in ((0.0, 0.0), (0.6, 0.0), (0.85, 0.25), (1.0, 0.8)):
         opacity.AddPoint(level(share), value)
     colors = vtk.vtkColorTransferFunction()
     for share, color in ((0.0, (0.4, 0.27, 0.18)), (0.6, (0.85, 0.68, 0.48)), (0.85, (0.97, 0.91, 0.78)), (1.0, (1.0, 1.0, 0.97))):

@@ -19,7 +19,7 @@ MASK_NAMES = ("empty", "measured", "filled")
 MASK_COLORS = ((0.0, 0.0, 0.0, 0.0), (0.25, 0.65, 0.35, 1.0), (0.95, 0.7, 0.2, 1.0))
 _MASK_ATTRIBUTE = "AIFRecon.MaskColors"
 
-BRIGHTEST_SHARE = 99.8
+BRIGHTEST_SHARE = 99.5
 """Percent of the measured voxels that the window reaches up to: single bright voxels must not darken the rest."""
 
 SAMPLED = 1_000_000
@@ -106,7 +106,7 @@ def outputNodes(
 
 
 def ultrasoundWindow(intensity: np.ndarray, mask: np.ndarray) -> tuple[float, float]:
-    """Darkest and brightest gray level to show: from 0 to the level that all but the brightest 0.2% of measured voxels stay below."""
+    """Darkest and brightest gray level to show: from 0 to the level that all but the brightest 0.5% of measured voxels stay below."""
     step = max(1, intensity.size // SAMPLED)
     levels = intensity.ravel()[::step][mask.ravel()[::step] != 0]
     levels = levels[np.isfinite(levels)]

@@ -28,6 +28,9 @@ LOOK_AT = (0.0, 52.0, -13.7)
 FRAME = 36
 """Of the sweep, for the beams."""
 
+FRAMES_SEEN = 72
+"""Of the replayed sweep, before the box is used and again before the picture: the whole of it."""
+
 PANEL_WIDTH = 400
 FIELD_OF_VIEW = 130.0
 """mm, across a slice view."""
@@ -142,7 +145,7 @@ def compare(module: Module, folder: Path) -> None:
 
 
 def overlay(module: Module, folder: Path) -> None:
-    """overlay.png: a frame in its place with the beams, the frames and the CT's bone in 3D, and the reconstruction rendered."""
+    """overlay.png: a frame in its place with the beams, the frames and the CT's bone in 3D."""
     import slicer
 
     from host import view_frames
@@ -151,12 +154,11 @@ def overlay(module: Module, folder: Path) -> None:
     parameters.showProbe = parameters.showOutlines = True
     parameters.sweep.SetSelectedItemNumber(FRAME)
     module.check()
-    size = (330, 340)
+    size = (440, 400)
     logic = module.application.GetSliceLogicByLayoutName("Red")
     center = _show_frame(logic, parameters.sweep.GetProxyNode(parameters.sweep.GetMasterSequenceNode()), parameters.ctVolume)
     pictures = [module.slice_view("Red", size, center=None)]
 
-    slicer.modules.volumerendering.logic().SetDefaultRenderingMethod("vtkMRMLCPURayCastVolumeRenderingDisplayNode")
     parameters.bone.CreateClosedSurfaceRepresentation()
     node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
     node.SetBoxVisible(False)
@@ -165,13 +167,50 @@ def overlay(module: Module, folder: Path) -> None:
     with view_render.OffscreenThreeDView(node, module.application, size) as view:
         view.look(center, np.add(center, (-170.0, -330.0, 190.0)), (0.0, 0.0, 1.0), 400.0)
         pictures.append(view_frames.framed(view.image(), "1   Frames, beams, bone of the CT", node.GetLayoutColor()))
-        parameters.showProbe = parameters.showOutlines = False
-        parameters.bone.GetDisplayNode().SetOpacity3D(0.3)
-        parameters.volumeRendering = True
-        module.check()
-        view.look(center, np.add(center, (-90.0, -330.0, 110.0)), (0.0, 0.0, 1.0), 300.0)
-        pictures.append(view_frames.framed(view.image(), "1   Volume rendering in the CT's bone", node.GetLayoutColor()))
     view_frames.write_png(view_frames.tiled([pictures]), folder / "overlay.png")
+    parameters.showProbe = parameters.showOutlines = False
+
+
+def live(module: Module, folder: Path) -> None:
+    """live-panel.png, live.png: the Live section and the views during a scan, from a server that replays the sweep."""
+    import time
+
+    from AIFReconScene.parameters import Region
+    from AIFReconScene.sequenceReader import sequenceFromBrowser
+
+    from AIFReconLib.live.replay import ReplayServer
+    from host import view_frames
+
+    parameters, ui = module.parameters, module.widget.ui
+    parameters.output, parameters.region = None, Region.AROUND_SWEEP
+    with ReplayServer(sequenceFromBrowser(parameters.sweep), 0, rate=20.0, loop=True) as server:
+        parameters.liveHost, parameters.livePort = "127.0.0.1", server.port
+        module.press(ui.liveStartButton)
+
+        def wait(condition) -> None:
+            end = time.monotonic() + 60.0
+            while not condition():
+                if time.monotonic() > end:
+                    raise RuntimeError(f"nothing came of it: {ui.liveStatisticsLabel.text}")
+                module.host.process_events()
+                module.check()
+                time.sleep(0.01)
+
+        session = module.widget._live._live.session
+        wait(lambda: session.scouted >= FRAMES_SEEN)
+        wait(lambda: ui.liveUseBoxButton.enabled)
+        module.press(ui.liveUseBoxButton)
+        wait(lambda: session.statistics.inserted > FRAMES_SEEN and session.statistics.waiting == 0 and parameters.output is not None)
+        wait(lambda: ui.liveStateLabel.text == "tracked")
+        for section in (ui.sweepCollapsibleButton, ui.boneCollapsibleButton, ui.volumeCollapsibleButton, ui.methodCollapsibleButton):
+            section.collapsed = True
+        ui.displayCollapsibleButton.collapsed, ui.liveCollapsibleButton.collapsed = True, False
+        module.host.grab(module.widget.parent, folder / "live-panel.png", width=PANEL_WIDTH)
+        size = (330, 330)
+        views = [module.slice_view("Red", size, center=None, field_of_view=110.0)]
+        views += [module.slice_view(name, size) for name in ("Yellow", "Green")]
+        view_frames.write_png(view_frames.tiled([views]), folder / "live.png")
+        module.press(ui.liveStopButton)
 
 
 def _show_frame(slice_logic, image, ct) -> np.ndarray:
@@ -230,7 +269,7 @@ def main(arguments=None) -> int:
         options.output.mkdir(parents=True, exist_ok=True)
         module = Module(host)
         module.load_sample()
-        for make in (panel, slices, panel_needs, compare, overlay):
+        for make in (panel, slices, panel_needs, compare, overlay, live):
             make(module, options.output)
             print(make.__doc__)
         thumbnail(module, options.thumbnail)
