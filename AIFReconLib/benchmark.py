@@ -1,170 +1,242 @@
-"""How fast this machine reconstructs: a made-up sweep, every method, and whether that keeps up with a probe."""
+"""How fast this machine reconstructs: every method with every engine, and all that comes before and after."""
 
 from __future__ import annotations
 
 import os
 import platform
 import statistics
+import tempfile
 import time
-from dataclasses import asdict, dataclass
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from . import __version__
-from .beams import SECTOR, ProbeGeometry
+from .benchmark_cases import COLUMNS, PROBE, ROWS, fan_sweep, half_empty, labels_of_size, recorded, slab_of_bone
+from .benchmark_first import seconds_to_first_result
+from .benchmark_table import BenchmarkResult, Timing
 from .bone import BoneMap
 from .compounding.reconstructor import Reconstructor
 from .compounding.state import bytes_per_voxel
 from .extent import grid_around_sweep
 from .frames import TrackedFrame
 from .holes import fill_holes
+from .io.sequence_files import read_sequence, write_sequence
 from .progress import Progress, report
+from .reconstruction import reconstruct
 from .region import ImageRegion
 from .settings import BONE_METHODS, METHODS, ReconstructionSettings
-from .volume import Volume, VoxelGrid
+from .threads import optional_module, usable_cores
+from .volume import VoxelGrid
 
-COLUMNS, ROWS, PIXEL = 640, 480, 0.2
-"""Size of the benchmark's images, and their pixel pitch in mm."""
+NUMPY_SHARE = 8
+"""The numpy engine gets every 8th frame of the sweep, so that it does not take most of the time."""
 
-FAN_DEG = 30.0
-LIVE_FRAMES_PER_SECOND = 30.0
+VOXELS = 10_000_000
+"""For hole filling and bone maps."""
 
+FILE_FRAMES = 60
 
-@dataclass(frozen=True)
-class Timing:
-    """One row of the table. Times are medians over the repeats; ns per pixel of the image."""
+RECORDINGS = (
+    ("SpinePhantomFreehand.igs.mha", "SpinePhantom_NN_MEAN.xml"),
+    ("BoneUltrasound_L14.igs.mha", "BoneUltrasound_L14_config.xml"),
+)
+"""Real recordings and their configurations, looked for in the data folder."""
 
-    what: str
-    engine: str
-    spacing_mm: float
-    seconds: float
-    ns_per_pixel: float | None
-    frames_per_second: float | None
-    bytes_per_voxel: int | None
-
-
-@dataclass(frozen=True)
-class BenchmarkResult:
-    """All timings of one run and the machine they were taken on."""
-
-    machine: str
-    version: str
-    frames: int
-    repeats: int
-    timings: tuple[Timing, ...]
-
-    def to_dict(self) -> dict:
-        """For JSON."""
-        return asdict(self)
-
-    def rows(self) -> list[tuple[str, ...]]:
-        """The table, heading first."""
-        rows = [("", "engine", "voxel", "ns/pixel", "frames/s", "bytes/voxel", "live at 30/s")]
-        for t in self.timings:
-            if t.frames_per_second is None:
-                rows.append((t.what, t.engine, f"{t.spacing_mm:g} mm", f"{t.seconds:.2f} s", "", "", ""))
-                continue
-            live = "yes" if t.frames_per_second >= LIVE_FRAMES_PER_SECOND else "no"
-            rows.append(
-                (
-                    t.what,
-                    t.engine,
-                    f"{t.spacing_mm:g} mm",
-                    f"{t.ns_per_pixel:.1f}",
-                    f"{t.frames_per_second:.0f}",
-                    str(t.bytes_per_voxel),
-                    live,
-                )
-            )
-        return rows
+Job = tuple[Callable[[], object], Timing, int]
+"""What to do, the row to fill in, and how many frames it takes."""
 
 
 def benchmark(
-    frames: int = 40, repeats: int = 5, spacings: tuple[float, ...] = (0.5,), progress: Progress | None = None
+    frames: int = 120,
+    repeats: int = 5,
+    spacings: tuple[float, ...] = (0.5, 0.3),
+    *,
+    voxels: int = VOXELS,
+    data: Path | None = None,
+    progress: Progress | None = None,
 ) -> BenchmarkResult:
-    """Time every method on a sweep of 640 x 480 frames, turned through 30 degrees about the probe's face.
+    """Time everything on a sweep of 640 x 480 frames, turned through 30 degrees about the probe's face.
 
     Parameters
     ----------
     frames : int
-        Frames per repeat. Fewer than the 300 of a real sweep, at the same density of angles per voxel column.
+        Frames per repeat.
     repeats : int
     spacings : tuple of float, mm
+    voxels : int
+        Size of the volumes whose holes are filled and bone mapped; 0 leaves these, files and the first result out.
+    data : Path or None
+        Folder of real recordings.
     progress : Progress or None
+
+    Notes
+    -----
+    Everything is timed once per round, one after the other, so that a machine that slows down for a while slows down all.
     """
-    sweep = fan_sweep(frames)
     timings: list[Timing] = []
-    steps = len(spacings) * (len(METHODS) + 2)
-    for spacing in spacings:
-        grid = grid_around_sweep(np.array([f.image_to_reference for f in sweep]), (COLUMNS, ROWS), ImageRegion(), (spacing,) * 3)
-        bone = slab_of_bone(grid)
-        report(progress, len(timings) / steps, f"bone map at {spacing:g} mm")
-        timings.append(_time_other("bone map", spacing, repeats, lambda grid=grid, bone=bone: bone.on_grid(grid)))
-        for method in METHODS:
-            report(progress, len(timings) / steps, f"{method} at {spacing:g} mm")
-            timings.append(_time_method(method, sweep, grid, bone, spacing, repeats))
-        report(progress, len(timings) / steps, f"hole filling at {spacing:g} mm")
-        timings.append(_time_holes(grid, spacing, repeats))
+    for number, spacing in enumerate(spacings):
+        jobs = _reconstruction_jobs(frames, spacing)
+        share = 0.7 * number / len(spacings), 0.7 * (number + 1) / len(spacings)
+        timings += _measured(jobs, repeats, lambda f, share=share: report(progress, share[0] + (share[1] - share[0]) * f, "Reconstructing"))
+    busy = _busy()
+    if voxels:
+        report(progress, 0.7, "Holes and bone")
+        timings += _measured(_volume_jobs(voxels), repeats, lambda f: report(progress, 0.7 + 0.2 * f, "Holes and bone"))
+        with tempfile.TemporaryDirectory(prefix="aifrecon-") as folder:
+            timings += _measured(_file_jobs(Path(folder)), repeats, lambda f: report(progress, 0.9 + 0.05 * f, "Reading files"))
+        timings += _first_results()
+    if data is not None:
+        timings += _measured(_recording_jobs(data), repeats, lambda f: report(progress, 0.95 + 0.05 * f, "Real recordings"))
     report(progress, 1.0, "Done")
-    return BenchmarkResult(_machine(), __version__, frames, repeats, tuple(timings))
+    return BenchmarkResult(_machine(), __version__, frames, repeats, busy, tuple(timings))
 
 
-def fan_sweep(frames: int) -> list[TrackedFrame]:
-    """Speckle images, turned step by step through 30 degrees about the x axis of Reference."""
-    image = np.random.default_rng(1).integers(0, 256, (ROWS, COLUMNS), dtype=np.uint8)
-    sweep = []
-    for number, angle in enumerate(np.radians(np.linspace(-FAN_DEG / 2, FAN_DEG / 2, frames))):
-        pose = np.eye(4)
-        pose[:3, 0] = PIXEL, 0.0, 0.0
-        pose[:3, 1] = 0.0, PIXEL * np.cos(angle), PIXEL * np.sin(angle)
-        pose[:3, 2] = 0.0, -PIXEL * np.sin(angle), PIXEL * np.cos(angle)
-        pose[0, 3] = -PIXEL * COLUMNS / 2
-        sweep.append(TrackedFrame(image, pose, number / LIVE_FRAMES_PER_SECOND, number=number))
-    return sweep
-
-
-def slab_of_bone(grid: VoxelGrid) -> BoneMap:
-    """A block of bone in the middle of the grid, as a CT of 1 mm voxels would show it."""
-    span = np.array(grid.size) * grid.spacing
-    size = np.maximum(np.ceil(span), 8).astype(int)
-    labels = np.zeros(size[::-1], np.uint8)
-    labels[tuple(slice(n // 3, 2 * n // 3 + 1) for n in labels.shape)] = 1
-    matrix = np.eye(4)
-    matrix[:3, 3] = grid.origin
-    return BoneMap.from_labels(Volume(labels, matrix), sigma_mm=4.0)
-
-
-def _time_method(method: str, sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float, repeats: int) -> Timing:
-    """Seconds to insert the sweep; setting up and the first frame, which prepares tables, are left out."""
-    probe = ProbeGeometry(SECTOR, (COLUMNS / 2, -100.0))
-    reconstructor = Reconstructor(grid, ReconstructionSettings(method=method), bone if method in BONE_METHODS else None, probe=probe)
-    reconstructor.insert(sweep[0])
-    seconds = _median_seconds(lambda: reconstructor.insert(sweep), repeats)
-    pixels = len(sweep) * ROWS * COLUMNS
-    cost = bytes_per_voxel(method, method in BONE_METHODS, best_cosine=False)
-    return Timing(method, "numpy", spacing, seconds, 1e9 * seconds / pixels, len(sweep) / seconds, cost)
-
-
-def _time_holes(grid: VoxelGrid, spacing: float, repeats: int) -> Timing:
-    """Filling to 2 voxels with every second voxel of the grid missing."""
-    rng = np.random.default_rng(2)
-    mask = (rng.random(grid.shape, dtype=np.float32) < 0.5).astype(np.uint8)
-    values = rng.random(grid.shape, dtype=np.float32)
-    return _time_other("hole filling", spacing, repeats, lambda: fill_holes(values.copy(), mask.copy(), grid.spacing, 2 * spacing))
-
-
-def _time_other(what: str, spacing: float, repeats: int, work) -> Timing:
-    return Timing(what, "numpy", spacing, _median_seconds(work, repeats), None, None, None)
-
-
-def _median_seconds(work, repeats: int) -> float:
-    seconds = []
-    for _ in range(repeats):
-        started = time.perf_counter()
+def _measured(jobs: list[Job], repeats: int, tell: Callable[[float], None]) -> list[Timing]:
+    """The jobs' rows with their medians; each is done once before, which prepares tables and compiles."""
+    for work, _, _ in jobs:
         work()
-        seconds.append(time.perf_counter() - started)
-    return statistics.median(seconds)
+    seconds = [[] for _ in jobs]
+    for turn in range(repeats):
+        tell(turn / repeats)
+        for (work, _, _), taken in zip(jobs, seconds, strict=True):
+            started = time.perf_counter()
+            work()
+            taken.append(time.perf_counter() - started)
+    rows, yardsticks = [], {}
+    for (_, row, count), taken in zip(jobs, seconds, strict=True):
+        median = statistics.median(taken)
+        row = replace(row, seconds=median)
+        if count:
+            ns = 1e9 * median / (count * ROWS * COLUMNS) if row.engine != "file" else None
+            row = replace(row, ns_per_pixel=ns, frames_per_second=count / median)
+            per_frame = [s / count for s in taken]
+            if row.engine == "yardstick":
+                yardsticks[row.what] = per_frame
+            elif row.what in yardsticks:
+                ratios = [theirs / ours for theirs, ours in zip(yardsticks[row.what], per_frame, strict=True)]
+                row = replace(row, times_yardstick=statistics.median(ratios))
+        rows.append(row)
+    return rows
+
+
+def _reconstruction_jobs(frames: int, spacing: float) -> list[Job]:
+    """The yardsticks, then every method with every engine."""
+    sweep = fan_sweep(frames)
+    grid = grid_around_sweep(np.array([f.image_to_reference for f in sweep]), (COLUMNS, ROWS), ImageRegion(), (spacing,) * 3)
+    bone = slab_of_bone(grid)
+    jobs: list[Job] = []
+    loops = optional_module("AIFReconLib.numba_yardstick")
+    if loops is not None:
+        for method, work in loops.yardsticks(sweep, grid, bone, PROBE).items():
+            jobs.append((work, Timing(method, "yardstick", 1, spacing, 0.0), len(sweep)))
+    for method in METHODS:
+        few = sweep[::NUMPY_SHARE]
+        jobs.append(_method_job(method, "numpy", 1, few, grid, bone, spacing))
+        if loops is not None:
+            for threads in sorted({1, min(2, usable_cores())}):
+                jobs.append(_method_job(method, "numba", threads, sweep, grid, bone, spacing))
+    return jobs
+
+
+def _method_job(method: str, engine: str, threads: int, sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float) -> Job:
+    """Inserting a sweep into a volume that is there already, with its bone map."""
+    settings = ReconstructionSettings(method=method, engine=engine)
+    reconstructor = Reconstructor(grid, settings, bone if method in BONE_METHODS else None, probe=PROBE, threads=threads)
+    cost = bytes_per_voxel(method, method in BONE_METHODS, best_cosine=False)
+    return lambda: reconstructor.insert(sweep), Timing(method, engine, threads, spacing, 0.0, bytes_per_voxel=cost), len(sweep)
+
+
+def _volume_jobs(voxels: int) -> list[Job]:
+    values, mask = half_empty(voxels)
+    labels = labels_of_size(voxels)
+    grid = labels.grid
+    # A little off the map's own axes, as a registered CT lies
+    turn = np.array([[1.0, 0.02, 0.0, 0.1], [-0.02, 1.0, 0.0, 0.2], [0.0, 0.0, 1.0, 0.3], [0.0, 0.0, 0.0, 1.0]])
+    turned = VoxelGrid(grid.size, turn @ grid.ijk_to_reference)
+    bone = BoneMap.from_labels(labels)
+
+    def fill(engine: str, threads: int) -> Callable[[], object]:
+        return lambda: fill_holes(values.copy(), mask.copy(), np.full(3, 0.5), 1.0, engine=engine, threads=threads)
+
+    million = f"{mask.size / 1e6:.0f} million voxels"
+    jobs: list[Job] = [(fill("numpy", 1), Timing(f"hole filling, reach 2, {million}", "numpy", 1, 0.5, 0.0), 0)]
+    if optional_module("AIFReconLib.numba_holes") is not None:
+        for threads in sorted({1, min(2, usable_cores())}):
+            jobs.append((fill("numba", threads), Timing(f"hole filling, reach 2, {million}", "numba", threads, 0.5, 0.0), 0))
+    cores = usable_cores()
+    jobs.append((lambda: BoneMap.from_labels(labels), Timing(f"bone map from labels, {million}", "scipy", cores, 0.5, 0.0), 0))
+    jobs.append((lambda: bone.on_grid(turned), Timing(f"bone map onto a grid, {million}", "scipy", cores, 0.5, 0.0), 0))
+    return jobs
+
+
+def _file_jobs(folder: Path) -> list[Job]:
+    """Reading every image of a recording."""
+    sequence = recorded(fan_sweep(FILE_FRAMES))
+    jobs: list[Job] = []
+    for name, compress in (("uncompressed", False), ("compressed", True)):
+        path = folder / f"{name}.mha"
+        write_sequence(sequence, path, compress)
+
+        def read(path: Path = path) -> None:
+            images = read_sequence(path).images
+            for number in range(len(images)):
+                images[number]
+
+        jobs.append((read, Timing(f"reading, {name}", "file", 1, None, 0.0), FILE_FRAMES))
+    return jobs
+
+
+def _recording_jobs(data: Path) -> list[Job]:
+    """Whole reconstructions of real recordings, from their files."""
+    jobs: list[Job] = []
+    for recording, configuration in RECORDINGS:
+        if not ((data / recording).is_file() and (data / configuration).is_file()):
+            continue
+        for engine in ("numpy", "numba") if optional_module("AIFReconLib.numba_yardstick") else ("numpy",):
+
+            def work(recording=recording, configuration=configuration, engine=engine) -> None:
+                sequence = read_sequence(data / recording, config=data / configuration)
+                reconstruct(sequence, ReconstructionSettings(method="average", engine=engine))
+
+            jobs.append((work, Timing(f"file to volume, {recording}", engine, usable_cores(), None, 0.0), 0))
+    return jobs
+
+
+def _first_results() -> list[Timing]:
+    if optional_module("AIFReconLib.numba_yardstick") is None:
+        return []
+    compiling, kept = seconds_to_first_result()
+    return [
+        Timing("first result, all to be compiled", "numba", usable_cores(), None, compiling),
+        Timing("first result, compiled before", "numba", usable_cores(), None, kept),
+    ]
+
+
+def _busy() -> float:
+    """Share of the processor that others use, by a short stretch of work; 0 where it cannot be told."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    total = 0
+    while time.perf_counter() - wall < 0.5:
+        total += 1
+    return max(1.0 - (time.process_time() - cpu) / (time.perf_counter() - wall), 0.0)
 
 
 def _machine() -> str:
-    return f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, numpy {np.__version__}"
+    names = [platform.system(), platform.machine(), f"{usable_cores()} cores"]
+    if model := _processor():
+        names.append(model)
+    numba = optional_module("AIFReconLib.numba_compile")
+    versions = f"Python {platform.python_version()}, numpy {np.__version__}" + (f", numba {numba.VERSION}" if numba else ", no numba")
+    return ", ".join(names) + "; " + versions
+
+
+def _processor() -> str:
+    """The processor's model, where the system tells."""
+    if os.path.isfile("/proc/cpuinfo"):
+        for line in Path("/proc/cpuinfo").read_text("utf-8", "replace").splitlines():
+            if line.startswith("model name"):
+                return " ".join(line.split(":", 1)[1].split())
+    return platform.processor()

@@ -13,6 +13,7 @@ from scipy import ndimage
 
 from .errors import GeometryError
 from .progress import Progress, report
+from .threads import in_parts, usable_cores
 from .volume import Volume, VoxelGrid
 
 SIGMA_VOXELS = 10.0
@@ -28,6 +29,9 @@ SHORTEST = 1e-30
 
 GAUSSIAN_REACH = 4.0
 """Where scipy cuts a Gaussian off, in sigmas."""
+
+PARTS = 8
+"""Parts that filters and sampling are split into for several threads; always as many, so that results depend on no machine."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +117,7 @@ class BoneMap:
         report(progress, 0.1, "Making the bone map")
         probability = _sobel_magnitude(bone.astype(np.float32))
         report(progress, 0.4, "Making the bone map")
-        probability = ndimage.gaussian_filter(probability, sigma_kji, mode="nearest", truncate=GAUSSIAN_REACH)
+        probability = _smoothed(probability, sigma_kji)
         probability /= probability.max()
         report(progress, 0.9, "Making the bone map")
         placed = _matrix_of_box(labels if labels_to_reference is None else labels.placed_by(labels_to_reference), box)
@@ -163,18 +167,33 @@ class BoneMap:
         if direction == "surface":
             bone = self.inside.array if self.inside is not None else self.probability.array > 0.5
             sigma_kji = SURFACE_SIGMA / self.probability.grid.spacing[::-1]
-            potential = ndimage.gaussian_filter(bone.astype(np.float32), sigma_kji, mode="nearest")
+            potential = _smoothed(bone.astype(np.float32), sigma_kji)
         report(progress, 0.3, "Placing the bone map")
         to_reference = np.linalg.inv(self.probability.ijk_to_reference[:3, :3]).T.astype(np.float32)
         directions = np.zeros((*grid.shape, 3), dtype=np.float32)
         for axis in range(3):
             slope = sample(ndimage.sobel(potential, axis=2 - axis, mode="nearest"))
-            for component in range(3):
-                directions[..., component] += to_reference[component, axis] * slope
+            for k in range(grid.shape[0]):
+                for component in range(3):
+                    directions[k, ..., component] += to_reference[component, axis] * slope[k]
             report(progress, 0.3 + 0.2 * (axis + 1), "Placing the bone map")
         _normalize(directions)
         report(progress, 1.0, "Placed the bone map")
         return BoneOnGrid(probability, directions)
+
+
+def _smoothed(array: np.ndarray, sigma_kji: np.ndarray) -> np.ndarray:
+    """A float32 array after a Gaussian, in place; axis by axis in parts, which share no line along it."""
+    for axis, sigma in enumerate(sigma_kji):
+        across = 1 if axis == 0 else 0
+        edges = np.linspace(0, array.shape[across], min(PARTS, array.shape[across]) + 1).astype(int)
+
+        def smooth(part: int, axis=axis, sigma=sigma, across=across, edges=edges) -> None:
+            lines = array[(slice(None),) * across + (slice(edges[part], edges[part + 1]),)]
+            ndimage.gaussian_filter1d(lines, sigma, axis=axis, output=lines, mode="nearest", truncate=GAUSSIAN_REACH)
+
+        in_parts(smooth, len(edges) - 1, usable_cores())
+    return array
 
 
 def _sobel_magnitude(array: np.ndarray) -> np.ndarray:
@@ -226,17 +245,24 @@ def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[np.ndarray], np.ndarr
         if box is not None:
             matrix = to_source[2::-1, 2::-1]
             offset = to_source[2::-1, 3] + matrix @ [s.start for s in box]
-            ndimage.affine_transform(
-                array,
-                matrix,
-                offset,
-                output=result[box],
-                output_shape=result[box].shape,
-                order=1,
-                # "constant" would drop voxels on the very border, which rounding puts a hair outside
-                mode="grid-constant",
-                prefilter=False,
-            )
+            target = result[box]
+            edges = np.linspace(0, len(target), min(PARTS, len(target)) + 1).astype(int)
+
+            def sample_slab(part: int) -> None:
+                slab = target[edges[part] : edges[part + 1]]
+                ndimage.affine_transform(
+                    array,
+                    matrix,
+                    offset + matrix[:, 0] * edges[part],
+                    output=slab,
+                    output_shape=slab.shape,
+                    order=1,
+                    # "constant" would drop voxels on the very border, which rounding puts a hair outside
+                    mode="grid-constant",
+                    prefilter=False,
+                )
+
+            in_parts(sample_slab, len(edges) - 1, usable_cores())
         return result
 
     return sample

@@ -8,6 +8,7 @@ import numpy as np
 from scipy import ndimage
 
 from .progress import Progress, report
+from .threads import in_parts, optional_module, usable_cores
 
 EMPTY, MEASURED, FILLED = 0, 1, 2
 """Values of the mask volume."""
@@ -18,10 +19,28 @@ BLOCK = 64
 HOLES_AT_ONCE = 65_536
 """how many holes are looked up together: both bound the memory that is needed beside the volume."""
 
+MOST_ASKED = 130
+"""Neighbors (a reach of 3 voxels) up to which holes ask them one after the other; beyond, a distance transform is faster."""
+
+PLANES_AT_ONCE = 4
+"""Planes [k] that a thread fills before it takes the next ones, and"""
+
+ROUND = 32
+"""how often it does so before progress is reported."""
+
 NM_PER_MM = 1e6
 
 
-def fill_holes(values: np.ndarray, mask: np.ndarray, spacing: np.ndarray, limit: float, progress: Progress | None = None) -> int:
+def fill_holes(
+    values: np.ndarray,
+    mask: np.ndarray,
+    spacing: np.ndarray,
+    limit: float,
+    progress: Progress | None = None,
+    *,
+    engine: str = "auto",
+    threads: int | None = None,
+) -> int:
     """Fill holes in place.
 
     Parameters
@@ -33,6 +52,11 @@ def fill_holes(values: np.ndarray, mask: np.ndarray, spacing: np.ndarray, limit:
     spacing : (3,) array, mm along i, j, k
     limit : float, mm
         Farthest measured voxel to take a value from; 0 fills nothing.
+    progress : Progress or None
+    engine : "auto", "numpy" or "numba"
+        Who does it; the answer is the same.
+    threads : int or None
+        How many numba uses; by default every core.
 
     Returns
     -------
@@ -47,6 +71,9 @@ def fill_holes(values: np.ndarray, mask: np.ndarray, spacing: np.ndarray, limit:
     offsets, distances = neighbor_offsets(spacing, limit, mask.shape)
     if not len(offsets):
         return 0
+    compiled = None if engine == "numpy" or len(offsets) > MOST_ASKED else optional_module("AIFReconLib.numba_holes")
+    if compiled is not None and values.flags.c_contiguous and mask.flags.c_contiguous:
+        return _fill_compiled(compiled.fill_slab, values, mask, offsets, threads, progress)
     reach = np.abs(offsets).max(axis=0)
     edge = np.maximum(BLOCK, 2 * reach)
     blocks = list(itertools.product(*(range(0, n, e) for n, e in zip(mask.shape, edge, strict=True))))
@@ -57,7 +84,10 @@ def fill_holes(values: np.ndarray, mask: np.ndarray, spacing: np.ndarray, limit:
         low = np.maximum(first - reach, 0)
         window = tuple(slice(a, b) for a, b in zip(low, first + edge + reach, strict=True))
         block = tuple(slice(a, b) for a, b in zip(first - low, first - low + edge, strict=True))
-        filled += _fill_block(values[window], mask[window], block, np.asarray(spacing)[::-1], offsets, distances)
+        if len(offsets) <= MOST_ASKED:
+            filled += _fill_near(values[window], mask[window], block, offsets)
+        else:
+            filled += _fill_block(values[window], mask[window], block, np.asarray(spacing)[::-1], offsets, distances)
     report(progress, 1.0, "Filled holes")
     return filled
 
@@ -92,6 +122,72 @@ def _nanometers(offset_kji: list[np.ndarray], spacing_kji: np.ndarray) -> np.nda
     """Lengths of offsets (in voxels) in whole nm, so that distances equal in mm are equal here whatever they were added up from."""
     squared = sum((along * pitch) ** 2 for along, pitch in zip(offset_kji, spacing_kji, strict=True))
     return np.rint(np.sqrt(squared) * NM_PER_MM).astype(np.int64)
+
+
+def _fill_compiled(fill_slab, values, mask, offsets, threads: int | None, progress: Progress | None) -> int:
+    """Fill the whole volume with the compiled search, a few planes at a time."""
+    starts = range(0, mask.shape[0], PLANES_AT_ONCE)
+    filled = np.zeros(len(starts), dtype=np.int64)
+    rounds = -(-len(starts) // ROUND)
+
+    for turn in range(rounds):
+        report(progress, turn / rounds, "Filling holes")
+        parts = range(turn * ROUND, min((turn + 1) * ROUND, len(starts)))
+
+        def fill(part: int, parts=parts) -> None:
+            first = starts[parts[part]]
+            filled[parts[part]] = fill_slab(values, mask, offsets, first, min(first + PLANES_AT_ONCE, mask.shape[0]))
+
+        in_parts(fill, len(parts), threads or usable_cores())
+    report(progress, 1.0, "Filled holes")
+    return int(filled.sum())
+
+
+def _fill_near(values: np.ndarray, mask: np.ndarray, block, offsets: np.ndarray) -> int:
+    """Fill the holes in `block`, a part [k, j, i] of these voxels, that have one of few neighbors; returns how many.
+
+    Notes
+    -----
+    All holes ask their nearest neighbor, those left over the next, and so on. Holes with nothing measured in the box around them are
+    not asked at all.
+    """
+    reach = np.abs(offsets).max(axis=0)
+    around = [(r, r) for r in reach]
+    measured = np.pad(mask == MEASURED, around)
+    holes = np.zeros_like(measured)
+    inner = tuple(slice(part.start + r, part.stop + r) for part, r in zip(block, reach, strict=True))
+    holes[inner][tuple(slice(0, n) for n in mask[block].shape)] = mask[block] == EMPTY
+    holes &= _dilated(measured, reach)
+    left = np.flatnonzero(holes)
+    if not left.size:
+        return 0
+    flat_measured, flat_values = measured.reshape(-1), np.pad(values, around).reshape(-1)
+    asked = left.size
+    for step in offsets @ (measured.shape[1] * measured.shape[2], measured.shape[2], 1):
+        found = flat_measured[left + step]
+        places = left[found]
+        if places.size:
+            at = np.unravel_index(places, measured.shape)
+            at = tuple(along - r for along, r in zip(at, reach, strict=True))
+            values[at] = flat_values[places + step]
+            mask[at] = FILLED
+            left = left[~found]
+            if not left.size:
+                break
+    return asked - left.size
+
+
+def _dilated(mask: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """`mask` [k, j, i] grown to boxes of `reach` voxels to each side."""
+    for axis, r in enumerate(reach):
+        grown = mask.copy()
+        for step in range(1, int(r) + 1):
+            near, far = [slice(None)] * 3, [slice(None)] * 3
+            near[axis], far[axis] = slice(step, None), slice(None, -step)
+            grown[tuple(near)] |= mask[tuple(far)]
+            grown[tuple(far)] |= mask[tuple(near)]
+        mask = grown
+    return mask
 
 
 def _fill_block(values: np.ndarray, mask: np.ndarray, block, spacing_kji: np.ndarray, offsets: np.ndarray, distances: np.ndarray) -> int:

@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
 
 from ..beams import ProbeGeometry
 from ..scan_lines import scan_line_samples
@@ -67,6 +66,22 @@ class ScanLines:
     layout : PixelLayout
     probe : ProbeGeometry
 
+    Attributes
+    ----------
+    step : float, mm
+        Between samples along a line.
+    shape : (samples, lines)
+    sample_of_pixel : (n,) uint32 array
+        The sample nearest to each of the layout's pixels, flat.
+    padded : int
+        Lines, and as many more as let compiled code read arrays (samples, padded) faster.
+    padded_sample_of_pixel : (n,) uint32 array
+        The same in such an array.
+    pixel_of_sample : (samples, lines) int32 array
+        The pixel of the whole image nearest to each sample, flat; -1 where there is none.
+    judged : (lines,) int32 array
+        First sample of each line at which no onset is looked for any more.
+
     Notes
     -----
     Samples take the nearest pixel (see `scan_line_samples`); those outside the layout's pixels are dark.
@@ -77,19 +92,35 @@ class ScanLines:
         height, width = bottom - top, right - left
         rows, columns = np.divmod(layout.inside, width)
         lines = scan_line_samples(columns + left, rows + top, layout.spacing, probe)
-        self.step, self.sample_of_pixel = lines.step, lines.sample_of_pixel
-        self._depth = max(self._samples(ONSET_DEPTH), 1)
-        column, row = np.floor(lines.columns - left + 0.5), np.floor(lines.rows - top + 0.5)
+        count, samples = lines.columns.shape
+        self.step = lines.step
+        self.depth = max(self._samples(ONSET_DEPTH), 1)
+        self.taps = self._samples(SMOOTHING) | 1
+        # Kept as (samples, lines), so that neighbors on neighboring lines lie side by side and rows are added to rows
+        self.shape = samples, count
+        line, sample = np.divmod(lines.sample_of_pixel, samples)
+        self.sample_of_pixel = (sample * count + line).astype(np.uint32)
+        # Rows of an odd number of cache lines: those of a power of two would all compete for the same places in the cache
+        self.padded = -(-count // 16) * 16 + (0 if -(-count // 16) % 2 else 16)
+        self.padded_sample_of_pixel = (sample * self.padded + line).astype(np.uint32)
+        column, row = np.floor(lines.columns - left + 0.5).T, np.floor(lines.rows - top + 0.5).T
         beside = (column < 0) | (column >= width) | (row < 0) | (row >= height)
-        sampled = np.where(beside, -1, row * width + column).astype(np.int64)
+        sampled = np.where(beside, height * width, row * width + column).astype(np.int64)
         # Positions in the layout's pixel list, one past its end for samples that are dark
         number = np.full(height * width + 1, layout.inside.size, dtype=np.int64)
         number[layout.inside] = np.arange(layout.inside.size)
-        self._pixel_of_sample = number[sampled]
+        self._number_of_sample = number[sampled].reshape(-1)
+        inside = number[sampled] < layout.inside.size
+        self.pixel_of_sample = np.where(inside, (row + top) * layout.size[0] + (column + left), -1).astype(np.int32)
         # Where a line leaves the pixels, its darkness is no shadow: nothing is judged within the last millimeters before
-        inside = self._pixel_of_sample < layout.inside.size
-        ends = np.where(inside.any(axis=1), inside.shape[1] - inside[:, ::-1].argmax(axis=1), 0)
-        self._judged = np.arange(inside.shape[1])[None, :] < (ends - max(self._samples(LEAST_SHADOW), self._depth))[:, None]
+        ends = np.where(inside.any(axis=0), samples - inside[::-1].argmax(axis=0), 0)
+        self.judged = (ends - max(self._samples(LEAST_SHADOW), self.depth)).astype(np.int32)
+        self._is_judged = np.arange(samples)[:, None] < self.judged
+
+    def scales(self, full_scale: float) -> tuple[np.float32, ...]:
+        """What brightness is multiplied with: 1 / taps, 1 / 3, 1 / reached, 1 / fall, the last echo, 1 / (1 - last echo), least reach."""
+        inverse = [1 / self.taps, 1 / SMOOTHING_LINES, 1 / (REACHED * full_scale), 1 / (FALL * full_scale)]
+        return tuple(np.float32(v) for v in (*inverse, LAST_ECHO, 1 / (1 - LAST_ECHO), LEAST_REACH))
 
     def evidence(self, values: np.ndarray, full_scale: float) -> FrameEvidence:
         """Judge one frame.
@@ -97,7 +128,7 @@ class ScanLines:
         Parameters
         ----------
         values : (n,) float32 array
-            The layout's pixels.
+            The layout's pixels; those that are not finite count as dark.
         full_scale : float
             Brightest value an image can hold.
 
@@ -108,23 +139,39 @@ class ScanLines:
         E = clip((S(r) - S(r')) / (0.16 M)) clip((q(r) / S(r) - 0.75) / 0.25) (1 - A(r')), r' = r + 1.5 mm, where clip limits to 0 to 1:
         brightness falls here, this is the last bright place, and nothing arrives behind it. E is 0 in the last 8 mm of a line.
         """
-        lines = np.append(np.nan_to_num(values), np.float32(0))[self._pixel_of_sample]
-        brightness = ndimage.uniform_filter1d(lines, self._samples(SMOOTHING) | 1, axis=1, mode="nearest")
-        brightness = ndimage.uniform_filter1d(brightness, SMOOTHING_LINES, axis=0, mode="nearest")
-        np.maximum(brightness, np.float32(0), out=brightness)
-        below = np.maximum.accumulate(brightness[:, ::-1], axis=1)[:, ::-1]
-        arrived = np.minimum(below / np.float32(REACHED * full_scale), np.float32(1))
+        per_tap, per_line, per_reached, per_fall, last_echo, per_echo, least = self.scales(full_scale)
+        samples, _ = self.shape
+        dark = np.float32(0)
+        finite = values if np.isfinite(values).all() else np.where(np.isfinite(values), values, dark)
+        lines = np.append(finite, dark)[self._number_of_sample].reshape(self.shape)
+        around = np.pad(lines, ((self.taps // 2, self.taps // 2), (0, 0)), mode="edge")
+        brightness = lines
+        brightness[:] = around[:samples]
+        for tap in range(1, self.taps):
+            brightness += around[tap : tap + samples]
+        brightness *= per_tap
+        around = np.pad(brightness, ((0, 0), (1, 1)), mode="edge")
+        np.add(around[:, :-2], around[:, 1:-1], out=brightness)
+        brightness += around[:, 2:]
+        brightness *= per_line
+        np.maximum(brightness, dark, out=brightness)
+        below = np.maximum.accumulate(brightness[::-1], axis=0)[::-1]
+        arrived = np.minimum(below * per_reached, np.float32(1))
         arrived *= arrived
         onset = np.zeros_like(below)
-        depth = self._depth
-        now, later = below[:, :-depth], below[:, depth:]
-        share = brightness[:, :-depth] / np.maximum(now, np.float32(np.finfo(np.float32).tiny))
-        found = onset[:, :-depth]
-        np.clip((now - later) / np.float32(FALL * full_scale), 0, 1, out=found)
-        found *= np.clip((share - np.float32(LAST_ECHO)) / np.float32(1 - LAST_ECHO), 0, 1)
-        found *= np.float32(1) - arrived[:, depth:]
-        onset *= self._judged
-        return FrameEvidence(arrived.reshape(-1)[self.sample_of_pixel] + np.float32(LEAST_REACH), onset.reshape(-1)[self.sample_of_pixel])
+        now, later = below[: -self.depth], below[self.depth :]
+        found, share = onset[: -self.depth], brightness[: -self.depth]
+        np.subtract(now, later, out=found)
+        found *= per_fall
+        np.minimum(np.maximum(found, dark, out=found), np.float32(1), out=found)
+        share /= np.maximum(now, np.float32(np.finfo(np.float32).tiny))
+        share -= last_echo
+        share *= per_echo
+        found *= np.minimum(np.maximum(share, dark, out=share), np.float32(1), out=share)
+        found *= np.float32(1) - arrived[self.depth :]
+        onset *= self._is_judged
+        arrived += least
+        return FrameEvidence(arrived.reshape(-1)[self.sample_of_pixel], onset.reshape(-1)[self.sample_of_pixel])
 
     def _samples(self, length: float) -> int:
         return round(length / self.step)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -35,6 +36,38 @@ class PixelLayout:
     inside: np.ndarray
     beam_x: np.ndarray | None
     beam_y: np.ndarray | None
+
+    @cached_property
+    def mask(self) -> np.ndarray:
+        """Which pixels of the window count, (rows, columns) bool."""
+        top, bottom, left, right = self.window
+        mask = np.zeros((bottom - top) * (right - left), dtype=bool)
+        mask[self.inside] = True
+        return mask.reshape(bottom - top, right - left)
+
+    @cached_property
+    def pieces(self) -> np.ndarray:
+        """Rows of these pixels in unbroken pieces; see `pieces_within`."""
+        return self.pieces_within(self.mask)
+
+    def pieces_within(self, mask: np.ndarray) -> np.ndarray:
+        """The pixels of a part of the layout as unbroken pieces of rows, in row-major order.
+
+        Parameters
+        ----------
+        mask : (rows, columns) bool array over the window, True within the layout's pixels only
+
+        Returns
+        -------
+        pieces : (n, 4) int64 array
+            Row and first column in the image, the column that follows the last, and the number of the first pixel within the layout.
+        """
+        top, _, left, right = self.window
+        edges = np.diff(np.pad(mask, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+        rows, starts = np.nonzero(edges == 1)
+        stops = np.nonzero(edges == -1)[1]
+        offsets = np.searchsorted(self.inside, rows * (right - left) + starts)
+        return np.stack([rows + top, starts + left, stops + left, offsets], axis=1).astype(np.int64)
 
     @classmethod
     def build(cls, size: tuple[int, int], spacing: tuple[float, float], region: ImageRegion, probe: ProbeGeometry | None) -> PixelLayout:

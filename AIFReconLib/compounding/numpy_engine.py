@@ -14,6 +14,7 @@ import numpy as np
 from ..bone import BoneOnGrid
 from ..settings import ReconstructionSettings
 from . import rules
+from .batch import FrameBatch
 from .evidence import ScanLines
 from .layout import PixelLayout
 from .state import VoxelState
@@ -69,12 +70,21 @@ class NumpyEngine:
     maximum : float
         Brightest value an image can hold.
     bone : BoneOnGrid or None
+    threads : None
+        For the sake of the other engine: this one works on the caller's thread.
     """
 
     name = "numpy"
+    frames_at_once = 1
 
     def __init__(
-        self, state: VoxelState, grid_size: tuple[int, int, int], settings: ReconstructionSettings, maximum: float, bone: BoneOnGrid | None
+        self,
+        state: VoxelState,
+        grid_size: tuple[int, int, int],
+        settings: ReconstructionSettings,
+        maximum: float,
+        bone: BoneOnGrid | None,
+        threads: int | None = None,
     ):
         self.state = state
         self._grid_size = grid_size
@@ -84,36 +94,30 @@ class NumpyEngine:
         self._probability = None if bone is None else bone.probability.reshape(-1)
         self._directions = None if bone is None else bone.directions_reference.reshape(-1, 3)
 
-    def insert(
-        self,
-        image: np.ndarray,
-        image_to_ijk: np.ndarray,
-        image_axes: tuple[np.ndarray, np.ndarray],
-        layout: PixelLayout,
-        scan_lines: ScanLines | None,
-    ) -> int:
-        """Put one frame into the volume.
+    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
+        """Put frames into the volume.
 
         Parameters
         ----------
-        image : (rows, columns) array
-        image_to_ijk : (4, 4) float64 array
-        image_axes : two (3,) float32 unit vectors
-            The image's x and y in Reference.
+        batch : FrameBatch
         layout : PixelLayout
         scan_lines : ScanLines or None
             Needed by `weighted` alone.
 
         Returns
         -------
-        pixels : int
-            How many entered.
+        pixels : list of int
+            How many entered of each frame.
         """
-        pixels, voxels = layout.voxels(image_to_ijk, self._grid_size)
-        all_values = layout.values(image)
+        return [self._insert(batch, place, layout, scan_lines) for place in range(len(batch))]
+
+    def _insert(self, batch: FrameBatch, place: int, layout: PixelLayout, scan_lines: ScanLines | None) -> int:
+        pixels, voxels = layout.voxels(batch.image_to_ijk[place], self._grid_size)
+        image_axes = batch.axes[place].reshape(2, 3)
+        all_values = layout.values(batch.images[place])
         values = all_values[pixels]
-        if image.dtype.kind == "f" and not np.isfinite(values).all():
-            measured = np.isfinite(values)
+        if place in batch.measured:
+            measured = layout.values(batch.measured[place])[pixels] > 0
             values, pixels, voxels = values[measured], pixels[measured], voxels[measured]
         if not pixels.size:
             return 0
@@ -126,7 +130,7 @@ class NumpyEngine:
         if self._directions is not None and (method == "weighted" or self.state.cosine is not None):
             cosine = self._cosine(self._directions[voxels], layout.beam_x[pixels], layout.beam_y[pixels], image_axes)
         if self.state.cosine is not None:
-            np.maximum.at(self.state.cosine, voxels, cosine.astype(np.float16))
+            np.maximum.at(self.state.cosine, voxels, cosine)
         if method == "average":
             np.add.at(self.state.value, voxels, values.astype(np.float64))
         elif method == "latest":
@@ -149,6 +153,16 @@ class NumpyEngine:
     def _insert_aif(self, values, pixels, voxels, image_axes, layout: PixelLayout) -> None:
         """The paper's rule. The bone map is read once per voxel, not once per pixel."""
         state = self.state
+        if state.cosine is None:
+            expected = self._probability[voxels] != 0
+            if not expected.all():
+                # Where no bone is expected the weight stays 0, and the rule comes down to the last pixel
+                elsewhere = ~expected
+                state.value[voxels[elsewhere]] = np.minimum(values[elsewhere], self._maximum)
+                np.add.at(state.hits, voxels[elsewhere], np.uint32(1))
+                values, pixels, voxels = values[expected], pixels[expected], voxels[expected]
+                if not voxels.size:
+                    return
         groups = VoxelGroups.of(voxels)
         at = groups.voxels
         x, y, z = self._directions[at].T
@@ -171,4 +185,4 @@ class NumpyEngine:
         state.value[at], state.weight[at] = value, count
         state.hits[at] += groups.counts.astype(np.uint32)
         if best is not None:
-            state.cosine[at] = np.maximum(state.cosine[at], best.astype(np.float16))
+            state.cosine[at] = np.maximum(state.cosine[at], best)

@@ -18,9 +18,10 @@ from ..region import ImageRegion
 from ..settings import BONE_METHODS, ReconstructionSettings
 from ..transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
 from ..volume import Volume, VoxelGrid
+from .batch import FrameBatch
+from .engines import choose_engine
 from .evidence import ScanLines
 from .layout import PixelLayout
-from .numpy_engine import NumpyEngine
 from .state import VoxelState, bytes_per_voxel
 
 
@@ -90,11 +91,13 @@ class Reconstructor:
         Where the beams go; needed where `bone` is used.
     region : ImageRegion
         Pixels outside it never enter.
+    threads : int or None
+        How many the numba engine uses; by default every core.
 
     Raises
     ------
     SettingsError
-        When the method needs a bone map and there is none.
+        When the method needs a bone map and there is none, or the engine asked for is not there.
     BeamGeometryError
         When it needs the beams' directions and there are none.
     InsufficientMemoryError
@@ -117,6 +120,7 @@ class Reconstructor:
         *,
         probe: ProbeGeometry | None = None,
         region: ImageRegion | None = None,
+        threads: int | None = None,
         progress: Progress | None = None,
     ):
         self.settings = settings or ReconstructionSettings()
@@ -134,30 +138,44 @@ class Reconstructor:
             raise BeamGeometryError(
                 f"Method {self.method} needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
             )
+        self._engine_class, note = choose_engine(self.settings.engine)
+        if note is not None:
+            self._notes.append(note)
+        self._threads = threads
         require_memory(grid.size, grid.spacing, bytes_per_voxel(self.method, self._needs_beams, self.settings.best_cosine))
         self._bone = self._place_bone(bone, progress) if self._needs_beams else None
         self._state: VoxelState | None = VoxelState.empty(grid, self.method, self.settings.best_cosine)
         self._layout: PixelLayout | None = None
         self._scan_lines: ScanLines | None = None
-        self._engine: NumpyEngine | None = None
+        self._engine = None
+        self._batch: FrameBatch | None = None
         self._image_type: np.dtype | None = None
 
     def insert(self, frames: TrackedFrame | Iterable[TrackedFrame]) -> None:
         """Put a frame, or several in their order, into the volume.
 
-        Frames whose status is not OK are counted with their reason and change nothing.
+        Frames whose status is not OK are counted with their reason and change nothing. When this returns, all have entered: a frame
+        that is given alone is in its voxels at once, while several are computed together as fast as the machine can.
 
         Raises
         ------
         GeometryError
-            When the size or pixel type of an image differs from that of the first.
+            When the size or pixel type of an image differs from that of the first. The frames before it have entered.
         """
         if self._state is None:
             raise RuntimeError("finish() was called: this reconstructor takes no more frames. Make a new one.")
         if isinstance(frames, TrackedFrame):
             frames = (frames,)
-        for frame in frames:
-            self._insert_one(frame)
+        try:
+            for frame in frames:
+                self._add(frame)
+        finally:
+            self._compute()
+
+    @property
+    def engine(self) -> str:
+        """Name of the engine that does the arithmetic: "numpy" or "numba"."""
+        return self._engine_class.name
 
     def reconstruction(self, progress: Progress | None = None) -> Reconstruction:
         """The volume as it is now, holes filled; more frames may follow."""
@@ -166,7 +184,7 @@ class Reconstructor:
     def finish(self, progress: Progress | None = None) -> Reconstruction:
         """The final volume. No frame can follow: the bone map is released and the state handed over, which saves the memory of both."""
         state, self._state = self._state, None
-        self._bone = self._engine = None
+        self._bone = self._engine = self._batch = None
         return self._result(state, progress)
 
     def _result(self, state: VoxelState, progress: Progress | None) -> Reconstruction:
@@ -179,13 +197,13 @@ class Reconstructor:
         hits, cosine = state.hits.reshape(shape), state.cosine
         del state
         if self.settings.hole_limit > 0:
-            fill_holes(values, mask, self.grid.spacing, self.settings.hole_limit, progress)
+            fill_holes(values, mask, self.grid.spacing, self.settings.hole_limit, progress, engine=self.engine, threads=self._threads)
         return Reconstruction(
             intensity=self._volume(self._to_output_type(values)),
             score=self._volume(score),
             hits=self._volume(hits),
             mask=self._volume(mask),
-            cosine=None if cosine is None else self._volume(cosine.reshape(shape).astype(np.float32)),
+            cosine=None if cosine is None else self._volume(cosine.reshape(shape)),
             method=self.method,
             frames_inserted=self.counts.inserted,
             skipped={reason: list(numbers) for reason, numbers in self.counts.skipped.items()},
@@ -201,7 +219,8 @@ class Reconstructor:
             )
         return placed
 
-    def _insert_one(self, frame: TrackedFrame) -> None:
+    def _add(self, frame: TrackedFrame) -> None:
+        """Put a frame into the batch; what waits there is computed when it is full or the frame does not fit to it."""
         problem = self._why_not(frame)
         if problem is not None:
             self.counts.skip(problem, frame.number)
@@ -213,14 +232,27 @@ class Reconstructor:
         spacing = pixel_spacing(pose)
         size = image.shape[1], image.shape[0]
         if self._layout is None or not self._layout.fits(size, spacing):
+            self._compute()
             self._layout = PixelLayout.build(size, spacing, self._region, self._probe if self._needs_beams else None)
             self._scan_lines = ScanLines(self._layout, self._probe) if self.method == "weighted" else None
         axes = tuple(axis.astype(np.float32) for axis in image_plane_axes(pose))
-        pixels = self._engine.insert(image, self.grid.reference_to_ijk @ pose, axes, self._layout, self._scan_lines)
-        if pixels:
-            self.counts.inserted += 1
-        else:
-            self.counts.skip("outside the volume", frame.number)
+        self._batch.add(image, self.grid.reference_to_ijk @ pose, axes, frame.number)
+        if self._batch.full:
+            self._compute()
+
+    def _compute(self) -> None:
+        """Bring what waits into the volume."""
+        batch = self._batch
+        if not batch:
+            return
+        try:
+            for number, pixels in zip(batch.numbers, self._engine.insert(batch, self._layout, self._scan_lines), strict=True):
+                if pixels:
+                    self.counts.inserted += 1
+                else:
+                    self.counts.skip("outside the volume", number)
+        finally:
+            batch.clear()
 
     @staticmethod
     def _why_not(frame: TrackedFrame) -> str | None:
@@ -249,7 +281,8 @@ class Reconstructor:
         maximum = self.settings.intensity_maximum
         if maximum is None:
             maximum = np.iinfo(image.dtype).max if image.dtype.kind in "iu" else np.inf
-        self._engine = NumpyEngine(self._state, self.grid.size, self.settings, maximum, self._bone)
+        self._engine = self._engine_class(self._state, self.grid.size, self.settings, maximum, self._bone, self._threads)
+        self._batch = FrameBatch(image.shape, image.dtype, self._engine.frames_at_once)
 
     def _check_like_first(self, frame: TrackedFrame) -> None:
         image = frame.image

@@ -13,7 +13,7 @@ MAP_BYTES = 4 + 3 * 4
 """Probability and direction of the bone map, per voxel."""
 
 OUTPUT_BYTES = 4 + 4 + 1 + 1
-"""What the results of a finished reconstruction take beside its state, at most: a float32 mean or cosine, the score of a method
+"""What the results of a finished reconstruction take beside its state, at most: a float32 mean, the score of a method
 without weights, the mask, and the 8-bit intensity. Everything else is handed over without a copy."""
 
 
@@ -31,8 +31,8 @@ class VoxelState:
         float64: the sum (average), so that its mean is exact.
     weight : (voxels,) float32 array or None
         The paper's V_count (aif), the sum of w (weighted).
-    cosine : (voxels,) float16 array or None
-        Best cosine of incidence so far; kept to 3 digits.
+    cosine : (voxels,) float32 array or None
+        Best cosine of incidence so far.
     """
 
     method: str
@@ -52,7 +52,7 @@ class VoxelState:
             hits=np.zeros(grid.voxels, dtype=np.uint32),
             value=value,
             weight=np.zeros(grid.voxels, dtype=np.float32) if method in BONE_METHODS else None,
-            cosine=np.zeros(grid.voxels, dtype=np.float16) if best_cosine else None,
+            cosine=np.zeros(grid.voxels, dtype=np.float32) if best_cosine else None,
         )
 
     def intensity(self) -> np.ndarray:
@@ -91,7 +91,7 @@ def bytes_per_voxel(method: str, has_bone: bool, best_cosine: bool) -> int:
     The bone map is released before the results are made when a whole sequence is reconstructed at once. A snapshot of a live
     reconstruction needs the results, a copy of the state and the map at the same time.
     """
-    state = 4 + (8 if method == "average" else 4) + (4 if method in BONE_METHODS else 0) + (2 if best_cosine else 0)
+    state = 4 + (8 if method == "average" else 4) + (4 if method in BONE_METHODS else 0) + (4 if best_cosine else 0)
     uses_map = has_bone and (method in BONE_METHODS or best_cosine)
     bone = MAP_BYTES if uses_map else 0
     return state + max(bone, OUTPUT_BYTES)

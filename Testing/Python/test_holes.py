@@ -7,14 +7,31 @@ import tracemalloc
 import numpy as np
 import pytest
 from geometry_strategies import triples
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from AIFReconLib import holes
 from AIFReconLib.errors import OperationCanceled
-from AIFReconLib.holes import EMPTY, FILLED, MEASURED, fill_holes
+from AIFReconLib.holes import EMPTY, FILLED, MEASURED
+from AIFReconLib.threads import optional_module
 
 CUBE = np.array([1.0, 1.0, 1.0])
+ENGINE = {"name": "auto"}
+
+
+def fill_holes(*arguments):
+    """The library's, with the engine under test."""
+    return holes.fill_holes(*arguments, engine=ENGINE["name"])
+
+
+@pytest.fixture(autouse=True, params=["numpy", "distance transform", "numba"])
+def way(request, monkeypatch):
+    """Each test runs with every way of filling: neighbors asked by numpy, looked up after a distance transform, asked by numba."""
+    if request.param == "numba" and optional_module("AIFReconLib.numba_holes") is None:
+        pytest.skip("numba is not installed")
+    if request.param == "distance transform":
+        monkeypatch.setattr(holes, "MOST_ASKED", 0)
+    monkeypatch.setitem(ENGINE, "name", "numba" if request.param == "numba" else "numpy")
 
 
 def filled_by_search(values: np.ndarray, mask: np.ndarray, spacing, limit: float) -> tuple[np.ndarray, np.ndarray]:
@@ -53,7 +70,7 @@ def line(*measured: float) -> tuple[np.ndarray, np.ndarray]:
     st.one_of(st.just((1.0, 1.0, 1.0)), st.just((0.5, 0.5, 1.0)), st.just((0.3, 0.4, 0.5)), triples(0.2, 2.0)),
     st.sampled_from([0.3, 0.5, 1.0, 1.5, 2.0, 3.0, 20.0]),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_filling_equals_the_search_through_every_voxel(shape, share, seed, spacing, limit):
     values, mask = scattered(shape, share, seed)
     expected = filled_by_search(values, mask, spacing, limit)

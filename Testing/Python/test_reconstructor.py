@@ -72,9 +72,10 @@ def evidence_images(frames, region, probe, maximum):
 @pytest.mark.parametrize("region", [EVERYTHING, FAN], ids=["full image", "clip and fan"])
 @pytest.mark.parametrize("probe", [SECTOR, LINEAR], ids=["sector", "linear"])
 @pytest.mark.parametrize("method", METHODS)
-def test_the_engine_gives_the_voxels_of_the_plain_loop_to_the_last_bit(method, probe, region):
+@pytest.mark.parametrize("engine", ["numpy", "auto"])
+def test_the_engine_gives_the_voxels_of_the_plain_loop_to_the_last_bit(method, probe, region, engine):
     bone = sphere_bone() if method in BONE_METHODS else None
-    ours, theirs = reconstruct_both(method, oblique_frames(), turned_grid(), bone, probe, region)
+    ours, theirs = reconstruct_both(method, oblique_frames(), turned_grid(), bone, probe, region, engine=engine)
     np.testing.assert_array_equal(ours.hits.array, theirs.hits)
     np.testing.assert_array_equal(ours.intensity.array, theirs.intensity)
     np.testing.assert_array_equal(ours.score.array, theirs.score)

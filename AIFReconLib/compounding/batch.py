@@ -1,0 +1,71 @@
+"""Frames on their way into a volume: checked, placed, and copied together so that an engine can take several at once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+BATCH_BYTES = 16 * 2**20
+"""Most bytes of images that wait together, and"""
+
+BATCH_FRAMES = 16
+"""most frames: more would not spread the cost of starting threads any thinner."""
+
+
+class FrameBatch:
+    """Frames that share a layout.
+
+    Parameters
+    ----------
+    shape : (rows, columns) of an image
+    dtype : dtype of an image
+    frames : int
+        Most frames to hold at once, as far as their size allows; at least 1.
+
+    Attributes
+    ----------
+    images : (frames, rows, columns) uint8 or float32 array
+        Finite everywhere.
+    image_to_ijk : (frames, 4, 4) float64 array
+    axes : (frames, 6) float32 array
+        The image's x and y as unit vectors in Reference.
+    numbers : list of int
+        The frames' numbers in their recording.
+    measured : dict of int to (rows, columns) bool array
+        By position in the batch: which pixels of an image were finite, where not all were.
+    """
+
+    def __init__(self, shape: tuple[int, int], dtype: np.dtype, frames: int):
+        # float32 is what every rule computes with; 8 bits are kept as they are because they are a quarter of that
+        kept = np.dtype(np.uint8 if dtype == np.uint8 else np.float32)
+        room = max(min(frames, BATCH_BYTES // (kept.itemsize * shape[0] * shape[1])), 1)
+        self.images = np.empty((room, *shape), kept)
+        self.image_to_ijk = np.empty((room, 4, 4))
+        self.axes = np.empty((room, 6), np.float32)
+        self.numbers: list[int] = []
+        self.measured: dict[int, np.ndarray] = {}
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    @property
+    def full(self) -> bool:
+        """Whether nothing more fits in."""
+        return len(self.numbers) == len(self.images)
+
+    def add(self, image: np.ndarray, image_to_ijk: np.ndarray, axes: tuple[np.ndarray, np.ndarray], number: int) -> None:
+        """Copy a frame in."""
+        place = len(self.numbers)
+        self.images[place] = image
+        if self.images.dtype.kind == "f" and image.dtype.kind == "f":
+            finite = np.isfinite(self.images[place])
+            if not finite.all():
+                self.images[place][~finite] = 0
+                self.measured[place] = finite
+        self.image_to_ijk[place] = image_to_ijk
+        self.axes[place] = np.concatenate(axes)
+        self.numbers.append(number)
+
+    def clear(self) -> None:
+        """Make room for the next frames."""
+        self.numbers = []
+        self.measured = {}

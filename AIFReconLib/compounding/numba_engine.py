@@ -1,0 +1,165 @@
+"""The distribution step on all processor cores: the same voxels as the numpy engine, to the last bit.
+
+A batch of frames is put into the volume slab by slab. Slabs share no voxel, so threads need no locks and no order among them; within
+a slab the frames follow each other in time, so that what they have in common is still in the cache when the next one comes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..bone import BoneOnGrid
+from ..errors import SettingsError
+from ..settings import ReconstructionSettings
+from ..threads import in_parts, usable_cores
+from .batch import BATCH_FRAMES, FrameBatch
+from .evidence import ScanLines
+from .layout import PixelLayout
+from .numba_evidence import judge
+from .numba_kernels import AVERAGE, LATEST, MAXIMUM, clip_to_volume, insert_aif, insert_cosine, insert_plain, insert_weighted
+from .state import VoxelState
+
+SLABS = 8
+"""Slabs that a batch is cut into: what frames share of one fits into a core's cache, and threads end at about the same time."""
+
+WEIGHTED_FRAMES = 4
+"""Frames of a batch of `weighted`: more evidence than of so few would not stay in the cache until it is used."""
+
+PLAIN_RULES = {"average": AVERAGE, "latest": LATEST, "maximum": MAXIMUM}
+
+
+class NumbaEngine:
+    """Puts frames into a `VoxelState`.
+
+    Parameters
+    ----------
+    state : VoxelState
+    grid_size : (i, j, k)
+    settings : ReconstructionSettings
+    maximum : float
+        Brightest value an image can hold.
+    bone : BoneOnGrid or None
+    threads : int or None
+        How many to use; by default NUMBA_NUM_THREADS of the environment, else every core.
+
+    Raises
+    ------
+    SettingsError
+        When the number of threads is not at least 1.
+    """
+
+    name = "numba"
+
+    def __init__(
+        self,
+        state: VoxelState,
+        grid_size: tuple[int, int, int],
+        settings: ReconstructionSettings,
+        maximum: float,
+        bone: BoneOnGrid | None,
+        threads: int | None = None,
+    ):
+        if threads is not None and threads < 1:
+            raise SettingsError(f"Input threads must be at least 1; got {threads!r}.")
+        self.state = state
+        self.frames_at_once = WEIGHTED_FRAMES if state.method == "weighted" else BATCH_FRAMES
+        self.threads = int(threads or usable_cores())
+        self._size = np.array(grid_size, dtype=np.float64)
+        self._maximum = float(maximum)
+        compensated = state.method == "aif-compensated"
+        self._aif_factors = (np.float32(settings.alpha), np.float32(settings.beta), np.float32(maximum), compensated)
+        self._weighted_factors = tuple(np.float32(v) for v in (settings.weight_floor, settings.bone_gain, settings.beta, maximum))
+        self._probability = None if bone is None else bone.probability.reshape(-1)
+        self._directions = None if bone is None else bone.directions_reference.reshape(-1, 3)
+
+    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
+        """Put frames into the volume.
+
+        Parameters
+        ----------
+        batch : FrameBatch
+        layout : PixelLayout
+        scan_lines : ScanLines or None
+            Needed by `weighted` alone.
+
+        Returns
+        -------
+        pixels : list of int
+            How many entered of each frame.
+        """
+        if not batch.measured:
+            return self._insert(batch, slice(0, len(batch)), layout.pieces, layout, scan_lines)
+        entered = []
+        top, bottom, left, right = layout.window
+        for place in range(len(batch)):
+            pieces = layout.pieces
+            if place in batch.measured:
+                pieces = layout.pieces_within(layout.mask & batch.measured[place][top:bottom, left:right])
+            entered += self._insert(batch, slice(place, place + 1), pieces, layout, scan_lines)
+        return entered
+
+    def _insert(self, batch: FrameBatch, frames: slice, pieces: np.ndarray, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
+        images, matrices, axes = batch.images[frames], batch.image_to_ijk[frames], batch.axes[frames]
+        axis, edges = self._slabs(matrices, layout)
+        spans = np.empty((len(images), len(pieces), 4), np.int32)
+        clip_to_volume(matrices, pieces, self._size, axis, spans)
+        evidence = self._evidence(images, scan_lines) if self.state.method == "weighted" else ()
+        entered = np.zeros((len(edges) - 1, len(images)), np.int64)
+
+        def put(part: int) -> None:
+            slab = (axis, int(edges[part]), int(edges[part + 1]))
+            self._put(entered[part], images, matrices, pieces, spans, slab, axes, layout, evidence)
+
+        in_parts(put, len(edges) - 1, self.threads)
+        return [int(n) for n in entered.sum(axis=0)]
+
+    def _put(self, entered, images, matrices, pieces, spans, slab, axes, layout: PixelLayout, evidence) -> None:
+        """Put frames into one slab."""
+        state = self.state
+        place = (images, matrices, pieces, spans, slab, self._size)
+        if state.cosine is not None:
+            insert_cosine(*place, state.cosine, self._directions, axes, layout.beam_x, layout.beam_y)
+        if state.method in PLAIN_RULES:
+            insert_plain(PLAIN_RULES[state.method], *place, state.value, state.hits, entered)
+            return
+        bone = (state.weight, self._probability, self._directions, axes, layout.beam_x, layout.beam_y)
+        if state.method == "weighted":
+            insert_weighted(*place, state.value, state.hits, entered, *bone, self._weighted_factors, *evidence)
+        else:
+            insert_aif(*place, state.value, state.hits, entered, *bone, self._aif_factors)
+
+    def _slabs(self, matrices: np.ndarray, layout: PixelLayout) -> tuple[int, np.ndarray]:
+        """The axis across which to cut, and the edges of the slabs along it, for frames at these places.
+
+        Notes
+        -----
+        The axis is the one that image rows lie across and image columns lie along, so that rows are cut as little as can be.
+        """
+        top, bottom, left, right = layout.window
+        down, along = np.abs(matrices[:, :3, 1]).mean(axis=0) * (bottom - top), np.abs(matrices[:, :3, 0]).mean(axis=0) * (right - left)
+        axis = int(np.argmax(down - along))
+        corners = np.array([(x, y, 0, 1) for x in (left, right - 1) for y in (top, bottom - 1)], dtype=np.float64)
+        reached = corners @ matrices[:, axis, :].T + 0.5
+        first, last = (float(np.clip(np.floor(end), 0, self._size[axis] - 1)) for end in (reached.min(), reached.max()))
+        return axis, np.unique(np.floor(np.linspace(max(first - 1, 0), min(last + 2, self._size[axis]), SLABS + 1)).astype(np.int64))
+
+    def _evidence(self, images: np.ndarray, scan_lines: ScanLines) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Reach and onset of every frame at the samples of its scan lines, (frames, samples), and the sample of every pixel."""
+        reach, onset = np.empty((2, len(images), scan_lines.shape[0], scan_lines.padded), np.float32)
+        scales = scan_lines.scales(self._maximum)
+
+        def judge_frame(frame: int) -> None:
+            judge(
+                images[frame],
+                scan_lines.pixel_of_sample,
+                scan_lines.taps,
+                scan_lines.depth,
+                scan_lines.judged,
+                scales,
+                reach[frame],
+                onset[frame],
+            )
+
+        in_parts(judge_frame, len(images), self.threads)
+        flat = len(images), -1
+        return reach.reshape(flat), onset.reshape(flat), scan_lines.padded_sample_of_pixel

@@ -1,0 +1,326 @@
+"""The distribution step as compiled loops: a batch of frames into one slab of the volume.
+
+Each kernel goes through the frames in time order and through their pixels row by row, and does what falls into its slab. Slabs share
+no voxel, so that any number of threads gives the voxels of the plain loop over pixels, to the last bit: every operation is that of
+`rules` and in its order, none is fused or reassociated.
+
+A row of pixels is a straight line through the volume. What lies within volume and slab is therefore one interval of columns, found
+once per row; its voxel numbers and weights are then computed as vectors, and only the update of the voxels goes pixel by pixel.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..numba_compile import compiled, inlined
+
+ZERO, ONE, ONCE = np.float32(0), np.float32(1), np.uint32(1)
+LARGEST_COMPENSATION = np.float32(3)
+
+ROW, START, STOP, OFFSET = range(4)
+"""Columns of `RowPieces.table`."""
+
+LOW, HIGH, NEAREST, FARTHEST = range(4)
+"""Last axis of the spans: columns [low, high) of a piece that lie in the volume, and their range of voxels along the slabs' axis."""
+
+AVERAGE, LATEST, MAXIMUM = range(3)
+"""Rules of `insert_plain`."""
+
+
+@inlined
+def first_column(step, base, bound, rising, low, high):
+    """The first column of [low, high] at which a coordinate that rises has reached `bound`, or one that falls is below it.
+
+    Division gives a guess; what decides is the rounded sum itself, as in `PixelLayout.voxels`, and it never turns back.
+    """
+    guess = (bound - base) / step
+    column = low if guess <= low else high if guess >= high else int(guess)
+    while column > low and (step * (column - 1) + base >= bound) == rising:
+        column -= 1
+    while column < high and (step * column + base >= bound) != rising:
+        column += 1
+    return column
+
+
+@inlined
+def clipped(step, base, bottom, top, low, high):
+    """The columns within [low, high) at which bottom <= step column + base < top."""
+    if step == 0.0:
+        return (low, high) if bottom <= base < top else (low, low)
+    rising = step > 0.0
+    enters, leaves = (bottom, top) if rising else (top, bottom)
+    first = first_column(step, base, enters, rising, low, high)
+    return first, first_column(step, base, leaves, rising, first, high)
+
+
+@compiled
+def clip_to_volume(matrices, pieces, size, axis, spans):
+    """Find out which columns of every piece of a row fall into the volume, and between which voxels along `axis` they lie.
+
+    Parameters
+    ----------
+    matrices : (frames, 4, 4) float64 array, image_to_ijk
+    pieces : (n, 4) int64 array
+    size : (3,) float64 array, voxels along i, j, k
+    axis : int
+    spans : (frames, n, 4) int32 array
+        Result.
+    """
+    for frame in range(matrices.shape[0]):
+        matrix = matrices[frame]
+        for piece in range(pieces.shape[0]):
+            row, low, high = pieces[piece, ROW], pieces[piece, START], pieces[piece, STOP]
+            for along in range(3):
+                base = matrix[along, 1] * row + (matrix[along, 3] + 0.5)
+                low, high = clipped(matrix[along, 0], base, 0.0, size[along], low, high)
+            high = max(low, high)
+            base = matrix[axis, 1] * row + (matrix[axis, 3] + 0.5)
+            one, other = np.floor(matrix[axis, 0] * low + base), np.floor(matrix[axis, 0] * (high - 1) + base)
+            spans[frame, piece, LOW], spans[frame, piece, HIGH] = low, high
+            inside = low < high
+            spans[frame, piece, NEAREST] = np.int32(min(one, other)) if inside else np.int32(0)
+            spans[frame, piece, FARTHEST] = np.int32(max(one, other)) if inside else np.int32(-1)
+
+
+@inlined
+def span_in_slab(matrices, pieces, spans, frame, piece, slab):
+    """The columns [low, high) of a piece that lie in the slab (axis, first voxel, stop).
+
+    Whole arrays come in, because a view for each of so many pieces would cost more than the rest.
+    """
+    axis, bottom, top = slab
+    nearest, farthest = spans[frame, piece, NEAREST], spans[frame, piece, FARTHEST]
+    if farthest < bottom or nearest >= top:
+        return 0, 0
+    low, high = np.int64(spans[frame, piece, LOW]), np.int64(spans[frame, piece, HIGH])
+    if nearest < bottom or farthest >= top:
+        base = matrices[frame, axis, 1] * pieces[piece, ROW] + (matrices[frame, axis, 3] + 0.5)
+        low, high = clipped(matrices[frame, axis, 0], base, float(bottom), float(top), low, high)
+    return low, high
+
+
+@inlined
+def number_voxels(matrix, row, low, count, size, voxels):
+    """Write the flat numbers of the voxels of `count` columns from `low` on, all within the volume, to `voxels`."""
+    along, rows = size[0], size[1]
+    base_i = matrix[0, 1] * row + (matrix[0, 3] + 0.5)
+    base_j = matrix[1, 1] * row + (matrix[1, 3] + 0.5)
+    base_k = matrix[2, 1] * row + (matrix[2, 3] + 0.5)
+    step_i, step_j, step_k = matrix[0, 0], matrix[1, 0], matrix[2, 0]
+    for n in range(count):
+        column = float(low + n)
+        i, j, k = np.floor(base_i + step_i * column), np.floor(base_j + step_j * column), np.floor(base_k + step_k * column)
+        # Below 2^31: exact in float64
+        voxels[n] = np.uint32(np.int32((k * rows + j) * along + i))
+
+
+@inlined
+def limited_cosine(beam_x, beam_y, facing_x, facing_y):
+    """`rules.cosine_of_incidence`."""
+    cosine = beam_x * facing_x + beam_y * facing_y
+    cosine = cosine if cosine > ZERO else ZERO
+    return cosine if cosine < ONE else ONE
+
+
+@compiled
+def insert_plain(rule, images, matrices, pieces, spans, slab, size, value, hits, entered):
+    """Average (sums in float64), latest and maximum.
+
+    Parameters
+    ----------
+    rule : int
+    images : (frames, rows, columns) uint8 or float32 array
+    matrices, pieces, size, spans
+        As in `clip_to_volume`.
+    slab : tuple of 3 int
+        Axis, first voxel along it, stop.
+    value, hits : (voxels,) arrays of the state
+    entered : (frames,) int64 array
+        Result: raised by the pixels that entered.
+    """
+    voxels = np.empty(images.shape[2], np.uint32)
+    for frame in range(images.shape[0]):
+        for piece in range(pieces.shape[0]):
+            low, high = span_in_slab(matrices, pieces, spans, frame, piece, slab)
+            if low >= high:
+                continue
+            row, count = pieces[piece, ROW], high - low
+            number_voxels(matrices[frame], row, low, count, size, voxels)
+            pixels = images[frame, row, low:high]
+            if rule == AVERAGE:
+                for n in range(count):
+                    value[voxels[n]] += pixels[n]
+                    hits[voxels[n]] += ONCE
+            elif rule == LATEST:
+                for n in range(count):
+                    value[voxels[n]] = pixels[n]
+                    hits[voxels[n]] += ONCE
+            else:
+                for n in range(count):
+                    pixel = value.dtype.type(pixels[n])
+                    value[voxels[n]] = pixel if pixel > value[voxels[n]] else value[voxels[n]]
+                    hits[voxels[n]] += ONCE
+            entered[frame] += count
+
+
+@compiled
+def insert_cosine(images, matrices, pieces, spans, slab, size, best, directions, axes, beam_x, beam_y):
+    """The best cosine of incidence of every voxel, `best` (voxels,) float32. Other arguments as in `insert_aif`."""
+    voxels = np.empty(images.shape[2], np.uint32)
+    for frame in range(images.shape[0]):
+        xx, xy, xz, yx, yy, yz = axes[frame]
+        for piece in range(pieces.shape[0]):
+            low, high = span_in_slab(matrices, pieces, spans, frame, piece, slab)
+            if low >= high:
+                continue
+            row, count = pieces[piece, ROW], high - low
+            number_voxels(matrices[frame], row, low, count, size, voxels)
+            beam = pieces[piece, OFFSET] + low - pieces[piece, START]
+            along_x, along_y = beam_x[beam : beam + count], beam_y[beam : beam + count]
+            for n in range(count):
+                voxel = voxels[n]
+                x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
+                facing_x, facing_y = (x * xx + y * xy) + z * xz, (x * yx + y * yy) + z * yz
+                cosine = limited_cosine(along_x[n], along_y[n], facing_x, facing_y)
+                best[voxel] = cosine if cosine > best[voxel] else best[voxel]
+
+
+@compiled
+def insert_aif(
+    images, matrices, pieces, spans, slab, size, value, hits, entered, weight, probability, directions, axes, beam_x, beam_y, factors
+):
+    """The paper's running average.
+
+    Parameters
+    ----------
+    weight, probability : (voxels,) float32 arrays
+    directions : (voxels, 3) float32 array
+    axes : (frames, 6) float32 array
+        The image's x and y axis in Reference.
+    beam_x, beam_y : (n,) float32 arrays
+    factors : tuple
+        float32 alpha, beta and maximum, and whether to compensate.
+
+    Notes
+    -----
+    What belongs to the voxel is held while its pixels last. Where no bone is expected its weight stays 0, and the rule comes down to
+    the last pixel.
+    """
+    alpha, beta, maximum, compensated = factors
+    voxels = np.empty(images.shape[2], np.uint32)
+    for frame in range(images.shape[0]):
+        xx, xy, xz, yx, yy, yz = axes[frame]
+        for piece in range(pieces.shape[0]):
+            low, high = span_in_slab(matrices, pieces, spans, frame, piece, slab)
+            if low >= high:
+                continue
+            row, count = pieces[piece, ROW], high - low
+            number_voxels(matrices[frame], row, low, count, size, voxels)
+            beam = pieces[piece, OFFSET] + low - pieces[piece, START]
+            along_x, along_y, pixels = beam_x[beam : beam + count], beam_y[beam : beam + count], images[frame, row, low:high]
+            n = 0
+            while n < count:
+                voxel, start = voxels[n], n
+                expected = probability[voxel]
+                if expected == ZERO:
+                    while n < count and voxels[n] == voxel:
+                        n += 1
+                    pixel = np.float32(pixels[n - 1])
+                    value[voxel] = pixel if pixel < maximum else maximum
+                    hits[voxel] += np.uint32(n - start)
+                    continue
+                x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
+                facing_x, facing_y = (x * xx + y * xy) + z * xz, (x * yx + y * yy) + z * yz
+                now, before = value[voxel], weight[voxel]
+                while n < count and voxels[n] == voxel:
+                    pixel = np.float32(pixels[n])
+                    w = limited_cosine(along_x[n], along_y[n], facing_x, facing_y)
+                    if compensated:
+                        inverse = ONE / (w if w > beta else beta)
+                        w = inverse if w > beta else w
+                    w *= expected
+                    new = pixel + (alpha * pixel) * w
+                    now = (before * now + (new if new < maximum else maximum)) / (before + ONE)
+                    before += w
+                    n += 1
+                value[voxel], weight[voxel] = now, before
+                hits[voxel] += np.uint32(n - start)
+            entered[frame] += count
+
+
+@compiled
+def insert_weighted(
+    images,
+    matrices,
+    pieces,
+    spans,
+    slab,
+    size,
+    value,
+    hits,
+    entered,
+    weight,
+    probability,
+    directions,
+    axes,
+    beam_x,
+    beam_y,
+    factors,
+    reach,
+    onset,
+    sample_of_pixel,
+):
+    """The weighted sum. Arguments as in `insert_aif`, and
+
+    Parameters
+    ----------
+    factors : tuple of float32
+        Floor, gain, beta and maximum.
+    reach, onset : (frames, samples) float32 arrays
+        Evidence at the samples of the scan lines.
+    sample_of_pixel : (n,) uint32 array
+    """
+    floor, gain, beta, maximum = factors
+    voxels = np.empty(images.shape[2], np.uint32)
+    for frame in range(images.shape[0]):
+        xx, xy, xz, yx, yy, yz = axes[frame]
+        arrived, begins = reach[frame], onset[frame]
+        for piece in range(pieces.shape[0]):
+            low, high = span_in_slab(matrices, pieces, spans, frame, piece, slab)
+            if low >= high:
+                continue
+            row, count = pieces[piece, ROW], high - low
+            number_voxels(matrices[frame], row, low, count, size, voxels)
+            beam = pieces[piece, OFFSET] + low - pieces[piece, START]
+            along_x, along_y, pixels = beam_x[beam : beam + count], beam_y[beam : beam + count], images[frame, row, low:high]
+            samples = sample_of_pixel[beam : beam + count]
+            n = 0
+            while n < count:
+                voxel, start = voxels[n], n
+                expected = probability[voxel]
+                total, weights = value[voxel], weight[voxel]
+                if expected == ZERO:
+                    while n < count and voxels[n] == voxel:
+                        pixel = np.float32(pixels[n])
+                        w = floor * arrived[samples[n]]
+                        total += w * (pixel if pixel < maximum else maximum)
+                        weights += w
+                        n += 1
+                else:
+                    x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
+                    facing_x, facing_y = (x * xx + y * xy) + z * xz, (x * yx + y * yy) + z * yz
+                    while n < count and voxels[n] == voxel:
+                        pixel = np.float32(pixels[n])
+                        gate = begins[samples[n]] * expected
+                        w = (floor + gate) * arrived[samples[n]]
+                        if gate > ZERO:
+                            cosine = limited_cosine(along_x[n], along_y[n], facing_x, facing_y)
+                            inverse = ONE / (cosine if cosine > beta else beta)
+                            inverse = inverse if inverse < LARGEST_COMPENSATION else LARGEST_COMPENSATION
+                            pixel *= ONE + (gain * gate) * (inverse if cosine > beta else ONE)
+                        total += w * (pixel if pixel < maximum else maximum)
+                        weights += w
+                        n += 1
+                value[voxel], weight[voxel] = total, weights
+                hits[voxel] += np.uint32(n - start)
+            entered[frame] += count

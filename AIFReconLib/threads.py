@@ -1,0 +1,56 @@
+"""Work in parts, on as many threads as are useful, by compiled code where there is any."""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import os
+import threading
+from collections.abc import Callable
+from importlib.util import find_spec
+from types import ModuleType
+
+
+def in_parts(work: Callable[[int], None], parts: int, threads: int) -> None:
+    """Call `work` with 0 to `parts` - 1, each once, on up to `threads` threads of which the caller's is one.
+
+    Each thread takes the next part when it is done with one, so that parts may differ in size. All threads have ended when this
+    returns or raises; the first error stops the rest, and is raised here.
+    """
+    numbers = itertools.count()
+    errors: list[BaseException] = []
+
+    def take_turns() -> None:
+        try:
+            while not errors and (part := next(numbers)) < parts:
+                work(part)
+        except BaseException as error:
+            errors.append(error)
+
+    helpers = [threading.Thread(target=take_turns, daemon=True) for _ in range(min(threads, parts) - 1)]
+    for helper in helpers:
+        helper.start()
+    take_turns()
+    for helper in helpers:
+        helper.join()
+    if errors:
+        raise errors[0]
+
+
+def usable_cores() -> int:
+    """How many threads are useful: the NUMBA_NUM_THREADS of the environment, else the cores that this process may use."""
+    given = os.environ.get("NUMBA_NUM_THREADS", "")
+    if given.isdigit() and int(given) > 0:
+        return int(given)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def optional_module(name: str) -> ModuleType | None:
+    """One of the library's modules that import numba; None where numba is not there or does not work."""
+    if find_spec("numba") is None:
+        return None
+    try:
+        return importlib.import_module(name)
+    # A numba that does not fit its numpy or its Python fails in whatever way it likes
+    except Exception:
+        return None

@@ -1,0 +1,211 @@
+"""Two engines, one answer: whatever the sweep, the voxels, the method, the threads and the batches."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sweeps import oblique_frames, sphere_bone, turned_grid
+
+from AIFReconLib.beams import ProbeGeometry
+from AIFReconLib.compounding import batch, engines
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.errors import SettingsError
+from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.threads import optional_module
+
+HAS_NUMBA = optional_module("AIFReconLib.compounding.numba_engine") is not None
+needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="numba is not installed")
+REGIONS = (ImageRegion(), ImageRegion(ClipRectangle((2, 1), (28, 22)), Fan((16.0, -6.0), (-40.0, 35.0), (7.0, 29.0))))
+PROBES = (ProbeGeometry("sector", (16.0, -6.0)), ProbeGeometry("linear"))
+
+
+def state_after(engine, method, frames, grid, *, probe=PROBES[0], region=REGIONS[0], threads=None, chunk=None):
+    """Values, score, hits and best cosine after these frames, given all at once or in chunks."""
+    bone = sphere_bone()
+    wanted = ReconstructionSettings(method=method, engine=engine, output_type="float32", best_cosine=True)
+    reconstructor = Reconstructor(grid, wanted, bone, probe=probe, region=region, threads=threads)
+    for start in range(0, len(frames), chunk or len(frames)):
+        reconstructor.insert(frames[start : start + (chunk or len(frames))])
+    result = reconstructor.finish()
+    return result.intensity.array, result.score.array, result.hits.array, result.cosine.array, result.skipped
+
+
+def assert_same(ours, theirs):
+    for one, other in zip(ours[:4], theirs[:4], strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert ours[4] == theirs[4]
+
+
+@needs_numba
+@settings(max_examples=40, deadline=None)
+@given(
+    method=st.sampled_from(METHODS),
+    seed=st.integers(0, 10_000),
+    spacing=st.tuples(*[st.floats(0.3, 2.5)] * 3),
+    turn=st.tuples(*[st.floats(-180, 180)] * 3),
+    pixel=st.tuples(st.floats(0.15, 1.2), st.floats(0.15, 1.2)),
+    threads=st.integers(1, 5),
+    chunk=st.integers(1, 9),
+    probe=st.sampled_from(PROBES),
+    region=st.sampled_from(REGIONS),
+    dtype=st.sampled_from([np.uint8, np.uint16, np.float32]),
+)
+def test_the_engines_agree_to_the_last_bit(method, seed, spacing, turn, pixel, threads, chunk, probe, region, dtype):
+    frames = oblique_frames(seed, count=7, spacing=pixel, dtype=dtype)
+    grid = turned_grid(spacing, (9, 8, 7), turn)
+    plain = state_after("numpy", method, frames, grid, probe=probe, region=region)
+    assert_same(state_after("numba", method, frames, grid, probe=probe, region=region, threads=threads, chunk=chunk), plain)
+
+
+@needs_numba
+@pytest.mark.parametrize("method", METHODS)
+def test_pixels_that_lie_exactly_between_voxels_go_the_same_way(method):
+    frames = oblique_frames(count=3, spacing=(0.25, 0.5))
+    for frame in frames:
+        frame.image_to_reference[:3, :3] = np.diag([0.25, 0.5, 0.4])
+        frame.image_to_reference[:3, 3] = -4.0, -6.5, 0.5
+    grid = turned_grid((0.5, 0.5, 0.5), (20, 20, 3), (0.0, 0.0, 0.0))
+    assert_same(state_after("numba", method, frames, grid, threads=2), state_after("numpy", method, frames, grid))
+
+
+@needs_numba
+@pytest.mark.parametrize("method", METHODS)
+def test_pixels_that_are_not_finite_are_left_out_by_both(method):
+    frames = oblique_frames(count=4, dtype=np.float32)
+    frames[1].image[::3, 1::2] = np.nan
+    frames[2].image[5] = np.inf
+    assert_same(state_after("numba", method, frames, turned_grid()), state_after("numpy", method, frames, turned_grid()))
+
+
+@needs_numba
+@pytest.mark.parametrize("room", [1, 3, 1000])
+def test_the_size_of_a_batch_makes_no_difference(monkeypatch, room):
+    frames = oblique_frames(count=8)
+    plain = state_after("numpy", "aif-compensated", frames, turned_grid())
+    monkeypatch.setattr(batch, "BATCH_BYTES", room * frames[0].image.size)
+    assert_same(state_after("numba", "aif-compensated", frames, turned_grid()), plain)
+
+
+@needs_numba
+def test_frames_before_a_failing_one_have_entered():
+    def failing():
+        yield from oblique_frames(count=3)
+        raise OSError("the disk is gone")
+
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(engine="numba"))
+    with pytest.raises(OSError, match="disk"):
+        reconstructor.insert(failing())
+    assert reconstructor.reconstruction().frames_inserted == 3
+
+
+@needs_numba
+def test_an_image_may_change_once_the_next_frame_was_asked_for():
+    frames = oblique_frames(count=3)
+    straight = state_after("numba", "latest", frames, turned_grid())[0]
+
+    def reusing():
+        for frame in frames:
+            yield frame
+            frame.image[:] = 0
+
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method="latest", engine="numba", output_type="float32"))
+    reconstructor.insert(reusing())
+    np.testing.assert_array_equal(reconstructor.finish().intensity.array, straight)
+
+
+@needs_numba
+def test_other_threads_go_on_while_frames_are_computed():
+    """The compiled loops hold no lock: a thread that counts gets further than it could between two calls of them."""
+    frames = oblique_frames(count=16, shape=(700, 900), spacing=(0.02, 0.02))
+    reconstructor = Reconstructor(turned_grid((0.1, 0.1, 0.1), (150, 150, 150)), ReconstructionSettings(engine="numba"), threads=1)
+    reconstructor.insert(frames)
+    ticks, done = [], threading.Event()
+
+    def count():
+        while not done.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.0005)
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    started = time.perf_counter()
+    reconstructor.insert(frames)
+    stopped = time.perf_counter()
+    done.set()
+    counter.join()
+    assert sum(started < tick < stopped for tick in ticks) >= 3
+
+
+@needs_numba
+@pytest.mark.parametrize("threads", [0, -1])
+def test_a_number_of_threads_below_one_is_refused(threads):
+    with pytest.raises(SettingsError, match="threads must be at least 1"):
+        Reconstructor(turned_grid(), ReconstructionSettings(engine="numba"), threads=threads).insert(oblique_frames(count=1))
+
+
+@needs_numba
+@pytest.mark.parametrize(("wanted", "name"), [("auto", "numba"), ("numba", "numba"), ("numpy", "numpy")])
+def test_the_engine_asked_for_is_used(wanted, name):
+    assert Reconstructor(turned_grid(), ReconstructionSettings(engine=wanted)).engine == name
+
+
+def test_without_numba_auto_is_numpy_and_says_nothing(monkeypatch):
+    monkeypatch.setattr(engines, "find_spec", lambda name: None)
+    assert engines.choose_engine("auto") == (engines.NumpyEngine, None)
+
+
+def test_without_numba_asking_for_it_says_how_to_install_it(monkeypatch):
+    monkeypatch.setattr(engines, "find_spec", lambda name: None)
+    with pytest.raises(SettingsError, match=r"pip install 'numba>="):
+        Reconstructor(turned_grid(), ReconstructionSettings(engine="numba"))
+
+
+@pytest.fixture
+def broken_numba(monkeypatch):
+    """A numba that is there and cannot be imported, as one that is too old for its numpy."""
+    monkeypatch.setattr(engines, "find_spec", lambda name: object())
+    for name in [name for name in sys.modules if name.startswith("AIFReconLib.compounding.numba_")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.delattr("AIFReconLib.compounding.numba_engine", raising=False)
+    monkeypatch.setitem(sys.modules, "AIFReconLib.numba_compile", None)
+
+
+def test_a_broken_numba_gives_the_same_volume_and_a_note(broken_numba):
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings())
+    reconstructor.insert(oblique_frames(count=1))
+    assert reconstructor.engine == "numpy"
+    assert "numba is installed but does not work" in reconstructor.finish().notes[0]
+
+
+def test_asking_for_a_broken_numba_is_an_error_with_the_reason(broken_numba):
+    with pytest.raises(SettingsError, match=r"does not work .*Reinstall"):
+        engines.choose_engine("numba")
+
+
+@needs_numba
+def test_where_no_folder_can_be_written_to_code_is_compiled_all_the_same(monkeypatch):
+    from AIFReconLib import numba_compile
+
+    real = numba_compile.njit
+
+    def without_a_folder(**options):
+        if options.get("cache"):
+            raise RuntimeError("cannot cache function: no locator available")
+        return real(**options)
+
+    monkeypatch.setattr(numba_compile, "njit", without_a_folder)
+    assert numba_compile.compiled(lambda x: x + 1)(2) == 3
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_numpy_engine_is_there_whatever_is_installed(method):
+    bone = sphere_bone() if method in BONE_METHODS else None
+    wanted = ReconstructionSettings(method=method, engine="numpy")
+    assert Reconstructor(turned_grid(), wanted, bone, probe=PROBES[0]).engine == "numpy"

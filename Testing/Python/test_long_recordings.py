@@ -1,0 +1,77 @@
+"""Recordings larger than memory: images are read one by one, whether compressed or not, while earlier ones are computed."""
+
+from __future__ import annotations
+
+import tracemalloc
+
+import numpy as np
+import pytest
+from sweeps import image_pose
+
+from AIFReconLib.errors import OperationCanceled
+from AIFReconLib.frames import FrameRecord, TrackedSequence
+from AIFReconLib.io.sequence_files import read_sequence, write_sequence
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.region import ImageRegion
+from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.transform_graph import TransformName, TransformSample
+from AIFReconLib.volume import VoxelGrid
+
+FRAMES, ROWS, COLUMNS = 300, 120, 160
+GRID = VoxelGrid.from_spacing((0, 0, 0), (32, 24, 30), 1.0)
+
+
+def sweep() -> TrackedSequence:
+    rng = np.random.default_rng(0)
+    images = np.repeat(rng.integers(0, 256, (6, ROWS, COLUMNS), dtype=np.uint8), FRAMES // 6, axis=0)
+    name = TransformName("Image", "Reference")
+    poses = [image_pose((0.2, 0.2), translation=(0, 0, 0.1 * number)) for number in range(FRAMES)]
+    return TrackedSequence(images, [FrameRecord(timestamp=0.1 * n, transforms={name: TransformSample(p)}) for n, p in enumerate(poses)])
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["uncompressed", "compressed"])
+def recording(request, tmp_path_factory):
+    path = tmp_path_factory.mktemp("long") / "sweep.mha"
+    write_sequence(sweep(), path, compress=request.param)
+    return path
+
+
+@pytest.mark.parametrize("engine", ["numpy", "auto"])
+def test_a_recording_takes_no_more_memory_than_a_few_of_its_images(recording, engine):
+    sequence = read_sequence(recording)
+    settings = ReconstructionSettings(method="average", engine=engine)
+    reconstruct(sequence, settings, grid=GRID, region=ImageRegion())
+    tracemalloc.start()
+    try:
+        reconstruct(sequence, settings, grid=GRID, region=ImageRegion())
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 0.6 * FRAMES * ROWS * COLUMNS
+
+
+def test_a_file_gives_the_volume_of_the_images_in_memory(recording):
+    settings = ReconstructionSettings(method="average")
+    theirs = reconstruct(sweep(), settings, grid=GRID, region=ImageRegion())
+    ours = reconstruct(read_sequence(recording), settings, grid=GRID, region=ImageRegion())
+    np.testing.assert_array_equal(ours.intensity.array, theirs.intensity.array)
+
+
+def test_canceling_in_the_middle_stops_the_reading(recording):
+    sequence = read_sequence(recording)
+    read = []
+
+    class Watched:
+        shape, dtype = sequence.images.shape, sequence.images.dtype
+
+        def __len__(self):
+            return len(sequence.images)
+
+        def __getitem__(self, index):
+            read.append(index)
+            return sequence.images[index]
+
+    watched = TrackedSequence(Watched(), sequence.records, sequence.fields, sequence.transforms)
+    with pytest.raises(OperationCanceled):
+        reconstruct(watched, ReconstructionSettings(), grid=GRID, region=ImageRegion(), progress=lambda done, _: done < 0.2)
+    assert len(read) < FRAMES / 2

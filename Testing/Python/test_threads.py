@@ -1,0 +1,121 @@
+"""Work in parts, and reading ahead: everything once, in order, and no thread left behind."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import pytest
+
+from AIFReconLib.read_ahead import read_ahead
+from AIFReconLib.threads import in_parts, optional_module, usable_cores
+
+
+@pytest.mark.parametrize("threads", [1, 2, 7])
+@pytest.mark.parametrize("parts", [0, 1, 20])
+def test_every_part_is_done_once(parts, threads):
+    done = []
+    in_parts(done.append, parts, threads)
+    assert sorted(done) == list(range(parts))
+
+
+def test_an_error_in_a_part_is_raised_and_no_thread_stays():
+    before = threading.active_count()
+
+    def work(part):
+        if part == 3:
+            raise ValueError("part 3")
+
+    with pytest.raises(ValueError, match="part 3"):
+        in_parts(work, 50, 4)
+    assert threading.active_count() == before
+
+
+def test_after_an_error_no_new_part_is_begun():
+    done = []
+
+    def work(part):
+        done.append(part)
+        raise ValueError
+
+    with pytest.raises(ValueError):
+        in_parts(work, 1000, 1)
+    assert done == [0]
+
+
+def test_there_is_at_least_one_core():
+    assert usable_cores() >= 1
+
+
+def test_the_number_of_threads_can_be_set_from_outside(monkeypatch):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "3")
+    assert usable_cores() == 3
+
+
+def test_a_module_that_cannot_be_imported_is_none(monkeypatch):
+    monkeypatch.setattr("AIFReconLib.threads.find_spec", lambda name: object())
+    assert optional_module("AIFReconLib.numba_no_such_thing") is None
+
+
+@pytest.mark.parametrize("ahead", [1, 3, 100])
+def test_items_come_in_their_order(ahead):
+    with read_ahead(range(50), ahead) as items:
+        assert list(items) == list(range(50))
+
+
+def test_the_next_items_are_read_while_one_is_worked_on():
+    read = []
+
+    def items():
+        for number in range(4):
+            read.append(number)
+            yield number
+
+    with read_ahead(items(), ahead=2) as ours:
+        next(ours)
+        for _ in range(500):
+            if len(read) >= 3:
+                break
+            time.sleep(0.01)
+        assert len(read) >= 3
+
+
+def test_no_more_is_read_ahead_than_allowed():
+    read = []
+
+    def items():
+        for number in range(100):
+            read.append(number)
+            yield number
+
+    with read_ahead(items(), ahead=2) as ours:
+        next(ours)
+        time.sleep(0.3)
+        # One taken, two waiting, one on its way
+        assert len(read) <= 4
+
+
+def test_an_error_of_the_reader_comes_where_its_item_would_have():
+    def items():
+        yield 1
+        raise OSError("cut short")
+
+    taken = []
+    with read_ahead(items()) as ours, pytest.raises(OSError, match="cut short"):
+        taken.extend(ours)
+    assert taken == [1]
+
+
+@pytest.mark.parametrize("taken", [0, 1, 5])
+def test_no_thread_stays_when_the_caller_leaves_early(taken):
+    before = threading.active_count()
+
+    def leave_early():
+        with read_ahead(iter(range(10_000)), ahead=2) as ours:
+            for _ in range(taken):
+                next(ours)
+            raise KeyError
+
+    with pytest.raises(KeyError):
+        leave_early()
+    assert threading.active_count() == before
