@@ -33,8 +33,9 @@ BONE_ECHO_DB = 58.0
 SPECULAR_SLOPE = 0.38
 """Root mean square slope of bone's facets at the scale of the wavelength."""
 
-DIFFUSE_SHARE = 0.045
-"""Amplitude of the diffuse echo relative to the specular one at normal incidence."""
+DIFFUSE_SHARE = 0.2
+"""Amplitude of the diffuse echo relative to the specular one at normal incidence. A real bone under a probe of higher frequency shows 0.45
+(docs/decisions/0020)."""
 
 ATTENUATION_DB_PER_MM = 0.5
 """Both ways: 0.5 dB/(cm MHz) at 5 MHz."""
@@ -112,8 +113,8 @@ class UltrasoundEffects:
     log_compression: bool = True
 
 
-def surface_echo(cosine, effects: UltrasoundEffects) -> np.ndarray:
-    """Amplitude of a bone surface's echo, 1 for a specular one at normal incidence.
+def specular_echo(cosine, effects: UltrasoundEffects) -> np.ndarray:
+    """Amplitude of the echo of a bone surface's facets, 1 at normal incidence.
 
     Parameters
     ----------
@@ -123,16 +124,27 @@ def surface_echo(cosine, effects: UltrasoundEffects) -> np.ndarray:
     Notes
     -----
     A rough surface reflects as its facets do that face the probe. With normally distributed slopes of root mean square m, their share
-    is exp(-tan^2 a / (2 m^2)) (Beckmann and Spizzichino 1963); m = 0.38. Beside it a diffuse part falls as cos a (Lambert).
+    is exp(-tan^2 a / (2 m^2)) (Beckmann and Spizzichino 1963); m = 0.38.
     """
     cosine = np.clip(cosine, 0.0, 1.0)
     tangent_squared = 1.0 / np.maximum(cosine, 1e-3) ** 2 - 1.0
-    echo = np.zeros_like(cosine, dtype=np.float64)
-    if effects.specular:
-        echo = echo + np.exp(-tangent_squared / (2 * SPECULAR_SLOPE**2))
-    if effects.diffuse:
-        echo = echo + DIFFUSE_SHARE * cosine
-    return np.where(cosine > 0, echo, 0.0)
+    return np.where(cosine > 0, np.exp(-tangent_squared / (2 * SPECULAR_SLOPE**2)), 0.0) * effects.specular
+
+
+def diffuse_echo(cosine, effects: UltrasoundEffects) -> np.ndarray:
+    """Root mean square amplitude of what a bone surface scatters back from roughness and pores below the wavelength.
+
+    Parameters
+    ----------
+    cosine : array or float
+        Of the angle of incidence a; 0 and below: no echo.
+
+    Notes
+    -----
+    `DIFFUSE_SHARE` cos a (Lambert), relative to the specular echo at normal incidence. Its phases are random, so echoes of different
+    places add up in power, where those of facets add up in amplitude.
+    """
+    return DIFFUSE_SHARE * np.clip(cosine, 0.0, 1.0) * effects.diffuse
 
 
 def simulate_frame(
@@ -259,9 +271,12 @@ def _bone_echoes(probe: PhasedArray, hits, cosines, rng, effects: UltrasoundEffe
     Notes
     -----
     Between two rays of a line that meet one surface, arrival and strength are interpolated, so that an oblique surface gives one long
-    echo and not five short ones. The beam's profile in amplitude weighs them.
+    echo and not five short ones. The beam's profile in amplitude weighs them. Specular echoes that arrive together
+    add up in amplitude, diffuse ones in power.
     """
-    amplitude = surface_echo(cosines, effects) * 10.0 ** (BONE_ECHO_DB / 20.0)
+    square = 10.0 ** (BONE_ECHO_DB / 20.0)
+    specular, diffuse = specular_echo(cosines, effects) * square, diffuse_echo(cosines, effects) * square
+    weights = _elevation_weights(len(FINE_ELEVATIONS)) if hits.shape[1] > 1 else np.ones(1)
     if hits.shape[1] > 1:
         position = np.interp(FINE_ELEVATIONS, ELEVATIONS, np.arange(len(ELEVATIONS)))
         low = np.minimum(position.astype(int), len(ELEVATIONS) - 2)
@@ -270,23 +285,32 @@ def _bone_echoes(probe: PhasedArray, hits, cosines, rng, effects: UltrasoundEffe
         with np.errstate(invalid="ignore"):
             one_surface = np.abs(far - near) < 4.0
             arrival = np.where(one_surface, near + share * (far - near), np.where(share < 0.5, near, far))
-        blended = amplitude[:, low] + share * (amplitude[:, low + 1] - amplitude[:, low])
-        strength = np.where(one_surface, blended, np.where(share < 0.5, amplitude[:, low], amplitude[:, low + 1]))
-        strength = strength * _elevation_weights(len(FINE_ELEVATIONS))
+
+        def between(values):
+            blended = values[:, low] + share * (values[:, low + 1] - values[:, low])
+            return np.where(one_surface, blended, np.where(share < 0.5, values[:, low], values[:, low + 1]))
+
+        specular, diffuse = between(specular), between(diffuse)
     else:
-        arrival, strength = hits, amplitude
+        arrival = hits
     sample = (arrival - probe.radii[0]) / probe.depth * (probe.samples - 1)
     seen = np.isfinite(sample) & (sample < probe.samples - 1.001) & (sample >= 0)
     line = np.broadcast_to(np.arange(probe.lines)[:, None], sample.shape)[seen]
     first = sample[seen].astype(int)
-    share, strength = sample[seen] - first, strength[seen]
+    share = sample[seen] - first
     number, size = line * probe.samples + first, probe.lines * probe.samples
-    field = np.bincount(number, strength * (1 - share), size) + np.bincount(number + 1, strength * share, size)
-    field = field.reshape(probe.lines, probe.samples)
+
+    def deposited(strength):
+        strength = strength[seen]
+        field = np.bincount(number, strength * (1 - share), size) + np.bincount(number + 1, strength * share, size)
+        return field.reshape(probe.lines, probe.samples)
+
+    coherent = deposited(specular * weights)
+    incoherent = np.sqrt(deposited(diffuse**2 * weights**2 / (weights**2).sum()))
     if not effects.speckle:
-        return field.astype(np.complex64)
-    texture = 0.8 + 0.55 * ndimage.gaussian_filter(_random_phasors(rng, field.shape), 0.7, mode="nearest") * 2.5
-    return (field * texture).astype(np.complex64)
+        return (coherent + incoherent).astype(np.complex64)
+    texture = 0.8 + 0.55 * ndimage.gaussian_filter(_random_phasors(rng, coherent.shape), 0.7, mode="nearest") * 2.5
+    return (coherent * texture + incoherent * _random_phasors(rng, coherent.shape)).astype(np.complex64)
 
 
 def _reverberation(probe: PhasedArray, rng: np.random.Generator) -> np.ndarray:

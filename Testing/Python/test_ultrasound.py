@@ -10,8 +10,9 @@ from AIFReconLib.simulation.ultrasound import (
     DYNAMIC_RANGE_DB,
     SPECULAR_SLOPE,
     UltrasoundEffects,
+    diffuse_echo,
     simulate_frame,
-    surface_echo,
+    specular_echo,
 )
 from AIFReconLib.transforms import transform_points
 from AIFReconLib.volume import Volume, VoxelGrid
@@ -165,8 +166,18 @@ def test_without_the_specular_part_the_echo_falls_with_the_cosine():
     assert (square - oblique) * DYNAMIC_RANGE_DB / 254 == pytest.approx(20 * np.log10(2), abs=0.4)
 
 
+def test_diffuse_echoes_that_a_thick_beam_spreads_add_up_in_power():
+    rough = replace(BONE_ONLY, specular=False, beam_thickness=True)
+    angles = np.deg2rad([30.0, 60.0])
+    near, far = (middle_column(frame(Plane(PROBE.elevation_focus, np.rad2deg(a), axis="elevational"), rough)).max() for a in angles)
+    amplitude = np.cos(angles) / np.sqrt(np.tan(angles))
+    assert (near - far) * DYNAMIC_RANGE_DB / 254 == pytest.approx(20 * np.log10(amplitude[0] / amplitude[1]), abs=0.8)
+
+
 def test_a_surface_seen_from_behind_gives_no_echo():
-    assert surface_echo(np.array([-0.5, 0.0]), UltrasoundEffects()).tolist() == [0.0, 0.0]
+    behind = np.array([-0.5, 0.0])
+    assert not specular_echo(behind, UltrasoundEffects()).any()
+    assert not diffuse_echo(behind, UltrasoundEffects()).any()
 
 
 @pytest.mark.parametrize("angle_deg", [25.0, 35.0, 45.0])
@@ -235,8 +246,9 @@ def test_reverberation_puts_fading_bands_under_the_face():
 
 def test_without_log_compression_gray_is_amplitude():
     linear = replace(BONE_ONLY, log_compression=False)
-    grays = [middle_column(frame(Plane(angle_deg=a, axis="elevational"), linear)).max() for a in (10.0, 25.0)]
-    model = surface_echo(np.cos(np.deg2rad([10.0, 25.0])), UltrasoundEffects())
+    grays = [middle_column(frame(Plane(angle_deg=a, axis="elevational"), linear)).max() for a in (20.0, 30.0)]
+    cosines = np.cos(np.deg2rad([20.0, 30.0]))
+    model = specular_echo(cosines, UltrasoundEffects()) + diffuse_echo(cosines, UltrasoundEffects())
     assert grays[1] / grays[0] == pytest.approx(model[1] / model[0], rel=0.03)
 
 
