@@ -17,6 +17,8 @@ METHODS = ("average", "latest", "maximum", "aif", "aif-compensated", "weighted")
 BONE_METHODS = ("aif", "aif-compensated", "weighted")
 """Methods that need a bone map and the direction of the beams."""
 
+ENGINES = ("auto", "numpy", "numba")
+
 DEFAULT_METHOD_WITH_BONE = "weighted"
 DEFAULT_METHOD_WITHOUT_BONE = "average"
 DEFAULT_SPACING = 0.5
@@ -80,7 +82,11 @@ class ReconstructionSettings:
     )
     best_cosine: bool = parameter(False, "also keep each voxel's best cosine of incidence (needs a bone map)")
     skip: int | None = parameter(None, "use every N-th frame (default: the configuration's, else every one)", minimum=1, whole=True)
-    engine: str = parameter("auto", "who does the arithmetic; every engine gives the same voxels", choices=("auto", "numpy"))
+    engine: str = parameter(
+        "auto",
+        "who does the arithmetic; every engine gives the same voxels (auto: numba where it is installed, which is many times as fast)",
+        choices=ENGINES,
+    )
     output_type: str | None = parameter(
         None, "type of the intensity volume (default: uint8 for 8-bit images, else float32)", choices=("uint8", "float32")
     )
