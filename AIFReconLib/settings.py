@@ -92,7 +92,7 @@ class ReconstructionSettings:
     )
 
     bone_gain: float = parameter(
-        1.5,
+        2.0,
         "weighted: how much bone that a frame shows and the map expects is brightened, times up to 3 for oblique beams",
         minimum=0.0,
         maximum=10.0,

@@ -23,13 +23,16 @@ SMOOTHING = 1.25
 SMOOTHING_LINES = 3
 """The same across, in scan lines."""
 
-ONSET_DEPTH = 1.5
-"""mm. A shadow must begin this far behind bone: its echo is about as long as this."""
+ONSET_DEPTH = 3.0
+"""mm. A shadow must have begun this far behind bone: an oblique echo with its smoothing is about as long as this."""
+
+CREST = 1.0
+"""mm before a pixel in which nothing may be brighter: an onset is the crest of the last echo, not its slope down into the shadow."""
 
 LEAST_SHADOW = 8.0
 """mm. Darkness shorter than this, at the end of a scan line, is no evidence of a shadow."""
 
-REACHED = 0.25
+REACHED = 0.35
 """Share of the gray scale that a scan line must still attain, here or deeper, for sound to count as having fully arrived."""
 
 LEAST_REACH = 0.01
@@ -38,8 +41,8 @@ LEAST_REACH = 0.01
 FALL = 0.16
 """Share of the gray scale by which brightness must fall for a full-blown onset (with 8 bit over 58 dB: 9 dB)."""
 
-LAST_ECHO = 0.75
-"""Share of the brightest echo at or below it that a pixel must have to begin counting as the shadow's source."""
+LAST_ECHO = 0.9
+"""Share of the brightest echo from `CREST` before it to the end of the line that a pixel must have to count as the shadow's source."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +97,7 @@ class ScanLines:
         lines = scan_line_samples(columns + left, rows + top, layout.spacing, probe)
         count, samples = lines.columns.shape
         self.step = lines.step
-        self.depth = max(self._samples(ONSET_DEPTH), 1)
+        self.depth, self.crest = max(self._samples(ONSET_DEPTH), 1), max(self._samples(CREST), 1)
         self.taps = self._samples(SMOOTHING) | 1
         # Kept as (samples, lines), so that neighbors on neighboring lines lie side by side and rows are added to rows
         self.shape = samples, count
@@ -134,10 +137,11 @@ class ScanLines:
 
         Notes
         -----
-        With q the smoothed brightness along a scan line, S(r) = max of q from r to the end of the line, M the full scale:
-        A(r) = min(1, S(r) / (0.25 M))^2 is the share of sound that arrives at r or deeper, and R = A(r) + 0.01;
-        E = clip((S(r) - S(r')) / (0.16 M)) clip((q(r) / S(r) - 0.75) / 0.25) (1 - A(r')), r' = r + 1.5 mm, where clip limits to 0 to 1:
-        brightness falls here, this is the last bright place, and nothing arrives behind it. E is 0 in the last 8 mm of a line.
+        With q the smoothed brightness along a scan line, S(r) = max of q from r to the end of the line (all of it for r < 0), M the full
+        scale: A(r) = min(1, S(r) / (0.35 M))^2 is the share of sound that arrives at r or deeper, and R = A(r) + 0.01;
+        E = clip((S(r) - S(r')) / (0.16 M)) clip((q(r) / S(r - 1 mm) - 0.9) / 0.1) (1 - A(r')), r' = r + 3 mm, where clip limits to 0 to 1:
+        brightness falls here, this is the crest of the last bright place, and nothing arrives behind it. E is 0 in the last 8 mm of a
+        line.
         """
         per_tap, per_line, per_reached, per_fall, last_echo, per_echo, least = self.scales(full_scale)
         samples, _ = self.shape
@@ -164,7 +168,10 @@ class ScanLines:
         np.subtract(now, later, out=found)
         found *= per_fall
         np.minimum(np.maximum(found, dark, out=found), np.float32(1), out=found)
-        share /= np.maximum(now, np.float32(np.finfo(np.float32).tiny))
+        crest = np.empty_like(now)
+        crest[: self.crest] = below[0]
+        crest[self.crest :] = now[: -self.crest]
+        share /= np.maximum(crest, np.float32(np.finfo(np.float32).tiny), out=crest)
         share -= last_echo
         share *= per_echo
         found *= np.minimum(np.maximum(share, dark, out=share), np.float32(1), out=share)

@@ -154,6 +154,7 @@ class NumbaEngine:
                 scan_lines.pixel_of_sample,
                 scan_lines.taps,
                 scan_lines.depth,
+                scan_lines.crest,
                 scan_lines.judged,
                 scales,
                 reach[frame],

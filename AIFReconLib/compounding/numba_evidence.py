@@ -61,23 +61,23 @@ def largest_below(bright, deeper, per_reached, least, now, arrived, reach):
 
 
 @inlined
-def find_onset(bright, now, later, later_arrived, per_fall, last_echo, per_echo, sample, judged, found):
+def find_onset(bright, crest, now, later, later_arrived, per_fall, last_echo, per_echo, sample, judged, found):
     """How surely a shadow begins at `sample` of each line, where it is before the line's `judged`."""
     for line in range(bright.size):
-        floor = now[line] if now[line] > TINY else TINY
+        floor = crest[line] if crest[line] > TINY else TINY
         echo = limited((bright[line] / floor - last_echo) * per_echo)
         onset = (limited((now[line] - later[line]) * per_fall) * echo) * (ONE - later_arrived[line])
         found[line] = onset if sample < judged[line] else ZERO
 
 
 @compiled
-def judge(image, pixel_of_sample, taps, depth, judged, scales, reach, onset):
+def judge(image, pixel_of_sample, taps, depth, crest, judged, scales, reach, onset):
     """Reach and onset of one frame.
 
     Parameters
     ----------
     image : (rows, columns) uint8 or float32 array, finite
-    pixel_of_sample, taps, depth, judged
+    pixel_of_sample, taps, depth, crest, judged
         Of `ScanLines`.
     scales : tuple of 7 float32
         See `ScanLines.scales`.
@@ -91,34 +91,42 @@ def judge(image, pixel_of_sample, taps, depth, judged, scales, reach, onset):
     per_tap, per_line, per_reached, per_fall, last_echo, per_echo, least = scales
     samples, count = pixel_of_sample.shape
     half, pixels = taps // 2, image.ravel()
-    along, across, judged_before = np.empty(count, np.float32), np.empty(count, np.float32), np.empty(count, np.float32)
+    along, judged_before = np.empty(count, np.float32), np.empty(count, np.float32)
     judged_before[:] = judged
     lines = np.empty((taps, count), np.float32)
-    below, arrived = np.zeros((depth + 1, count), np.float32), np.empty((depth + 1, count), np.float32)
+    # An onset is found `crest` samples late, when what lies before it is known; above the first sample all is as there
+    kept = depth + crest + 1
+    across, below, arrived = np.empty((kept, count), np.float32), np.zeros((kept, count), np.float32), np.empty((kept, count), np.float32)
     for sample in range(max(samples - half, 0), samples):
         sample_row(pixels, pixel_of_sample[sample], lines[sample % taps])
-    for sample in range(samples - 1, -1, -1):
-        if sample >= half:
-            sample_row(pixels, pixel_of_sample[sample - half], lines[(sample - half) % taps])
-        along[:] = lines[max(sample - half, 0) % taps]
-        for tap in range(1, taps, 2):
-            one, other = min(max(sample - half + tap, 0), samples - 1), min(max(sample - half + tap + 1, 0), samples - 1)
-            add_two_rows(along, lines[one % taps], lines[other % taps])
-        smooth_across(along, per_tap, per_line, across)
-        here, later = sample % (depth + 1), (sample + depth) % (depth + 1)
-        largest_below(across, below[(sample + 1) % (depth + 1)], per_reached, least, below[here], arrived[here], reach[sample][:count])
-        if sample + depth >= samples:
-            onset[sample][:count] = ZERO
+    for sample in range(samples - 1, -crest - 1, -1):
+        if sample >= 0:
+            if sample >= half:
+                sample_row(pixels, pixel_of_sample[sample - half], lines[(sample - half) % taps])
+            along[:] = lines[max(sample - half, 0) % taps]
+            for tap in range(1, taps, 2):
+                one, other = min(max(sample - half + tap, 0), samples - 1), min(max(sample - half + tap + 1, 0), samples - 1)
+                add_two_rows(along, lines[one % taps], lines[other % taps])
+            here = sample % kept
+            smooth_across(along, per_tap, per_line, across[here])
+            largest_below(across[here], below[(sample + 1) % kept], per_reached, least, below[here], arrived[here], reach[sample][:count])
+        place = sample + crest
+        if place >= samples:
             continue
+        if place + depth >= samples:
+            onset[place][:count] = ZERO
+            continue
+        now, later = place % kept, (place + depth) % kept
         find_onset(
-            across,
-            below[here],
+            across[now],
+            below[max(sample, 0) % kept],
+            below[now],
             below[later],
             arrived[later],
             per_fall,
             last_echo,
             per_echo,
-            np.float32(sample),
+            np.float32(place),
             judged_before,
-            onset[sample][:count],
+            onset[place][:count],
         )

@@ -35,7 +35,7 @@ SPECULAR_SLOPE = 0.38
 
 DIFFUSE_SHARE = 0.2
 """Amplitude of the diffuse echo relative to the specular one at normal incidence. A real bone under a probe of higher frequency shows 0.45
-(docs/decisions/0020)."""
+(docs/decisions/0008)."""
 
 ATTENUATION_DB_PER_MM = 0.5
 """Both ways: 0.5 dB/(cm MHz) at 5 MHz."""

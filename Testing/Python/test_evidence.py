@@ -68,7 +68,17 @@ def test_a_shadow_begins_at_bone_however_weak_its_echo(probe, echo):
     image, within, depth = shadowed(probe, echo)
     _, onset = evidence(image, probe)
     inner = ndimage.binary_erosion(within, iterations=4)
-    assert np.median(onset[inner & (depth >= 80.5) & (depth <= 83.5)]) > 0.8
+    assert np.median(onset[inner & (depth >= 81) & (depth < 82)]) > 0.8
+
+
+def test_an_onset_is_the_crest_of_an_echo_and_not_its_slope():
+    image = np.full((ROWS, COLUMNS), 100.0)
+    image[80:] = 0.0
+    image += 140.0 * np.exp(-(((np.arange(ROWS) - 80.0) / 4.0) ** 2))[:, None]
+    _, onset = evidence(image.astype(np.uint8), LINEAR)
+    rows = np.flatnonzero(onset[:, 60] > 0)
+    assert abs(np.average(rows, weights=onset[rows, 60]) - 80.0) < 3.0
+    assert np.ptp(rows) <= 4
 
 
 @PROBES

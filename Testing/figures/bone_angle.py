@@ -1,4 +1,4 @@
-"""Numbers of docs/decisions/0020: how bright bone is against the angle at which the beam meets it, in a real recording and simulated.
+"""Numbers of docs/decisions/0008: how bright bone is against the angle at which the beam meets it, in a real recording and simulated.
 
 Run from anywhere: ``python Testing/figures/bone_angle.py``. The recording lies in AIFRECON_DATA_DIR, else in shared/data beside the
 repository. Takes a minute.
