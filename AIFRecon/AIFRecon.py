@@ -25,11 +25,12 @@ except ImportError:
     # Loaded from source: Slicer knows this folder alone, and the library stands beside it
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
+from AIFReconGui.dependentWidgets import updateDependentWidgets
 from AIFReconGui.parameterNode import AIFReconParameterNode
-from AIFReconGui.sampleData import registerSampleData
+from AIFReconGui.startup import onStartupCompleted
 from AIFReconScene import readiness
 from AIFReconScene.panelWords import inPanelWords
-from AIFReconScene.parameters import ProbeShape, Region, settingsFrom
+from AIFReconScene.parameters import settingsFrom, takeConfigured
 from AIFReconScene.sweepStatus import SweepStatus
 
 
@@ -50,7 +51,7 @@ class AIFRecon(ScriptedLoadableModule):
             "The method is that of Jiang, Xu, Moghekar, Kazanzides and Boctor: Insonification Angle-based Ultrasound Volume "
             "Reconstruction for Spine Intervention."
         )
-        slicer.app.connect("startupCompleted()", registerSampleData)
+        slicer.app.connect("startupCompleted()", onStartupCompleted)
 
 
 class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
@@ -66,6 +67,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._live = None
         self._report = ""
         self._followers = ()
+        self._watch = None
 
     # ---- life of the panel
 
@@ -76,6 +78,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         from AIFReconGui.longWork import LongWork
         from AIFReconGui.pathField import PathField
         from AIFReconGui.segmentsChooser import SegmentsChooser
+        from AIFReconScene.inputWatch import InputWatch
 
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
         self.layout.addWidget(uiWidget)
@@ -90,9 +93,11 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         )
         self._work = LongWork(uiWidget)
         self._live = LivePanel(self.ui, self._run)
+        self._watch = InputWatch(self._onParametersModified, lambda: self.logic.followFrame(self._parameterNode))
 
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
-        self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneEndClose)
+        self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneIsNew)
+        self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndImportEvent, self.onSceneIsNew)
         self.ui.loadButton.connect("clicked(bool)", self.onLoadButton)
         self.ui.applyButton.connect("clicked(bool)", self.onApplyButton)
         self.ui.compareButton.connect("clicked(bool)", self.onCompareButton)
@@ -101,7 +106,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def cleanup(self) -> None:
         """Let go of everything; called when the application closes or the module is reloaded."""
-        self._live.close()
+        self._live.close(sceneStays=True)
         self.setParameterNode(None)
         self.removeObservers()
         self.logic.cleanup()
@@ -128,8 +133,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.setParameterNode(None)
         self.logic.cleanup()
 
-    def onSceneEndClose(self, caller, event) -> None:
-        """Begin anew with the new scene."""
+    def onSceneIsNew(self, caller, event) -> None:
+        """Begin anew with what the scene holds after it was closed, or after another was loaded into it."""
         if self.parent.isEntered:
             self.initializeParameterNode()
 
@@ -140,6 +145,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def setParameterNode(self, parameterNode) -> None:
         """Bind the panel to these parameters, or to none."""
+        self._watch.stop()
         if self._parameterNode:
             self._parameterNode.disconnectGui(self._parameterNodeGuiTag)
             self.removeObserver(self._parameterNode, vtk.vtkCommand.ModifiedEvent, self._onParametersModified)
@@ -159,17 +165,10 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         parameters = self._parameterNode
         if parameters is None or self._work.isRunning:
             return
+        self._watch.follow(parameters)
         for follower in self._followers:
             follower.update()
-        self.ui.sweepStatusLabel.text = self.logic.describeSweep(parameters)
-        self.ui.boneStatusLabel.text = self.logic.describeBone(parameters)
-        for label in (self.ui.sweepStatusLabel, self.ui.boneStatusLabel):
-            label.visible = bool(label.text)
-        self.ui.roiSelector.enabled = parameters.region == Region.BOX
-        self.ui.regionVolumeSelector.enabled = parameters.region == Region.LIKE_VOLUME
-        self.ui.spacingSpinBox.enabled = parameters.region != Region.LIKE_VOLUME
-        self.ui.apexColumnSpinBox.enabled = self.ui.apexRowSpinBox.enabled = parameters.probe == ProbeShape.SECTOR
-        self.ui.singleViewButton.enabled = parameters.output is not None
+        updateDependentWidgets(self.ui, parameters, self.logic.describeSweep(parameters))
         self._live.update(readiness.whyNotLive(parameters))
         self._checkCanApply()
         self.logic.updateDisplay(parameters)
@@ -178,10 +177,11 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         """Enable what can be done, and say what is missing for the rest."""
         parameters = self._parameterNode
         for button, missing, does in (
-            (self.ui.loadButton, self.logic.whyNotLoad(parameters), _("Read the recording into a sweep that can be replayed")),
+            (self.ui.loadButton, readiness.whyNotLoad(parameters), _("Read the recording into a sweep that can be replayed")),
             (self.ui.applyButton, self.logic.whyNotReconstruct(parameters), _("Reconstruct the volume")),
             (self.ui.compareButton, self.logic.whyNotCompare(parameters), _("Reconstruct with each method and show them side by side")),
         ):
+            missing = self._live.whyNotNow() or missing
             button.enabled = not missing
             button.toolTip = missing or does
         self.ui.statusLabel.text = self.logic.whyNotReconstruct(parameters) or self._report
@@ -296,14 +296,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         """How many frames the chosen sweep has and why some cannot be used, in words; also what is wrong with it as a whole."""
         return inPanelWords(self._sweep.text(parameters))
 
-    def describeBone(self, parameters) -> str:
-        """What the chosen bone is taken for."""
-        return readiness.describeBone(parameters)
-
-    def whyNotLoad(self, parameters) -> str:
-        """What is missing before the recording can be read; empty: nothing."""
-        return readiness.whyNotLoad(parameters)
-
     def whyNotReconstruct(self, parameters) -> str:
         """What is missing before a volume can be reconstructed; empty: nothing."""
         return readiness.whyNotReconstruct(parameters, self._sweep.summary(parameters))
@@ -316,8 +308,8 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         """Read the chosen recording and select it; the spacing follows a configuration that tells one."""
         configuration = parameters.configurationPath if parameters.configurationPath.is_file() else None
         browser = self.readRecording(parameters.recordingPath, configuration, progress)
-        parameters.sweep = browser
-        parameters.imageSequence = None
+        parameters.sweep, parameters.imageSequence = browser, None
+        takeConfigured(parameters, browser)
         return self.describeSweep(parameters)
 
     def apply(self, parameters, progress=None) -> str:
@@ -348,6 +340,11 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         """Let the views follow the panel: opacity, volume rendering, probe and outlines."""
         if self._display is not None or parameters.output is not None or parameters.showProbe or parameters.showOutlines:
             self.display.update(parameters)
+
+    def followFrame(self, parameters) -> None:
+        """Let the probe follow the frame that is shown now."""
+        if self._display is not None:
+            self._display.followFrame(parameters)
 
     @property
     def display(self):
@@ -382,6 +379,7 @@ class AIFReconTest(ScriptedLoadableModuleTest):
         from AIFReconScene.boneNodes import labelsFromNode
         from AIFReconScene.metricsTable import measureVolumes
         from AIFReconScene.phantomSample import loadPhantom
+        from AIFReconScene.transforms import ijkToRAS
 
         from AIFReconLib import Volume
 
@@ -390,9 +388,7 @@ class AIFReconTest(ScriptedLoadableModuleTest):
         parameters = logic.getParameterNode()
         logic.chooseDefaults(parameters)
         volume = logic.reconstruct(parameters.sweep, parameters.bone, spacing=1.0, hole_limit=2.0, inputs={"boneSigmaMm": 4.0})
-        matrix = vtk.vtkMatrix4x4()
-        volume.GetIJKToRASMatrix(matrix)
-        placed = Volume(slicer.util.arrayFromVolume(volume), slicer.util.arrayFromVTKMatrix(matrix))
+        placed = Volume(slicer.util.arrayFromVolume(volume), ijkToRAS(volume))
         bone = measureVolumes({"": placed}, labelsFromNode(parameters.bone))[""].bone
         self.assertGreater(bone.coverage, 0.1)
         self.assertLess(bone.localization_error, 1.0)

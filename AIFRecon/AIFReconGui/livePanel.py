@@ -11,6 +11,9 @@ from slicer.i18n import tr as _
 COLLECTED_EVERY, SHOWN_EVERY = 10, 200
 """ms between two looks at the scene's image, and between two updates of what is shown."""
 
+REMEMBERED_ATTRIBUTE = "AIFRecon.LiveServer"
+"""Of a parameter node that has been given the server of the last scan: once, for another that is entered must stay."""
+
 TRACKED_COLOR, LOST_COLOR, IDLE_COLOR = "#1b7a3d", "#b3261e", "#5f6368"
 """Backgrounds of the tracking state; white text has a contrast of 5 or more on each."""
 
@@ -52,14 +55,15 @@ class LivePanel:
         """Whether a scan is under way."""
         return self._live is not None
 
+    def whyNotNow(self) -> str:
+        """Why other work has to wait; empty where it need not. A scan would write over what was reconstructed meanwhile."""
+        return _("Stop the live scan first.") if self.isRunning else ""
+
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none; a scan that is under way goes on."""
         self._parameterNode = parameterNode
-        if (
-            parameterNode is not None
-            and not parameterNode.liveImageDevice
-            and parameterNode.liveHost == parameterNode.default("liveHost").value
-        ):
+        if parameterNode is not None and not parameterNode.parameterNode.GetAttribute(REMEMBERED_ATTRIBUTE):
+            parameterNode.parameterNode.SetAttribute(REMEMBERED_ATTRIBUTE, "1")
             parameterNode.liveHost = slicer.util.settingsValue("AIFRecon/LiveHost", parameterNode.liveHost)
             parameterNode.livePort = slicer.util.settingsValue("AIFRecon/LivePort", parameterNode.livePort, converter=int)
 
@@ -82,7 +86,14 @@ class LivePanel:
 
     def onStart(self) -> None:
         """Begin a scan."""
-        self._run(_("Live reconstruction"), _("The live reconstruction could not be started."), self._start)
+        failure = _("The live reconstruction could not be started.")
+        if self._parameterNode.liveSource == LiveSource.OPENIGTLINK:
+            from .packages import ensureLivePackages
+
+            # It may ask the user: not beneath the progress dialog
+            with slicer.util.tryWithErrorDisplay(failure):
+                ensureLivePackages()
+        self._run(_("Live reconstruction"), failure, self._start)
 
     def onPause(self, paused: bool) -> None:
         """Insert nothing for a while, or go on."""
@@ -103,21 +114,19 @@ class LivePanel:
         """End the scan and keep its volume."""
         self._run(_("Live reconstruction"), _("The live reconstruction could not be ended as it should."), self._stop)
 
-    def close(self) -> None:
-        """End the scan without showing anything more: the scene or the application is being closed."""
+    def close(self, sceneStays: bool = False) -> None:
+        """End the scan without showing anything more: the scene, the panel or the application is being closed."""
         live, self._live = self._live, None
         self._stopTimers()
         if live is not None:
             live.abandon()
+            if sceneStays:
+                live.removeFrame()
             self._showState(_("not started"), IDLE_COLOR)
 
     def _start(self, parameters, progress) -> str:
         from AIFReconScene.liveReconstruction import LiveReconstruction
 
-        if parameters.liveSource == LiveSource.OPENIGTLINK:
-            from .packages import ensureLivePackages
-
-            ensureLivePackages()
         self._live = LiveReconstruction(parameters, progress)
         settings = slicer.app.userSettings()
         settings.setValue("AIFRecon/LiveHost", parameters.liveHost)
@@ -130,8 +139,10 @@ class LivePanel:
     def _stop(self, parameters, progress) -> str:
         self._stopTimers()
         live, self._live = self._live, None
-        node = live.stop(progress)
-        self._showState(_("not started"), IDLE_COLOR)
+        try:
+            node = live.stop(progress)
+        finally:
+            self._showState(_("not started"), IDLE_COLOR)
         if node is not None:
             parameters.output = node
         said = _describe(live.statistics)
@@ -153,8 +164,11 @@ class LivePanel:
             return
         live.refresh()
         statistics = live.statistics
-        tracked = statistics.tracking == "tracked"
-        if live.isScouting:
+        failed = statistics.phase == "failed"
+        tracked = statistics.tracking == "tracked" and not failed
+        if failed:
+            word = _("Failed: nothing is inserted")
+        elif live.isScouting:
             word = _("Scan once quickly, then use the box") if tracked else statistics.tracking
         else:
             word = _("Paused") if statistics.phase == "paused" else statistics.tracking
@@ -187,5 +201,5 @@ def _describe(statistics) -> str:
         rate=statistics.frame_rate, latency=latency, connection=statistics.connection
     )
     second = _("{inserted} of {received} frames inserted").format(inserted=statistics.inserted, received=statistics.frames_received)
-    reasons = "; ".join(f"{count} {reason}" for reason, count in statistics.skipped.items())
+    reasons = "; ".join(f"{count} {inPanelWords(reason)}" for reason, count in statistics.skipped.items())
     return "\n".join([first, second + (f" ({reasons})" if reasons else "")])

@@ -3,7 +3,19 @@
 import pathlib
 from typing import Annotated
 
-from AIFReconScene.parameters import PARAMETERS, BoneDirection, Engine, LiveSource, Method, OutputType, ProbeShape, Region, SigmaUnit
+from AIFReconScene.parameters import (
+    PARAMETERS,
+    BoneDirection,
+    Engine,
+    HoleFilling,
+    Interpolation,
+    LiveSource,
+    Method,
+    OutputType,
+    ProbeShape,
+    Region,
+    SigmaUnit,
+)
 from slicer import (
     vtkMRMLLabelMapVolumeNode,
     vtkMRMLMarkupsROINode,
@@ -49,6 +61,11 @@ class AIFReconParameterNode:
     beta: Annotated[float, _within("beta")] = PARAMETERS["beta"]["default"]
     boneDirection: BoneDirection = BoneDirection(PARAMETERS["bone_direction"]["default"])
     holeLimit: Annotated[float, _within("hole_limit")] = PARAMETERS["hole_limit"]["default"]
+    holes: HoleFilling = HoleFilling.AUTOMATIC
+    interpolation: Interpolation = Interpolation.AUTOMATIC
+    pixelRejection: Annotated[float, Minimum(0.0)] = 0.0
+    speedOfSound: Annotated[float, WithinRange(0.0, PARAMETERS["speed_of_sound"]["maximum"])] = 0.0
+    scannerSpeedOfSound: Annotated[float, _within("scanner_speed_of_sound")] = PARAMETERS["scanner_speed_of_sound"]["default"]
     intensityMaximum: Annotated[float, Minimum(0.0)] = 0.0
     bestCosine: bool = PARAMETERS["best_cosine"]["default"]
     skip: Annotated[int, WithinRange(0, 1000)] = 0

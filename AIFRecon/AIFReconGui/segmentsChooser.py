@@ -19,13 +19,14 @@ class SegmentsChooser:
         self._parameterNode = None
         self._updating = False
         self._shown = None
+        self._boneID = None
         comboBox.connect("checkedIndexesChanged()", self._onChecked)
         self._show([])
 
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none."""
         self._parameterNode = parameterNode
-        self._shown = None
+        self._shown = self._boneID = None
 
     def update(self) -> None:
         """Show the segments that there are and which of them are chosen."""
@@ -35,11 +36,25 @@ class SegmentsChooser:
             segmentation = bone.GetSegmentation()
             ids = [segmentation.GetNthSegmentID(number) for number in range(segmentation.GetNumberOfSegments())]
             segments = [(segmentID, segmentation.GetSegment(segmentID).GetName()) for segmentID in ids]
-        chosen = list(self._parameterNode.boneSegments)
+        chosen = self._stillThere(bone, [segmentID for segmentID, _name in segments])
         if self._shown == (segments, chosen):
             return
         self._shown = (segments, chosen)
         self._show(segments, chosen)
+
+    def _stillThere(self, bone, present) -> list:
+        """The chosen segments. Those of another segmentation, which may have the same IDs, and removed ones are chosen no more."""
+        chosen = list(self._parameterNode.boneSegments)
+        kept = [segmentID for segmentID in chosen if segmentID in present]
+        boneID = bone.GetID() if bone is not None else None
+        if self._boneID is not None and boneID != self._boneID:
+            kept = []
+        self._boneID = boneID if boneID is not None else self._boneID
+        # A segmentation without segments may be one whose file is still to be read
+        if not present or kept == chosen:
+            return chosen
+        self._parameterNode.boneSegments = kept
+        return kept
 
     def _show(self, segments, chosen=()) -> None:
         self._updating = True

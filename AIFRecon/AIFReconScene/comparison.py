@@ -86,8 +86,10 @@ def _shareWindow(nodes) -> None:
 
 def _table(metrics: dict, sweepName: str):
     from .metricsTable import updateMetricsTable
+    from .volumeNodes import intoFolder
 
     name = slicer.mrmlScene.GenerateUniqueName(f"{sweepName} bone metrics")
     node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTableNode", name)
     updateMetricsTable(node, metrics)
+    intoFolder([node], sweepName, slicer.mrmlScene)
     return node

@@ -6,6 +6,7 @@ from AIFReconLib.errors import AIFReconError
 
 from . import sliceDisplay
 from .probeOverlay import ProbeOverlay
+from .sweepStatus import sweepKey
 
 
 class SceneDisplay:
@@ -20,16 +21,21 @@ class SceneDisplay:
     def __init__(self):
         self._overlay = None
         self._drawn = {}
+        self._imaging = (None, None)
 
     def showOutput(self, parameters) -> None:
-        """Show the output over the CT in the usual slice views."""
+        """Show the output over the CT in the usual slice views. Views that show its place already stay where the user has them."""
         sliceDisplay.restoreLayout()
-        sliceDisplay.showOverCT(parameters.output, parameters.ctVolume, parameters.opacity)
+        bounds = [0.0] * 6
+        parameters.output.GetRASBounds(bounds)
+        fit = self._changed("place", (parameters.output.GetID(), bounds))
+        sliceDisplay.showOverCT(parameters.output, parameters.ctVolume, parameters.opacity, fit=fit)
         self.update(parameters)
 
     def showComparison(self, comparison, parameters) -> None:
         """Show the compared volumes side by side, over the CT, in linked views."""
-        sliceDisplay.showSideBySide([(node, method) for method, node in comparison.volumes.items()], parameters.ctVolume)
+        volumes = [(node, method) for method, node in comparison.volumes.items()]
+        sliceDisplay.showSideBySide(volumes, parameters.ctVolume, tableNode=comparison.table)
 
     def update(self, parameters) -> None:
         """Follow opacity, volume rendering, probe and outlines."""
@@ -42,12 +48,18 @@ class SceneDisplay:
         self._updateProbe(parameters)
         self._updateOutlines(parameters)
 
+    def followFrame(self, parameters) -> None:
+        """Draw the probe on the frame that is shown now; an image under a transform takes it along by itself."""
+        if self._drawn.get("probe") and parameters.sweep is not None and isPlacedByItself(parameters.sweep, parameters.imageSequence):
+            self._drawProbe(parameters)
+
     def clear(self) -> None:
         """Remove what is drawn for orientation."""
         if self._overlay is not None:
             self._overlay.hide()
         self._overlay = None
         self._drawn = {}
+        self._imaging = (None, None)
 
     def _changed(self, what: str, state) -> bool:
         changed = self._drawn.get(what) != state
@@ -56,14 +68,17 @@ class SceneDisplay:
 
     def _updateProbe(self, parameters) -> None:
         shown = parameters.showProbe and parameters.sweep is not None
-        state = shown and (*_sweepOf(parameters), parameters.probe, parameters.apexColumn, parameters.apexRow)
+        state = shown and (_sweepOf(parameters), parameters.probe, parameters.apexColumn, parameters.apexRow)
         if not self._changed("probe", state):
             return
         if not shown:
             self._hide("Probe")
-            return
+        else:
+            self._drawProbe(parameters)
+
+    def _drawProbe(self, parameters) -> None:
         try:
-            imaging = _imagingOf(parameters)
+            imaging = self._imagingOf(parameters)
             self._theOverlay().showProbe(parameters.sweep, parameters.imageSequence, imaging.probe, imaging.region)
         except AIFReconError as error:
             self._hide("Probe")
@@ -80,7 +95,7 @@ class SceneDisplay:
             return
         try:
             sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
-            self._theOverlay().showOutlines(parameters.sweep, sequence, _imagingOf(parameters, needProbe=False).region)
+            self._theOverlay().showOutlines(parameters.sweep, sequence, self._imagingOf(parameters, needProbe=False).region)
         except AIFReconError as error:
             self._hide("Outlines")
             slicer.util.showStatusMessage(str(error), 5000)
@@ -94,21 +109,31 @@ class SceneDisplay:
         if self._overlay is not None:
             getattr(self._overlay, f"hide{what}")()
 
+    def _imagingOf(self, parameters, needProbe: bool = True):
+        """Probe and region as a reconstruction would use them; looked for in the images once for a sweep."""
+        from dataclasses import replace
+
+        from AIFReconLib.poses import sweep_poses
+        from AIFReconLib.reconstruction import resolve_imaging
+
+        from .inputs import probeFrom
+        from .sequenceReader import sequenceFromBrowser
+
+        byHand, key = probeFrom(parameters), _sweepOf(parameters)
+        if self._imaging[0] != key or (needProbe and byHand is None and self._imaging[1].probe is None):
+            sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
+            poses = sweep_poses(sequence)
+            poses.require_usable(sequence.name)
+            self._imaging = (key, resolve_imaging(sequence, poses, needProbe and byHand is None))
+        imaging = self._imaging[1]
+        return imaging if byHand is None else replace(imaging, probe=byHand)
+
 
 def _sweepOf(parameters) -> tuple:
-    images = parameters.imageSequence
-    return parameters.sweep.GetID(), images.GetID() if images is not None else None
+    return sweepKey(parameters.sweep, parameters.imageSequence)
 
 
-def _imagingOf(parameters, needProbe: bool = True):
-    """Probe and region as a reconstruction would use them."""
-    from AIFReconLib.poses import sweep_poses
-    from AIFReconLib.reconstruction import resolve_imaging
-
-    from .inputs import probeFrom
-    from .sequenceReader import sequenceFromBrowser
-
-    sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
-    poses = sweep_poses(sequence)
-    poses.require_usable(sequence.name)
-    return resolve_imaging(sequence, poses, needProbe, probe=probeFrom(parameters))
+def isPlacedByItself(browser, imageSequence=None) -> bool:
+    """Whether the images of a sweep lie where their own matrices put them, with no transform above."""
+    proxy = browser.GetProxyNode(imageSequence or browser.GetMasterSequenceNode())
+    return proxy is not None and proxy.GetParentTransformNode() is None

@@ -7,6 +7,7 @@ from AIFReconLib.errors import SettingsError
 from AIFReconLib.progress import part
 
 from .parameters import ProbeShape, Region, SigmaUnit
+from .sceneNodes import proxiesOf
 
 
 @dataclass(frozen=True)
@@ -58,8 +59,8 @@ class Inputs:
         )
 
     def nodes(self) -> tuple:
-        """The nodes that an output must not overwrite."""
-        return tuple(node for node in (self.bone, self.ct, self.region) if node is not None)
+        """The nodes that an output must not overwrite: among them those that the sweep is replayed into."""
+        return tuple(node for node in (self.bone, self.ct, self.region, *proxiesOf(self.sweep)) if node is not None)
 
     def prepared(self, progress=None) -> "PreparedInputs":
         """Turn the nodes into the library's inputs, once for any number of reconstructions.

@@ -2,7 +2,7 @@
 
 import slicer
 
-from AIFReconLib.errors import SettingsError
+from AIFReconLib.errors import OperationCanceled, SettingsError
 from AIFReconLib.live.session import SCOUTING, LiveSession
 from AIFReconLib.live.snapshots import SnapshotMaker
 from AIFReconLib.live.synchronizer import SynchronizerSettings
@@ -12,7 +12,7 @@ from .inputs import Inputs
 from .liveViews import LiveViews
 from .nodeSource import NodeSource
 from .parameters import LiveSource, settingsFrom
-from .volumeNodes import outputNodes, updateVolumeNode
+from .volumeNodes import followIntensity, outputNodes, showGrayLevels, updateVolumeNode
 
 SCOUT_MARGIN = 5.0
 """mm added on each side of the box that was scouted."""
@@ -36,16 +36,19 @@ class LiveReconstruction:
 
     Notes
     -----
-    Reference, the frame that the stream's poses lead to, is RAS world. Everything here is called on the main thread and returns at
-    once; receiving, inserting and making snapshots happen on threads of their own.
+    Reference, the frame that the stream's poses lead to, is RAS world. A scan goes to the selected output only while that is empty, else
+    to a new volume: what was reconstructed before is not lost by pressing Start. Everything here is called on the main thread and returns
+    at once; receiving, inserting and making snapshots happen on threads of their own.
     """
 
     def __init__(self, parameters, progress=None):
         self._name = "Live"
         self._frameNode = None
         self._shownFrame = None
+        self._window = None
         self._views = LiveViews(parameters.ctVolume, parameters.opacity)
-        self._outputs = {"intensity": parameters.output} if parameters.output is not None else {}
+        empty = parameters.output is not None and parameters.output.GetImageData() is None
+        self._outputs = {"intensity": parameters.output} if empty else {}
         inputs = Inputs.fromParameters(parameters)
         settings = settingsFrom(parameters)
         grid, bone = inputs.grid(settings), inputs.boneMap(progress)
@@ -91,12 +94,19 @@ class LiveReconstruction:
         self._snapshots.request()
 
     def stop(self, progress=None):
-        """End the scan and show the final volume; returns its node, or None when nothing was reconstructed."""
+        """End the scan and show the final volume; returns its node, or None when nothing was reconstructed.
+
+        A cancel, which may come while holes are filled, leaves the volume as it was shown last.
+        """
         self._snapshots.stop()
-        result = self.session.finish(progress)
-        if result is not None and result.frames_inserted:
-            self._showVolume(result)
-        self._removeFrame()
+        try:
+            result = self.session.finish(progress)
+            if result is not None and result.frames_inserted:
+                self._showVolume(result)
+        except OperationCanceled:
+            pass
+        finally:
+            self.removeFrame()
         return self.volumeNode
 
     def abandon(self) -> None:
@@ -106,8 +116,9 @@ class LiveReconstruction:
 
     @property
     def volumeNode(self):
-        """The volume that grows, or None before there is one."""
-        return self._outputs.get("intensity")
+        """The volume that grows; None before there is one, and when somebody has deleted it."""
+        node = self._outputs.get("intensity")
+        return node if node is not None and node.GetScene() is not None else None
 
     @property
     def frameNode(self):
@@ -115,11 +126,13 @@ class LiveReconstruction:
         return self._frameNode
 
     def _showVolume(self, result) -> None:
-        known = self._outputs.get("intensity")
-        if known is not None and known.GetScene() is not None and known.GetImageData() is not None:
+        known = self.volumeNode
+        if known is not None and known.GetImageData() is not None:
             updateVolumeNode(known, result.intensity)
+            self._window = followIntensity(known, result, self._window)
         else:
-            self._outputs = outputNodes(result, self._name, nodes=self._outputs)
+            self._outputs = outputNodes(result, self._name, nodes={"intensity": known})
+            self._window = followIntensity(self.volumeNode, result)
         self._views.showVolume(self.volumeNode)
 
     def _showFrame(self) -> None:
@@ -127,14 +140,16 @@ class LiveReconstruction:
         if frame is None or frame is self._shownFrame or frame.image_to_reference is None or frame.status != "OK":
             return
         self._shownFrame = frame
-        if self._frameNode is None:
+        if self._frameNode is None or self._frameNode.GetScene() is None:
             self._frameNode = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", FRAME_NAME)
             self._frameNode.SetSaveWithScene(False)
             self._frameNode.CreateDefaultDisplayNodes()
+            showGrayLevels(self._frameNode, frame.image.dtype)
         updateVolumeNode(self._frameNode, Volume(frame.image[None], frame.image_to_reference))
         self._views.showFrame(self._frameNode)
 
-    def _removeFrame(self) -> None:
+    def removeFrame(self) -> None:
+        """Take the frame out of the scene, and give the red view back as it was."""
         self._views.restore()
         if self._frameNode is not None and self._frameNode.GetScene() is not None:
             slicer.mrmlScene.RemoveNode(self._frameNode)

@@ -1,5 +1,7 @@
 """The views during a scan: the red one lies in the frame that is seen now, the others show the growing volume over the CT."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import slicer
 
@@ -25,7 +27,8 @@ class LiveViews:
     def __init__(self, ctNode, opacity: float):
         self._ct = ctNode
         self._opacity = opacity
-        self._orientation = None
+        self._before = None
+        self._frame = None
         self._volume = None
 
     def showFrame(self, frameNode) -> None:
@@ -34,8 +37,10 @@ class LiveViews:
         if logic is None:
             return
         node, composite = logic.GetSliceNode(), logic.GetSliceCompositeNode()
-        if self._orientation is None:
-            self._orientation = node.GetOrientation()
+        if self._before is None:
+            self._before = _View.of(node, composite)
+        if self._frame is not frameNode:
+            self._frame = frameNode
             composite.SetBackgroundVolumeID(frameNode.GetID())
             composite.SetForegroundVolumeID(None)
             node.SetSliceVisible(True)
@@ -63,12 +68,46 @@ class LiveViews:
         sliceDisplay.showOverCT(volumeNode, self._ct, self._opacity, views=OTHERS)
 
     def restore(self) -> None:
-        """The red slice as it was."""
+        """The red slice as it was; where there is a volume now, it shows that as the others do."""
         logic = slicer.app.applicationLogic().GetSliceLogicByLayoutName(FOLLOWING)
-        if logic is None or self._orientation is None:
+        before, self._before, self._frame = self._before, None, None
+        if logic is None or before is None:
             return
-        logic.GetSliceNode().SetSliceVisible(False)
-        logic.GetSliceNode().SetOrientation(self._orientation if self._orientation != "Reformat" else "Axial")
-        self._orientation = None
-        if self._volume is not None:
+        before.restore(logic.GetSliceNode(), logic.GetSliceCompositeNode())
+        if self._volume is not None and self._volume.GetScene() is not None:
             sliceDisplay.showOverCT(self._volume, self._ct, self._opacity)
+
+
+@dataclass(frozen=True)
+class _View:
+    """What a slice view showed, and where."""
+
+    sliceToRAS: object
+    fieldOfView: tuple
+    visible: bool
+    background: str | None
+    foreground: str | None
+    opacity: float
+
+    @classmethod
+    def of(cls, node, composite) -> "_View":
+        return cls(
+            slicer.util.arrayFromVTKMatrix(node.GetSliceToRAS()),
+            tuple(node.GetFieldOfView()),
+            bool(node.GetSliceVisible()),
+            composite.GetBackgroundVolumeID(),
+            composite.GetForegroundVolumeID(),
+            composite.GetForegroundOpacity(),
+        )
+
+    def restore(self, node, composite) -> None:
+        scene = node.GetScene()
+        there = [volume if volume and scene.GetNodeByID(volume) else None for volume in (self.background, self.foreground)]
+        with slicer.util.NodeModify(node), slicer.util.NodeModify(composite):
+            node.SetSliceVisible(self.visible)
+            node.GetSliceToRAS().DeepCopy(slicer.util.vtkMatrixFromArray(self.sliceToRAS))
+            node.SetFieldOfView(*self.fieldOfView)
+            node.UpdateMatrices()
+            composite.SetBackgroundVolumeID(there[0])
+            composite.SetForegroundVolumeID(there[1])
+            composite.SetForegroundOpacity(self.opacity)

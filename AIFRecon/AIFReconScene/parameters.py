@@ -32,6 +32,8 @@ Method = _choices("Method", "method", automatic=True)
 BoneDirection = _choices("BoneDirection", "bone_direction", automatic=False)
 Engine = _choices("Engine", "engine", automatic=False)
 OutputType = _choices("OutputType", "output_type", automatic=True)
+HoleFilling = _choices("HoleFilling", "holes", automatic=True)
+Interpolation = _choices("Interpolation", "interpolation", automatic=True)
 
 
 class Region(enum.Enum):
@@ -114,3 +116,14 @@ def settingsFrom(parameterNode) -> ReconstructionSettings:
             value = None
         values[name] = value
     return ReconstructionSettings(**values)
+
+
+def takeConfigured(parameterNode, browser) -> None:
+    """Let the panel's spacing follow the Plus configuration that a sweep was loaded with, where that tells one within the range."""
+    from .sweepRecord import readRecord
+
+    asked = getattr(readRecord(browser).get("configuration"), "spacing", None)
+    rule = PARAMETERS["spacing"]
+    values = asked if isinstance(asked, tuple | list) else (asked,)
+    if asked is not None and len(set(values)) == 1 and rule["minimum"] <= values[0] <= rule["maximum"]:
+        parameterNode.spacing = float(values[0])

@@ -7,6 +7,7 @@ from AIFReconLib.settings import BONE_METHODS
 
 from .panelWords import inPanelWords
 from .parameters import LiveSource, Region
+from .sceneNodes import proxiesOf
 
 
 def chooseDefaults(parameters) -> None:
@@ -60,7 +61,8 @@ def _whatIsMissing(parameters) -> str:
         return _("Select or draw the box to reconstruct, or choose another region.")
     if parameters.region == Region.LIKE_VOLUME and parameters.regionVolume is None:
         return _("Select the volume whose voxels are wanted, or choose another region.")
-    if parameters.output is not None and parameters.output in (parameters.ctVolume, parameters.bone, parameters.regionVolume):
+    inputs = (parameters.ctVolume, parameters.bone, parameters.regionVolume, parameters.liveImage, *proxiesOf(parameters.sweep))
+    if parameters.output is not None and any(parameters.output is node for node in inputs):
         return _("The output would overwrite {name}: select another output volume, or a new one.").format(name=parameters.output.GetName())
     return ""
 

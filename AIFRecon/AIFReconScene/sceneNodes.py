@@ -1,9 +1,20 @@
 """Finding nodes of a scene, and taking them out again without leaving anything behind."""
 
+import vtk
+
 
 def nodesOfClass(className: str, scene) -> list:
     """The nodes of a class in a scene, in the scene's order."""
     return [scene.GetNthNodeByClass(index, className) for index in range(scene.GetNumberOfNodesByClass(className))]
+
+
+def proxiesOf(browser) -> list:
+    """The nodes that a sequence browser replays into; none without a browser."""
+    if browser is None:
+        return []
+    nodes = vtk.vtkCollection()
+    browser.GetAllProxyNodes(nodes)
+    return [nodes.GetItemAsObject(index) for index in range(nodes.GetNumberOfItems())]
 
 
 def removeNodes(nodes, scene) -> None:

@@ -7,17 +7,21 @@ from AIFReconLib.errors import SettingsError
 MAIN_VIEWS = ("Red", "Yellow", "Green")
 
 FIRST_LAYOUT = 4200
-"""Layout numbers 4201 to 4209 are ours: Slicer's own stay below 100, and custom ones are free from there on."""
+"""Layout numbers 4201 to 4219 are ours: Slicer's own stay below 100, and custom ones are free from there on."""
 
 MOST_VIEWS = 9
+WITH_TABLE = 10
+"""Added to the number of a layout that has a table below its slice views."""
+
 VIEW_NAME = "AIFRecon{number}"
+TABLE_VIEW_NAME = "AIFReconTable"
 
 _PREVIOUS_LAYOUT = "AIFRecon.PreviousLayout"
 """Attribute of the layout node while volumes are side by side."""
 
 
-def showOverCT(outputNode, ctNode=None, opacity: float = 0.6, applicationLogic=None, views=MAIN_VIEWS) -> None:
-    """Show a volume over a CT in the red, yellow and green views, and fit the views to it.
+def showOverCT(outputNode, ctNode=None, opacity: float = 0.6, applicationLogic=None, views=MAIN_VIEWS, fit: bool = True) -> None:
+    """Show a volume over a CT in the red, yellow and green views.
 
     Parameters
     ----------
@@ -29,10 +33,13 @@ def showOverCT(outputNode, ctNode=None, opacity: float = 0.6, applicationLogic=N
         Default: Slicer's.
     views : tuple of str
         Names of the slice views.
+    fit : bool
+        Whether to bring the views to the volume; else they stay where the user has brought them.
     """
     for sliceLogic in _sliceLogics(views, applicationLogic):
         _showIn(sliceLogic, outputNode, ctNode, opacity)
-        _fit(sliceLogic, outputNode)
+        if fit:
+            _fit(sliceLogic, outputNode)
 
 
 def setOpacity(outputNode, opacity: float, applicationLogic=None) -> None:
@@ -44,7 +51,7 @@ def setOpacity(outputNode, opacity: float, applicationLogic=None) -> None:
             composite.SetForegroundOpacity(opacity)
 
 
-def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", applicationLogic=None) -> None:
+def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", applicationLogic=None, tableNode=None) -> None:
     """Show volumes beside each other in linked slice views that scroll, pan and zoom together.
 
     Parameters
@@ -56,6 +63,8 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
     orientation : "Axial", "Sagittal" or "Coronal"
     applicationLogic : vtkMRMLApplicationLogic or None
         Default: Slicer's.
+    tableNode : vtkMRMLTableNode or None
+        Shown below them.
 
     Raises
     ------
@@ -66,15 +75,14 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
         raise SettingsError(f"Input volumes must be 1 to {MOST_VIEWS}; got {len(volumes)}. Choose which to compare.")
     scene = volumes[0][0].GetScene()
     layout = _layoutNode(scene)
-    number = FIRST_LAYOUT + len(volumes)
-    description = layoutDescription(len(volumes))
-    if not layout.IsLayoutDescription(number):
-        layout.AddLayoutDescription(number, description)
-    elif layout.GetLayoutDescription(number) != description:
-        layout.SetLayoutDescription(number, description)
+    registerLayouts(scene)
+    number = FIRST_LAYOUT + len(volumes) + (WITH_TABLE if tableNode is not None else 0)
     if not _isOurs(layout.GetViewArrangement()):
         layout.SetAttribute(_PREVIOUS_LAYOUT, str(layout.GetViewArrangement()))
     layout.SetViewArrangement(number)
+    tableView = scene.GetSingletonNode(TABLE_VIEW_NAME, "vtkMRMLTableViewNode")
+    if tableNode is not None and tableView is not None:
+        tableView.SetTableNodeID(tableNode.GetID())
     names = [VIEW_NAME.format(number=n) for n in range(1, len(volumes) + 1)]
     logics = _sliceLogics(names, applicationLogic)
     if not logics:
@@ -105,8 +113,17 @@ def restoreLayout(scene=None) -> None:
         layout.SetViewArrangement(int(previous) if previous else slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpView)
 
 
-def layoutDescription(count: int) -> str:
-    """The XML of a layout of so many slice views: one row of up to 3, two of up to 4 each, or three of 3."""
+def registerLayouts(scene=None) -> None:
+    """Tell the scene's layout node what our layouts are; a saved scene only holds the number of the one that was shown."""
+    layout = _layoutNode(scene or slicer.mrmlScene)
+    for count in range(1, MOST_VIEWS + 1) if layout is not None else ():
+        for number, withTable in ((FIRST_LAYOUT + count, False), (FIRST_LAYOUT + WITH_TABLE + count, True)):
+            if not layout.IsLayoutDescription(number):
+                layout.AddLayoutDescription(number, layoutDescription(count, withTable))
+
+
+def layoutDescription(count: int, withTable: bool = False) -> str:
+    """The XML of a layout of so many slice views: one row of up to 3, two of up to 4 each, or three of 3; a table below if wanted."""
     rows = 1 if count <= 3 else 2 if count <= 8 else 3
     perRow = -(-count // rows)
     views = [
@@ -120,7 +137,12 @@ def layoutDescription(count: int) -> str:
     ]
     lines = ["".join(views[start : start + perRow]) for start in range(0, count, perRow)]
     inner = "".join(f'<item><layout type="horizontal">{line}</layout></item>' for line in lines)
-    return f'<layout type="vertical">{inner}</layout>'
+    slices = f'<layout type="vertical">{inner}</layout>'
+    if not withTable:
+        return slices
+    label = '<property name="viewlabel" action="default">T</property>'
+    table = f'<view class="vtkMRMLTableViewNode" singletontag="{TABLE_VIEW_NAME}">{label}</view>'
+    return f'<layout type="vertical" split="true"><item splitSize="750">{slices}</item><item splitSize="250">{table}</item></layout>'
 
 
 def showVolumeRendering(node, on: bool, applicationLogic=None):
@@ -200,4 +222,4 @@ def _layoutNode(scene):
 
 
 def _isOurs(arrangement: int) -> bool:
-    return FIRST_LAYOUT < arrangement <= FIRST_LAYOUT + MOST_VIEWS
+    return FIRST_LAYOUT < arrangement <= FIRST_LAYOUT + WITH_TABLE + MOST_VIEWS

@@ -1,5 +1,7 @@
 """The volumes of a reconstruction as nodes: in RAS world, named for sweep and method, in one folder, shown as ultrasound."""
 
+import re
+
 import numpy as np
 import slicer
 import vtk
@@ -18,6 +20,11 @@ KINDS = (INTENSITY, SCORE, HITS, COSINE, MASK)
 MASK_NAMES = ("empty", "measured", "filled")
 MASK_COLORS = ((0.0, 0.0, 0.0, 0.0), (0.25, 0.65, 0.35, 1.0), (0.95, 0.7, 0.2, 1.0))
 _MASK_ATTRIBUTE = "AIFRecon.MaskColors"
+_NAME_ATTRIBUTE = "AIFRecon.Name"
+"""The name that a node was given here, by which one that the user has changed is known."""
+
+_ROLE = "AIFRecon.{kind}"
+"""Of the references from the intensities to the other volumes of the same reconstruction."""
 
 BRIGHTEST_SHARE = 99.5
 """Percent of the measured voxels that the window reaches up to: single bright voxels must not darken the rest."""
@@ -58,7 +65,8 @@ def outputNodes(
     kinds : tuple of str
         Which of `KINDS`; a cosine that was not computed is left out.
     nodes : dict of str to node, or None
-        Nodes to use again, by kind. They keep their names and lose their parent transform: the result holds world coordinates.
+        Nodes to use again, by kind. Those that were made together with the intensities are used again with them. They lose their parent
+        transform, because the result holds world coordinates. A name that was given here follows the method; one of the user's stays.
     inputs : tuple of node
         What must not be overwritten: CT, bone, volume of the region.
     scene : vtkMRMLScene or None
@@ -72,11 +80,16 @@ def outputNodes(
     Raises
     ------
     SettingsError
-        When a node to use again is an input. Whatever is raised, the scene is as it was.
+        When a node to use again is an input, or a labelmap for anything but the mask. Whatever is raised, the scene is as it was.
     """
     scene = scene or slicer.mrmlScene
     given = {kind: node for kind, node in (nodes or {}).items() if node is not None and kind in kinds}
-    for node in given.values():
+    if INTENSITY in given:
+        earlier = {kind: given[INTENSITY].GetNodeReference(_ROLE.format(kind=kind)) for kind in kinds if kind not in given}
+        given.update({kind: node for kind, node in earlier.items() if node is not None})
+    for kind, node in given.items():
+        if kind != MASK and node.IsA("vtkMRMLLabelMapVolumeNode"):
+            raise SettingsError(f"Output must be a scalar volume; got the labelmap {node.GetName()!r}. Choose or create another one.")
         if any(node is each for each in inputs):
             raise SettingsError(f"Output must be another volume than the inputs; got {node.GetName()!r}. Choose or create another one.")
     volumes = {kind: getattr(result, kind) for kind in KINDS if kind in kinds and getattr(result, kind) is not None}
@@ -88,16 +101,22 @@ def outputNodes(
         placed = {}
         for kind, volume in volumes.items():
             node = given.get(kind)
+            name = f"{sweepName} {result.method}" + ("" if kind == INTENSITY else f" {kind}")
             if node is None:
-                name = f"{sweepName} {result.method}" + ("" if kind == INTENSITY else f" {kind}")
                 className = "vtkMRMLLabelMapVolumeNode" if kind == MASK else "vtkMRMLScalarVolumeNode"
-                node = scene.AddNewNodeByClass(className, scene.GenerateUniqueName(name))
+                node = scene.AddNewNodeByClass(className)
                 made.append(node)
+                _rename(node, name, scene)
+            elif node.GetAttribute(_NAME_ATTRIBUTE) == node.GetName() and re.sub(r"_\d+$", "", node.GetName()) != name:
+                _rename(node, name, scene)
             _place(node, images[kind], volume.ijk_to_reference)
             node.SetAttribute("AIFRecon.Method", result.method)
             node.SetAttribute("AIFRecon.Volume", kind)
             _show(node, kind, window, scene)
             placed[kind] = node
+        for kind, node in placed.items():
+            if INTENSITY in placed and kind != INTENSITY:
+                placed[INTENSITY].SetNodeReferenceID(_ROLE.format(kind=kind), node.GetID())
         _collect(placed.values(), sweepName, scene)
     except Exception:
         removeNodes(made, scene)
@@ -143,12 +162,48 @@ def _show(node, kind: str, window: tuple[float, float], scene) -> None:
         display.SetAutoWindowLevel(False)
         display.SetWindowLevelMinMax(*(window if kind == INTENSITY else (0.0, 1.0)))
     display.SetInterpolate(kind == INTENSITY)
-    high = node.GetImageData().GetScalarRange()[1]
-    if kind == INTENSITY and high > 0:
-        smallest = 1 if node.GetImageData().GetScalarType() == vtk.VTK_UNSIGNED_CHAR else np.finfo(np.float32).tiny
+    if kind == INTENSITY:
+        isByte = node.GetImageData().GetScalarType() == vtk.VTK_UNSIGNED_CHAR
+        smallest, high = (1.0, 255.0) if isByte else (float(np.finfo(np.float32).tiny), node.GetImageData().GetScalarRange()[1])
         display.AutoThresholdOff()
-        display.SetThreshold(float(smallest), high)
+        display.SetThreshold(smallest, max(high, smallest))
         display.SetApplyThreshold(True)
+
+
+def followIntensity(node, result, shown: tuple[float, float] | None = None) -> tuple[float, float]:
+    """Window and threshold for what a volume that grows holds now.
+
+    Parameters
+    ----------
+    node : vtkMRMLScalarVolumeNode
+        Holds ``result.intensity`` already.
+    result : Reconstruction
+    shown : (float, float) or None
+        What this function returned the last time. A window that is another by now is the user's, and stays.
+
+    Returns
+    -------
+    window : (float, float)
+        Darkest and brightest gray level that was meant to be shown.
+    """
+    display = node.GetDisplayNode()
+    window = ultrasoundWindow(result.intensity.array, result.mask.array)
+    if display is not None and shown in (None, (display.GetWindowLevelMin(), display.GetWindowLevelMax())):
+        _show(node, INTENSITY, window, node.GetScene())
+        return window
+    return shown or window
+
+
+def showGrayLevels(node, dtype: np.dtype) -> None:
+    """Show the gray levels of images alike in all of them: automatic window and level would flicker."""
+    if dtype == np.uint8:
+        node.GetScalarVolumeDisplayNode().SetAutoWindowLevel(False)
+        node.GetScalarVolumeDisplayNode().SetWindowLevelMinMax(0, 255)
+
+
+def _rename(node, name: str, scene) -> None:
+    node.SetName(scene.GenerateUniqueName(name))
+    node.SetAttribute(_NAME_ATTRIBUTE, node.GetName())
 
 
 def _maskColors(scene):
@@ -173,6 +228,11 @@ def folderOf(sweepName: str, scene) -> int:
     top, name = hierarchy.GetSceneItemID(), f"AIFRecon {sweepName}"
     folder = hierarchy.GetItemChildWithName(top, name)
     return folder or hierarchy.CreateFolderItem(top, name)
+
+
+def intoFolder(nodes, sweepName: str, scene) -> None:
+    """Put nodes into the folder for what was made from a sweep."""
+    _collect(nodes, sweepName, scene)
 
 
 def _collect(nodes, sweepName: str, scene) -> None:

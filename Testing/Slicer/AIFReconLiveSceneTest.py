@@ -1,0 +1,182 @@
+"""Self tests of a live scan beside a scene that changes: what is kept, what is given back, and what goes on without the panel."""
+
+import pathlib
+import sys
+import threading
+import unittest
+
+import numpy as np
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+from AIFReconLiveTest import waitFor
+
+
+class AIFReconLiveSceneTest(unittest.TestCase):
+    """A scan from a real server on this machine that goes on until it is stopped."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.take(slicer.modules.AIFReconWidget)
+        self.server = None
+        self.parameters.spacing = 1.0
+
+    def tearDown(self):
+        slicer.modules.AIFReconWidget._live.close()
+        if self.server is not None:
+            self.server.stop()
+        slicer.mrmlScene.Clear()
+
+    def take(self, widget):
+        """Work with this panel."""
+        self.widget = widget
+        self.ui, self.parameters, self.live = widget.ui, widget._parameterNode, widget._live
+
+    def begin(self, box=True):
+        """Serve the tiny sweep again and again, and start a scan."""
+        from AIFReconScene.parameters import Region
+
+        from AIFReconLib.live.replay import ReplayServer
+
+        self.server = ReplayServer(tinyScene.makeSequence(), 0, rate=30.0, loop=True)
+        self.server.start()
+        self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", self.server.port
+        if box:
+            roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Box")
+            roi.SetCenterWorld(0.0, 16.0, 0.0)
+            roi.SetSize(40.0, 40.0, 30.0)
+            self.parameters.roi, self.parameters.region = roi, Region.BOX
+        self.ui.liveStartButton.click()
+        self.assertTrue(waitFor(lambda: self.live._live.frameNode is not None))
+
+    def grow(self):
+        """Wait until a volume is shown."""
+        live = self.live._live
+        self.assertTrue(waitFor(lambda: live.volumeNode is not None and slicer.util.arrayFromVolume(live.volumeNode).any()))
+        return live.volumeNode
+
+    def red(self):
+        """Composite node of the red view."""
+        return slicer.app.layoutManager().sliceWidget("Red").mrmlSliceCompositeNode()
+
+    def scanThreads(self):
+        """Threads of a session that are alive."""
+        return [thread.name for thread in threading.enumerate() if thread.name.startswith("aifrecon") and "server" not in thread.name]
+
+    # ---- what is kept
+
+    def test_a_volume_that_holds_something_is_not_overwritten(self):
+        earlier = tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Earlier", np.full((3, 3, 3), 77, np.uint8), np.eye(4))
+        self.parameters.output = earlier
+        self.begin()
+        self.grow()
+        self.ui.liveStopButton.click()
+        self.assertIsNot(self.parameters.output, earlier)
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(earlier), 77)
+
+    def test_other_work_waits_until_the_scan_is_stopped(self):
+        self.parameters.sweep = tinyScene.addSweep()
+        self.begin()
+        self.assertFalse(self.ui.applyButton.enabled)
+        self.assertIn("Stop the live scan", self.ui.applyButton.toolTip)
+        self.ui.liveStopButton.click()
+        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
+
+    def test_the_window_follows_the_volume_that_grows(self):
+        self.begin()
+        display = self.grow().GetDisplayNode()
+        self.assertTrue(waitFor(lambda: display.GetWindowLevelMax() > 30))
+        self.assertEqual(display.GetUpperThreshold(), 255)
+
+    def test_a_window_that_the_user_has_set_stays(self):
+        self.begin()
+        display = self.grow().GetDisplayNode()
+        display.SetWindowLevelMinMax(5, 111)
+        inserted = self.live._live.statistics.inserted
+        self.assertTrue(waitFor(lambda: self.live._live.statistics.inserted > inserted + 20))
+        self.ui.liveStopButton.click()
+        self.assertEqual((display.GetWindowLevelMin(), display.GetWindowLevelMax()), (5, 111))
+
+    def test_a_cancel_while_the_scan_is_ended_leaves_no_frame_behind(self):
+        self.begin()
+        volume = self.grow()
+        live = self.live._live
+        live.stop(lambda fraction, message: False)
+        self.live.close()
+        self.assertIs(live.volumeNode, volume)
+        self.assertEqual(slicer.mrmlScene.GetNodesByName("Live frame").GetNumberOfItems(), 0)
+
+    # ---- what is given back
+
+    def test_the_red_view_shows_again_what_it_showed(self):
+        ct, _bone, _registration = tinyScene.addCT()
+        self.red().SetBackgroundVolumeID(ct.GetID())
+        red = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceNode()
+        red.SetFieldOfView(33.0, 44.0, 1.0)
+        place = slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()).copy()
+        self.begin(box=False)
+        self.assertEqual(self.red().GetBackgroundVolumeID(), self.live._live.frameNode.GetID())
+        self.ui.liveStopButton.click()
+        self.assertEqual(self.red().GetBackgroundVolumeID(), ct.GetID())
+        np.testing.assert_allclose(slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()), place, atol=1e-9)
+        self.assertEqual(red.GetFieldOfView()[:2], (33.0, 44.0))
+
+    def test_a_reload_during_a_scan_ends_it_and_takes_the_frame_away(self):
+        self.begin()
+        self.widget.onReload()
+        self.take(slicer.modules.AIFReconWidget)
+        self.assertEqual(self.scanThreads(), [])
+        self.assertEqual(slicer.mrmlScene.GetNodesByName("Live frame").GetNumberOfItems(), 0)
+        self.assertFalse(self.ui.liveStopButton.enabled)
+
+    # ---- nodes that go
+
+    def test_a_volume_that_is_deleted_during_the_scan_is_made_anew(self):
+        self.begin()
+        volume = self.grow()
+        slicer.mrmlScene.RemoveNode(volume)
+        self.assertIsNot(self.grow(), volume)
+        self.assertTrue(waitFor(lambda: self.parameters.output is self.live._live.volumeNode))
+
+    def test_a_frame_that_is_deleted_is_shown_again(self):
+        self.begin()
+        slicer.mrmlScene.RemoveNode(self.live._live.frameNode)
+        self.assertTrue(waitFor(lambda: self.live._live.frameNode.GetScene() is not None))
+        self.assertEqual(self.red().GetBackgroundVolumeID(), self.live._live.frameNode.GetID())
+
+    # ---- without the panel
+
+    def test_a_scan_goes_on_while_another_module_is_open(self):
+        self.begin()
+        self.widget.exit()
+        inserted = self.live._live.statistics.inserted
+        self.assertTrue(waitFor(lambda: self.live._live.statistics.inserted > inserted + 10))
+        self.grow()
+        self.widget.enter()
+        self.take(self.widget)
+        self.assertTrue(self.ui.liveStopButton.enabled)
+        self.assertFalse(self.ui.liveStartButton.enabled)
+        self.assertTrue(waitFor(lambda: self.parameters.output is self.live._live.volumeNode))
+
+    # ---- words
+
+    def test_a_failure_is_told_in_large_letters(self):
+        self.begin()
+        self.live._live.session._collect_error = RuntimeError("The cable broke.")
+        self.assertTrue(waitFor(lambda: "Failed" in self.ui.liveStateLabel.text))
+        self.assertTrue(waitFor(lambda: "The cable broke." in self.ui.liveStatisticsLabel.text))
+
+    def test_frames_that_are_left_out_are_told_in_the_panel_s_words(self):
+        self.parameters.skip = 2
+        self.begin()
+        self.assertTrue(waitFor(lambda: "left out" in self.ui.liveStatisticsLabel.text))
+        self.assertNotIn("--", self.ui.liveStatisticsLabel.text)
+
+    def test_a_server_that_is_entered_stays_entered(self):
+        self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", 12345
+        self.widget.exit()
+        self.widget.enter()
+        self.assertEqual(self.widget._parameterNode.livePort, 12345)
