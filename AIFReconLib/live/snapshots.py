@@ -17,7 +17,8 @@ class SnapshotMaker:
 
     Notes
     -----
-    `request` and `take` return at once. A request while one is being made is met by that one.
+    `request` and `take` return at once. A request while one is being made is met by that one. What goes wrong in making one is kept in
+    `error` until one succeeds.
     """
 
     def __init__(self, session: LiveSession):
@@ -27,6 +28,7 @@ class SnapshotMaker:
         self._ready: Reconstruction | None = None
         self._inserted = -1
         self._closing = False
+        self.error: Exception | None = None
         self._thread = threading.Thread(target=self._make, name="aifrecon snapshots", daemon=True)
         self._thread.start()
 
@@ -55,7 +57,12 @@ class SnapshotMaker:
             inserted = self._session.statistics.inserted
             if inserted == self._inserted:
                 continue
-            made = self._session.snapshot()
             self._inserted = inserted
+            try:
+                made = self._session.snapshot()
+            except Exception as error:  # kept and told: the scan goes on, and the next request tries again
+                self.error = error
+                continue
+            self.error = None
             with self._lock:
                 self._ready = made

@@ -1,0 +1,90 @@
+"""Snapshots that are made beside a user interface: at most one at a time, only when there is something new, and errors are kept."""
+
+from __future__ import annotations
+
+import time
+from types import SimpleNamespace
+
+import pytest
+
+from AIFReconLib.live.snapshots import SnapshotMaker
+
+
+class Session:
+    """As much of a session as snapshots need: counts how often one is made."""
+
+    def __init__(self):
+        self.statistics = SimpleNamespace(inserted=0)
+        self.made = 0
+        self.trouble: Exception | None = None
+
+    def snapshot(self):
+        self.made += 1
+        if self.trouble is not None:
+            raise self.trouble
+        return f"snapshot {self.made}"
+
+
+@pytest.fixture
+def session():
+    return Session()
+
+
+@pytest.fixture
+def maker(session):
+    maker = SnapshotMaker(session)
+    yield maker
+    maker.stop()
+
+
+def awaited(condition, seconds=10.0):
+    """What `condition()` gives once it is true."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if found := condition():
+            return found
+        time.sleep(0.002)
+    raise AssertionError("it did not happen in time")
+
+
+def test_nothing_is_made_before_it_is_asked_for(session, maker):
+    assert maker.take() is None
+    assert session.made == 0
+
+
+def test_a_snapshot_is_taken_once(session, maker):
+    maker.request()
+    assert awaited(maker.take) == "snapshot 1"
+    assert maker.take() is None
+
+
+def test_nothing_new_makes_no_snapshot(session, maker):
+    maker.request()
+    awaited(maker.take)
+    maker.request()
+    session.statistics.inserted = 0
+    maker.stop()
+    assert session.made == 1
+
+
+def test_frames_that_came_meanwhile_make_the_next_one(session, maker):
+    maker.request()
+    awaited(maker.take)
+    session.statistics.inserted = 5
+    maker.request()
+    assert awaited(maker.take) == "snapshot 2"
+
+
+def test_an_error_is_kept_and_the_next_request_tries_again(session, maker):
+    session.trouble = MemoryError("no room")
+    maker.request()
+    assert awaited(lambda: maker.error) is session.trouble
+    session.trouble, session.statistics.inserted = None, 1
+    maker.request()
+    assert awaited(maker.take) == "snapshot 2"
+    assert maker.error is None
+
+
+def test_stopping_twice_is_harmless(maker):
+    maker.stop()
+    maker.stop()
