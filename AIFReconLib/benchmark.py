@@ -166,9 +166,9 @@ def _volume_jobs(voxels: int) -> list[Job]:
     if optional_module("AIFReconLib.numba_holes") is not None:
         for threads in sorted({1, min(2, usable_cores())}):
             jobs.append((fill("numba", threads), Timing(f"hole filling, reach 2, {million}", "numba", threads, 0.5, 0.0), 0))
-    cores = usable_cores()
+    cores, sampler = usable_cores(), "scipy" if optional_module("AIFReconLib.numba_bone") is None else "numba"
     jobs.append((lambda: BoneMap.from_labels(labels), Timing(f"bone map from labels, {million}", "scipy", cores, 0.5, 0.0), 0))
-    jobs.append((lambda: bone.on_grid(turned), Timing(f"bone map onto a grid, {million}", "scipy", cores, 0.5, 0.0), 0))
+    jobs.append((lambda: bone.on_grid(turned), Timing(f"bone map onto a grid, {million}", sampler, cores, 0.5, 0.0), 0))
     return jobs
 
 

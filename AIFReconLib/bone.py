@@ -13,7 +13,7 @@ from scipy import ndimage
 
 from .errors import GeometryError
 from .progress import Progress, report
-from .threads import in_parts, usable_cores
+from .threads import in_parts, optional_module, usable_cores
 from .volume import Volume, VoxelGrid
 
 SIGMA_VOXELS = 10.0
@@ -173,9 +173,12 @@ class BoneMap:
         directions = np.zeros((*grid.shape, 3), dtype=np.float32)
         for axis in range(3):
             slope = sample(ndimage.sobel(potential, axis=2 - axis, mode="nearest"))
-            for k in range(grid.shape[0]):
+
+            def turn(k: int, axis=axis, slope=slope) -> None:
                 for component in range(3):
                     directions[k, ..., component] += to_reference[component, axis] * slope[k]
+
+            in_parts(turn, grid.shape[0], usable_cores())
             report(progress, 0.3 + 0.2 * (axis + 1), "Placing the bone map")
         _normalize(directions)
         report(progress, 1.0, "Placed the bone map")
@@ -207,12 +210,16 @@ def _sobel_magnitude(array: np.ndarray) -> np.ndarray:
 
 def _normalize(vectors: np.ndarray) -> None:
     """Scale vectors [k, j, i, 3] to unit length in place, slab by slab; vectors too short to have a direction become zero."""
-    for slab in vectors:
+
+    def normalize(k: int) -> None:
+        slab = vectors[k]
         length = np.sqrt(np.einsum("jic,jic->ji", slab, slab, dtype=np.float64))
         too_short = length < SHORTEST
         length[too_short] = 1.0
         slab /= length[..., None].astype(np.float32)
         slab[too_short] = 0.0
+
+    in_parts(normalize, len(vectors), usable_cores())
 
 
 def _box_around(mask: np.ndarray, margin: np.ndarray) -> tuple[slice, slice, slice]:
@@ -239,21 +246,29 @@ def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[np.ndarray], np.ndarr
         return lambda array: array.astype(np.float32)
     to_source = source.grid.reference_to_ijk @ grid.ijk_to_reference
     box = _overlap(to_source, grid, source.grid)
+    # The same voxels with and without it
+    fast = optional_module("AIFReconLib.numba_bone")
 
     def sample(array: np.ndarray) -> np.ndarray:
         result = np.zeros(grid.shape, dtype=np.float32)
         if box is not None:
-            matrix = to_source[2::-1, 2::-1]
+            matrix = np.ascontiguousarray(to_source[2::-1, 2::-1])
             offset = to_source[2::-1, 3] + matrix @ [s.start for s in box]
-            target = result[box]
-            edges = np.linspace(0, len(target), min(PARTS, len(target)) + 1).astype(int)
+            planes = box[0].stop - box[0].start
+            edges = np.linspace(0, planes, min(PARTS, planes) + 1).astype(int)
 
             def sample_slab(part: int) -> None:
-                slab = target[edges[part] : edges[part + 1]]
+                planes = slice(box[0].start + int(edges[part]), box[0].start + int(edges[part + 1]))
+                start = offset + matrix[:, 0] * edges[part]
+                if fast is not None and array.dtype == np.float32 and array.flags.c_contiguous:
+                    first, stop = (planes.start, box[1].start, box[2].start), (planes.stop, box[1].stop, box[2].stop)
+                    fast.sample_linearly(array, matrix, start, result, first, stop)
+                    return
+                slab = result[planes, box[1], box[2]]
                 ndimage.affine_transform(
                     array,
                     matrix,
-                    offset + matrix[:, 0] * edges[part],
+                    start,
                     output=slab,
                     output_shape=slab.shape,
                     order=1,

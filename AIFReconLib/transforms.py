@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from .errors import GeometryError
@@ -19,6 +21,12 @@ RIGIDITY_TOLERANCE = 0.02
 SHEAR_TOLERANCE = 0.1
 """Largest |cosine| between the two image axes. Fiducial calibrations are affine fits: 0.05 has been seen in use."""
 
+
+LAST_ROW_TOLERANCE = 1e-9
+"""How far from 0 the last row of a transform may be."""
+
+LAST_ONE_TOLERANCE = 1e-5
+"""How far from 1 its last number may be: recordings hold 6 digits."""
 
 LARGEST_NUMBER = 1e12
 """No transform in mm holds more; trackers write such numbers for a pose that they do not have."""
@@ -55,7 +63,7 @@ def as_matrix(values, name: str = "matrix") -> np.ndarray:
         raise GeometryError(f"Input {name} must hold finite numbers; got NaN or infinity.")
     if np.abs(matrix).max() > LARGEST_NUMBER:
         raise GeometryError(f"Input {name} must hold numbers of at most {LARGEST_NUMBER:g}; got {np.abs(matrix).max():g}.")
-    if not np.allclose(matrix[3], (0.0, 0.0, 0.0, 1.0), atol=1e-9):
+    if not _ends_in_0_0_0_1(matrix):
         raise GeometryError(f"Input {name} must have 0 0 0 1 as its last row; got {matrix[3].tolist()}.")
     scale = np.prod(np.linalg.norm(matrix[:3, :3], axis=0))
     if scale == 0.0 or abs(np.linalg.det(matrix[:3, :3])) < 1e-9 * scale:
@@ -63,13 +71,21 @@ def as_matrix(values, name: str = "matrix") -> np.ndarray:
     return matrix
 
 
+def _ends_in_0_0_0_1(matrix: np.ndarray) -> bool:
+    """Whether the last row of a (4, 4) matrix is 0 0 0 1, as far as recorded digits go."""
+    x, y, z, one = matrix[3].tolist()
+    return max(abs(x), abs(y), abs(z)) <= LAST_ROW_TOLERANCE and abs(one - 1.0) <= LAST_ONE_TOLERANCE
+
+
 def why_not_affine(matrix: np.ndarray) -> str | None:
     """What keeps a (4, 4) matrix from being a transform of points; None for a usable one."""
-    if not np.isfinite(matrix).all():
+    # Asked of every frame: on 16 numbers Python is ten times as fast as numpy
+    numbers = matrix.ravel().tolist()
+    if not all(map(math.isfinite, numbers)):
         return "not finite"
-    if np.abs(matrix).max() > LARGEST_NUMBER:
+    if max(map(abs, numbers)) > LARGEST_NUMBER:
         return "not a pose (numbers too large)"
-    if not np.allclose(matrix[3], (0.0, 0.0, 0.0, 1.0), atol=1e-9):
+    if not _ends_in_0_0_0_1(matrix):
         return "not a pose (last row is not 0 0 0 1)"
     return None
 
@@ -92,11 +108,11 @@ def why_not_an_image_pose(image_to_reference: np.ndarray) -> str | None:
     problem = why_not_affine(image_to_reference)
     if problem:
         return problem
-    columns = image_to_reference[:3, :2]
-    lengths = np.linalg.norm(columns, axis=0)
-    if lengths.min() <= 0.0 or lengths.max() > 1e4 * lengths.min():
+    x, y = image_to_reference[:3, :2].T.tolist()
+    along_x, along_y = math.hypot(*x), math.hypot(*y)
+    if min(along_x, along_y) <= 0.0 or max(along_x, along_y) > 1e4 * min(along_x, along_y):
         return "singular (a pixel has no size)"
-    if abs(columns[:, 0] @ columns[:, 1]) > SHEAR_TOLERANCE * lengths.prod():
+    if abs(x[0] * y[0] + x[1] * y[1] + x[2] * y[2]) > SHEAR_TOLERANCE * along_x * along_y:
         return "sheared (image axes are not at right angles)"
     return None
 
@@ -124,8 +140,8 @@ def transform_points(a_to_b: np.ndarray, points_a: np.ndarray) -> np.ndarray:
 
 def pixel_spacing(image_to_reference: np.ndarray) -> tuple[float, float]:
     """Column and row pitch (x, y) in mm: the lengths of the first two columns."""
-    lengths = np.linalg.norm(image_to_reference[:3, :2], axis=0)
-    return float(lengths[0]), float(lengths[1])
+    x, y = image_to_reference[:3, :2].T.tolist()
+    return math.hypot(*x), math.hypot(*y)
 
 
 def image_plane_axes(image_to_reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -140,9 +156,9 @@ def image_plane_axes(image_to_reference: np.ndarray) -> tuple[np.ndarray, np.nda
     x = image_to_reference[:3, 0] / spacing[0]
     y = image_to_reference[:3, 1] / spacing[1]
     along, across = x + y, x - y
-    along = along / np.linalg.norm(along)
-    across = across / np.linalg.norm(across)
-    half = np.sqrt(0.5)
+    along = along / math.hypot(*along.tolist())
+    across = across / math.hypot(*across.tolist())
+    half = math.sqrt(0.5)
     return half * (along + across), half * (along - across)
 
 

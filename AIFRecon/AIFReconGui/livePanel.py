@@ -176,6 +176,8 @@ class LivePanel:
         lines = [_describe(statistics)]
         if statistics.trouble:
             lines.append(inPanelWords(statistics.trouble))
+        if live.snapshotProblem:
+            lines.append(live.snapshotProblem)
         if statistics.recording_failure:
             lines.append(statistics.recording_failure)
         self._ui.liveStatisticsLabel.text = "\n".join(lines)

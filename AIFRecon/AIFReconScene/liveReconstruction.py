@@ -72,6 +72,11 @@ class LiveReconstruction:
         return self.session.statistics
 
     @property
+    def snapshotProblem(self) -> str:
+        """Why the volume that is shown does not grow; empty while it does."""
+        return str(self._snapshots.error or "")
+
+    @property
     def isScouting(self) -> bool:
         """Whether the box is still to be found."""
         return self.session.grid is None or self.statistics.phase == SCOUTING

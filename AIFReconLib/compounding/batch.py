@@ -31,7 +31,7 @@ class FrameBatch:
     numbers : list of int
         The frames' numbers in their recording.
     measured : dict of int to (rows, columns) bool array
-        By position in the batch: which pixels of an image were finite, where not all were.
+        By position in the batch: which pixels of an image count, where not all do: those that are finite and were kept.
     """
 
     def __init__(self, shape: tuple[int, int], dtype: np.dtype, frames: int):
@@ -52,15 +52,24 @@ class FrameBatch:
         """Whether nothing more fits in."""
         return len(self.numbers) == len(self.images)
 
-    def add(self, image: np.ndarray, image_to_ijk: np.ndarray, axes: tuple[np.ndarray, np.ndarray], number: int) -> None:
-        """Copy a frame in."""
+    def add(
+        self,
+        image: np.ndarray,
+        image_to_ijk: np.ndarray,
+        axes: tuple[np.ndarray, np.ndarray],
+        number: int,
+        kept: np.ndarray | None = None,
+    ) -> None:
+        """Copy a frame in; of its pixels only those `kept` (rows, columns) count, all by default."""
         place = len(self.numbers)
+        if kept is not None:
+            self.measured[place] = kept
         self.images[place] = image
         if self.images.dtype.kind == "f" and image.dtype.kind == "f":
             finite = np.isfinite(self.images[place])
             if not finite.all():
                 self.images[place][~finite] = 0
-                self.measured[place] = finite
+                self.measured[place] = finite if kept is None else finite & kept
         self.image_to_ijk[place] = image_to_ijk
         self.axes[place] = np.concatenate(axes)
         self.numbers.append(number)

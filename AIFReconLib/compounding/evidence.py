@@ -81,7 +81,11 @@ class ScanLines:
     padded_sample_of_pixel : (n,) uint32 array
         The same in such an array.
     pixel_of_sample : (samples, lines) int32 array
-        The pixel of the whole image nearest to each sample, flat; -1 where there is none.
+        The pixel of the whole image nearest to each sample, flat; 0 where there is none.
+    lit : (n, 2) int64 array
+        First line, and the one after the last, of unbroken runs of samples that have a pixel.
+    first_lit : (samples + 1,) int64 array
+        Number of the first run of each sample, and of all runs.
     judged : (lines,) int32 array
         First sample of each line at which no onset is looked for any more.
 
@@ -114,7 +118,10 @@ class ScanLines:
         number[layout.inside] = np.arange(layout.inside.size)
         self._number_of_sample = number[sampled].reshape(-1)
         inside = number[sampled] < layout.inside.size
-        self.pixel_of_sample = np.where(inside, (row + top) * layout.size[0] + (column + left), -1).astype(np.int32)
+        self.pixel_of_sample = np.where(inside, (row + top) * layout.size[0] + (column + left), 0).astype(np.int32)
+        edges = np.diff(np.pad(inside, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+        self.lit = np.stack([np.nonzero(edges == 1)[1], np.nonzero(edges == -1)[1]], axis=1)
+        self.first_lit = np.append(0, np.cumsum((edges == 1).sum(axis=1)))
         # Where a line leaves the pixels, its darkness is no shadow: nothing is judged within the last millimeters before
         ends = np.where(inside.any(axis=0), samples - inside[::-1].argmax(axis=0), 0)
         self.judged = (ends - max(self._samples(LEAST_SHADOW), self.depth)).astype(np.int32)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ..beams import ProbeGeometry
 from ..region import ImageRegion
+from ..sound_speed import DepthScale
 
 SPACING_TOLERANCE = 1e-3
 """Relative change of pixel spacing at which beam directions are computed anew; recorded matrices jitter in the sixth digit."""
+
+
+CENTER_TOLERANCE = 1e-6
+"""Voxels. The box around a sweep begins at a pixel's center, which rounding must not put outside of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +33,8 @@ class PixelLayout:
         Their flat numbers within the window, rising.
     beam_x, beam_y : (n,) float32 arrays or None
         Beam direction through each, in the image plane.
+    moved : (2, n) float64 array or None
+        Column and row where each truly is, where that is not where it is shown.
     """
 
     size: tuple[int, int]
@@ -36,6 +43,7 @@ class PixelLayout:
     inside: np.ndarray
     beam_x: np.ndarray | None
     beam_y: np.ndarray | None
+    moved: np.ndarray | None = None
 
     @cached_property
     def mask(self) -> np.ndarray:
@@ -70,7 +78,14 @@ class PixelLayout:
         return np.stack([rows + top, starts + left, stops + left, offsets], axis=1).astype(np.int64)
 
     @classmethod
-    def build(cls, size: tuple[int, int], spacing: tuple[float, float], region: ImageRegion, probe: ProbeGeometry | None) -> PixelLayout:
+    def build(
+        cls,
+        size: tuple[int, int],
+        spacing: tuple[float, float],
+        region: ImageRegion,
+        probe: ProbeGeometry | None,
+        depth_scale: DepthScale | None = None,
+    ) -> PixelLayout:
         """Lay out an image of `size` (columns, rows); `probe` is None where no beam directions are needed."""
         columns, rows = size
         mask = region.mask(columns, rows)
@@ -81,7 +96,8 @@ class PixelLayout:
         if probe is not None:
             directions = probe.directions(columns, rows, spacing)[window[0] : window[1], window[2] : window[3]]
             beam_x, beam_y = directions[mask].T.copy()
-        return cls(size, spacing, window, np.flatnonzero(mask), beam_x, beam_y)
+        layout = cls(size, spacing, window, np.flatnonzero(mask), beam_x, beam_y)
+        return layout if depth_scale is None else replace(layout, moved=depth_scale.moved(layout.coordinates))
 
     def fits(self, size: tuple[int, int], spacing: tuple[float, float]) -> bool:
         """Whether it serves a frame of this size and pixel spacing."""
@@ -91,6 +107,33 @@ class PixelLayout:
         """The pixels that count, (n,) float32, of an image (rows, columns)."""
         top, bottom, left, right = self.window
         return image[top:bottom, left:right].reshape(-1)[self.inside].astype(np.float32)
+
+    @cached_property
+    def coordinates(self) -> np.ndarray:
+        """Column and row in the image of the pixels that count, (2, n) float64, as shown."""
+        top, _, left, right = self.window
+        rows, columns = np.divmod(self.inside, right - left)
+        return np.stack([columns + left, rows + top]).astype(np.float64)
+
+    def places(self, image_to_ijk: np.ndarray, pixels: np.ndarray) -> np.ndarray:
+        """Where pixels lie between voxels.
+
+        Parameters
+        ----------
+        image_to_ijk : (4, 4) float64 array
+        pixels : (m,) int64 array
+            Numbers of the n that count.
+
+        Returns
+        -------
+        ijk : (3, m) float64 array, voxels
+            Places that a rounding error keeps off a voxel's center are on it.
+        """
+        column, row = (self.coordinates if self.moved is None else self.moved)[:, pixels]
+        # Not a matrix product, whose rounding is the machine's own
+        ijk = np.stack([along[0] * column + along[1] * row + along[3] for along in image_to_ijk[:3]])
+        whole = np.rint(ijk)
+        return np.where(np.abs(ijk - whole) < CENTER_TOLERANCE, whole, ijk)
 
     def voxels(self, image_to_ijk: np.ndarray, grid_size: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
         """Which voxel each pixel falls into.
@@ -112,6 +155,8 @@ class PixelLayout:
         ijk = floor(image_to_ijk (column, row, 0, 1) + 0.5) in float64, summed as (row part + offset + 0.5) + column part; every
         engine sums in this order, so that pixels on the border of two voxels fall into the same one everywhere.
         """
+        if self.moved is not None:
+            return self._voxels_moved(image_to_ijk, grid_size)
         top, bottom, left, right = self.window
         columns, rows = np.arange(left, right, dtype=np.float64), np.arange(top, bottom, dtype=np.float64)
         flat: np.ndarray | float = 0.0
@@ -132,3 +177,10 @@ class PixelLayout:
             return np.arange(flat.size), flat.astype(np.int64)
         pixels = np.flatnonzero(~outside.reshape(-1)[self.inside])
         return pixels, flat[pixels].astype(np.int64)
+
+    def _voxels_moved(self, image_to_ijk: np.ndarray, grid_size: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
+        """The same for pixels that are not where they are shown."""
+        ijk = np.floor(self.places(image_to_ijk, np.arange(self.inside.size)) + 0.5)
+        pixels = np.flatnonzero(((ijk >= 0) & (ijk < np.array(grid_size)[:, None])).all(axis=0))
+        i, j, k = ijk[:, pixels].astype(np.int64)
+        return pixels, (k * grid_size[1] + j) * grid_size[0] + i

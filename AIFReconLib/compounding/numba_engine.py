@@ -144,7 +144,7 @@ class NumbaEngine:
         return axis, np.unique(np.floor(np.linspace(max(first - 1, 0), min(last + 2, self._size[axis]), SLABS + 1)).astype(np.int64))
 
     def _evidence(self, images: np.ndarray, scan_lines: ScanLines) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Reach and onset of every frame at the samples of its scan lines, (frames, samples), and the sample of every pixel."""
+        """Reach and onset (see `judge`) of frames at the samples of their scan lines, (frames, samples), and the sample of every pixel."""
         reach, onset = np.empty((2, len(images), scan_lines.shape[0], scan_lines.padded), np.float32)
         scales = scan_lines.scales(self._maximum)
 
@@ -152,6 +152,8 @@ class NumbaEngine:
             judge(
                 images[frame],
                 scan_lines.pixel_of_sample,
+                scan_lines.lit,
+                scan_lines.first_lit,
                 scan_lines.taps,
                 scan_lines.depth,
                 scan_lines.crest,

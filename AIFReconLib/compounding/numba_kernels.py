@@ -277,11 +277,17 @@ def insert_weighted(
     factors : tuple of float32
         Floor, gain, beta and maximum.
     reach, onset : (frames, samples) float32 arrays
-        Evidence at the samples of the scan lines.
+        Evidence at the samples of the scan lines; reach is negative where there is an onset.
     sample_of_pixel : (n,) uint32 array
+
+    Notes
+    -----
+    Without an onset, as nearly everywhere, the weight is floor R and the value is the pixel: the bone map is not looked at.
     """
     floor, gain, beta, maximum = factors
     voxels = np.empty(images.shape[2], np.uint32)
+    width = images.shape[2]
+    shares, weights, raised = np.empty(width, np.float32), np.empty(width, np.float32), np.empty(width, np.float32)
     for frame in range(images.shape[0]):
         xx, xy, xz, yx, yy, yz = axes[frame]
         arrived, begins = reach[frame], onset[frame]
@@ -294,33 +300,35 @@ def insert_weighted(
             beam = pieces[piece, OFFSET] + low - pieces[piece, START]
             along_x, along_y, pixels = beam_x[beam : beam + count], beam_y[beam : beam + count], images[frame, row, low:high]
             samples = sample_of_pixel[beam : beam + count]
-            n = 0
-            while n < count:
-                voxel, start = voxels[n], n
-                expected = probability[voxel]
-                total, weights = value[voxel], weight[voxel]
-                if expected == ZERO:
-                    while n < count and voxels[n] == voxel:
-                        pixel = np.float32(pixels[n])
-                        w = floor * arrived[samples[n]]
-                        total += w * (pixel if pixel < maximum else maximum)
-                        weights += w
-                        n += 1
-                else:
-                    x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
-                    facing_x, facing_y = (x * xx + y * xy) + z * xz, (x * yx + y * yy) + z * yz
-                    while n < count and voxels[n] == voxel:
-                        pixel = np.float32(pixels[n])
-                        gate = begins[samples[n]] * expected
-                        w = (floor + gate) * arrived[samples[n]]
-                        if gate > ZERO:
-                            cosine = limited_cosine(along_x[n], along_y[n], facing_x, facing_y)
-                            inverse = ONE / (cosine if cosine > beta else beta)
-                            inverse = inverse if inverse < LARGEST_COMPENSATION else LARGEST_COMPENSATION
-                            pixel *= ONE + (gain * gate) * (inverse if cosine > beta else ONE)
-                        total += w * (pixel if pixel < maximum else maximum)
-                        weights += w
-                        n += 1
-                value[voxel], weight[voxel] = total, weights
-                hits[voxel] += np.uint32(n - start)
+            # Read first and computed afterwards: scattered reads keep compilers from making vectors
+            for n in range(count):
+                shares[n] = arrived[samples[n]]
+            onsets = 0
+            for n in range(count):
+                onsets += np.int32(shares[n] < ZERO)
+            for n in range(count):
+                weights[n] = floor * shares[n]
+            for n in range(count):
+                pixel = np.float32(pixels[n])
+                raised[n] = weights[n] * (pixel if pixel < maximum else maximum)
+            if onsets > 0:
+                for n in range(count):
+                    if shares[n] > ZERO:
+                        continue
+                    voxel, pixel = voxels[n], np.float32(pixels[n])
+                    gate = begins[samples[n]] * probability[voxel]
+                    w = (floor + gate) * -shares[n]
+                    if gate > ZERO:
+                        x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
+                        facing_x, facing_y = (x * xx + y * xy) + z * xz, (x * yx + y * yy) + z * yz
+                        cosine = limited_cosine(along_x[n], along_y[n], facing_x, facing_y)
+                        inverse = ONE / (cosine if cosine > beta else beta)
+                        inverse = inverse if inverse < LARGEST_COMPENSATION else LARGEST_COMPENSATION
+                        pixel *= ONE + (gain * gate) * (inverse if cosine > beta else ONE)
+                    weights[n] = w
+                    raised[n] = w * (pixel if pixel < maximum else maximum)
+            for n in range(count):
+                value[voxels[n]] += raised[n]
+                weight[voxels[n]] += weights[n]
+                hits[voxels[n]] += ONCE
             entered[frame] += count

@@ -6,11 +6,16 @@ import numpy as np
 import pytest
 from geometry_strategies import rigid, rigid_poses, scaled
 from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy import ndimage
 
+from AIFReconLib import bone as bone_module
 from AIFReconLib.bone import SURFACE_SIGMA, BoneMap
 from AIFReconLib.errors import GeometryError, OperationCanceled
+from AIFReconLib.threads import optional_module
 from AIFReconLib.volume import Volume, VoxelGrid
+
+needs_numba = pytest.mark.skipif(optional_module("AIFReconLib.numba_bone") is None, reason="numba is not installed")
 
 OBLIQUE = rigid((0.4, -1.2, 0.8), (10.0, -20.0, 30.0))
 CT_MATRICES = {
@@ -351,6 +356,38 @@ def test_one_voxel_beyond_the_map_there_is_no_bone():
     bone_map = BoneMap.from_probability(Volume(np.ones((4, 5, 6), np.float32), np.eye(4)))
     placed = bone_map.on_grid(VoxelGrid((10, 9, 8), rigid((0, 0, 0), (-2, -2, -2))))
     assert placed.probability.sum() == pytest.approx(4 * 5 * 6)
+
+
+@needs_numba
+@given(
+    turn=rigid_poses,
+    spacing=st.tuples(*[st.floats(0.2, 3.0)] * 3),
+    shape=st.tuples(*[st.integers(1, 9)] * 3),
+    size=st.tuples(*[st.integers(1, 14)] * 3),
+    seed=st.integers(0, 1000),
+)
+@settings(max_examples=40, deadline=None)
+def test_a_map_has_the_same_voxels_with_and_without_numba(turn, spacing, shape, size, seed):
+    probability = np.random.default_rng(seed).random(shape, dtype=np.float32)
+    bone_map = BoneMap.from_probability(Volume(probability, scaled(1.0, 0.8, 1.3)))
+    # Near the map, wherever the motion takes it
+    placed = turn @ scaled(*spacing)
+    placed[:3, 3] = np.remainder(placed[:3, 3], 8.0) - 4.0
+    grid = VoxelGrid(size, placed)
+    fast = bone_map.on_grid(grid)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bone_module, "optional_module", lambda name: None)
+        plain = bone_map.on_grid(grid)
+    np.testing.assert_array_equal(fast.probability, plain.probability)
+    np.testing.assert_array_equal(fast.directions_reference, plain.directions_reference)
+
+
+@needs_numba
+def test_a_map_that_is_stored_by_columns_is_placed_alike():
+    probability = np.random.default_rng(0).random((6, 7, 8), dtype=np.float32)
+    by_columns = BoneMap(Volume(np.asfortranarray(probability), np.eye(4)), None).on_grid(FINE)
+    by_rows = BoneMap(Volume(probability, np.eye(4)), None).on_grid(FINE)
+    np.testing.assert_array_equal(by_columns.probability, by_rows.probability)
 
 
 def test_values_fall_to_0_within_one_voxel_of_the_border_of_the_map():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -62,6 +63,34 @@ def test_the_engines_agree_to_the_last_bit(method, seed, spacing, turn, pixel, t
     grid = turned_grid(spacing, (9, 8, 7), turn)
     plain = state_after("numpy", method, frames, grid, probe=probe, region=region)
     assert_same(state_after("numba", method, frames, grid, probe=probe, region=region, threads=threads, chunk=chunk), plain)
+
+
+def shadowed_frames(count=4, columns=34):
+    """Frames with a bright band and nothing behind it, in every second scan line or so."""
+    frames = oblique_frames(count=count, shape=(70, columns), spacing=(0.4, 0.4))
+    for frame in frames:
+        frame.image[:] //= 3
+        frame.image[30:36, ::2] = 250
+        frame.image[36:] = 0
+        frame.image[60, :: columns // 3] = 255
+    return frames
+
+
+@needs_numba
+@pytest.mark.parametrize("probe", PROBES)
+@pytest.mark.parametrize("columns", [1, 2, 3, 16, 34])
+def test_shadows_of_bone_are_weighted_alike_however_many_scan_lines_there_are(probe, columns):
+    frames = shadowed_frames(columns=columns) if columns > 2 else [replace(f, image=f.image[:, :columns].copy()) for f in shadowed_frames()]
+    plain = state_after("numpy", "weighted", frames, turned_grid(), probe=probe)
+    assert_same(state_after("numba", "weighted", frames, turned_grid(), probe=probe, threads=2), plain)
+
+
+def test_the_shadowed_frames_of_these_tests_show_onsets_on_expected_bone():
+    without_gain = ReconstructionSettings(method="weighted", engine="numpy", output_type="float32", bone_gain=0.0)
+    plain = Reconstructor(turned_grid(), without_gain, sphere_bone(), probe=PROBES[1])
+    plain.insert(shadowed_frames())
+    raised = state_after("numpy", "weighted", shadowed_frames(), turned_grid(), probe=PROBES[1])[0]
+    assert (raised > plain.finish().intensity.array).sum() > 20
 
 
 @needs_numba

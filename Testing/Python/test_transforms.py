@@ -69,6 +69,11 @@ def test_what_is_no_transform_of_points_is_refused(values, words):
         as_matrix(values)
 
 
+@pytest.mark.parametrize(("column", "value", "good"), [(3, 1 + 9e-6, True), (3, 1 - 2e-5, False), (1, 9e-10, True), (1, -2e-9, False)])
+def test_the_last_row_may_be_off_by_the_last_recorded_digit(column, value, good):
+    assert (why_not_affine(with_entry(3, column, value)) is None) == good
+
+
 def test_the_error_names_the_matrix():
     with pytest.raises(GeometryError, match="Input transform ProbeToTracker must"):
         as_matrix(np.eye(3), "transform ProbeToTracker")
