@@ -7,6 +7,7 @@ import numpy as np
 from .errors import GeometryError
 from .memory import require_memory
 from .region import ImageRegion, extreme_pixels
+from .sound_speed import DepthScale
 from .volume import VoxelGrid
 
 LARGEST_EXTENT = 5000.0
@@ -23,6 +24,7 @@ def grid_around_sweep(
     region: ImageRegion,
     spacing: tuple[float, float, float],
     bytes_per_voxel: int = 1,
+    depth_scale: DepthScale | None = None,
 ) -> VoxelGrid:
     """The smallest grid along the axes of Reference that holds the region of every frame.
 
@@ -35,6 +37,8 @@ def grid_around_sweep(
     spacing : (x, y, z), mm
     bytes_per_voxel : int
         What the reconstruction will take, so that a grid that cannot fit is refused before it is made.
+    depth_scale : DepthScale or None
+        Where pixels truly are, where that is not where they are shown.
 
     Raises
     ------
@@ -51,7 +55,13 @@ def grid_around_sweep(
     """
     if not len(image_to_reference):
         raise GeometryError("Input poses must be at least one; got none.")
-    pixels = extreme_pixels(region.mask(*frame_size))
+    mask = region.mask(*frame_size)
+    pixels = extreme_pixels(mask)
+    if depth_scale is not None:
+        # What is straight as shown may not be in truth: the whole outline counts
+        beside = np.pad(mask, 1)
+        outline = mask & ~(beside[:-2, 1:-1] & beside[2:, 1:-1] & beside[1:-1, :-2] & beside[1:-1, 2:])
+        pixels = depth_scale.moved(np.argwhere(outline)[:, ::-1].T.astype(np.float64)).T
     least, most = np.full(3, np.inf), np.full(3, -np.inf)
     for matrix in image_to_reference:
         points = pixels @ matrix[:3, :2].T + matrix[:3, 3]

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from .beams import SECTOR, ProbeGeometry
 from .bone import BoneMap
 from .compounding.reconstructor import Reconstruction, Reconstructor, needs_beams
+from .compounding.splat_engine import uses_shares
 from .compounding.state import bytes_per_voxel
+from .configured import configured_parts, resolve_settings
 from .detection import detect_imaging
 from .errors import BeamGeometryError, NoUsableFramesError
 from .extent import grid_around_sweep
@@ -18,6 +22,7 @@ from .progress import Progress, part, report
 from .read_ahead import read_ahead
 from .region import ImageRegion
 from .settings import ReconstructionSettings
+from .sound_speed import DepthScale, depth_factor
 from .transforms import pixel_spacing
 from .volume import VoxelGrid
 
@@ -36,18 +41,6 @@ class Imaging:
     region: ImageRegion
     probe: ProbeGeometry | None
     notes: tuple[str, ...] = ()
-
-
-def resolve_settings(settings: ReconstructionSettings, sequence: TrackedSequence, has_bone: bool) -> ReconstructionSettings:
-    """`settings` with what they leave open taken from the sequence's configuration: method (where there is no bone), spacing, skip."""
-    configuration = sequence.configuration
-    method, spacing = settings.method, settings.spacing
-    skip = settings.skip if settings.skip is not None else getattr(configuration, "skip", 1)
-    if method is None and not has_bone:
-        method = getattr(configuration, "method", None)
-    if spacing is None:
-        spacing = getattr(configuration, "spacing", None)
-    return replace(settings, method=method or settings.method_for(has_bone), spacing=spacing, skip=skip)
 
 
 def configured_region(sequence: TrackedSequence) -> ImageRegion | None:
@@ -94,6 +87,7 @@ def reconstruct(
     *,
     region: ImageRegion | None = None,
     probe: ProbeGeometry | None = None,
+    importance: np.ndarray | None = None,
     image_to_reference: str | None = None,
     reference: str | None = None,
     progress: Progress | None = None,
@@ -108,9 +102,11 @@ def reconstruct(
     bone : BoneMap or None
         Needed by methods that weight by incidence.
     grid : VoxelGrid or None
-        Where to reconstruct; by default the box around the sweep, along the axes of Reference.
+        Where to reconstruct; by default the configuration's box, else the one around the sweep, along the axes of Reference.
     region, probe : ImageRegion, ProbeGeometry or None
         Override the configuration and what the images show.
+    importance : (rows, columns) array, 0 to 1, or None
+        Weight of each pixel in an average, as `read_importance_mask` returns it; by default the configuration's.
     image_to_reference, reference : str or None
         See `sweep_poses`.
     progress : Progress or None
@@ -124,7 +120,9 @@ def reconstruct(
     AIFReconError
         One of its kinds, with a message that says what is wrong, where, and what to do. Inputs are untouched.
     """
-    settings = resolve_settings(settings or ReconstructionSettings(), sequence, bone is not None)
+    asked = settings or ReconstructionSettings()
+    settings = resolve_settings(asked, sequence.configuration, bone is not None, importance is not None)
+    parts = configured_parts(asked, settings, sequence.configuration, importance)
     report(progress, 0.0, "Looking at the sweep")
     poses = sweep_poses(sequence, image_to_reference, reference)
     poses.require_usable(sequence.name)
@@ -133,21 +131,38 @@ def reconstruct(
     if not chosen.size:
         raise NoUsableFramesError(f"{sequence.name}: none of every {settings.skip}th frames can be placed. Use a smaller --skip.")
     uses_beams = needs_beams(settings.method, settings)
-    imaging = resolve_imaging(sequence, poses, uses_beams, region, probe)
+    factor = depth_factor(settings)
+    imaging = resolve_imaging(sequence, poses, uses_beams or factor != 1.0, region, probe)
+    if grid is None and parts.grid is not None and image_to_reference is None and reference is None:
+        grid = parts.grid
     if grid is None:
-        cost = bytes_per_voxel(settings.method, uses_beams, settings.best_cosine)
-        grid = grid_around_sweep(poses.image_to_reference[chosen], sequence.frame_size, imaging.region, settings.spacing_xyz(), cost)
+        cost = bytes_per_voxel(settings.method, uses_beams, settings.best_cosine, uses_shares(settings, parts.importance))
+        placed, scale = poses.image_to_reference[chosen], None
+        if factor != 1.0:
+            scale = DepthScale.of(imaging.region.mask(*sequence.frame_size), imaging.probe, factor, pixel_spacing(placed[0]))
+        grid = grid_around_sweep(placed, sequence.frame_size, imaging.region, settings.spacing_xyz(), cost, scale)
     report(progress, 0.02, "Preparing the volume")
     bone_share = 0.15 if uses_beams else 0.02
     reconstructor = Reconstructor(
-        grid, settings, bone, probe=imaging.probe, region=imaging.region, progress=part(progress, 0.02, bone_share)
+        grid,
+        settings,
+        bone,
+        probe=imaging.probe,
+        region=imaging.region,
+        threads=parts.threads,
+        importance=parts.importance,
+        holes=parts.holes,
+        progress=part(progress, 0.02, bone_share),
     )
     inserting = part(progress, bone_share, 0.95)
     with read_ahead(tracked_frames(sequence, poses, order)) as frames:
         reconstructor.insert(_reporting(frames, len(order), inserting))
     if not reconstructor.counts.inserted:
         reasons = "; ".join(f"{reason}: {describe_frames(numbers)}" for reason, numbers in reconstructor.counts.skipped.items())
-        raise NoUsableFramesError(f"{sequence.name}: no frame falls into the volume ({reasons}). Check --grid-like and --reference.")
+        raise NoUsableFramesError(
+            f"{sequence.name}: no frame falls into the volume ({reasons}). "
+            "Check its box (--grid-like, or the configuration's OutputOrigin and OutputExtent) and --reference."
+        )
     last = len(sequence) - 1
     if last not in order or poses.problems[last] is not None:
         # Nobody has looked at the end of the file yet: one that is cut short or of another size must not pass unnoticed
@@ -155,4 +170,4 @@ def reconstruct(
     result = reconstructor.finish(part(progress, 0.95, 1.0))
     report(progress, 1.0, "Reconstructed")
     warnings = getattr(sequence.configuration, "warnings", ())
-    return replace(result, notes=(*warnings, *poses.notes, *imaging.notes, *result.notes))
+    return replace(result, notes=(*warnings, *parts.notes, *poses.notes, *imaging.notes, *result.notes))

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .errors import SettingsError
+from .fan_detection import FanDetection
 
 
 @dataclass(frozen=True)
@@ -90,10 +91,14 @@ class Fan:
 
 @dataclass(frozen=True)
 class ImageRegion:
-    """The part of the image that is ultrasound: clip rectangle and fan, each optional."""
+    """The part of the image that is ultrasound: clip rectangle and fan, each optional.
+
+    With `fan_detection`, each frame's own angles are looked for within those of the fan; `mask` has the fan's.
+    """
 
     clip: ClipRectangle | None = None
     fan: Fan | None = None
+    fan_detection: FanDetection | None = None
 
     def mask(self, columns: int, rows: int) -> np.ndarray:
         """Which pixels enter a volume, (rows, columns) bool.

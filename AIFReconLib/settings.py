@@ -18,6 +18,8 @@ BONE_METHODS = ("aif", "aif-compensated", "weighted")
 """Methods that need a bone map and the direction of the beams."""
 
 ENGINES = ("auto", "numpy", "numba")
+INTERPOLATIONS = ("nearest", "linear")
+HOLE_FILLINGS = ("off", "nearest", "cube", "gaussian", "stick")
 
 DEFAULT_METHOD_WITH_BONE = "weighted"
 DEFAULT_METHOD_WITHOUT_BONE = "average"
@@ -74,6 +76,31 @@ class ReconstructionSettings:
     )
     hole_limit: float = parameter(
         0.0, "empty voxels take the nearest measured value up to this distance; 0: off", unit="mm", minimum=0.0, maximum=20.0
+    )
+    holes: str | None = parameter(
+        None,
+        "how empty voxels within the limit are filled: nearest measured value; or as Plus does it, mean of the nearest cube, gaussian "
+        "average, sticks that bridge gaps; off: not (default: nearest where a limit is given, else the configuration's way)",
+        choices=HOLE_FILLINGS,
+    )
+    interpolation: str | None = parameter(
+        None,
+        "each pixel enters its nearest voxel, or spreads linearly over the eight around it (average, latest and maximum only; "
+        "default: the configuration's, else nearest)",
+        choices=INTERPOLATIONS,
+    )
+    pixel_rejection: float | None = parameter(
+        None, "pixels darker than this gray level do not enter (default: the configuration's, else all enter)", minimum=0.0
+    )
+    speed_of_sound: float | None = parameter(
+        None,
+        "true speed of sound, where it is not the scanner's: pixels move along their beams (default: no correction)",
+        unit="m/s",
+        minimum=800.0,
+        maximum=2500.0,
+    )
+    scanner_speed_of_sound: float = parameter(
+        1540.0, "speed of sound that the scanner assumes; matters with the true one alone", unit="m/s", minimum=800.0, maximum=2500.0
     )
     intensity_maximum: float | None = parameter(
         None,

@@ -9,6 +9,7 @@ from datetime import date
 from pathlib import Path
 
 from ..bone import BoneMap
+from ..configured import resolve_settings
 from ..console import ProgressBar, columns
 from ..evaluation.figures import compare_figure, require_matplotlib
 from ..evaluation.metrics import BoneMetrics, evaluate
@@ -20,7 +21,7 @@ from ..io.sequence_files import read_sequence
 from ..io.transform_files import read_transform
 from ..io.volume_files import read_labels, read_volume
 from ..progress import part
-from ..reconstruction import reconstruct, resolve_settings
+from ..reconstruction import reconstruct
 from ..settings import METHODS, ReconstructionSettings
 from ..volume import Volume
 from .simulate import SimulatedFiles, write_simulated_patient
@@ -84,7 +85,7 @@ def run(arguments: argparse.Namespace) -> None:
         for number, method in enumerate(METHODS):
             step = part(progress, 0.6 + 0.35 * number / len(METHODS), 0.6 + 0.35 * (number + 1) / len(METHODS))
             asked = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT)
-            settings[method] = resolve_settings(asked, sequence, True)
+            settings[method] = resolve_settings(asked, sequence.configuration, True)
             result = reconstruct(sequence, settings[method], bone, progress=part(step, 0.0, 0.8))
             result.intensity.write(folder / f"reconstruction-{method}.nrrd")
             metrics[method] = evaluate(result.intensity, truth, result.mask)

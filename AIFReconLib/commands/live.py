@@ -153,6 +153,8 @@ def _session(arguments: argparse.Namespace) -> LiveSession:
     with ProgressBar() as progress:
         bone = bone_from(arguments, unseen, progress=progress)
     grid = read_volume(arguments.grid_like).grid if arguments.grid_like else None
+    if grid is None and configuration is not None and not (arguments.reference or arguments.image_to_reference):
+        grid = configuration.grid(None if settings.spacing is None else settings.spacing_xyz())
     synchronizer = SynchronizerSettings(
         image_device=arguments.image,
         image_to_reference=arguments.image_to_reference,

@@ -97,6 +97,10 @@ def bone_from(
     if arguments.bone_from_sweep:
         if arguments.bone_transform:
             raise SettingsError("--bone-transform places a CT, and --bone-from-sweep needs none. Leave out one of them.")
+        if getattr(arguments, "speed_of_sound", None) is not None:
+            raise SettingsError(
+                "--bone-from-sweep takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels."
+            )
         poses = sweep_poses(sequence, arguments.image_to_reference, arguments.reference)
         poses.require_usable(sequence.name)
         return bone_from_sweep(sequence, poses, resolve_imaging(sequence, poses, True, region, probe), progress=progress)
@@ -112,8 +116,8 @@ def bone_from(
     return None
 
 
-def add_imaging_options(parser: argparse.ArgumentParser) -> None:
-    """Probe, clip rectangle and fan."""
+def add_imaging_options(parser: argparse.ArgumentParser):
+    """Probe, clip rectangle and fan; the answer is the group, for more of the kind."""
     image = parser.add_argument_group("image", "what the image shows; default: the configuration's, else recognized by the black surround")
     image.add_argument("--probe", choices=("auto", LINEAR, SECTOR), default="auto", help="shape of the beams (default: auto)")
     image.add_argument("--apex-px", type=float, nargs=2, metavar=("COLUMN", "ROW"), help="virtual apex of a sector probe")
@@ -122,6 +126,7 @@ def add_imaging_options(parser: argparse.ArgumentParser) -> None:
     )
     image.add_argument("--fan-angles-deg", type=float, nargs=2, metavar=("A", "B"), help="use this fan about the apex, from +y toward +x")
     image.add_argument("--fan-radius-px", type=float, nargs=2, metavar=("R0", "R1"), help="between these radii about the apex")
+    return image
 
 
 def imaging_from(arguments: argparse.Namespace, sequence: TrackedSequence) -> tuple[ImageRegion | None, ProbeGeometry | None]:
@@ -140,7 +145,8 @@ def imaging_from(arguments: argparse.Namespace, sequence: TrackedSequence) -> tu
         if about is None:
             raise SettingsError("A fan stands about the apex of a sector probe, which is not known. Give --apex-px COLUMN ROW.")
         fan = Fan(about, tuple(arguments.fan_angles_deg), tuple(arguments.fan_radius_px))
-    region = ImageRegion(clip or configured.clip, fan or configured.fan) if clip or fan else None
+    detection = None if fan else configured.fan_detection
+    region = ImageRegion(clip or configured.clip, fan or configured.fan, detection) if clip or fan else None
     return region, probe
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from ..compounding.reconstructor import Reconstruction
 from ..console import ProgressBar
 from ..io.atomic import check_writable, write_text
+from ..io.importance_mask import read_importance_mask
 from ..io.volume_files import check_volume_path, read_volume
 from ..poses import sweep_poses
 from ..progress import part
@@ -53,7 +54,10 @@ def add_to(commands) -> None:
     add_tracking_options(parser)
     add_sequence_options(parser)
     add_bone_options(parser)
-    add_imaging_options(parser)
+    image = add_imaging_options(parser)
+    image.add_argument(
+        "--importance-mask", type=Path, metavar="IMAGE", help="weight of each pixel in an average: 8-bit gray image, 0 does not count"
+    )
     volume = add_volume_options(parser)
     volume.add_argument("--report", type=Path, metavar="FILE", help="also write a report of the tracking and of what was done, as JSON")
     add_tuning_options(parser)
@@ -79,6 +83,7 @@ def add_volume_options(parser: argparse.ArgumentParser):
     where.add_argument("--grid-like", type=Path, metavar="VOLUME", help="use the voxels of this volume (any orientation)")
     where.add_argument("--spacing", type=float, nargs="+", action=SpacingAction, metavar="MM", help="voxel size, one number or x y z")
     add_setting(volume, "hole_limit", metavar="MM")
+    add_setting(volume, "holes")
     add_setting(volume, "output_type")
     for name, meaning in zip(
         SIDE_OUTPUTS, ("sum of weights", "pixels per voxel", "0 empty, 1 measured, 2 filled", "best cosine of incidence"), strict=True
@@ -90,7 +95,9 @@ def add_volume_options(parser: argparse.ArgumentParser):
 def add_tuning_options(parser: argparse.ArgumentParser) -> None:
     """The parameters of the methods."""
     tuning = parser.add_argument_group("tuning")
-    for name in ("alpha", "beta", "bone_gain", "weight_floor", "intensity_maximum", "skip", "engine"):
+    for name in ("alpha", "beta", "bone_gain", "weight_floor", "interpolation", "pixel_rejection", "intensity_maximum", "skip", "engine"):
+        add_setting(tuning, name)
+    for name in ("speed_of_sound", "scanner_speed_of_sound"):
         add_setting(tuning, name)
 
 
@@ -99,7 +106,7 @@ def run(arguments: argparse.Namespace) -> None:
     started = time.perf_counter()
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
     inputs = [*sequence_inputs(arguments), arguments.bone_labels, arguments.bone_probability, arguments.grid_like]
-    refuse_to_overwrite([*outputs.values(), arguments.report], [*inputs, arguments.bone_transform])
+    refuse_to_overwrite([*outputs.values(), arguments.report], [*inputs, arguments.bone_transform, arguments.importance_mask])
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     for path in filter(None, outputs.values()):
         check_volume_path(path)
@@ -117,6 +124,7 @@ def run(arguments: argparse.Namespace) -> None:
             grid,
             region=region,
             probe=probe,
+            importance=read_importance_mask(arguments.importance_mask) if arguments.importance_mask else None,
             image_to_reference=arguments.image_to_reference,
             reference=arguments.reference,
             progress=part(progress, 0.1, 0.95),

@@ -11,17 +11,21 @@ from ..beams import ProbeGeometry
 from ..bone import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, GeometryError, SettingsError
 from ..frames import TrackedFrame
-from ..holes import fill_holes
+from ..hole_kinds import HoleFilling, fill_as_asked
 from ..memory import require_memory
+from ..pixel_filter import PixelFilter
 from ..progress import Progress
 from ..region import ImageRegion
 from ..settings import BONE_METHODS, ReconstructionSettings
+from ..sound_speed import DepthScale, depth_factor
 from ..transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
 from ..volume import Volume, VoxelGrid
 from .batch import FrameBatch
 from .engines import choose_engine
 from .evidence import ScanLines
 from .layout import PixelLayout
+from .numpy_engine import NumpyEngine
+from .splat_engine import SplatEngine, check_shares, uses_shares
 from .state import VoxelState, bytes_per_voxel
 
 
@@ -93,11 +97,16 @@ class Reconstructor:
         Pixels outside it never enter.
     threads : int or None
         How many the numba engine uses; by default every core.
+    importance : (rows, columns) array, 0 to 1, or None
+        Weight of each pixel of an image in an average; those of 0 do not enter.
+    holes : tuple of HoleFilling
+        How holes are filled, where the settings leave it open.
 
     Raises
     ------
     SettingsError
-        When the method needs a bone map and there is none, or the engine asked for is not there.
+        When the method needs a bone map and there is none, the engine asked for is not there, or the method fits neither linear
+        interpolation nor an importance mask.
     BeamGeometryError
         When it needs the beams' directions and there are none.
     InsufficientMemoryError
@@ -121,6 +130,8 @@ class Reconstructor:
         probe: ProbeGeometry | None = None,
         region: ImageRegion | None = None,
         threads: int | None = None,
+        importance: np.ndarray | None = None,
+        holes: tuple[HoleFilling, ...] = (),
         progress: Progress | None = None,
     ):
         self.settings = settings or ReconstructionSettings()
@@ -138,13 +149,29 @@ class Reconstructor:
             raise BeamGeometryError(
                 f"Method {self.method} needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
             )
+        self._depth_factor = depth_factor(self.settings)
+        if self._depth_factor != 1.0 and probe is None:
+            raise BeamGeometryError(
+                "A speed of sound needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
+            )
+        check_shares(self.method, self.settings, importance)
+        self._importance = None if importance is None else np.asarray(importance, dtype=np.float32)
+        self._shares = uses_shares(self.settings, importance)
+        self._holes = holes
+        self._filter = PixelFilter(self.settings.pixel_rejection, self._region)
         self._engine_class, note = choose_engine(self.settings.engine)
         if note is not None:
             self._notes.append(note)
+        if self._depth_factor != 1.0:
+            # The other engine knows pixels by their rows alone
+            self._engine_class = NumpyEngine
+            if self.settings.engine == "numba":
+                self._notes.append("A speed of sound is corrected for by the numpy engine, not by numba. The voxels are the same.")
         self._threads = threads
-        require_memory(grid.size, grid.spacing, bytes_per_voxel(self.method, self._needs_beams, self.settings.best_cosine))
+        cost = bytes_per_voxel(self.method, self._needs_beams, self.settings.best_cosine, self._shares)
+        require_memory(grid.size, grid.spacing, cost)
         self._bone = self._place_bone(bone, progress) if self._needs_beams else None
-        self._state: VoxelState | None = VoxelState.empty(grid, self.method, self.settings.best_cosine)
+        self._state: VoxelState | None = VoxelState.empty(grid, self.method, self.settings.best_cosine, self._shares)
         self._layout: PixelLayout | None = None
         self._scan_lines: ScanLines | None = None
         self._engine = None
@@ -175,7 +202,7 @@ class Reconstructor:
     @property
     def engine(self) -> str:
         """Name of the engine that does the arithmetic: "numpy" or "numba"."""
-        return self._engine_class.name
+        return SplatEngine.name if self._shares else self._engine_class.name
 
     def reconstruction(self, progress: Progress | None = None) -> Reconstruction:
         """The volume as it is now, holes filled; more frames may follow."""
@@ -196,8 +223,7 @@ class Reconstructor:
         score = state.score().reshape(shape)
         hits, cosine = state.hits.reshape(shape), state.cosine
         del state
-        if self.settings.hole_limit > 0:
-            fill_holes(values, mask, self.grid.spacing, self.settings.hole_limit, progress, engine=self.engine, threads=self._threads)
+        fill_as_asked(values, mask, self.grid.spacing, self.settings, self._holes, progress, threads=self._threads)
         return Reconstruction(
             intensity=self._volume(self._to_output_type(values)),
             score=self._volume(score),
@@ -229,16 +255,26 @@ class Reconstructor:
         if self._engine is None:
             self._start(image)
         self._check_like_first(frame)
+        kept = self._filter.kept(image)
+        if kept is not None and not kept.any():
+            self.counts.skip("nothing bright enough in the image", frame.number)
+            return
         spacing = pixel_spacing(pose)
         size = image.shape[1], image.shape[0]
         if self._layout is None or not self._layout.fits(size, spacing):
             self._compute()
-            self._layout = PixelLayout.build(size, spacing, self._region, self._probe if self._needs_beams else None)
+            self._layout = self._lay_out(size, spacing)
             self._scan_lines = ScanLines(self._layout, self._probe) if self.method == "weighted" else None
         axes = tuple(axis.astype(np.float32) for axis in image_plane_axes(pose))
-        self._batch.add(image, self.grid.reference_to_ijk @ pose, axes, frame.number)
+        self._batch.add(image, self.grid.reference_to_ijk @ pose, axes, frame.number, kept)
         if self._batch.full:
             self._compute()
+
+    def _lay_out(self, size: tuple[int, int], spacing: tuple[float, float]) -> PixelLayout:
+        scale = None
+        if self._depth_factor != 1.0:
+            scale = DepthScale.of(self._region.mask(*size), self._probe, self._depth_factor, spacing)
+        return PixelLayout.build(size, spacing, self._region, self._probe if self._needs_beams else None, scale)
 
     def _compute(self) -> None:
         """Bring what waits into the volume."""
@@ -281,7 +317,10 @@ class Reconstructor:
         maximum = self.settings.intensity_maximum
         if maximum is None:
             maximum = np.iinfo(image.dtype).max if image.dtype.kind in "iu" else np.inf
-        self._engine = self._engine_class(self._state, self.grid.size, self.settings, maximum, self._bone, self._threads)
+        if self._shares:
+            self._engine = SplatEngine(self._state, self.grid.size, self.settings, self._importance)
+        else:
+            self._engine = self._engine_class(self._state, self.grid.size, self.settings, maximum, self._bone, self._threads)
         self._batch = FrameBatch(image.shape, image.dtype, self._engine.frames_at_once)
 
     def _check_like_first(self, frame: TrackedFrame) -> None:

@@ -29,8 +29,8 @@ class VoxelState:
     value : (voxels,) array
         float32: the running average (aif), the last (latest) or the largest (maximum) value; the sum of w v (weighted).
         float64: the sum (average), so that its mean is exact.
-    weight : (voxels,) float32 array or None
-        The paper's V_count (aif), the sum of w (weighted).
+    weight : (voxels,) array or None
+        float32: the paper's V_count (aif), the sum of w (weighted). float64: the sum of shares (average of pixels that count unequally).
     cosine : (voxels,) float32 array or None
         Best cosine of incidence so far.
     """
@@ -42,8 +42,8 @@ class VoxelState:
     cosine: np.ndarray | None
 
     @classmethod
-    def empty(cls, grid: VoxelGrid, method: str, best_cosine: bool) -> VoxelState:
-        """State before the first frame."""
+    def empty(cls, grid: VoxelGrid, method: str, best_cosine: bool, shares: bool = False) -> VoxelState:
+        """State before the first frame. With `shares`, an average keeps the sum of what pixels count."""
         value = np.zeros(grid.voxels, dtype=np.float64 if method == "average" else np.float32)
         if method == "maximum":
             value.fill(-np.inf)
@@ -51,7 +51,7 @@ class VoxelState:
             method=method,
             hits=np.zeros(grid.voxels, dtype=np.uint32),
             value=value,
-            weight=np.zeros(grid.voxels, dtype=np.float32) if method in BONE_METHODS else None,
+            weight=_no_weights(grid.voxels, method, shares),
             cosine=np.zeros(grid.voxels, dtype=np.float32) if best_cosine else None,
         )
 
@@ -61,7 +61,7 @@ class VoxelState:
         It may be the state's own array, so no frame may follow; take a `copy` first where one will.
         """
         if self.method in ("average", "weighted"):
-            divisor = self.hits if self.method == "average" else self.weight
+            divisor = self.hits if self.weight is None else self.weight
             result = np.zeros(self.value.shape, dtype=np.float32)
             return np.divide(self.value, divisor, out=result, where=self.hits > 0, casting="same_kind")
         if self.method == "maximum":
@@ -73,7 +73,7 @@ class VoxelState:
 
         May be the state's own array.
         """
-        return self.hits.astype(np.float32) if self.weight is None else self.weight
+        return self.hits.astype(np.float32) if self.weight is None else self.weight.astype(np.float32, copy=False)
 
     def copy(self) -> VoxelState:
         """A snapshot that later frames do not change."""
@@ -83,8 +83,14 @@ class VoxelState:
         return [spec.name for spec in fields(self) if isinstance(getattr(self, spec.name), np.ndarray)]
 
 
-def bytes_per_voxel(method: str, has_bone: bool, best_cosine: bool) -> int:
-    """Memory that a reconstruction takes, per voxel, its bone map and results included.
+def _no_weights(voxels: int, method: str, shares: bool) -> np.ndarray | None:
+    if method in BONE_METHODS:
+        return np.zeros(voxels, dtype=np.float32)
+    return np.zeros(voxels, dtype=np.float64) if shares and method == "average" else None
+
+
+def bytes_per_voxel(method: str, has_bone: bool, best_cosine: bool, shares: bool = False) -> int:
+    """Memory that a reconstruction takes, per voxel, its bone map and results included; `shares` as in `VoxelState.empty`.
 
     Notes
     -----
@@ -92,6 +98,7 @@ def bytes_per_voxel(method: str, has_bone: bool, best_cosine: bool) -> int:
     reconstruction needs the results, a copy of the state and the map at the same time.
     """
     state = 4 + (8 if method == "average" else 4) + (4 if method in BONE_METHODS else 0) + (4 if best_cosine else 0)
+    state += 8 if shares and method == "average" else 0
     uses_map = has_bone and (method in BONE_METHODS or best_cosine)
     bone = MAP_BYTES if uses_map else 0
     return state + max(bone, OUTPUT_BYTES)

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from ..beams import LINEAR, SECTOR, ProbeGeometry
-from ..errors import AIFReconError, ConfigurationError, GeometryError
+from ..errors import ConfigurationError, GeometryError
 from ..region import ClipRectangle, Fan, ImageRegion
 from ..transform_graph import TransformName, TransformSample, TransformStatus
 from ..transforms import as_matrix
+from ..volume import VoxelGrid
+from .plus_reconstruction import build, read_reconstruction
 from .sequence_fields import capitalized
-from .text_values import capital
 from .xml_attributes import Attributes
 from .xml_tree import parse_xml
 
-_METHODS = {"MEAN": "average", "LATEST": "latest", "MAXIMUM": "maximum"}
-_IMPORTANCE_MASK = "IMPORTANCE_MASK"
-_DEFAULT_FAN_RADIUS_STOP = 500.0
+if TYPE_CHECKING:
+    from ..hole_kinds import HoleFilling
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +47,17 @@ class PlusConfiguration:
         The part of the image that the scan conversion fills.
     method : str or None
         How pixels are combined, in this library's words; None when not given or not supported.
-    hole_filling : bool
+    interpolation : "nearest", "linear" or None
+    uses_importance_mask : bool
+        Whether an average is to be weighted by an importance mask.
+    importance_mask : Path or None
+        Image with the weight of each pixel, 0 to 255; not looked at yet. None where it must come from elsewhere.
+    pixel_rejection : float or None
+        Pixels darker than this do not enter.
+    holes : tuple of HoleFilling
+        Tried in this order; none where holes stay.
+    threads : int or None
+        How many to use.
     skip : int
         Every how many frames one is used.
     warnings : tuple of str
@@ -64,9 +75,47 @@ class PlusConfiguration:
     probe: ProbeGeometry | None = None
     scan_region: ImageRegion | None = None
     method: str | None = None
-    hole_filling: bool = False
+    interpolation: str | None = None
+    uses_importance_mask: bool = False
+    importance_mask: Path | None = None
+    pixel_rejection: float | None = None
+    holes: tuple[HoleFilling, ...] = ()
+    threads: int | None = None
     skip: int = 1
     warnings: tuple[str, ...] = ()
+
+    def importance(self) -> np.ndarray | None:
+        """The weight of each pixel, (rows, columns) float32, 0 to 1, read from the importance mask's file; None where none is used.
+
+        Raises
+        ------
+        FileFormatError
+            When the mask has no file, or one that cannot be used.
+        """
+        from .importance_mask import read_importance_mask
+
+        if not self.uses_importance_mask:
+            return None
+        if self.importance_mask is None:
+            place = "VolumeReconstruction@ImportanceMaskFilename"
+            raise ConfigurationError(
+                f"{self.path}: {place} is missing, and CompoundingMode=IMPORTANCE_MASK needs it. Add it, or give an importance mask."
+            )
+        return read_importance_mask(self.importance_mask)
+
+    def grid(self, spacing: tuple[float, float, float] | None = None) -> VoxelGrid | None:
+        """The voxels that OutputOrigin, OutputExtent and OutputSpacing ask for; None where there is no OutputExtent.
+
+        With another `spacing` (mm), the same box in voxels of that size: its first voxel's center stays where it was, and its size is
+        that of the box rounded to whole voxels.
+        """
+        if self.extent is None:
+            return None
+        wanted = self.spacing if spacing is None else spacing
+        first, last = np.array(self.extent[::2]), np.array(self.extent[1::2])
+        size = np.floor((last - first) * np.array(self.spacing) / wanted + 0.5).astype(int) + 1
+        origin = np.array(self.origin or (0.0, 0.0, 0.0)) + first * self.spacing
+        return VoxelGrid.from_spacing(origin, tuple(int(n) for n in size), wanted)
 
 
 def read_plus_configuration(path: str | Path) -> PlusConfiguration:
@@ -84,7 +133,7 @@ def read_plus_configuration(path: str | Path) -> PlusConfiguration:
     values = {"transforms": _read_transforms(path, root)}
     reconstruction = _find_reconstruction(root)
     if reconstruction is not None:
-        values.update(_read_reconstruction(Attributes(path, reconstruction, "VolumeReconstruction")))
+        values.update(read_reconstruction(path, reconstruction))
     conversion = root.find("ScanConversion")
     conversion = next(root.iter("ScanConversion"), None) if conversion is None else conversion
     if conversion is not None:
@@ -124,85 +173,6 @@ def _find_reconstruction(root: Element) -> Element | None:
     return next((element for device in devices for element in device.iter("VolumeReconstruction")), None)
 
 
-def _read_reconstruction(attributes: Attributes) -> dict:
-    """The fields of `PlusConfiguration` that VolumeReconstruction gives."""
-    skip = attributes.integers(1, "SkipInterval") or (1,)
-    attributes.positive(skip, "SkipInterval")
-    return {
-        "image_frame": capital(attributes.text("ImageCoordinateFrame") or "") or None,
-        "reference_frame": capital(attributes.text("ReferenceCoordinateFrame") or "") or None,
-        "spacing": attributes.positive(attributes.numbers(3, "OutputSpacing"), "OutputSpacing"),
-        "origin": attributes.numbers(3, "OutputOrigin"),
-        "extent": attributes.integers(6, "OutputExtent"),
-        "region": ImageRegion(_read_clip(attributes), _read_fan(attributes)),
-        "method": _read_method(attributes),
-        "hole_filling": attributes.switch("FillHoles"),
-        "skip": skip[0],
-        "warnings": _not_honored(attributes),
-    }
-
-
-def _read_clip(attributes: Attributes) -> ClipRectangle | None:
-    size = attributes.numbers(2, "ClipRectangleSize") or (0.0, 0.0)
-    origin = attributes.numbers(2, "ClipRectangleOrigin") or (0.0, 0.0)
-    if 0 in size:
-        return None
-    return _build(attributes, "ClipRectangleSize", ClipRectangle, origin, size)
-
-
-def _read_fan(attributes: Attributes) -> Fan | None:
-    angles = attributes.numbers(2, "FanAnglesDeg", "FanAngles") or (0.0, 0.0)
-    apex = attributes.numbers(2, "FanOriginPixel", "FanOrigin") or (0.0, 0.0)
-    radii = (
-        attributes.number(0.0, "FanRadiusStartPixel"),
-        attributes.number(_DEFAULT_FAN_RADIUS_STOP, "FanRadiusStopPixel", "FanDepth"),
-    )
-    if not any(angles):
-        return None
-    return _build(attributes, "FanAnglesDeg", Fan, apex, angles, radii)
-
-
-def _read_method(attributes: Attributes) -> str | None:
-    """CompoundingMode, else what the older Calculation and Compounding mean, in Plus's order of precedence."""
-    mode = attributes.word("CompoundingMode", (*_METHODS, _IMPORTANCE_MASK))
-    calculation = attributes.word("Calculation", ("WEIGHTED_AVERAGE", "MAXIMUM"))
-    compounding = attributes.text("Compounding") and attributes.switch("Compounding")
-    if mode is not None:
-        return _METHODS.get(mode)
-    if calculation == "MAXIMUM":
-        return "maximum"
-    if compounding is not None:
-        return "average" if compounding else "latest"
-    return "average" if calculation else None
-
-
-def _not_honored(attributes: Attributes) -> tuple[str, ...]:
-    """A sentence for each request that would change the volume and that this library does not carry out."""
-    warnings = []
-
-    def warn(attribute: str, instead: str) -> None:
-        warnings.append(f"{attributes.place}@{attribute}={attributes.text(attribute)} is not honored: {instead}.")
-
-    if attributes.word("Interpolation", ("NEAREST_NEIGHBOR", "LINEAR")) == "LINEAR":
-        warn("Interpolation", "each pixel enters its nearest voxel")
-    if attributes.word("CompoundingMode", (*_METHODS, _IMPORTANCE_MASK)) == _IMPORTANCE_MASK:
-        warn("CompoundingMode", "the default method is used")
-    if attributes.text("ImportanceMaskFilename"):
-        warn("ImportanceMaskFilename", "all pixels count alike")
-    if attributes.number(0.0, "PixelRejectionThreshold") > 0:
-        warn("PixelRejectionThreshold", "dark pixels enter the volume too")
-    if attributes.switch("EnableFanAnglesAutoDetect"):
-        warn("EnableFanAnglesAutoDetect", "the fan angles are used as given")
-    if attributes.switch("FillHoles"):
-        warn("FillHoles", "give --hole-limit to fill empty voxels from the nearest measured ones")
-    if attributes.text("OutputOrigin") or attributes.text("OutputExtent"):
-        warn(
-            "OutputOrigin" if attributes.text("OutputOrigin") else "OutputExtent",
-            "the volume is the box around the sweep, or that of --grid-like",
-        )
-    return tuple(warnings)
-
-
 def _read_scan_conversion(attributes: Attributes) -> tuple[ProbeGeometry, ImageRegion | None]:
     """The probe, and the part of the image that holds ultrasound, in MF pixels."""
     geometry = attributes.word("TransducerGeometry", ("CURVILINEAR", "LINEAR"))
@@ -223,7 +193,7 @@ def _read_curvilinear(attributes: Attributes, spacing, center, size) -> tuple[Pr
     angles = attributes.required_numbers(1, "ThetaStartDeg") + attributes.required_numbers(1, "ThetaStopDeg")
     x, y = center or (size[0] / 2, first / spacing[1])
     apex = (x, y - first / spacing[1])
-    fan = _build(attributes, "ThetaStartDeg", Fan, apex, angles, (first, last), spacing)
+    fan = build(attributes, "ThetaStartDeg", Fan, apex, angles, (first, last), spacing)
     return ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan)
 
 
@@ -236,11 +206,3 @@ def _read_linear(attributes: Attributes, spacing, center, size) -> tuple[ProbeGe
     x, y = center or (size[0] / 2, 0.0)
     size_px = (width[0] / spacing[0], depth[0] / spacing[1])
     return ProbeGeometry(LINEAR), ImageRegion(clip=ClipRectangle((x - size_px[0] / 2, y), size_px))
-
-
-def _build(attributes: Attributes, attribute: str, kind, *values):
-    """An object of the library from values in the file; its complaint becomes the file's."""
-    try:
-        return kind(*values)
-    except AIFReconError as error:
-        raise attributes.failure(attribute, f"cannot be used. {error}") from error

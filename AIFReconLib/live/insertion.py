@@ -14,8 +14,9 @@ import numpy as np
 from ..beams import LINEAR, ProbeGeometry
 from ..bone import BoneMap
 from ..compounding.reconstructor import Reconstruction, Reconstructor
+from ..configured import ConfiguredParts
 from ..frames import TrackedFrame
-from ..holes import fill_holes
+from ..hole_kinds import fill_as_asked
 from ..progress import Progress
 from ..reconstruction import Imaging
 from ..settings import ReconstructionSettings
@@ -41,14 +42,24 @@ class Inserter:
     Parameters
     ----------
     settings : ReconstructionSettings
-        With everything resolved; `hole_limit` is applied to what is handed out.
+        With everything resolved; holes are filled in what is handed out.
     bone : BoneMap or None
     meter : Meter
     longest_delay : float or None, s
         Leave frames out when those that wait will take longer than this; None: never, and `put` waits instead.
+    parts : ConfiguredParts
+        What else the configuration gives.
     """
 
-    def __init__(self, settings: ReconstructionSettings, bone: BoneMap | None, meter: Meter, longest_delay: float | None):
+    def __init__(
+        self,
+        settings: ReconstructionSettings,
+        bone: BoneMap | None,
+        meter: Meter,
+        longest_delay: float | None,
+        parts: ConfiguredParts | None = None,
+    ):
+        self._parts = parts or ConfiguredParts()
         self.error: Exception | None = None
         self.ready = threading.Event()
         self._settings = settings
@@ -102,10 +113,18 @@ class Inserter:
                 # It may hold every image that was scouted
                 unknown.clear()
             # Holes are filled in what is handed out, so that nobody waits for it who inserts
-            settings = replace(self._settings, hole_limit=0.0)
-            reconstructor = Reconstructor(grid, settings, self._bone, probe=known[0].probe, region=known[0].region)
+            reconstructor = Reconstructor(
+                grid,
+                replace(self._settings, holes="off"),
+                self._bone,
+                probe=known[0].probe,
+                region=known[0].region,
+                threads=self._parts.threads,
+                importance=self._parts.importance,
+            )
+            notes = (*known[0].notes, *self._parts.notes)
             with self._volume:
-                self._reconstructor, self._image_like, self._insertions, self._notes = reconstructor, None, 0, known[0].notes
+                self._reconstructor, self._image_like, self._insertions, self._notes = reconstructor, None, 0, notes
             self.error, self._ready = None, time.monotonic()
             self.ready.set()
 
@@ -166,8 +185,8 @@ class Inserter:
         return self._fill(replace(result, notes=(*self._notes, *result.notes)), progress)
 
     def _fill(self, result: Reconstruction, progress: Progress | None) -> Reconstruction:
-        if self._settings.hole_limit > 0:
-            fill_holes(result.intensity.array, result.mask.array, result.grid.spacing, self._settings.hole_limit, progress)
+        arrays = result.intensity.array, result.mask.array
+        fill_as_asked(*arrays, result.grid.spacing, self._settings, self._parts.holes, progress)
         return result
 
     # ---- the thread

@@ -12,12 +12,14 @@ import numpy as np
 from ..bone import BoneMap
 from ..compounding.reconstructor import Reconstruction, needs_beams
 from ..compounding.state import bytes_per_voxel
+from ..configured import configured_parts, resolve_settings
 from ..errors import AIFReconError, OutputError, SettingsError
 from ..frames import TrackedSequence
 from ..progress import Progress, part
-from ..reconstruction import Imaging, configured_region, resolve_imaging, resolve_settings
+from ..reconstruction import Imaging, configured_region, resolve_imaging
 from ..region import ImageRegion
 from ..settings import ReconstructionSettings
+from ..sound_speed import depth_factor
 from ..volume import VoxelGrid
 from .insertion import Inserter
 from .messages import Message, StreamEvent
@@ -103,8 +105,11 @@ class LiveSession:
     ):
         self._source = source
         self._configured = TrackedSequence(np.empty((0, 0, 0), np.uint8), [], configuration=configuration)
-        self.settings = resolve_settings(settings or ReconstructionSettings(), self._configured, bone is not None)
+        asked = settings or ReconstructionSettings()
+        self.settings = resolve_settings(asked, configuration, bone is not None)
+        parts = configured_parts(asked, self.settings, configuration)
         self._uses_beams = needs_beams(self.settings.method, self.settings)
+        self._needs_probe = self._uses_beams or depth_factor(self.settings) != 1.0
         if self._uses_beams and bone is None:
             raise SettingsError(
                 f"Method {self.settings.method} needs to know where bone is. Give labels or a bone probability, or choose method average."
@@ -119,7 +124,7 @@ class LiveSession:
         self.latest: LiveFrame | None = None
         self._frame_limit = frame_limit
         self._meter = Meter()
-        self._inserter = Inserter(self.settings, bone, self._meter, longest_delay)
+        self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts)
         self._grid = grid
         self._lock = threading.RLock()
         self._phase = SCOUTING if grid is None else RECONSTRUCTING if self._knows_imaging else LOOKING
@@ -195,7 +200,7 @@ class LiveSession:
         with self._lock:
             spacing = self.settings.spacing_xyz() if spacing is None else tuple(float(s) for s in np.broadcast_to(spacing, 3))
             region = self._find_imaging(self._scouted).region
-            cost = bytes_per_voxel(self.settings.method, self._uses_beams, self.settings.best_cosine)
+            cost = bytes_per_voxel(self.settings.method, self._uses_beams, self.settings.best_cosine, shares=True)
             return self._scouted.grid(region, spacing, cost, margin)
 
     def use_grid(self, grid: VoxelGrid) -> None:
@@ -371,14 +376,14 @@ class LiveSession:
 
     @property
     def _knows_imaging(self) -> bool:
-        return self._region is not None and (not self._uses_beams or self._probe is not None or self._region.fan is not None)
+        return self._region is not None and (not self._needs_probe or self._probe is not None or self._region.fan is not None)
 
     def _find_imaging(self, kept: ScoutedFrames) -> Imaging:
         """How the images are to be read: as given and configured, else recognized in the frames that were kept."""
         if self._imaging is None:
             sequence, poses = (self._configured, None) if self._knows_imaging else kept.sequence()
             try:
-                imaging = resolve_imaging(sequence, poses, self._uses_beams, self._region, self._probe)
+                imaging = resolve_imaging(sequence, poses, self._needs_probe, self._region, self._probe)
             except AIFReconError as error:
                 raise type(error)(str(error).removeprefix(f"{sequence.name}: ")) from None
             self._imaging = replace(imaging, notes=(*getattr(self._configured.configuration, "warnings", ()), *imaging.notes))

@@ -13,7 +13,10 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 
+from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.extent import grid_around_sweep
+from AIFReconLib.frames import TrackedFrame
+from AIFReconLib.hole_kinds import HoleFilling, fill_holes_by_kind
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.poses import sweep_poses
 from AIFReconLib.reconstruction import reconstruct
@@ -59,7 +62,7 @@ def spine(real_data):
 
 
 def ours(case, method, **arguments):
-    settings = ReconstructionSettings(method=method, output_type="float32")
+    settings = ReconstructionSettings(method=method, output_type="float32", holes="off")
     return reconstruct(case.sequence, settings, grid=case.grid, **arguments)
 
 
@@ -122,6 +125,54 @@ def test_the_exact_mean_is_brighter_than_igsios_by_what_truncation_loses(spine):
     assert lost.min() >= 0
     assert 1.5 < lost.mean() < 3.0
     assert lost.max() < 18
+
+
+def test_sticks_over_the_emulated_mean_reproduce_igsios_filled_volume(spine):
+    emulated, hits = igsio.paste(spine.images, spine.poses, spine.grid, spine.mask, igsio.fixed_point_index, "mean")
+    values, mask = emulated.astype(np.float32), (hits > 0).astype(np.uint8)
+    fill_holes_by_kind(values, mask, (HoleFilling("stick", 9),))
+    difference = np.abs(np.floor(values) - spine.reference)
+    assert difference.max() <= 2
+    # The rest is what IGSIO loses by cutting every stick's value to a whole number before it averages them
+    assert (difference == 0).mean() > 0.99
+
+
+def test_the_hole_filling_of_the_configuration_is_done(spine):
+    assert spine.sequence.configuration.holes == (HoleFilling("stick", 9),)
+    result = reconstruct(spine.sequence, ReconstructionSettings(output_type="float32"), grid=spine.grid)
+    values, mask = ours(spine, "average").intensity.array, ours(spine, "average").mask.array
+    fill_holes_by_kind(values, mask, (HoleFilling("stick", 9),))
+    np.testing.assert_array_equal(result.intensity.array, values)
+    np.testing.assert_array_equal(result.mask.array, mask)
+
+
+@pytest.fixture(scope="module")
+def linear(real_data):
+    return load(real_data, "SpinePhantom_LN_MAXI.xml", "Reference_LNMAXI.mha")
+
+
+def spread(case, poses):
+    """What linear interpolation and maximum make of the images at these poses."""
+    reconstructor = Reconstructor(case.grid, ReconstructionSettings(method="maximum", interpolation="linear"), region=case.region)
+    reconstructor.insert(TrackedFrame(image, pose) for image, pose in zip(case.images, poses, strict=True))
+    return reconstructor.finish().intensity.array
+
+
+def test_linear_maximum_reproduces_igsios_volume_from_its_fixed_point_matrices(linear):
+    matrices = [np.rint(linear.grid.reference_to_ijk @ pose * 2**14) / 2**14 for pose in linear.poses]
+    values = spread(linear, [linear.grid.ijk_to_reference @ matrix for matrix in matrices])
+    close = np.abs(values.astype(int) - linear.reference) <= 2
+    assert close.mean() > 0.9999
+
+
+def test_linear_maximum_in_double_precision_differs_from_igsios_volume_by_what_its_fixed_point_moves(linear):
+    close = np.abs(spread(linear, linear.poses).astype(int) - linear.reference) <= 2
+    assert 0.995 < close.mean() < 0.999
+
+
+def test_interpolation_and_method_of_the_configuration_are_used(linear):
+    result = reconstruct(linear.sequence, grid=linear.grid)
+    np.testing.assert_array_equal(result.intensity.array, spread(linear, linear.poses))
 
 
 def test_the_clip_of_the_configuration_is_honored(trus):

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import SimpleITK as sitk
 
 from AIFReconLib.beams import ProbeGeometry
-from AIFReconLib.errors import ConfigurationError
+from AIFReconLib.errors import ConfigurationError, FileFormatError
+from AIFReconLib.fan_detection import FanDetection
+from AIFReconLib.hole_kinds import HoleFilling
 from AIFReconLib.io.plus_config import PlusConfiguration, read_plus_configuration
 from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.transform_graph import TransformName, TransformStatus
@@ -92,7 +95,9 @@ def test_an_empty_configuration_asks_for_nothing(read):
     assert (configuration.spacing, configuration.origin, configuration.extent, configuration.method) == (None, None, None, None)
     assert (configuration.region, configuration.probe, configuration.scan_region) == (ImageRegion(), None, None)
     assert (configuration.image_frame, configuration.reference_frame) == (None, None)
-    assert (configuration.hole_filling, configuration.skip, configuration.warnings) == (False, 1, ())
+    assert (configuration.holes, configuration.skip, configuration.warnings) == ((), 1, ())
+    assert (configuration.interpolation, configuration.pixel_rejection, configuration.threads) == (None, None, None)
+    assert (configuration.grid(), configuration.importance()) == (None, None)
 
 
 def test_the_output_grid_and_frames_are_read(read):
@@ -132,7 +137,7 @@ def test_clip_and_fan_are_read_in_pixels(read, attributes, region):
         ('CompoundingMode="MEAN"', "average"),
         ('CompoundingMode="latest"', "latest"),
         ('CompoundingMode="MAXIMUM" Compounding="On"', "maximum"),
-        ('CompoundingMode="IMPORTANCE_MASK"', None),
+        ('CompoundingMode="IMPORTANCE_MASK"', "average"),
         ('Compounding="On"', "average"),
         ('Compounding="Off"', "latest"),
         ('Compounding="On" Calculation="MAXIMUM"', "maximum"),
@@ -144,19 +149,130 @@ def test_the_compounding_mode_becomes_a_method(read, attributes, method):
     assert read(reconstruction(attributes)).method == method
 
 
-@pytest.mark.parametrize(("word", "expected"), [("ON", True), ("off", False), ("On", True)])
-def test_hole_filling_is_on_or_off(read, word, expected):
-    assert read(reconstruction(f'FillHoles="{word}"')).hole_filling is expected
+STICK = '<HoleFillingElement Type="STICK" StickLengthLimit="9" NumberOfSticksToUse="2"/>'
+GAUSSIAN = '<HoleFillingElement Type="gaussian" Size="5" Stdev="0.6" MinimumKnownVoxelsRatio="0.1"/>'
+CUBE = '<HoleFillingElement Type="NEAREST_NEIGHBOR" Size="7" MinimumKnownVoxelsRatio="0.02"/>'
+
+
+@pytest.mark.parametrize(
+    ("elements", "holes"),
+    [
+        (STICK, (HoleFilling("stick", 9, sticks=2),)),
+        (GAUSSIAN, (HoleFilling("gaussian", 5, 0.6, 0.1),)),
+        (CUBE + STICK, (HoleFilling("cube", 7, known_ratio=0.02), HoleFilling("stick", 9, sticks=2))),
+    ],
+)
+def test_hole_filling_elements_are_read_in_their_order(read, elements, holes):
+    configuration = read(reconstruction('FillHoles="ON"', f"<HoleFilling>{elements}</HoleFilling>"))
+    assert configuration.holes == holes
+    assert configuration.warnings == ()
+
+
+@pytest.mark.parametrize("switch", ['FillHoles="OFF"', ""])
+def test_hole_filling_that_is_off_fills_nothing(read, switch):
+    assert read(reconstruction(switch, f"<HoleFilling>{STICK}</HoleFilling>")).holes == ()
+
+
+@pytest.mark.parametrize(
+    ("element", "expected"),
+    [
+        ("<HoleFillingElement/>", "HoleFillingElement[1]@Type is missing"),
+        ('<HoleFillingElement Type="MEDIAN"/>', "Type must be STICK or GAUSSIAN or NEAREST_NEIGHBOR"),
+        ('<HoleFillingElement Type="STICK" NumberOfSticksToUse="1"/>', "HoleFillingElement[1]@StickLengthLimit is missing"),
+        (STICK.replace('"9"', '"0"'), "HoleFillingElement[1]@StickLengthLimit cannot be used. Input size of hole filling must be 1 to 201"),
+        (STICK.replace('"2"', '"0"'), "number of sticks must be at least 1; got 0"),
+        (STICK + GAUSSIAN.replace("0.6", "0"), "HoleFillingElement[2]@Size cannot be used. Input standard deviation"),
+        (GAUSSIAN.replace("0.1", "3"), "ratio of known voxels must be 0 to 1; got 3.0"),
+        (CUBE.replace('"7"', '"7.5"'), "HoleFillingElement[1]@Size must be whole; got '7.5'"),
+    ],
+)
+def test_a_hole_filling_element_that_cannot_be_used_is_named(refusal, element, expected):
+    assert expected in refusal(reconstruction('FillHoles="ON"', f"<HoleFilling>{element}</HoleFilling>"))
+
+
+def test_the_interpolation_is_read(read):
+    assert read(reconstruction('Interpolation="linear"')).interpolation == "linear"
+    assert read(reconstruction('Interpolation="NEAREST_NEIGHBOR"')).interpolation == "nearest"
+
+
+@pytest.mark.parametrize(("value", "expected"), [("12.5", 12.5), ("0", None), ("-1", None)])
+def test_the_pixel_rejection_threshold_is_read(read, value, expected):
+    assert read(reconstruction(f'PixelRejectionThreshold="{value}"')).pixel_rejection == expected
+
+
+@pytest.mark.parametrize(("value", "expected"), [("4", 4), ("0", None)])
+def test_the_number_of_threads_is_read(read, value, expected):
+    assert read(reconstruction(f'NumberOfThreads="{value}"')).threads == expected
+
+
+@pytest.mark.parametrize(
+    ("attributes", "detection"),
+    [
+        ("", None),
+        ('EnableFanAnglesAutoDetect="FALSE"', None),
+        ('EnableFanAnglesAutoDetect="TRUE"', FanDetection(30, 10)),
+        (
+            'EnableFanAnglesAutoDetect="TRUE" FanAnglesAutoDetectBrightnessThreshold="42.5" FanAnglesAutoDetectFilterRadiusPixel="6"',
+            FanDetection(42.5, 6),
+        ),
+    ],
+)
+def test_automatic_fan_angles_are_read(read, attributes, detection):
+    region = read(reconstruction(f'FanAnglesDeg="-45 45" {attributes}')).region
+    assert region.fan_detection == detection
+
+
+def test_an_importance_mask_stands_beside_the_configuration(read, tmp_path):
+    weights = np.array([[0, 51], [102, 255]], np.uint8)
+    sitk.WriteImage(sitk.GetImageFromArray(weights), str(tmp_path / "mask.png"))
+    configuration = read(reconstruction('CompoundingMode="IMPORTANCE_MASK" ImportanceMaskFilename="mask.png"'))
+    np.testing.assert_allclose(configuration.importance(), weights / 255)
+
+
+@pytest.mark.parametrize(
+    ("attributes", "expected"),
+    [
+        ("", "plus.xml: VolumeReconstruction@ImportanceMaskFilename is missing"),
+        ('ImportanceMaskFilename="other.png"', "other.png: there is no such file"),
+        ('ImportanceMaskFilename="plus.xml"', "plus.xml: it cannot be read as an importance mask"),
+        ('ImportanceMaskFilename="black.png"', "black.png: an importance mask must have pixels above 0"),
+        ('ImportanceMaskFilename="color.png"', "color.png: an importance mask must be an 8-bit gray image; got 2 x 2 vector"),
+    ],
+)
+def test_an_importance_mask_that_cannot_be_used_is_named(read, tmp_path, attributes, expected):
+    sitk.WriteImage(sitk.GetImageFromArray(np.zeros((2, 2), np.uint8)), str(tmp_path / "black.png"))
+    sitk.WriteImage(sitk.GetImageFromArray(np.zeros((2, 2, 3), np.uint8), isVector=True), str(tmp_path / "color.png"))
+    configuration = read(reconstruction(f'CompoundingMode="IMPORTANCE_MASK" {attributes}'))
+    with pytest.raises(FileFormatError) as caught:
+        configuration.importance()
+    assert expected in str(caught.value)
+
+
+def test_the_output_box_becomes_a_grid(read):
+    grid = read(reconstruction('OutputSpacing="0.5 1 2" OutputOrigin="-1 2 3" OutputExtent="2 9 0 19 -1 4"')).grid()
+    assert grid.size == (8, 20, 6)
+    np.testing.assert_allclose(grid.ijk_to_reference, [[0.5, 0, 0, 0], [0, 1, 0, 2], [0, 0, 2, 1], [0, 0, 0, 1]])
+
+
+def test_another_spacing_keeps_the_output_box(read):
+    grid = read(reconstruction('OutputSpacing="1 1 1" OutputOrigin="-1 2 3" OutputExtent="0 9 0 19 0 29"')).grid((0.5, 2, 1))
+    assert grid.size == (19, 11, 30)
+    np.testing.assert_allclose(grid.origin, (-1, 2, 3))
+
+
+def test_an_output_box_of_zeros_is_none(read):
+    assert read(reconstruction('OutputSpacing="1 1 1" OutputExtent="0 0 0 0 0 0"')).grid() is None
 
 
 @pytest.mark.parametrize(
     ("attributes", "named"),
     [
-        ('Interpolation="LINEAR"', "Interpolation=LINEAR"),
-        ('CompoundingMode="IMPORTANCE_MASK"', "CompoundingMode=IMPORTANCE_MASK"),
-        ('ImportanceMaskFilename="mask.png"', "ImportanceMaskFilename=mask.png"),
-        ('PixelRejectionThreshold="10"', "PixelRejectionThreshold=10"),
-        ('EnableFanAnglesAutoDetect="TRUE"', "EnableFanAnglesAutoDetect=TRUE"),
+        ('ImportanceMaskFilename="mask.png"', "ImportanceMaskFilename=mask.png has no effect without CompoundingMode=IMPORTANCE_MASK"),
+        ('EnableFanAnglesAutoDetect="TRUE"', "EnableFanAnglesAutoDetect=TRUE has no effect without FanAnglesDeg"),
+        ('Optimization="FULL"', "Optimization=FULL has no effect"),
+        ('RecomputeOutputSpacing="TRUE"', "RecomputeOutputSpacing=TRUE is not honored"),
+        ('OutputOrigin="1 2 3"', "OutputOrigin=1 2 3 is not honored without OutputExtent"),
+        ('FillHoles="ON"', "FillHoles=ON is not honored: it has no HoleFillingElement. Give --hole-limit"),
     ],
 )
 def test_what_is_not_honored_is_said(read, attributes, named):
@@ -164,20 +280,15 @@ def test_what_is_not_honored_is_said(read, attributes, named):
     assert named in warning
 
 
-@pytest.mark.parametrize("elements", ["", '<HoleFilling><HoleFillingElement Type="STICK"/></HoleFilling>'])
-def test_hole_filling_says_which_option_fills(read, elements):
-    (warning,) = read(reconstruction('FillHoles="ON"', elements)).warnings
-    assert "--hole-limit" in warning
-
-
-@pytest.mark.parametrize("attribute", ['OutputOrigin="1 2 3"', 'OutputExtent="0 9 0 9 0 9"'])
-def test_an_output_box_is_not_honored_and_named(read, attribute):
-    (warning,) = read(reconstruction(attribute)).warnings
-    assert attribute.split("=")[0] in warning
+def test_kinds_of_hole_filling_that_are_left_out_are_said(read):
+    elements = '<HoleFillingElement Type="DISTANCE_WEIGHT_INVERSE" Size="3" MinimumKnownVoxelsRatio="0"/>' + STICK
+    configuration = read(reconstruction('FillHoles="ON"', f"<HoleFilling>{elements}</HoleFilling>"))
+    assert "HoleFillingElement@Type=DISTANCE_WEIGHT_INVERSE is not honored" in configuration.warnings[0]
+    assert configuration.holes == (HoleFilling("stick", 9, sticks=2),)
 
 
 @pytest.mark.parametrize(
-    "attributes", ['Interpolation="NEAREST_NEIGHBOR"', 'Optimization="FULL"', 'NumberOfThreads="4"', 'PixelRejectionThreshold="0"']
+    "attributes", ['Interpolation="NEAREST_NEIGHBOR"', 'NumberOfThreads="4"', 'PixelRejectionThreshold="0"', 'OutputSpacing="1 1 1"']
 )
 def test_what_does_not_change_the_volume_is_not_mentioned(read, attributes):
     assert read(reconstruction(attributes)).warnings == ()
@@ -198,6 +309,11 @@ def test_what_does_not_change_the_volume_is_not_mentioned(read, attributes):
         ('SkipInterval="0"', "SkipInterval must be positive"),
         ('CompoundingMode="MEDIAN"', "CompoundingMode must be MEAN or LATEST or MAXIMUM"),
         ('FillHoles="maybe"', "FillHoles must be ON"),
+        ('OutputSpacing="1 1 1" OutputExtent="0 9 5 4 0 9"', "OutputExtent must be first and last voxel along x, y and z, rising"),
+        ('OutputExtent="0 9 0 9 0 9"', "OutputSpacing is missing, and OutputExtent counts voxels"),
+        ('PixelRejectionThreshold="dark"', "PixelRejectionThreshold must be a finite number"),
+        ('NumberOfThreads="2.5"', "NumberOfThreads must be whole"),
+        ('FanAnglesAutoDetectFilterRadiusPixel="0"', "FanAnglesAutoDetectFilterRadiusPixel must be positive"),
         ('Interpolation="CUBIC"', "Interpolation must be NEAREST_NEIGHBOR or LINEAR"),
     ],
 )
@@ -279,7 +395,7 @@ def test_a_scan_conversion_that_cannot_be_used_is_explained(refusal, attributes,
 def test_a_real_configuration_with_clip_and_fan(real_data):
     configuration = read_plus_configuration(real_data("SonixRP_TRUS_D70mm_NN_LATE.xml"))
     assert configuration.region == ImageRegion(ClipRectangle((192, 16), (420, 580)), Fan((380, 20), (-45, 45), (120, 360)))
-    assert (configuration.method, configuration.spacing, configuration.warnings) == ("latest", (0.5, 0.5, 0.5), ())
+    assert (configuration.method, configuration.spacing, configuration.holes) == ("latest", (0.5, 0.5, 0.5), ())
     assert list(map(str, configuration.transforms)) == ["ImageToProbe", "PhantomToReference"]
 
 

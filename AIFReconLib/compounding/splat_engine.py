@@ -1,0 +1,178 @@
+"""The distribution step with weighted contributions: pixels that spread over the eight voxels around them, or that count unequally.
+
+For average, latest and maximum; compiled where numba is installed, with the same voxels. What a pixel gives to a voxel follows IGSIO.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import SettingsError
+from ..settings import ReconstructionSettings
+from ..threads import optional_module
+from .batch import FrameBatch
+from .layout import PixelLayout
+from .state import VoxelState
+
+LINEAR_METHODS = ("average", "latest", "maximum")
+"""In the order of the rules' numbers in `numba_splat`."""
+
+LEAST_SHARE = 0.125
+"""Latest and maximum: a pixel acts on the corners that get at least this much of it, as all eight do from the middle."""
+
+CORNERS = np.array([(k, j, i) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+"""The voxels [k, j, i] around a place, from its lower one."""
+
+PIXELS_AT_ONCE = 65_536
+"""How many pixels spread at a time: it bounds the memory, and what is used again is still in the cache."""
+
+
+def uses_shares(settings: ReconstructionSettings, importance: np.ndarray | None) -> bool:
+    """Whether a reconstruction is this engine's."""
+    return settings.interpolation == "linear" or importance is not None
+
+
+def check_shares(method: str, settings: ReconstructionSettings, importance: np.ndarray | None) -> None:
+    """Raise `SettingsError` where linear interpolation or an importance mask does not fit the method."""
+    if settings.interpolation == "linear" and (method not in LINEAR_METHODS or settings.best_cosine):
+        wish = f"method {method}" if method not in LINEAR_METHODS else "the cosine of incidence"
+        raise SettingsError(
+            f"Input interpolation must be nearest for {wish}; got 'linear'. Leave it out, or choose method {' or '.join(LINEAR_METHODS)}."
+        )
+    if importance is not None and (method != "average" or settings.best_cosine):
+        wish = f"method {method}" if method != "average" else "the cosine of incidence"
+        raise SettingsError(f"An importance mask weights an average, and does not fit {wish}. Leave it out, or choose method average.")
+
+
+class SplatEngine:
+    """Puts frames into a `VoxelState` that keeps weights.
+
+    Parameters
+    ----------
+    state : VoxelState
+        Of method average (with weights), latest or maximum.
+    grid_size : (i, j, k)
+    settings : ReconstructionSettings
+        Interpolation: linear, or nearest where only `importance` is wanted.
+    importance : (rows, columns) float32 array, 0 to 1, or None
+        Weight of each pixel of an image; those of 0 do not enter.
+    """
+
+    name = "numpy"
+    frames_at_once = 1
+
+    def __init__(
+        self, state: VoxelState, grid_size: tuple[int, int, int], settings: ReconstructionSettings, importance: np.ndarray | None = None
+    ):
+        self.state = state
+        self._grid_size = grid_size
+        self._linear = settings.interpolation == "linear"
+        self._importance = importance
+        self._compiled = None if settings.engine == "numpy" else optional_module("AIFReconLib.compounding.numba_splat")
+
+    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: None = None) -> list[int]:
+        """Put frames into the volume; returns how many pixels entered of each. `scan_lines` is not looked at.
+
+        Raises
+        ------
+        SettingsError
+            When the importance mask is of another size than the images.
+        """
+        return [self._insert(batch, place, layout) for place in range(len(batch))]
+
+    def _insert(self, batch: FrameBatch, place: int, layout: PixelLayout) -> int:
+        values = layout.values(batch.images[place])
+        counts = np.ones(len(values), dtype=bool)
+        if place in batch.measured:
+            counts &= layout.values(batch.measured[place]) > 0
+        importance = None
+        if self._importance is not None:
+            importance = self._weights(layout)
+            counts &= importance > 0
+        pixels = np.flatnonzero(counts)
+        if not self._linear:
+            return self._insert_nearest(batch.image_to_ijk[place], layout, values, counts, importance)
+        entered = 0
+        for start in range(0, len(pixels), PIXELS_AT_ONCE):
+            some = pixels[start : start + PIXELS_AT_ONCE]
+            entered += self._spread(
+                layout.places(batch.image_to_ijk[place], some), values[some], None if importance is None else importance[some]
+            )
+        return entered
+
+    def _insert_nearest(self, image_to_ijk, layout: PixelLayout, values, counts, importance) -> int:
+        """Pixels that enter one voxel each."""
+        pixels, voxels = layout.voxels(image_to_ijk, self._grid_size)
+        kept = counts[pixels]
+        pixels, voxels = pixels[kept], voxels[kept]
+        self._add(voxels, values[pixels], None if importance is None else importance[pixels])
+        return pixels.size
+
+    def _spread(self, places: np.ndarray, values: np.ndarray, importance: np.ndarray | None) -> int:
+        """Pixels at `places` (3, n) float64, [i, j, k] in voxels, enter the voxels around them; returns how many could.
+
+        Notes
+        -----
+        A corner's share is the product of 1 - distance along each axis. A pixel of which any corner with a share above 0 is outside
+        the volume does not enter at all.
+        """
+        if self._compiled is not None:
+            return self._spread_compiled(places, values, importance)
+        lower = np.floor(places)
+        fraction = places - lower
+        last = np.array(self._grid_size, dtype=np.float64)[:, None] - 1
+        inside = ((lower >= 0) & (lower + (fraction > 0) <= last)).all(axis=0)
+        if not inside.all():
+            lower, fraction, values = lower[:, inside], fraction[:, inside], values[inside]
+            importance = None if importance is None else importance[inside]
+        if not values.size:
+            return 0
+        columns, rows, _ = self._grid_size
+        first = ((lower[2] * rows + lower[1]) * columns + lower[0]).astype(np.int64)
+        voxels = first[:, None] + CORNERS @ (rows * columns, columns, 1)
+        i, j, k = (np.stack([1 - along, along]) for along in fraction)
+        # In the order of CORNERS, so that a pixel's corners stand side by side and pixels keep their order
+        share = (i[:, None, None] * j[None, :, None] * k[None, None]).reshape(8, -1).T
+        enough = share >= LEAST_SHARE if self.state.method != "average" else share > 0
+        pixel = np.nonzero(enough)[0]
+        share = share[enough]
+        if importance is not None:
+            share = share * importance[pixel]
+        self._add(voxels[enough], values[pixel], share)
+        return values.size
+
+    def _spread_compiled(self, places: np.ndarray, values: np.ndarray, importance: np.ndarray | None) -> int:
+        """The same by compiled code."""
+        state = self.state
+        return self._compiled.spread(
+            LINEAR_METHODS.index(state.method),
+            places,
+            values,
+            np.empty(0, np.float32) if importance is None else importance,
+            np.array(self._grid_size, dtype=np.int64),
+            LEAST_SHARE,
+            state.value,
+            np.empty(0) if state.weight is None else state.weight,
+            state.hits,
+        )
+
+    def _add(self, voxels: np.ndarray, values: np.ndarray, weights: np.ndarray | None) -> None:
+        """Contributions (n,), in order."""
+        state = self.state
+        np.add.at(state.hits, voxels, np.uint32(1))
+        if state.method == "latest":
+            state.value[voxels] = values
+        elif state.method == "maximum":
+            np.maximum.at(state.value, voxels, values)
+        else:
+            weights = np.ones(len(values)) if weights is None else weights.astype(np.float64)
+            np.add.at(state.value, voxels, weights * values)
+            np.add.at(state.weight, voxels, weights)
+
+    def _weights(self, layout: PixelLayout) -> np.ndarray:
+        """The importance of the pixels that count, (n,) float32."""
+        columns, rows = layout.size
+        if self._importance.shape != (rows, columns):
+            got = f"{self._importance.shape[1]} x {self._importance.shape[0]}"
+            raise SettingsError(f"Input importance mask must be as large as the images, {columns} x {rows}; got {got}. Make it anew.")
+        return layout.values(self._importance)

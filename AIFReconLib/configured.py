@@ -1,0 +1,111 @@
+"""What a Plus configuration gives a reconstruction beside its settings; whatever the caller gives comes first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .compounding.splat_engine import LINEAR_METHODS
+from .errors import SettingsError
+from .hole_kinds import HoleFilling
+from .settings import ReconstructionSettings
+from .volume import VoxelGrid
+
+if TYPE_CHECKING:
+    from .io.plus_config import PlusConfiguration
+
+
+@dataclass(frozen=True, eq=False)
+class ConfiguredParts:
+    """What a `Reconstructor` is given.
+
+    Parameters
+    ----------
+    importance : (rows, columns) float32 array, 0 to 1, or None
+    holes : tuple of HoleFilling
+    threads : int or None
+    grid : VoxelGrid or None
+        In the configuration's reference frame.
+    notes : tuple of str
+        What the configuration asks for and does not go with what the caller chose.
+    """
+
+    importance: np.ndarray | None = None
+    holes: tuple[HoleFilling, ...] = ()
+    threads: int | None = None
+    grid: VoxelGrid | None = None
+    notes: tuple[str, ...] = ()
+
+
+def resolve_settings(
+    settings: ReconstructionSettings, configuration: PlusConfiguration | None, has_bone: bool, has_importance: bool = False
+) -> ReconstructionSettings:
+    """`settings` with what they leave open taken from a configuration, else from the defaults.
+
+    That is the method (where there is no bone), spacing, skip, interpolation (where the method has one) and pixel rejection. With an
+    importance mask the method is average where none is named.
+
+    Raises
+    ------
+    SettingsError
+        When a way to fill holes has no limit.
+    """
+    if settings.holes not in (None, "off") and settings.hole_limit == 0:
+        raise SettingsError(f"Input hole_limit must be above 0 mm to fill holes by {settings.holes}; got 0. Give --hole-limit MM.")
+
+    def given(name: str, default=None):
+        own = getattr(settings, name)
+        own = getattr(configuration, name, None) if own is None else own
+        return default if own is None else own
+
+    method = settings.method
+    if method is None and not has_bone:
+        method = "average" if has_importance else given("method")
+    method = method or settings.method_for(has_bone)
+    spreads = settings.interpolation is not None or (method in LINEAR_METHODS and not settings.best_cosine)
+    return replace(
+        settings,
+        method=method,
+        spacing=given("spacing"),
+        skip=given("skip", 1),
+        interpolation=given("interpolation", "nearest") if spreads else "nearest",
+        pixel_rejection=given("pixel_rejection"),
+    )
+
+
+def configured_parts(
+    asked: ReconstructionSettings,
+    resolved: ReconstructionSettings,
+    configuration: PlusConfiguration | None,
+    importance: np.ndarray | None = None,
+) -> ConfiguredParts:
+    """The parts for settings as `asked` by the caller and as `resolve_settings` returned them.
+
+    Parameters
+    ----------
+    asked, resolved : ReconstructionSettings
+    configuration : PlusConfiguration or None
+    importance : (rows, columns) array, 0 to 1, or None
+        The caller's; it comes before the configuration's.
+
+    Raises
+    ------
+    FileFormatError
+        When the configuration's importance mask cannot be read.
+    """
+    notes = []
+    if importance is None and getattr(configuration, "uses_importance_mask", False):
+        if asked.method is None and resolved.method == "average":
+            importance = configuration.importance()
+        else:
+            notes.append(f"The configuration's importance mask is not used: it is for an average, and the method is {resolved.method}.")
+    if asked.interpolation is None and getattr(configuration, "interpolation", None) == "linear" and resolved.interpolation != "linear":
+        notes.append(
+            f"The configuration's Interpolation=LINEAR is not used: it is for methods {', '.join(LINEAR_METHODS)}, and this is "
+            f"{resolved.method}{' with cosines' if resolved.best_cosine else ''}."
+        )
+    grid = configuration.grid(resolved.spacing_xyz()) if getattr(configuration, "extent", None) is not None else None
+    holes, threads = getattr(configuration, "holes", ()), getattr(configuration, "threads", None)
+    return ConfiguredParts(importance, holes, threads, grid, tuple(notes))

@@ -1,0 +1,70 @@
+"""Speed of sound: scanners turn time into depth with one speed, and tissue or a water bath may have another.
+
+What a scanner shows at a depth d lies at d times the ratio of the two speeds, along the beam.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .beams import LINEAR, ProbeGeometry
+from .settings import ReconstructionSettings
+
+
+@dataclass(frozen=True)
+class DepthScale:
+    """Moves pixels along their beams, away from the transducer's face or toward it.
+
+    Parameters
+    ----------
+    probe : ProbeGeometry
+    factor : float
+        True depth by shown depth: the true speed of sound by the scanner's.
+    face : float
+        Where depth is 0. Linear probe: a row, px. Sector: a radius about the apex, mm.
+    spacing : (x, y), mm
+        Pixel pitch; radii are round in mm.
+    """
+
+    probe: ProbeGeometry
+    factor: float
+    face: float
+    spacing: tuple[float, float]
+
+    @classmethod
+    def of(cls, mask: np.ndarray, probe: ProbeGeometry, factor: float, spacing: tuple[float, float]) -> DepthScale:
+        """The scale for images whose ultrasound is `mask` (rows, columns) bool: the face is where it begins."""
+        rows, columns = np.nonzero(mask)
+        if probe.kind == LINEAR:
+            return cls(probe, factor, float(rows.min()), spacing)
+        radius = np.hypot((columns - probe.apex_px[0]) * spacing[0], (rows - probe.apex_px[1]) * spacing[1])
+        return cls(probe, factor, float(radius.min()), spacing)
+
+    def moved(self, pixels: np.ndarray) -> np.ndarray:
+        """Where pixels truly are.
+
+        Parameters
+        ----------
+        pixels : (2, n) float64 array
+            Column and row as shown.
+
+        Returns
+        -------
+        pixels : (2, n) float64 array
+            Linear probe: row' = face + factor (row - face). Sector: the same of the radius about the apex, at the same angle in mm.
+        """
+        if self.probe.kind == LINEAR:
+            return np.stack([pixels[0], self.face + self.factor * (pixels[1] - self.face)])
+        apex = np.array(self.probe.apex_px, dtype=np.float64)[:, None]
+        offset = pixels - apex
+        radius = np.hypot(offset[0] * self.spacing[0], offset[1] * self.spacing[1])
+        # At the apex itself there is no direction to move in
+        stretch = np.divide(self.face + self.factor * (radius - self.face), radius, out=np.ones_like(radius), where=radius > 0)
+        return apex + stretch * offset
+
+
+def depth_factor(settings: ReconstructionSettings) -> float:
+    """True depth by shown depth that the settings ask for; 1 where they do not say how fast sound was."""
+    return 1.0 if settings.speed_of_sound is None else settings.speed_of_sound / settings.scanner_speed_of_sound

@@ -1,0 +1,204 @@
+"""Linear interpolation and importance masks against a plain loop over pixels and corners, and in closed form."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
+
+from AIFReconLib.beams import ProbeGeometry
+from AIFReconLib.compounding import splat_engine
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.errors import SettingsError
+from AIFReconLib.frames import TrackedFrame
+from AIFReconLib.region import ClipRectangle, ImageRegion
+from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.threads import optional_module
+from AIFReconLib.volume import VoxelGrid
+
+METHODS = ("average", "latest", "maximum")
+REGION = ImageRegion(ClipRectangle((3, 2), (27, 20)))
+
+
+@pytest.fixture(params=["numpy", "numba"])
+def engine(request):
+    if request.param == "numba" and optional_module("AIFReconLib.compounding.numba_splat") is None:
+        pytest.skip("numba is not installed")
+    return request.param
+
+
+def loop(frames, grid, method, mask, interpolation="linear", importance=None):
+    """IGSIO's rules written out; returns values and how many pixels acted on each voxel, [k, j, i]."""
+    ni, nj, nk = grid.size
+    total, weights, value = np.zeros((3, nk, nj, ni))
+    hits = np.zeros((nk, nj, ni), int)
+    for frame in frames:
+        matrix = grid.reference_to_ijk @ frame.image_to_reference
+        for row, column in np.argwhere(mask):
+            place = matrix @ (column, row, 0, 1)
+            pixel = float(frame.image[row, column])
+            count = 1.0 if importance is None else float(importance[row, column])
+            if count == 0:
+                continue
+            corners = {tuple(math.floor(p + 0.5) for p in place[:3]): 1.0}
+            if interpolation == "linear":
+                low = [math.floor(p) for p in place[:3]]
+                corners = {}
+                for step in itertools.product((0, 1), repeat=3):
+                    share = math.prod((p - a) if s else 1 - (p - a) for p, a, s in zip(place, low, step, strict=False))
+                    if share > 0:
+                        corners[tuple(a + s for a, s in zip(low, step, strict=True))] = share
+            if not all(0 <= i < ni and 0 <= j < nj and 0 <= k < nk for i, j, k in corners):
+                continue
+            for (i, j, k), share in corners.items():
+                at = (k, j, i)
+                if method != "average" and share < 0.125:
+                    continue
+                value[at] = pixel if method == "latest" or hits[at] == 0 else max(value[at], pixel)
+                hits[at] += 1
+                total[at] += share * count * pixel
+                weights[at] += share * count
+    if method == "average":
+        value = np.divide(total, weights, out=np.zeros_like(total), where=hits > 0)
+    return value, hits
+
+
+def reconstructed(frames, grid, method, engine="auto", region=REGION, importance=None, interpolation="linear", **settings):
+    settings = ReconstructionSettings(method=method, interpolation=interpolation, engine=engine, output_type="float32", **settings)
+    reconstructor = Reconstructor(grid, settings, region=region, importance=importance)
+    reconstructor.insert(frames)
+    return reconstructor.finish()
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("dtype", [np.uint8, np.float32])
+def test_linear_interpolation_equals_the_loop_over_corners(method, dtype, engine):
+    frames, grid = oblique_frames(seed=2, count=3, dtype=dtype), turned_grid()
+    expected, hits = loop(frames, grid, method, REGION.mask(34, 26))
+    result = reconstructed(frames, grid, method, engine)
+    np.testing.assert_array_equal(result.hits.array, hits)
+    np.testing.assert_allclose(result.intensity.array, expected, rtol=1e-5, atol=1e-5)
+    assert result.frames_inserted == 3
+
+
+@pytest.mark.parametrize("interpolation", ["linear", "nearest"])
+def test_an_importance_mask_weights_the_average_as_the_loop_does(interpolation, engine):
+    frames, grid = oblique_frames(seed=5, count=3), turned_grid()
+    importance = np.random.default_rng(1).choice([0.0, 0.2, 0.6, 1.0], (26, 34))
+    expected, hits = loop(frames, grid, "average", REGION.mask(34, 26), interpolation, importance)
+    result = reconstructed(frames, grid, "average", engine, importance=importance, interpolation=interpolation)
+    np.testing.assert_array_equal(result.hits.array, hits)
+    np.testing.assert_allclose(result.intensity.array, expected, rtol=1e-5, atol=1e-5)
+
+
+def test_equal_importance_is_none():
+    frames, grid = oblique_frames(seed=5, count=3), turned_grid()
+    plain = reconstructed(frames, grid, "average", interpolation="nearest")
+    weighted = reconstructed(frames, grid, "average", importance=np.full((26, 34), 0.4), interpolation="nearest")
+    np.testing.assert_allclose(weighted.intensity.array, plain.intensity.array, rtol=1e-6)
+    np.testing.assert_array_equal(weighted.hits.array, plain.hits.array)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_compiled_engine_gives_the_same_voxels_to_the_last_bit(method):
+    if optional_module("AIFReconLib.compounding.numba_splat") is None:
+        pytest.skip("numba is not installed")
+    frames, grid = oblique_frames(seed=3, count=4, dtype=np.float32), turned_grid()
+    ours, theirs = (reconstructed(frames, grid, method, name) for name in ("numpy", "numba"))
+    np.testing.assert_array_equal(ours.intensity.array, theirs.intensity.array)
+    np.testing.assert_array_equal(ours.score.array, theirs.score.array)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_size_of_the_parts_makes_no_difference(method, monkeypatch, engine):
+    frames, grid = oblique_frames(seed=3, count=2), turned_grid()
+    whole = reconstructed(frames, grid, method, engine).intensity.array
+    monkeypatch.setattr(splat_engine, "PIXELS_AT_ONCE", 37)
+    np.testing.assert_array_equal(reconstructed(frames, grid, method, engine).intensity.array, whole)
+
+
+def one_pixel(place, method, engine, value=80.0, size=(4, 4, 4)):
+    pose = np.eye(4)
+    pose[:3, 3] = place
+    grid = VoxelGrid.from_spacing((0, 0, 0), size, 1.0)
+    return reconstructed([TrackedFrame(np.full((1, 1), value, np.float32), pose)], grid, method, engine, region=None)
+
+
+def test_a_pixel_gives_its_corners_shares_that_add_up_to_one(engine):
+    result = one_pixel((1.25, 2.5, 0.125), "average", engine)
+    assert result.score.array.sum() == pytest.approx(1.0)
+    assert result.score.array[0, 2, 1] == pytest.approx(0.75 * 0.5 * 0.875)
+    assert result.score.array[1, 3, 2] == pytest.approx(0.25 * 0.5 * 0.125)
+
+
+def test_a_pixel_on_a_voxel_enters_it_alone(engine):
+    hits = one_pixel((1, 2, 3), "average", engine).hits.array
+    assert hits.sum() == hits[3, 2, 1] == 1
+
+
+@pytest.mark.parametrize(("place", "corners"), [((1.5, 1.5, 1.5), 8), ((1.5, 1.5, 1.49), 4), ((1.2, 1.2, 1.2), 4), ((1.1, 1.1, 1.1), 1)])
+def test_latest_and_maximum_act_where_a_pixel_has_an_eighth_of_its_weight(place, corners, engine):
+    for method in ("latest", "maximum"):
+        assert one_pixel(place, method, engine).hits.array.sum() == corners
+
+
+@pytest.mark.parametrize(("place", "enters"), [((3, 3, 3), True), ((3.01, 3, 3), False), ((0, -0.01, 0), False), ((0, -1e-9, 0), True)])
+def test_a_pixel_with_a_corner_outside_does_not_enter(place, enters, engine):
+    result = one_pixel(place, "average", engine)
+    assert (result.frames_inserted, result.hits.array.sum()) == (int(enters), int(enters))
+
+
+def test_equal_pixels_average_to_themselves(engine):
+    frames = [TrackedFrame(np.full((20, 20), 93, np.uint8), image_pose((0.3, 0.3), (n, 2 * n, 0), (-3, -3, n / 3))) for n in range(4)]
+    result = reconstructed(frames, turned_grid(), "average", engine, region=None)
+    np.testing.assert_allclose(result.intensity.array[result.hits.array > 0], 93, rtol=1e-6)
+
+
+def test_pixels_that_are_not_numbers_do_not_enter(engine):
+    frames, grid = oblique_frames(seed=2, count=2, dtype=np.float32), turned_grid()
+    mask = REGION.mask(34, 26)
+    mask[5:9, 10:20] = False
+    for frame in frames:
+        frame.image[5:9, 10:20] = np.nan
+    expected, hits = loop(frames, grid, "average", mask)
+    result = reconstructed(frames, grid, "average", engine)
+    np.testing.assert_array_equal(result.hits.array, hits)
+    np.testing.assert_allclose(result.intensity.array, expected, rtol=1e-5, atol=1e-5)
+
+
+def test_an_importance_mask_of_another_size_is_refused():
+    with pytest.raises(SettingsError, match="importance mask must be as large as the images, 34 x 26; got 3 x 2"):
+        reconstructed(oblique_frames(count=1), turned_grid(), "average", importance=np.ones((2, 3)))
+
+
+@pytest.mark.parametrize("method", ["aif", "aif-compensated", "weighted"])
+def test_bone_methods_refuse_linear_interpolation(method):
+    settings = ReconstructionSettings(method=method, interpolation="linear")
+    with pytest.raises(SettingsError, match=f"interpolation must be nearest for method {method}; got 'linear'"):
+        Reconstructor(turned_grid(), settings, sphere_bone(), probe=ProbeGeometry("linear"))
+
+
+@pytest.mark.parametrize("method", ["latest", "maximum"])
+def test_an_importance_mask_is_for_averages(method):
+    with pytest.raises(SettingsError, match=f"does not fit method {method}"):
+        Reconstructor(turned_grid(), ReconstructionSettings(method=method), importance=np.ones((2, 2)))
+
+
+def test_the_best_cosine_refuses_linear_interpolation():
+    settings = ReconstructionSettings(method="average", interpolation="linear", best_cosine=True)
+    with pytest.raises(SettingsError, match="nearest for the cosine of incidence"):
+        Reconstructor(turned_grid(), settings, sphere_bone(), probe=ProbeGeometry("linear"))
+
+
+def test_a_snapshot_does_not_change_with_later_frames():
+    frames, grid = oblique_frames(seed=3, count=2), turned_grid()
+    reconstructor = Reconstructor(grid, ReconstructionSettings(method="average", interpolation="linear"))
+    reconstructor.insert(frames[0])
+    snapshot = reconstructor.reconstruction()
+    before = snapshot.intensity.array.copy(), snapshot.score.array.copy()
+    reconstructor.insert(frames[1])
+    np.testing.assert_array_equal(snapshot.intensity.array, before[0])
+    np.testing.assert_array_equal(snapshot.score.array, before[1])

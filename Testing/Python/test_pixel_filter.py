@@ -1,0 +1,129 @@
+"""Pixels that enter by what a frame shows: dark ones are rejected, and a fan is narrowed to where it is lit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from sweeps import oblique_frames, sphere_bone, turned_grid
+
+from AIFReconLib.beams import ProbeGeometry
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.fan_detection import FanDetection
+from AIFReconLib.pixel_filter import PixelFilter
+from AIFReconLib.region import Fan, ImageRegion
+from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.threads import optional_module
+
+FAN = Fan((100, 0), (-45, 45), (20, 150))
+DETECTION = FanDetection(30, 10)
+COLUMN, ROW = np.meshgrid(np.arange(201), np.arange(160))
+ANGLE = np.degrees(np.arctan2(COLUMN - 100, ROW))
+
+
+def reconstructed(frames, method="average", engine="auto", rejection=None, interpolation="nearest", region=None):
+    settings = ReconstructionSettings(
+        method=method, engine=engine, pixel_rejection=rejection, interpolation=interpolation, intensity_maximum=255
+    )
+    probe = ProbeGeometry("linear")
+    reconstructor = Reconstructor(turned_grid(), settings, sphere_bone() if method in BONE_METHODS else None, probe=probe, region=region)
+    reconstructor.insert(frames)
+    return reconstructor.finish()
+
+
+@pytest.fixture(params=["numpy", "numba"])
+def engine(request):
+    if request.param == "numba" and optional_module("numba") is None:
+        pytest.skip("numba is not installed")
+    return request.param
+
+
+@pytest.mark.parametrize("method", ["average", "latest", "maximum", "aif"])
+@pytest.mark.parametrize("dtype", [np.uint8, np.float32])
+def test_rejected_pixels_are_as_if_they_were_not_numbers(method, dtype, engine):
+    frames = oblique_frames(seed=4, count=3, dtype=dtype)
+    without = [replace(f, image=np.where(f.image >= 100, f.image, np.nan).astype(np.float32)) for f in frames]
+    ours, theirs = reconstructed(frames, method, engine, 100), reconstructed(without, method, engine)
+    np.testing.assert_array_equal(ours.hits.array, theirs.hits.array)
+    np.testing.assert_allclose(ours.intensity.array, theirs.intensity.array, atol=0.51)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_threshold_of_zero_rejects_nothing(method):
+    frames = oblique_frames(seed=4, count=2)
+    np.testing.assert_array_equal(reconstructed(frames, method, rejection=0).hits.array, reconstructed(frames, method).hits.array)
+
+
+def test_a_pixel_at_the_threshold_enters():
+    kept = PixelFilter(30, ImageRegion()).kept(np.array([[29, 30, 31]], np.uint8))
+    assert kept.tolist() == [[False, True, True]]
+
+
+def test_linear_interpolation_rejects_too(engine):
+    frames = oblique_frames(seed=4, count=2)
+    without = [replace(f, image=np.where(f.image >= 100, f.image, np.nan).astype(np.float32)) for f in frames]
+    ours, theirs = (reconstructed(f, "average", engine, r, "linear") for f, r in ((frames, 100), (without, None)))
+    np.testing.assert_array_equal(ours.hits.array, theirs.hits.array)
+
+
+def test_a_frame_of_dark_pixels_is_counted_as_skipped():
+    frames = oblique_frames(seed=4, count=2)
+    dark = replace(frames[0], image=np.zeros_like(frames[0].image))
+    assert reconstructed([dark, frames[1]], rejection=20).skipped == {"nothing bright enough in the image": [0]}
+
+
+def lit(first, last, level=120):
+    """An image that is bright between two angles about the fan's apex."""
+    return np.where((first <= ANGLE) & (last >= ANGLE), level, 5).astype(np.uint8)
+
+
+@pytest.mark.parametrize(("first", "last"), [(-30, 20), (-10, 40), (5, 35)])
+def test_the_lit_part_of_a_fan_is_found_less_three_degrees(first, last):
+    angles = DETECTION.angles(lit(first, last), FAN)
+    # Half a window of 20 samples may be dark: along the arc that is widest in degrees, the first, 10 px are 14 degrees
+    np.testing.assert_allclose(angles, (first + 3, last - 3), atol=15)
+    assert angles[0] < first + 3 + 1e-6
+
+
+def test_a_fine_window_finds_the_angles_closely():
+    angles = FanDetection(30, 1).angles(lit(-30, 20), FAN)
+    np.testing.assert_allclose(angles, (-27, 17), atol=3)
+
+
+def test_a_fan_that_is_lit_throughout_is_cut_at_its_sides_alone():
+    angles = DETECTION.angles(np.full((160, 201), 99, np.uint8), FAN)
+    np.testing.assert_allclose(angles, (-42, 42), atol=1e-9)
+
+
+def test_the_wider_of_two_lit_parts_counts():
+    image = np.maximum(lit(-40, -20), lit(0, 35))
+    first, last = FanDetection(30, 2).angles(image, FAN)
+    assert -6 < first < last < 40
+
+
+def test_what_is_below_the_threshold_is_dark():
+    assert FanDetection(121, 10).angles(lit(-30, 20), FAN) is None
+    assert FanDetection(120, 10).angles(lit(-30, 20), FAN) is not None
+
+
+def test_arcs_outside_the_image_are_not_looked_at():
+    assert DETECTION.angles(np.full((10, 10), 200, np.uint8), Fan((-500, -500), (-45, 45), (20, 150))) is None
+
+
+def test_a_detected_fan_is_the_region_of_its_frame():
+    kept = PixelFilter(None, ImageRegion(fan=FAN, fan_detection=DETECTION)).kept(lit(-30, 20))
+    angles = DETECTION.angles(lit(-30, 20), FAN)
+    np.testing.assert_array_equal(kept, replace(FAN, angles_deg=angles).mask(201, 160))
+
+
+def test_without_detection_nothing_is_looked_at():
+    assert PixelFilter(None, ImageRegion(fan=FAN)).kept(lit(-30, 20)) is None
+
+
+def test_a_frame_without_contact_is_counted_as_skipped():
+    frames = oblique_frames(count=2, shape=(160, 201))
+    frames = [replace(f, image=np.full_like(f.image, level)) for f, level in zip(frames, (0, 90), strict=True)]
+    result = reconstructed(frames, region=ImageRegion(fan=FAN, fan_detection=DETECTION))
+    assert result.skipped == {"nothing bright enough in the image": [0]}
+    assert result.frames_inserted == 1
