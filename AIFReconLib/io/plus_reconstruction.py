@@ -170,7 +170,7 @@ def _not_honored(attributes: Attributes) -> tuple[str, ...]:
     def warn(attribute: str, what: str) -> None:
         warnings.append(f"{attributes.place}@{attribute}={attributes.text(attribute)} {what}.")
 
-    if attributes.text("Optimization"):
+    if attributes.text("Optimization") and attributes.text("Optimization").upper() != "NONE":
         warn("Optimization", "has no effect: voxels are those of NONE, in double precision")
     if attributes.text("ImportanceMaskFilename") and not _uses_importance_mask(attributes):
         warn("ImportanceMaskFilename", "has no effect without CompoundingMode=IMPORTANCE_MASK: all pixels count alike")

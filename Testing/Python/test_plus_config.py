@@ -280,6 +280,10 @@ def test_what_is_not_honored_is_said(read, attributes, named):
     assert named in warning
 
 
+def test_nothing_is_said_of_an_optimization_that_is_off(read):
+    assert read(reconstruction('Optimization="NONE"')).warnings == ()
+
+
 def test_kinds_of_hole_filling_that_are_left_out_are_said(read):
     elements = '<HoleFillingElement Type="DISTANCE_WEIGHT_INVERSE" Size="3" MinimumKnownVoxelsRatio="0"/>' + STICK
     configuration = read(reconstruction('FillHoles="ON"', f"<HoleFilling>{elements}</HoleFilling>"))
