@@ -6,9 +6,23 @@ wrong, where, and what to do about it. The command line prints them as they are,
 
 from __future__ import annotations
 
+from .message import Message
+
 
 class AIFReconError(Exception):
-    """Anything that the library reports on purpose. Programming mistakes raise other exceptions."""
+    """Anything that the library reports on purpose. Programming mistakes raise other exceptions.
+
+    Parameters
+    ----------
+    message : str
+        The sentence, with its values in braces, as in ``SettingsError("Input rate must be positive; got {rate!r}.", rate=0)``. It is kept
+        as a `Message`, which can be translated; a text that was formatted before cannot. Without values it is taken as it is.
+    **values
+        What the sentence names.
+    """
+
+    def __init__(self, message: str = "", /, **values: object):
+        super().__init__(message if isinstance(message, Message) and not values else Message(message, **values))
 
 
 class SettingsError(AIFReconError, ValueError):

@@ -1,0 +1,65 @@
+"""Sentences that can be translated after their values were filled in."""
+
+import pickle
+
+import pytest
+
+from AIFReconLib import errors
+from AIFReconLib.errors import AIFReconError, OutputError, SettingsError
+from AIFReconLib.message import Message, translated
+
+GERMAN = {
+    "frame {number} is missing": "Bild {number} fehlt",
+    "{path}: {problem}.": "Datei {path}: {problem}!",
+    "Give {name!r}, in {unit}.": "{unit}: {name!r} angeben.",
+}
+
+DOMAIN_ERRORS = [kind for kind in vars(errors).values() if isinstance(kind, type) and issubclass(kind, AIFReconError)]
+
+
+def german(template):
+    return GERMAN.get(template, template)
+
+
+def test_a_message_is_the_english_text():
+    assert Message("frame {number} is missing", number=3) == "frame 3 is missing"
+
+
+def test_a_message_is_translated_with_its_values():
+    assert Message("Give {name!r}, in {unit}.", name="a", unit="mm").translated(german) == "mm: 'a' angeben."
+
+
+def test_messages_within_a_message_are_translated_too():
+    inner = Message("frame {number} is missing", number=3)
+    assert Message("{path}: {problem}.", path="a.mha", problem=inner).translated(german) == "Datei a.mha: Bild 3 fehlt!"
+
+
+def test_an_error_within_a_message_is_translated_too():
+    inner = SettingsError("frame {number} is missing", number=3)
+    assert Message("{path}: {problem}.", path="a.mha", problem=inner).translated(german) == "Datei a.mha: Bild 3 fehlt!"
+
+
+def test_without_values_braces_mean_nothing():
+    assert Message("{a: 1} is not JSON") == "{a: 1} is not JSON"
+    assert Message("{a: 1} is not JSON").translated(german) == "{a: 1} is not JSON"
+
+
+def test_values_with_braces_stay_as_they_are():
+    assert Message("{path}: {problem}.", path="{0}", problem="{x").translated(german) == "Datei {0}: {x!"
+
+
+def test_other_values_are_not_translated():
+    assert translated(3, german) == 3
+    assert translated("frame {number} is missing", german) == "frame {number} is missing"
+
+
+@pytest.mark.parametrize("kind", DOMAIN_ERRORS)
+def test_every_error_keeps_its_template_through_a_process_boundary(kind):
+    error = pickle.loads(pickle.dumps(kind("frame {number} is missing", number=3)))
+    assert str(error) == "frame 3 is missing"
+    assert translated(error, german) == "Bild 3 fehlt"
+
+
+def test_an_error_made_of_another_message_keeps_it():
+    error = OutputError(SettingsError("frame {number} is missing", number=3).args[0])
+    assert translated(error, german) == "Bild 3 fehlt"
