@@ -15,7 +15,7 @@ from ..reconstruction import reconstruct
 from ..settings import BONE_METHODS, ReconstructionSettings
 from ..simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from ..simulation.phased_array import PhasedArray
-from ..simulation.scan import TrackingErrors, ct_misregistration, multi_angle_sweep, simulate_sweep, single_angle_sweep
+from ..simulation.scan import ProbePath, TrackingErrors, ct_misregistration, multi_angle_sweep, simulate_sweep, single_angle_sweep
 from ..transform_graph import TransformName, TransformSample
 from ..volume import Volume
 from .metrics import evaluate
@@ -67,9 +67,9 @@ def patient_rows(seed: int) -> list[Row]:
     """All reconstructions of one simulated patient. About six minutes on one core."""
     phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(seed))
     probe = PhasedArray()
-    multi = _scan(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed)
+    multi = simulated_scan(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed)
     rows = _exact(seed, "multi-angle", multi, phantom.labels)
-    single = _scan(phantom, probe, single_angle_sweep(phantom, SINGLE_FRAMES), seed)
+    single = simulated_scan(phantom, probe, single_angle_sweep(phantom, SINGLE_FRAMES), seed)
     rows += _exact(seed, "single-angle", single, phantom.labels)
     against_multi = Scan(single.sequence, multi.truth)
     rows += [_row(seed, OF_MULTI, "exact", method, against_multi, phantom.labels) for method in ("average", "weighted")]
@@ -105,7 +105,7 @@ def _controls(seed: int, phantom: LumbarPhantom, probe: PhasedArray, multi: Scan
     of_process = Scan(multi.sequence, restricted(multi.truth, process))
     for condition, labels in (("right CT, that process", phantom.labels), ("CT lacks it, that process", without.labels)):
         rows += [_row(seed, "multi-angle", condition, method, of_process, labels) for method in ("average", "aif-compensated", "weighted")]
-    lacking = _scan(without, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed)
+    lacking = simulated_scan(without, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed)
     no_process = Scan(lacking.sequence, restricted(multi.truth, process, lacking.truth.shadows))
     for condition, labels in (("no process, right CT", without.labels), ("no process, CT shows one", phantom.labels)):
         rows += [_row(seed, "multi-angle", condition, method, no_process, labels) for method in ("average", "aif-compensated", "weighted")]
@@ -121,7 +121,8 @@ def _row(seed: int, scan_name: str, condition: str, method: str, scan: Scan, lab
     return Row(seed, scan_name, condition, method, direction if method in BONE_METHODS else "", metrics)
 
 
-def _scan(phantom: LumbarPhantom, probe: PhasedArray, path, seed: int) -> Scan:
+def simulated_scan(phantom: LumbarPhantom, probe: PhasedArray, path: ProbePath, seed: int) -> Scan:
+    """A simulated sweep along a path, with a configuration as a recording has one, and the bone that its beams could show."""
     sequence = _configured(simulate_sweep(phantom, probe, path, seed=seed), probe)
     poses = sweep_poses(sequence)
     beams = SweepBeams(poses.image_to_reference[poses.usable], sequence.frame_size, probe.geometry, probe.region, BEAM_THICKNESS)
