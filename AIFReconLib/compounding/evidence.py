@@ -166,7 +166,10 @@ class ScanLines:
         brightness += around[:, 2:]
         brightness *= per_line
         np.maximum(brightness, dark, out=brightness)
-        below = np.maximum.accumulate(brightness[::-1], axis=0)[::-1]
+        below = brightness.copy()
+        # Row by row: the accumulation of numpy goes down every line by itself
+        for sample in range(samples - 1, 0, -1):
+            np.maximum(below[sample - 1], below[sample], out=below[sample - 1])
         arrived = np.minimum(below * per_reached, np.float32(1))
         arrived *= arrived
         onset = np.zeros_like(below)

@@ -14,6 +14,8 @@ from ..sound_speed import DepthScale
 SPACING_TOLERANCE = 1e-3
 """Relative change of pixel spacing at which beam directions are computed anew; recorded matrices jitter in the sixth digit."""
 
+ROWS_AT_ONCE = 64
+"""Rows of which voxels are numbered at a time, so that what is computed on the way stays in the cache."""
 
 CENTER_TOLERANCE = 1e-6
 """Voxels. The box around a sweep begins at a pixel's center, which rounding must not put outside of it."""
@@ -103,10 +105,17 @@ class PixelLayout:
         """Whether it serves a frame of this size and pixel spacing."""
         return self.size == size and all(abs(new - old) <= SPACING_TOLERANCE * old for new, old in zip(spacing, self.spacing, strict=True))
 
+    @cached_property
+    def _numbers(self) -> np.ndarray:
+        """The numbers of all pixels that count; made once, for new memory costs more than what is written into it."""
+        numbers = np.arange(self.inside.size)
+        numbers.flags.writeable = False
+        return numbers
+
     def values(self, image: np.ndarray) -> np.ndarray:
         """The pixels that count, (n,) float32, of an image (rows, columns)."""
         top, bottom, left, right = self.window
-        return image[top:bottom, left:right].reshape(-1)[self.inside].astype(np.float32)
+        return self._counting(image[top:bottom, left:right]).astype(np.float32)
 
     @cached_property
     def coordinates(self) -> np.ndarray:
@@ -159,28 +168,64 @@ class PixelLayout:
             return self._voxels_moved(image_to_ijk, grid_size)
         top, bottom, left, right = self.window
         columns, rows = np.arange(left, right, dtype=np.float64), np.arange(top, bottom, dtype=np.float64)
-        flat: np.ndarray | float = 0.0
-        outside: np.ndarray | None = None
-        for axis in (2, 1, 0):
-            along_rows = image_to_ijk[axis, 1] * rows + (image_to_ijk[axis, 3] + 0.5)
-            along_columns = image_to_ijk[axis, 0] * columns
-            ends = along_rows[[0, -1], None] + along_columns[None, [0, -1]]
-            position = along_rows[:, None] + along_columns[None, :]
-            np.floor(position, out=position)
-            if ends.min() < 0.0 or ends.max() >= grid_size[axis]:
-                beyond = (position < 0.0) | (position >= grid_size[axis])
-                outside = beyond if outside is None else np.logical_or(outside, beyond, out=outside)
-            # Voxel numbers stay below 2^31: exact in float64, and cheaper to add up there than as integers
-            flat = position if axis == 2 else np.add(np.multiply(flat, grid_size[axis], out=flat), position, out=flat)
-        flat = flat.reshape(-1)[self.inside]
+        along_rows = image_to_ijk[:3, 1, None] * rows + (image_to_ijk[:3, 3, None] + 0.5)
+        along_columns = image_to_ijk[:3, 0, None] * columns
+        ends = along_rows[:, [0, -1], None] + along_columns[:, None, [0, -1]]
+        leaves = (ends.min(axis=(1, 2)) < 0.0) | (ends.max(axis=(1, 2)) >= grid_size)
+        outside = np.zeros((rows.size, columns.size), dtype=bool) if leaves.any() else None
+        voxels = np.empty((rows.size, columns.size), np.int64 if outside is None else np.float64)
+        lines = [_floors_along_one(along_rows[axis, :, None], along_columns[axis, None]) for axis in range(3)]
+        for first in range(0, rows.size, ROWS_AT_ONCE):
+            part, flat = slice(first, first + ROWS_AT_ONCE), 0.0
+            for axis in (2, 1, 0):
+                if lines[axis] is None:
+                    position = along_rows[axis, part, None] + along_columns[axis, None]
+                    np.floor(position, out=position)
+                else:
+                    position = lines[axis][part] if len(lines[axis]) == rows.size else lines[axis]
+                if leaves[axis]:
+                    outside[part] |= (position < 0.0) | (position >= grid_size[axis])
+                # Voxel numbers stay below 2^31: exact in float64, and cheaper to add up there than as integers
+                flat = flat * grid_size[axis] + position
+            voxels[part] = flat
+        voxels = self._counting(voxels)
         if outside is None:
-            return np.arange(flat.size), flat.astype(np.int64)
-        pixels = np.flatnonzero(~outside.reshape(-1)[self.inside])
-        return pixels, flat[pixels].astype(np.int64)
+            return self._numbers, voxels
+        pixels = np.flatnonzero(~self._counting(outside))
+        return pixels, voxels[pixels].astype(np.int64)
+
+    def _counting(self, window: np.ndarray) -> np.ndarray:
+        """Of an array over the window, what belongs to the pixels that count, (n,); a view where all do."""
+        flat = window.reshape(-1)
+        return flat if flat.size == self.inside.size else flat[self.inside]
 
     def _voxels_moved(self, image_to_ijk: np.ndarray, grid_size: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
         """The same for pixels that are not where they are shown."""
-        ijk = np.floor(self.places(image_to_ijk, np.arange(self.inside.size)) + 0.5)
-        pixels = np.flatnonzero(((ijk >= 0) & (ijk < np.array(grid_size)[:, None])).all(axis=0))
-        i, j, k = ijk[:, pixels].astype(np.int64)
-        return pixels, (k * grid_size[1] + j) * grid_size[0] + i
+        column, row = self.moved
+        flat: np.ndarray | float = 0.0
+        outside = np.zeros(self.inside.size, dtype=bool)
+        for axis in (2, 1, 0):
+            position = image_to_ijk[axis, 1] * row
+            position += image_to_ijk[axis, 3] + 0.5
+            position += image_to_ijk[axis, 0] * column
+            np.floor(position, out=position)
+            if position.min() < 0.0 or position.max() >= grid_size[axis]:
+                outside |= (position < 0.0) | (position >= grid_size[axis])
+            flat = position if axis == 2 else np.add(np.multiply(flat, grid_size[axis], out=flat), position, out=flat)
+        pixels = np.flatnonzero(~outside)
+        return pixels, flat[pixels].astype(np.int64)
+
+
+def _floors_along_one(along_rows: np.ndarray, along_columns: np.ndarray) -> np.ndarray | None:
+    """The floors of `along_rows` (r, 1) + `along_columns` (1, c) as (r, 1) or (1, c), where one of both decides; None where not.
+
+    Notes
+    -----
+    So it is where an image lies in line with the grid. Neither turns back, and no more do their rounded sums: where the floors at both
+    ends of a row are the same, so are all between them.
+    """
+    ends = np.floor(along_rows + along_columns[:, [0, -1]])
+    if np.array_equal(ends[:, 0], ends[:, 1]):
+        return ends[:, :1]
+    ends = np.floor(along_rows[[0, -1]] + along_columns)
+    return ends[:1] if np.array_equal(ends[0], ends[1]) else None

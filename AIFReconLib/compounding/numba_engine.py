@@ -6,6 +6,8 @@ a slab the frames follow each other in time, so that what they have in common is
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from ..bone import BoneOnGrid
@@ -15,7 +17,7 @@ from ..threads import in_parts, usable_cores
 from .batch import BATCH_FRAMES, FrameBatch
 from .evidence import ScanLines
 from .layout import PixelLayout
-from .numba_evidence import judge
+from .numba_evidence import FrameJudge
 from .numba_kernels import AVERAGE, LATEST, MAXIMUM, clip_to_volume, insert_aif, insert_cosine, insert_plain, insert_weighted
 from .state import VoxelState
 
@@ -23,7 +25,7 @@ SLABS = 8
 """Slabs that a batch is cut into: what frames share of one fits into a core's cache, and threads end at about the same time."""
 
 WEIGHTED_FRAMES = 4
-"""Frames of a batch of `weighted`: more evidence than of so few would not stay in the cache until it is used."""
+"""Frames that `weighted` judges at a time: more evidence than of so few would not stay in the cache until it is used."""
 
 PLAIN_RULES = {"average": AVERAGE, "latest": LATEST, "maximum": MAXIMUM}
 
@@ -49,6 +51,7 @@ class NumbaEngine:
     """
 
     name = "numba"
+    frames_at_once = BATCH_FRAMES
 
     def __init__(
         self,
@@ -60,15 +63,15 @@ class NumbaEngine:
         threads: int | None = None,
     ):
         if threads is not None and threads < 1:
-            raise SettingsError(f"Input threads must be at least 1; got {threads!r}.")
+            raise SettingsError("Input threads must be at least 1; got {threads!r}.", threads=threads)
         self.state = state
-        self.frames_at_once = WEIGHTED_FRAMES if state.method == "weighted" else BATCH_FRAMES
         self.threads = int(threads or usable_cores())
         self._size = np.array(grid_size, dtype=np.float64)
         self._maximum = float(maximum)
         compensated = state.method == "aif-compensated"
         self._aif_factors = (np.float32(settings.alpha), np.float32(settings.beta), np.float32(maximum), compensated)
         self._weighted_factors = tuple(np.float32(v) for v in (settings.weight_floor, settings.bone_gain, settings.beta, maximum))
+        self._judge: FrameJudge | None = None
         self._probability = None if bone is None else bone.probability.reshape(-1)
         self._directions = None if bone is None else bone.directions_reference.reshape(-1, 3)
 
@@ -103,14 +106,24 @@ class NumbaEngine:
         axis, edges = self._slabs(matrices, layout)
         spans = np.empty((len(images), len(pieces), 4), np.int32)
         clip_to_volume(matrices, pieces, self._size, axis, spans)
-        evidence = self._evidence(images, scan_lines) if self.state.method == "weighted" else ()
         entered = np.zeros((len(edges) - 1, len(images)), np.int64)
+        judge = self._frame_judge(scan_lines, images) if self.state.method == "weighted" else None
 
-        def put(part: int) -> None:
+        def put(group: slice, part: int) -> None:
             slab = (axis, int(edges[part]), int(edges[part + 1]))
-            self._put(entered[part], images, matrices, pieces, spans, slab, axes, layout, evidence)
+            some = images[group], matrices[group], pieces, spans[group]
+            self._put(entered[part, group], *some, slab, axes[group], layout, () if judge is None else judge.evidence(group))
 
-        in_parts(put, len(edges) - 1, self.threads)
+        size = len(images) if judge is None else WEIGHTED_FRAMES
+        groups = [slice(first, min(first + size, len(images))) for first in range(0, len(images), size)]
+        # A group of frames is judged while the one before it is put into the volume, so that threads wait for each other less often
+        for before, group in zip([None, *groups], [*groups, None], strict=True):
+            jobs = []
+            if judge is not None and group is not None:
+                jobs += [partial(judge.judge, images[frame], frame) for frame in range(group.start, group.stop)]
+            if before is not None:
+                jobs += [partial(put, before, part) for part in range(len(edges) - 1)]
+            in_parts(lambda number, jobs=jobs: jobs[number](), len(jobs), self.threads)
         return [int(n) for n in entered.sum(axis=0)]
 
     def _put(self, entered, images, matrices, pieces, spans, slab, axes, layout: PixelLayout, evidence) -> None:
@@ -143,26 +156,7 @@ class NumbaEngine:
         first, last = (float(np.clip(np.floor(end), 0, self._size[axis] - 1)) for end in (reached.min(), reached.max()))
         return axis, np.unique(np.floor(np.linspace(max(first - 1, 0), min(last + 2, self._size[axis]), SLABS + 1)).astype(np.int64))
 
-    def _evidence(self, images: np.ndarray, scan_lines: ScanLines) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Reach and onset (see `judge`) of frames at the samples of their scan lines, (frames, samples), and the sample of every pixel."""
-        reach, onset = np.empty((2, len(images), scan_lines.shape[0], scan_lines.padded), np.float32)
-        scales = scan_lines.scales(self._maximum)
-
-        def judge_frame(frame: int) -> None:
-            judge(
-                images[frame],
-                scan_lines.pixel_of_sample,
-                scan_lines.lit,
-                scan_lines.first_lit,
-                scan_lines.taps,
-                scan_lines.depth,
-                scan_lines.crest,
-                scan_lines.judged,
-                scales,
-                reach[frame],
-                onset[frame],
-            )
-
-        in_parts(judge_frame, len(images), self.threads)
-        flat = len(images), -1
-        return reach.reshape(flat), onset.reshape(flat), scan_lines.padded_sample_of_pixel
+    def _frame_judge(self, scan_lines: ScanLines, images: np.ndarray) -> FrameJudge:
+        if self._judge is None or self._judge.scan_lines is not scan_lines:
+            self._judge = FrameJudge(scan_lines, images.dtype, self._maximum, 2 * WEIGHTED_FRAMES)
+        return self._judge

@@ -83,35 +83,59 @@ def clip_to_volume(matrices, pieces, size, axis, spans):
 
 
 @inlined
+def misses(spans, frame, piece, slab):
+    """Whether nothing of a piece lies in the slab (axis, first voxel, stop).
+
+    A function of its own, so small that compilers put it into the loop: most pieces get no further.
+    """
+    return spans[frame, piece, FARTHEST] < slab[1] or spans[frame, piece, NEAREST] >= slab[2]
+
+
+@inlined
 def span_in_slab(matrices, pieces, spans, frame, piece, slab):
-    """The columns [low, high) of a piece that lie in the slab (axis, first voxel, stop).
+    """The columns [low, high) of a piece that lie in the slab.
 
     Whole arrays come in, because a view for each of so many pieces would cost more than the rest.
     """
     axis, bottom, top = slab
-    nearest, farthest = spans[frame, piece, NEAREST], spans[frame, piece, FARTHEST]
-    if farthest < bottom or nearest >= top:
-        return 0, 0
     low, high = np.int64(spans[frame, piece, LOW]), np.int64(spans[frame, piece, HIGH])
-    if nearest < bottom or farthest >= top:
+    if spans[frame, piece, NEAREST] < bottom or spans[frame, piece, FARTHEST] >= top:
         base = matrices[frame, axis, 1] * pieces[piece, ROW] + (matrices[frame, axis, 3] + 0.5)
         low, high = clipped(matrices[frame, axis, 0], base, float(bottom), float(top), low, high)
     return low, high
 
 
 @inlined
-def number_voxels(matrix, row, low, count, size, voxels):
-    """Write the flat numbers of the voxels of `count` columns from `low` on, all within the volume, to `voxels`."""
-    along, rows = size[0], size[1]
+def number_voxels(matrix, row, columns, size, voxels):
+    """Write the flat numbers of the voxels at `columns` (n,) float64 of a row, all within the volume, to `voxels` (more than n,).
+
+    After them follows a number that is not that of the voxel before it: it ends the last run of pixels in one voxel without a test.
+    """
+    count, along, rows = columns.size, size[0], size[1]
     base_i = matrix[0, 1] * row + (matrix[0, 3] + 0.5)
     base_j = matrix[1, 1] * row + (matrix[1, 3] + 0.5)
     base_k = matrix[2, 1] * row + (matrix[2, 3] + 0.5)
     step_i, step_j, step_k = matrix[0, 0], matrix[1, 0], matrix[2, 0]
-    for n in range(count):
-        column = float(low + n)
-        i, j, k = np.floor(base_i + step_i * column), np.floor(base_j + step_j * column), np.floor(base_k + step_k * column)
-        # Below 2^31: exact in float64
-        voxels[n] = np.uint32(np.int32((k * rows + j) * along + i))
+    first, last = columns[0], columns[count - 1]
+    j, k = np.floor(base_j + step_j * first), np.floor(base_k + step_k * first)
+    # Numbers stay below 2^31: exact in float64. None is negative, so that a conversion to integers rounds down
+    if j == np.floor(base_j + step_j * last) and k == np.floor(base_k + step_k * last):
+        # The row runs along a line of voxels: sums that only rise or only fall are the same everywhere if they are at both ends
+        line = np.int32((k * rows + j) * along)
+        for n in range(count):
+            voxels[n] = np.uint32(line + np.int32(base_i + step_i * columns[n]))
+    else:
+        for n in range(count):
+            column = columns[n]
+            i, j, k = np.floor(base_i + step_i * column), np.floor(base_j + step_j * column), np.floor(base_k + step_k * column)
+            voxels[n] = np.uint32(np.int32((k * rows + j) * along + i))
+    voxels[count] = ~voxels[count - 1]
+
+
+@inlined
+def columns_of(images):
+    """The columns of an image as float64: reading them is faster than to convert counters, which some processors do one by one."""
+    return np.arange(images.shape[2]).astype(np.float64)
 
 
 @inlined
@@ -138,14 +162,16 @@ def insert_plain(rule, images, matrices, pieces, spans, slab, size, value, hits,
     entered : (frames,) int64 array
         Result: raised by the pixels that entered.
     """
-    voxels = np.empty(images.shape[2], np.uint32)
+    columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)
     for frame in range(images.shape[0]):
         for piece in range(pieces.shape[0]):
+            if misses(spans, frame, piece, slab):
+                continue
             low, high = span_in_slab(matrices, pieces, spans, frame, piece, slab)
             if low >= high:
                 continue
             row, count = pieces[piece, ROW], high - low
-            number_voxels(matrices[frame], row, low, count, size, voxels)
+            number_voxels(matrices[frame], row, columns[low:high], size, voxels)
             pixels = images[frame, row, low:high]
             if rule == AVERAGE:
                 for n in range(count):
@@ -166,15 +192,17 @@ def insert_plain(rule, images, matrices, pieces, spans, slab, size, value, hits,
 @compiled
 def insert_cosine(images, matrices, pieces, spans, slab, size, best, directions, axes, beam_x, beam_y):
     """The best cosine of incidence of every voxel, `best` (voxels,) float32. Other arguments as in `insert_aif`."""
-    voxels = np.empty(images.shape[2], np.uint32)
+    columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)
     for frame in range(images.shape[0]):
         xx, xy, xz, yx, yy, yz = axes[frame]
         for piece in range(pieces.shape[0]):
+            if misses(spans, frame, piece, slab):
+                continue
             low, high = span_in_slab(matrices, pieces, spans, frame, piece, slab)
             if low >= high:
                 continue
             row, count = pieces[piece, ROW], high - low
-            number_voxels(matrices[frame], row, low, count, size, voxels)
+            number_voxels(matrices[frame], row, columns[low:high], size, voxels)
             beam = pieces[piece, OFFSET] + low - pieces[piece, START]
             along_x, along_y = beam_x[beam : beam + count], beam_y[beam : beam + count]
             for n in range(count):
@@ -207,32 +235,35 @@ def insert_aif(
     the last pixel.
     """
     alpha, beta, maximum, compensated = factors
-    voxels = np.empty(images.shape[2], np.uint32)
+    columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)
     for frame in range(images.shape[0]):
         xx, xy, xz, yx, yy, yz = axes[frame]
         for piece in range(pieces.shape[0]):
+            if misses(spans, frame, piece, slab):
+                continue
             low, high = span_in_slab(matrices, pieces, spans, frame, piece, slab)
             if low >= high:
                 continue
             row, count = pieces[piece, ROW], high - low
-            number_voxels(matrices[frame], row, low, count, size, voxels)
+            number_voxels(matrices[frame], row, columns[low:high], size, voxels)
             beam = pieces[piece, OFFSET] + low - pieces[piece, START]
             along_x, along_y, pixels = beam_x[beam : beam + count], beam_y[beam : beam + count], images[frame, row, low:high]
-            n = 0
+            # Unsigned, so that no index is tested for being negative
+            n = np.uint32(0)
             while n < count:
                 voxel, start = voxels[n], n
                 expected = probability[voxel]
                 if expected == ZERO:
-                    while n < count and voxels[n] == voxel:
-                        n += 1
-                    pixel = np.float32(pixels[n - 1])
+                    while voxels[n] == voxel:
+                        n += ONCE
+                    pixel = np.float32(pixels[n - ONCE])
                     value[voxel] = pixel if pixel < maximum else maximum
-                    hits[voxel] += np.uint32(n - start)
+                    hits[voxel] += n - start
                     continue
                 x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
                 facing_x, facing_y = (x * xx + y * xy) + z * xz, (x * yx + y * yy) + z * yz
                 now, before = value[voxel], weight[voxel]
-                while n < count and voxels[n] == voxel:
+                while voxels[n] == voxel:
                     pixel = np.float32(pixels[n])
                     w = limited_cosine(along_x[n], along_y[n], facing_x, facing_y)
                     if compensated:
@@ -242,10 +273,23 @@ def insert_aif(
                     new = pixel + (alpha * pixel) * w
                     now = (before * now + (new if new < maximum else maximum)) / (before + ONE)
                     before += w
-                    n += 1
+                    n += ONCE
                 value[voxel], weight[voxel] = now, before
-                hits[voxel] += np.uint32(n - start)
+                hits[voxel] += n - start
             entered[frame] += count
+
+
+@inlined
+def first_from(numbers, frame, count, least):
+    """Where in the rising `numbers[frame, :count]` those from `least` on begin."""
+    low, high = 0, count
+    while low < high:
+        middle = (low + high) // 2
+        if numbers[frame, middle] < least:
+            low = middle + 1
+        else:
+            high = middle
+    return low
 
 
 @compiled
@@ -267,8 +311,9 @@ def insert_weighted(
     beam_y,
     factors,
     reach,
+    begins,
     onset,
-    sample_of_pixel,
+    onsets,
 ):
     """The weighted sum. Arguments as in `insert_aif`, and
 
@@ -276,59 +321,61 @@ def insert_weighted(
     ----------
     factors : tuple of float32
         Floor, gain, beta and maximum.
-    reach, onset : (frames, samples) float32 arrays
-        Evidence at the samples of the scan lines; reach is negative where there is an onset.
-    sample_of_pixel : (n,) uint32 array
+    reach, begins, onset : (frames, n) arrays
+        The reach at the pixels; the pixels with an onset, rising, and the onset there.
+    onsets : (frames,) int64 array
+        How many pixels have one.
 
     Notes
     -----
     Without an onset, as nearly everywhere, the weight is floor R and the value is the pixel: the bone map is not looked at.
     """
     floor, gain, beta, maximum = factors
-    voxels = np.empty(images.shape[2], np.uint32)
+    columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)
     width = images.shape[2]
-    shares, weights, raised = np.empty(width, np.float32), np.empty(width, np.float32), np.empty(width, np.float32)
+    weights, raised = np.empty(width, np.float32), np.empty(width, np.float32)
     for frame in range(images.shape[0]):
         xx, xy, xz, yx, yy, yz = axes[frame]
-        arrived, begins = reach[frame], onset[frame]
         for piece in range(pieces.shape[0]):
+            if misses(spans, frame, piece, slab):
+                continue
             low, high = span_in_slab(matrices, pieces, spans, frame, piece, slab)
             if low >= high:
                 continue
             row, count = pieces[piece, ROW], high - low
-            number_voxels(matrices[frame], row, low, count, size, voxels)
+            number_voxels(matrices[frame], row, columns[low:high], size, voxels)
             beam = pieces[piece, OFFSET] + low - pieces[piece, START]
             along_x, along_y, pixels = beam_x[beam : beam + count], beam_y[beam : beam + count], images[frame, row, low:high]
-            samples = sample_of_pixel[beam : beam + count]
-            # Read first and computed afterwards: scattered reads keep compilers from making vectors
-            for n in range(count):
-                shares[n] = arrived[samples[n]]
-            onsets = 0
-            for n in range(count):
-                onsets += np.int32(shares[n] < ZERO)
+            shares = reach[frame, beam : beam + count]
             for n in range(count):
                 weights[n] = floor * shares[n]
             for n in range(count):
                 pixel = np.float32(pixels[n])
                 raised[n] = weights[n] * (pixel if pixel < maximum else maximum)
-            if onsets > 0:
-                for n in range(count):
-                    if shares[n] > ZERO:
-                        continue
-                    voxel, pixel = voxels[n], np.float32(pixels[n])
-                    gate = begins[samples[n]] * probability[voxel]
-                    w = (floor + gate) * -shares[n]
-                    if gate > ZERO:
-                        x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
-                        facing_x, facing_y = (x * xx + y * xy) + z * xz, (x * yx + y * yy) + z * yz
-                        cosine = limited_cosine(along_x[n], along_y[n], facing_x, facing_y)
-                        inverse = ONE / (cosine if cosine > beta else beta)
-                        inverse = inverse if inverse < LARGEST_COMPENSATION else LARGEST_COMPENSATION
-                        pixel *= ONE + (gain * gate) * (inverse if cosine > beta else ONE)
-                    weights[n] = w
-                    raised[n] = w * (pixel if pixel < maximum else maximum)
-            for n in range(count):
-                value[voxels[n]] += raised[n]
-                weight[voxels[n]] += weights[n]
-                hits[voxels[n]] += ONCE
+            for place in range(first_from(begins, frame, onsets[frame], beam), onsets[frame]):
+                n = np.int64(begins[frame, place]) - beam
+                if n >= count:
+                    break
+                voxel, pixel = voxels[n], np.float32(pixels[n])
+                gate = onset[frame, place] * probability[voxel]
+                w = (floor + gate) * shares[n]
+                if gate > ZERO:
+                    x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
+                    facing_x, facing_y = (x * xx + y * xy) + z * xz, (x * yx + y * yy) + z * yz
+                    cosine = limited_cosine(along_x[n], along_y[n], facing_x, facing_y)
+                    inverse = ONE / (cosine if cosine > beta else beta)
+                    inverse = inverse if inverse < LARGEST_COMPENSATION else LARGEST_COMPENSATION
+                    pixel *= ONE + (gain * gate) * (inverse if cosine > beta else ONE)
+                weights[n] = w
+                raised[n] = w * (pixel if pixel < maximum else maximum)
+            n = np.uint32(0)
+            while n < count:
+                voxel, start = voxels[n], n
+                total, share = value[voxel], weight[voxel]
+                while voxels[n] == voxel:
+                    total += raised[n]
+                    share += weights[n]
+                    n += ONCE
+                value[voxel], weight[voxel] = total, share
+                hits[voxel] += n - start
             entered[frame] += count

@@ -19,6 +19,9 @@ from .evidence import ScanLines
 from .layout import PixelLayout
 from .state import VoxelState
 
+LONG_RUN = 64
+"""Pixels in the order of their voxels, on average, from which on the sort that merges such runs is the faster one."""
+
 
 @dataclass(frozen=True, eq=False)
 class VoxelGroups:
@@ -44,19 +47,23 @@ class VoxelGroups:
         """Group the pixels of `voxels_of_pixels` (m,) int64."""
         bits = max(int(voxels_of_pixels.size - 1).bit_length(), 1)
         keys = (voxels_of_pixels << bits) | np.arange(voxels_of_pixels.size)
-        keys.sort()
+        # Where rows run along the grid, hardly a pixel is out of order: merging what is in order is then the fastest way to sort
+        falls = np.count_nonzero(voxels_of_pixels[1:] < voxels_of_pixels[:-1])
+        keys.sort(kind="stable" if falls * LONG_RUN < keys.size else "quicksort")
         order = keys & ((1 << bits) - 1)
         keys >>= bits
         starts = np.concatenate([[0], np.flatnonzero(keys[1:] != keys[:-1]) + 1])
         counts = np.diff(starts, append=keys.size)
-        fullest_first = np.argsort(-counts.astype(np.int32), kind="stable")
+        most = counts.max()
+        # Small numbers are sorted by their digits, which is faster
+        fullest_first = np.argsort((most - counts).astype(np.min_scalar_type(most)), kind="stable")
         return cls(order, keys[starts][fullest_first], starts[fullest_first], counts[fullest_first])
 
     def rounds(self):
-        """Yield (n, positions) per round: the first n voxels take the pixels at `order[positions]`."""
+        """Yield (n, positions) per round: the first n voxels take the pixels at `positions`."""
         for turn in range(int(self.counts[0])):
             active = int(np.searchsorted(-self.counts, -turn, side="left"))
-            yield active, self.starts[:active] + turn
+            yield active, self.order[self.starts[:active] + turn]
 
 
 class NumpyEngine:
@@ -113,76 +120,74 @@ class NumpyEngine:
 
     def _insert(self, batch: FrameBatch, place: int, layout: PixelLayout, scan_lines: ScanLines | None) -> int:
         pixels, voxels = layout.voxels(batch.image_to_ijk[place], self._grid_size)
-        image_axes = batch.axes[place].reshape(2, 3)
         all_values = layout.values(batch.images[place])
-        values = all_values[pixels]
         if place in batch.measured:
             measured = layout.values(batch.measured[place])[pixels] > 0
-            values, pixels, voxels = values[measured], pixels[measured], voxels[measured]
-        if not pixels.size:
+            pixels, voxels = pixels[measured], voxels[measured]
+        entered = pixels.size
+        if not entered:
             return 0
-        method = self.state.method
+        if entered == all_values.size:
+            # All of them: a view is enough
+            pixels = slice(None)
+        values, beam_x, beam_y = (None if array is None else array[pixels] for array in (all_values, layout.beam_x, layout.beam_y))
+        image_axes = batch.axes[place].reshape(2, 3)
+        state, method = self.state, self.state.method
+        np.add.at(state.hits, voxels, np.uint32(1))
+        if state.cosine is not None:
+            np.maximum.at(state.cosine, voxels, self._cosine(voxels, beam_x, beam_y, image_axes))
         if method in ("aif", "aif-compensated"):
-            self._insert_aif(values, pixels, voxels, image_axes, layout)
-            return pixels.size
-        np.add.at(self.state.hits, voxels, np.uint32(1))
-        cosine = None
-        if self._directions is not None and (method == "weighted" or self.state.cosine is not None):
-            cosine = self._cosine(self._directions[voxels], layout.beam_x[pixels], layout.beam_y[pixels], image_axes)
-        if self.state.cosine is not None:
-            np.maximum.at(self.state.cosine, voxels, cosine)
-        if method == "average":
-            np.add.at(self.state.value, voxels, values.astype(np.float64))
-        elif method == "latest":
-            self.state.value[voxels] = values
-        elif method == "maximum":
-            np.maximum.at(self.state.value, voxels, values)
-        else:
+            self._insert_aif(values, voxels, beam_x, beam_y, image_axes)
+        elif method == "weighted":
             evidence = scan_lines.evidence(all_values, float(self._maximum))
-            gate = rules.weighted_gate(evidence.onset[pixels], self._probability[voxels])
-            weight = rules.weighted_weight(gate, evidence.reach[pixels], self._floor)
-            value = rules.weighted_value(values, gate, cosine, self._gain, self._beta, self._maximum)
-            np.add.at(self.state.value, voxels, weight * value)
-            np.add.at(self.state.weight, voxels, weight)
-        return pixels.size
+            self._insert_weighted(values, voxels, beam_x, beam_y, image_axes, evidence.reach[pixels], evidence.onset[pixels])
+        elif method == "average":
+            np.add.at(state.value, voxels, values.astype(np.float64))
+        elif method == "latest":
+            state.value[voxels] = values
+        else:
+            np.maximum.at(state.value, voxels, values)
+        return entered
 
-    def _cosine(self, directions: np.ndarray, beam_x, beam_y, image_axes) -> np.ndarray:
-        x, y, z = directions[:, 0], directions[:, 1], directions[:, 2]
+    def _insert_weighted(self, values, voxels, beam_x, beam_y, image_axes, reach, onset) -> None:
+        """The weighted sum. Where no shadow begins, as nearly everywhere, its gate is closed: the bone map is not looked at."""
+        weight, value = self._floor * reach, np.minimum(values, self._maximum)
+        begins = np.flatnonzero(onset > 0)
+        at = voxels[begins]
+        gate = rules.weighted_gate(onset[begins], self._probability[at])
+        cosine = self._cosine(at, beam_x[begins], beam_y[begins], image_axes)
+        weight[begins] = rules.weighted_weight(gate, reach[begins], self._floor)
+        value[begins] = rules.weighted_value(values[begins], gate, cosine, self._gain, self._beta, self._maximum)
+        value *= weight
+        np.add.at(self.state.value, voxels, value)
+        np.add.at(self.state.weight, voxels, weight)
+
+    def _cosine(self, voxels: np.ndarray, beam_x, beam_y, image_axes) -> np.ndarray:
+        x, y, z = self._directions[voxels].T
         return rules.cosine_of_incidence(beam_x, beam_y, rules.facing(x, y, z, image_axes[0]), rules.facing(x, y, z, image_axes[1]))
 
-    def _insert_aif(self, values, pixels, voxels, image_axes, layout: PixelLayout) -> None:
+    def _insert_aif(self, values, voxels, beam_x, beam_y, image_axes) -> None:
         """The paper's rule. The bone map is read once per voxel, not once per pixel."""
         state = self.state
-        if state.cosine is None:
-            expected = self._probability[voxels] != 0
-            if not expected.all():
-                # Where no bone is expected the weight stays 0, and the rule comes down to the last pixel
-                elsewhere = ~expected
-                state.value[voxels[elsewhere]] = np.minimum(values[elsewhere], self._maximum)
-                np.add.at(state.hits, voxels[elsewhere], np.uint32(1))
-                values, pixels, voxels = values[expected], pixels[expected], voxels[expected]
-                if not voxels.size:
-                    return
-        groups = VoxelGroups.of(voxels)
+        bone = np.flatnonzero(self._probability[voxels] != 0)
+        limited = np.minimum(values, self._maximum)
+        if not bone.size:
+            state.value[voxels] = limited
+            return
+        groups = VoxelGroups.of(voxels[bone])
         at = groups.voxels
+        value, count = state.value[at], state.weight[at]
+        # Where no bone is expected the weight stays 0, and the rule comes down to the last pixel; elsewhere this is overwritten below
+        state.value[voxels] = limited
         x, y, z = self._directions[at].T
         facing_x, facing_y = rules.facing(x, y, z, image_axes[0]), rules.facing(x, y, z, image_axes[1])
         probability = self._probability[at]
-        value, count = state.value[at], state.weight[at]
-        best = np.zeros(at.size, dtype=np.float32) if state.cosine is not None else None
         compensated = state.method == "aif-compensated"
-        beam = pixels[groups.order]
-        beam_x, beam_y, values = layout.beam_x[beam], layout.beam_y[beam], values[groups.order]
         for active, positions in groups.rounds():
-            now = slice(0, active)
-            cosine = rules.cosine_of_incidence(beam_x[positions], beam_y[positions], facing_x[now], facing_y[now])
+            now, taken = slice(0, active), bone[positions]
+            cosine = rules.cosine_of_incidence(beam_x[taken], beam_y[taken], facing_x[now], facing_y[now])
             weight = rules.paper_angle_weight(cosine, self._beta, compensated) * probability[now]
-            new = rules.paper_value(values[positions], weight, self._alpha, self._maximum)
+            new = rules.paper_value(values[taken], weight, self._alpha, self._maximum)
             value[now] = rules.paper_update(value[now], count[now], new)
             count[now] += weight
-            if best is not None:
-                np.maximum(best[now], cosine, out=best[now])
         state.value[at], state.weight[at] = value, count
-        state.hits[at] += groups.counts.astype(np.uint32)
-        if best is not None:
-            state.cosine[at] = np.maximum(state.cosine[at], best)

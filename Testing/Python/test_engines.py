@@ -85,6 +85,35 @@ def test_shadows_of_bone_are_weighted_alike_however_many_scan_lines_there_are(pr
     assert_same(state_after("numba", "weighted", frames, turned_grid(), probe=probe, threads=2), plain)
 
 
+@needs_numba
+def test_evidence_that_is_kept_for_some_frames_serves_all_of_a_longer_sweep():
+    frames = shadowed_frames(count=13)
+    plain = state_after("numpy", "weighted", frames, turned_grid(), probe=PROBES[1])
+    assert_same(state_after("numba", "weighted", frames, turned_grid(), probe=PROBES[1], threads=2), plain)
+
+
+@needs_numba
+def test_evidence_follows_a_pixel_spacing_that_changes_within_the_sweep():
+    frames = shadowed_frames(count=6)
+    frames[3:] = [replace(f, image_to_reference=f.image_to_reference @ np.diag([1.3, 1.6, 1.0, 1.0])) for f in frames[3:]]
+    plain = state_after("numpy", "weighted", frames, turned_grid(), probe=PROBES[0])
+    assert_same(state_after("numba", "weighted", frames, turned_grid(), probe=PROBES[0], threads=2), plain)
+
+
+@needs_numba
+@pytest.mark.parametrize("turn", [0.0, 20.0], ids=["along the grid", "turned"])
+@pytest.mark.parametrize("method", ["aif-compensated", "weighted"])
+def test_large_images_are_taken_in_parts_alike(method, turn):
+    frames = oblique_frames(count=3, shape=(150, 300), spacing=(0.1, 0.1))
+    for frame in frames:
+        frame.image[:] //= 2
+        frame.image[90:] = 0
+        frame.image_to_reference[:3, :3] = np.diag([0.1, 0.1, 0.1])
+        frame.image_to_reference[:3, 3] = -15.0, -7.5, 0.4 * frame.number
+    grid = turned_grid((0.31, 0.29, 0.4), (60, 40, 30), (turn, -turn, turn))
+    assert_same(state_after("numba", method, frames, grid, threads=2), state_after("numpy", method, frames, grid))
+
+
 def test_the_shadowed_frames_of_these_tests_show_onsets_on_expected_bone():
     without_gain = ReconstructionSettings(method="weighted", engine="numpy", output_type="float32", bone_gain=0.0)
     plain = Reconstructor(turned_grid(), without_gain, sphere_bone(), probe=PROBES[1])

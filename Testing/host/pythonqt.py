@@ -279,11 +279,21 @@ def signals_of(native, name: str) -> dict[str, str]:
         found = {signature: attribute for signature, attribute in table.get("signals", {}).items() if signature.split("(")[0] == name}
         if found:
             return found
-    meta = native.metaObject()
-    methods = (meta.method(i) for i in range(meta.methodCount()))
-    signatures = [bytes(m.methodSignature().data()).decode() for m in methods if m.methodType() == QtCore.QMetaMethod.MethodType.Signal]
     private = {attribute for table in tables_of(type(native)) for attribute in table.get("signals", {}).values()}
-    return {s: s for s in signatures if s.split("(")[0] == name and name not in private}
+    return {} if name in private else {signature: signature for signature in _qt_signals(native).get(name, ())}
+
+
+def _qt_signals(native) -> dict[str, list[str]]:
+    """The C++ signatures of a Qt object's signals by name. Asked of Qt once for a class: it tells of its methods one at a time."""
+    meta = native.metaObject()
+    key = type(native), meta.methodCount()
+    if key not in _QT_SIGNALS:
+        found = _QT_SIGNALS[key] = {}
+        for method in (meta.method(i) for i in range(meta.methodCount())):
+            if method.methodType() == QtCore.QMetaMethod.MethodType.Signal:
+                signature = bytes(method.methodSignature().data()).decode()
+                found.setdefault(signature.split("(")[0], []).append(signature)
+    return _QT_SIGNALS[key]
 
 
 def wrapper_class(native: type) -> type:
@@ -300,6 +310,7 @@ def wrapper_class(native: type) -> type:
 
 
 _MADE: dict[type, type] = {}
+_QT_SIGNALS: dict[tuple[type, int], dict[str, list[str]]] = {}
 
 
 def wrap(value):
