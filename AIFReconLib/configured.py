@@ -10,6 +10,7 @@ import numpy as np
 from .compounding.splat_engine import LINEAR_METHODS
 from .errors import SettingsError
 from .hole_kinds import HoleFilling
+from .message import Message
 from .settings import ReconstructionSettings
 from .volume import VoxelGrid
 
@@ -26,6 +27,10 @@ class ConfiguredParts:
     importance : (rows, columns) float32 array, 0 to 1, or None
     holes : tuple of HoleFilling
     threads : int or None
+    fixed_point : bool
+        Whether pixels are placed as Plus's Optimization=FULL does.
+    fits_spacing : bool
+        Whether the spacing along z may grow to fit the box around the sweep.
     grid : VoxelGrid or None
         In the configuration's reference frame.
     notes : tuple of str
@@ -35,6 +40,8 @@ class ConfiguredParts:
     importance: np.ndarray | None = None
     holes: tuple[HoleFilling, ...] = ()
     threads: int | None = None
+    fixed_point: bool = False
+    fits_spacing: bool = False
     grid: VoxelGrid | None = None
     notes: tuple[str, ...] = ()
 
@@ -53,7 +60,9 @@ def resolve_settings(
         When a way to fill holes has no limit.
     """
     if settings.holes not in (None, "off") and settings.hole_limit == 0:
-        raise SettingsError(f"Input hole_limit must be above 0 mm to fill holes by {settings.holes}; got 0. Give --hole-limit MM.")
+        raise SettingsError(
+            "Input hole_limit must be above 0 mm to fill holes by {holes}; got 0. Give --hole-limit MM.", holes=settings.holes
+        )
 
     def given(name: str, default=None):
         own = getattr(settings, name)
@@ -100,12 +109,29 @@ def configured_parts(
         if asked.method is None and resolved.method == "average":
             importance = configuration.importance()
         else:
-            notes.append(f"The configuration's importance mask is not used: it is for an average, and the method is {resolved.method}.")
+            notes.append(
+                Message(
+                    "The configuration's importance mask is not used: it is for an average, and the method is {method}.",
+                    method=resolved.method,
+                )
+            )
     if asked.interpolation is None and getattr(configuration, "interpolation", None) == "linear" and resolved.interpolation != "linear":
+        this = Message("{method} with cosines", method=resolved.method) if resolved.best_cosine else resolved.method
         notes.append(
-            f"The configuration's Interpolation=LINEAR is not used: it is for methods {', '.join(LINEAR_METHODS)}, and this is "
-            f"{resolved.method}{' with cosines' if resolved.best_cosine else ''}."
+            Message(
+                "The configuration's Interpolation=LINEAR is not used: it is for methods {methods}, and this is {method}.",
+                methods=", ".join(LINEAR_METHODS),
+                method=this,
+            )
         )
     grid = configuration.grid(resolved.spacing_xyz()) if getattr(configuration, "extent", None) is not None else None
-    holes, threads = getattr(configuration, "holes", ()), getattr(configuration, "threads", None)
-    return ConfiguredParts(importance, holes, threads, grid, tuple(notes))
+    return ConfiguredParts(
+        importance,
+        getattr(configuration, "holes", ()),
+        getattr(configuration, "threads", None),
+        # Methods that weight by incidence are not Plus's
+        getattr(configuration, "fixed_point", False) and resolved.method in LINEAR_METHODS,
+        getattr(configuration, "fits_spacing", False) and asked.spacing is None,
+        grid,
+        tuple(notes),
+    )

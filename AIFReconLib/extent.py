@@ -25,6 +25,7 @@ def grid_around_sweep(
     spacing: tuple[float, float, float],
     bytes_per_voxel: int = 1,
     depth_scale: DepthScale | None = None,
+    fits_spacing: bool = False,
 ) -> VoxelGrid:
     """The smallest grid along the axes of Reference that holds the region of every frame.
 
@@ -39,6 +40,8 @@ def grid_around_sweep(
         What the reconstruction will take, so that a grid that cannot fit is refused before it is made.
     depth_scale : DepthScale or None
         Where pixels truly are, where that is not where they are shown.
+    fits_spacing : bool
+        The spacing along z grows until the box is a whole number of voxels deep: Plus's RecomputeOutputSpacing.
 
     Raises
     ------
@@ -68,10 +71,18 @@ def grid_around_sweep(
         np.minimum(least, points.min(axis=0), out=least)
         np.maximum(most, points.max(axis=0), out=most)
     extent = most - least
+    spacing = _fitted(spacing, extent) if fits_spacing else spacing
     size = np.floor(extent / np.asarray(spacing) + (0.5 + TIE_TOLERANCE)) + 1
     if not np.isfinite(extent).all() or extent.max() > LARGEST_EXTENT:
         spans = " x ".join(f"{mm:.0f}" for mm in extent)
-        raise GeometryError(f"The sweep spans {spans} mm, which no scan does. Are its poses in mm and in the right frame?")
+        raise GeometryError("The sweep spans {spans} mm, which no scan does. Are its poses in mm and in the right frame?", spans=spans)
     size = tuple(int(n) for n in size)
     require_memory(size, spacing, bytes_per_voxel)
     return VoxelGrid.from_spacing(least, size, spacing)
+
+
+def _fitted(spacing: tuple[float, float, float], extent: np.ndarray) -> tuple[float, float, float]:
+    """The spacing with z such that voxels end where the box of size `extent` (mm) does; as it was in a box thinner than a voxel."""
+    x, y, z = spacing
+    intervals = np.floor(extent[2] / z)
+    return (x, y, float(extent[2] / intervals)) if intervals >= 1 else spacing

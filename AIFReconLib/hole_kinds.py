@@ -1,4 +1,4 @@
-"""Hole filling as the Plus toolkit defines it: sticks, Gaussian, and the mean of the nearest cube.
+"""Hole filling as the Plus toolkit defines it: sticks, averages of a cube around the hole, and the mean of the nearest cube.
 
 Sizes are in voxels, along the volume's axes. Only measured voxels are sources, so the order of filling does not matter.
 """
@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
 
+from . import hole_averages
 from .errors import SettingsError
 from .holes import EMPTY, FILLED, MEASURED, fill_holes
 from .progress import Progress, report
@@ -17,8 +17,8 @@ from .settings import ReconstructionSettings
 from .threads import optional_module
 
 CUBE, GAUSSIAN, STICK = "cube", "gaussian", "stick"
-KINDS = (CUBE, GAUSSIAN, STICK)
-
+GAUSSIAN_BY_HITS, INVERSE_DISTANCE = "gaussian by hits", "inverse distance"
+KINDS = (CUBE, GAUSSIAN, STICK, GAUSSIAN_BY_HITS, INVERSE_DISTANCE)
 STICKS = (
     *((0, 0, 1), (0, 1, 0), (1, 0, 0)),
     *((0, 1, 1), (1, 0, 1), (1, 1, 0), (0, -1, 1), (-1, 0, 1), (-1, 1, 0)),
@@ -42,14 +42,14 @@ class HoleFilling:
 
     Parameters
     ----------
-    kind : "cube", "gaussian" or "stick"
+    kind : "cube", "gaussian", "gaussian by hits", "inverse distance" or "stick"
     size : int, voxels
-        cube: the largest cube, with sides of 3, 5, ... voxels up to this many. gaussian: side of the cube that is averaged.
-        stick: the longest one, its ends and the hole included (the longest gap it bridges has two voxels less).
+        cube: the largest cube, with sides of 3, 5, ... voxels up to this many. stick: the longest one, its ends and the hole included
+        (the longest gap it bridges has two voxels less). Others: side of the cube that is averaged.
     stdev : float, voxels
-        gaussian: standard deviation.
+        gaussian, gaussian by hits: standard deviation.
     known_ratio : float, 0 to 1
-        cube, gaussian: a hole is filled where more than this share of size^3 voxels is measured.
+        all but stick: a hole is filled where more than this share of size^3 voxels is measured.
     sticks : int
         stick: how many of the shortest are averaged; those of one length count together.
 
@@ -67,15 +67,17 @@ class HoleFilling:
 
     def __post_init__(self):
         if self.kind not in KINDS:
-            raise SettingsError(f"Input kind of hole filling must be one of {', '.join(KINDS)}; got {self.kind!r}.")
+            raise SettingsError("Input kind of hole filling must be one of {kinds}; got {kind!r}.", kinds=", ".join(KINDS), kind=self.kind)
         if not 1 <= self.size <= LARGEST_SIZE:
-            raise SettingsError(f"Input size of hole filling must be 1 to {LARGEST_SIZE} voxels; got {self.size!r}.")
-        if self.kind == GAUSSIAN and not 0 < self.stdev < np.inf:
-            raise SettingsError(f"Input standard deviation of hole filling must be above 0 voxels; got {self.stdev!r}.")
+            raise SettingsError(
+                "Input size of hole filling must be 1 to {largest} voxels; got {size!r}.", largest=LARGEST_SIZE, size=self.size
+            )
+        if self.kind in (GAUSSIAN, GAUSSIAN_BY_HITS) and not 0 < self.stdev < np.inf:
+            raise SettingsError("Input standard deviation of hole filling must be above 0 voxels; got {stdev!r}.", stdev=self.stdev)
         if not 0 <= self.known_ratio <= 1:
-            raise SettingsError(f"Input ratio of known voxels must be 0 to 1; got {self.known_ratio!r}.")
+            raise SettingsError("Input ratio of known voxels must be 0 to 1; got {known_ratio!r}.", known_ratio=self.known_ratio)
         if self.sticks < 1:
-            raise SettingsError(f"Input number of sticks must be at least 1; got {self.sticks!r}.")
+            raise SettingsError("Input number of sticks must be at least 1; got {sticks!r}.", sticks=self.sticks)
 
     @property
     def reach(self) -> int:
@@ -99,6 +101,7 @@ def fill_as_asked(
     progress: Progress | None = None,
     *,
     threads: int | None = None,
+    score: np.ndarray | None = None,
 ) -> int:
     """Fill holes in place as the settings ask for, else as a configuration does; returns how many were filled.
 
@@ -113,18 +116,26 @@ def fill_as_asked(
         What is done where the settings have neither a way nor a limit.
     progress : Progress or None
     threads : int or None
+    score : [k, j, i] array or None
+        See `fill_holes_by_kind`.
     """
     if settings.holes == "off":
         return 0
     if settings.holes is None and settings.hole_limit == 0:
-        return fill_holes_by_kind(values, mask, configured, progress, engine=settings.engine)
+        return fill_holes_by_kind(values, mask, configured, progress, engine=settings.engine, score=score)
     if settings.holes in (None, "nearest"):
         return fill_holes(values, mask, spacing, settings.hole_limit, progress, engine=settings.engine, threads=threads)
     return fill_holes_by_kind(values, mask, (within(settings.holes, settings.hole_limit, spacing),), progress, engine=settings.engine)
 
 
 def fill_holes_by_kind(
-    values: np.ndarray, mask: np.ndarray, kinds: tuple[HoleFilling, ...], progress: Progress | None = None, *, engine: str = "auto"
+    values: np.ndarray,
+    mask: np.ndarray,
+    kinds: tuple[HoleFilling, ...],
+    progress: Progress | None = None,
+    *,
+    engine: str = "auto",
+    score: np.ndarray | None = None,
 ) -> int:
     """Fill holes in place; returns how many were filled.
 
@@ -139,6 +150,8 @@ def fill_holes_by_kind(
     progress : Progress or None
     engine : "auto", "numpy" or "numba"
         Who does it; the answer is the same.
+    score : [k, j, i] array or None
+        How many pixels, or how much of them, entered each voxel, for "gaussian by hits"; by default the same everywhere.
 
     Notes
     -----
@@ -156,11 +169,12 @@ def fill_holes_by_kind(
         low, high = max(start - reach, 0), min(stop + reach, mask.shape[0])
         # Filled voxels of the slab before are holes still to this one, and no sources
         known = mask[low:high] == MEASURED
+        hits = None if score is None else score[low:high]
         holes = np.argwhere(mask[start:stop] == EMPTY) + np.array([start - low, 0, 0])
         for kind in kinds:
             if not len(holes) or not known.any():
                 break
-            found, found_values = _FILLERS[kind.kind](values[low:high], known, holes, kind, engine)
+            found, found_values = _FILLERS[kind.kind](values[low:high], known, holes, kind, engine=engine, hits=hits)
             at = tuple((holes[found] + np.array([low, 0, 0])).T)
             values[at] = found_values if values.dtype.kind == "f" else np.floor(found_values + 0.5)
             mask[at] = FILLED
@@ -170,61 +184,7 @@ def fill_holes_by_kind(
     return filled
 
 
-def _fill_gaussian(
-    values: np.ndarray, known: np.ndarray, holes: np.ndarray, kind: HoleFilling, engine: str
-) -> tuple[np.ndarray, np.ndarray]:
-    """sum(v g) / sum(g) over the known voxels of a cube; see `_averaged`. An even size is centered between voxels, as in IGSIO."""
-    offsets = np.arange(-kind.reach, kind.reach + 1) + kind.reach - (kind.size - 1) / 2
-    return _averaged(values, known, holes, kind, np.exp(-(offsets**2) / (2.0 * kind.stdev**2)))
-
-
-def _fill_cube(values: np.ndarray, known: np.ndarray, holes: np.ndarray, kind: HoleFilling, engine: str) -> tuple[np.ndarray, np.ndarray]:
-    """The mean of the known voxels of the first cube with any; it must have enough of them."""
-    found, result = np.zeros(len(holes), dtype=bool), np.zeros(len(holes))
-    left = np.arange(len(holes))
-    for reach in range(1, kind.reach + 1):
-        some, means = _averaged(values, known, holes[left], HoleFilling(CUBE, 2 * reach + 1), np.ones(2 * reach + 1))
-        if some.any():
-            here = left[some]
-            count = np.rint(_box_sum(known.astype(np.float64), np.ones(2 * reach + 1))[tuple(holes[here].T)])
-            enough = count / kind.size**3 > kind.known_ratio
-            found[here[enough]], result[here[enough]] = True, means[enough]
-            left = left[~some]
-        if not left.size:
-            break
-    return found, result[found]
-
-
-def _averaged(values: np.ndarray, known: np.ndarray, holes: np.ndarray, kind: HoleFilling, weights: np.ndarray):
-    """The average of known voxels around each hole, with the same weights along each axis.
-
-    Returns
-    -------
-    found : (holes,) bool array
-        Which have enough known voxels around them.
-    averages : (found,) float64 array
-    """
-    at = tuple(holes.T)
-    indicator = known.astype(np.float64)
-    count = np.rint(_box_sum(indicator, np.ones(len(weights)))[at])
-    found = (count > 0) & (count / kind.size**3 > kind.known_ratio)
-    at = tuple(holes[found].T)
-    total = _box_sum(indicator, weights)[at]
-    np.multiply(indicator, values, out=indicator, where=known)
-    averages = np.divide(_box_sum(indicator, weights)[at], total, out=np.zeros(len(total)), where=total > 0)
-    # Weights so small that nothing is left of them are no reason for a value
-    found[found] = total > 0
-    return found, averages[total > 0]
-
-
-def _box_sum(array: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """The weighted sum over the cube around each voxel; nothing lies outside the volume."""
-    for axis in range(3):
-        array = ndimage.correlate1d(array, weights, axis=axis, mode="constant", cval=0.0)
-    return array
-
-
-def _fill_sticks(values: np.ndarray, known: np.ndarray, holes: np.ndarray, kind: HoleFilling, engine: str) -> tuple[np.ndarray, np.ndarray]:
+def _fill_sticks(values, known, holes, kind: HoleFilling, *, engine: str, **_) -> tuple[np.ndarray, np.ndarray]:
     """Linear interpolation between known voxels on both sides, along the shortest sticks.
 
     Notes
@@ -301,4 +261,10 @@ def _best_sticks(score: np.ndarray, value: np.ndarray, wanted: int) -> np.ndarra
         score[chosen] = 0.0
 
 
-_FILLERS = {CUBE: _fill_cube, GAUSSIAN: _fill_gaussian, STICK: _fill_sticks}
+_FILLERS = {
+    CUBE: hole_averages.nearest_cube,
+    GAUSSIAN: hole_averages.gaussian,
+    STICK: _fill_sticks,
+    GAUSSIAN_BY_HITS: hole_averages.gaussian_by_hits,
+    INVERSE_DISTANCE: hole_averages.inverse_distance,
+}

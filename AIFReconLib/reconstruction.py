@@ -17,12 +17,13 @@ from .detection import detect_imaging
 from .errors import BeamGeometryError, NoUsableFramesError
 from .extent import grid_around_sweep
 from .frames import TrackedFrame, TrackedSequence
-from .poses import SweepPoses, describe_frames, sweep_poses, time_order, tracked_frames
+from .message import Message
+from .poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames
 from .progress import Progress, part, report
 from .read_ahead import read_ahead
 from .region import ImageRegion
 from .settings import ReconstructionSettings
-from .sound_speed import DepthScale, depth_factor
+from .sound_speed import depth_factor, depth_scale
 from .transforms import pixel_spacing
 from .volume import VoxelGrid
 
@@ -70,10 +71,10 @@ def resolve_imaging(
             detected = detect_imaging(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
         except BeamGeometryError as error:
             if need_probe and probe is None:
-                raise BeamGeometryError(f"{sequence.name}: {error}") from None
+                raise BeamGeometryError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
             detected = None
         if detected is not None:
-            notes.append(f"Recognized in the images: {detected.description}.")
+            notes.append(Message("Recognized in the images: {probe}.", probe=detected.description))
             probe = probe or detected.probe
             region = region or detected.region
     return Imaging(region or ImageRegion(), probe, tuple(notes))
@@ -129,18 +130,18 @@ def reconstruct(
     order = time_order(sequence)[:: settings.skip]
     chosen = order[[poses.problems[number] is None for number in order]]
     if not chosen.size:
-        raise NoUsableFramesError(f"{sequence.name}: none of every {settings.skip}th frames can be placed. Use a smaller --skip.")
+        raise NoUsableFramesError(
+            "{sequence}: none of every {skip}th frames can be placed. Use a smaller --skip.", sequence=sequence.name, skip=settings.skip
+        )
     uses_beams = needs_beams(settings.method, settings)
-    factor = depth_factor(settings)
-    imaging = resolve_imaging(sequence, poses, uses_beams or factor != 1.0, region, probe)
+    imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, region, probe)
     if grid is None and parts.grid is not None and image_to_reference is None and reference is None:
         grid = parts.grid
     if grid is None:
         cost = bytes_per_voxel(settings.method, uses_beams, settings.best_cosine, uses_shares(settings, parts.importance))
-        placed, scale = poses.image_to_reference[chosen], None
-        if factor != 1.0:
-            scale = DepthScale.of(imaging.region.mask(*sequence.frame_size), imaging.probe, factor, pixel_spacing(placed[0]))
-        grid = grid_around_sweep(placed, sequence.frame_size, imaging.region, settings.spacing_xyz(), cost, scale)
+        placed = poses.image_to_reference[chosen]
+        scale = depth_scale(settings, imaging.region.mask(*sequence.frame_size), imaging.probe, pixel_spacing(placed[0]))
+        grid = grid_around_sweep(placed, sequence.frame_size, imaging.region, settings.spacing_xyz(), cost, scale, parts.fits_spacing)
     report(progress, 0.02, "Preparing the volume")
     bone_share = 0.15 if uses_beams else 0.02
     reconstructor = Reconstructor(
@@ -152,16 +153,18 @@ def reconstruct(
         threads=parts.threads,
         importance=parts.importance,
         holes=parts.holes,
+        fixed_point=parts.fixed_point,
         progress=part(progress, 0.02, bone_share),
     )
     inserting = part(progress, bone_share, 0.95)
     with read_ahead(tracked_frames(sequence, poses, order)) as frames:
         reconstructor.insert(_reporting(frames, len(order), inserting))
     if not reconstructor.counts.inserted:
-        reasons = "; ".join(f"{reason}: {describe_frames(numbers)}" for reason, numbers in reconstructor.counts.skipped.items())
         raise NoUsableFramesError(
-            f"{sequence.name}: no frame falls into the volume ({reasons}). "
-            "Check its box (--grid-like, or the configuration's OutputOrigin and OutputExtent) and --reference."
+            "{sequence}: no frame falls into the volume ({reasons}). "
+            "Check its box (--grid-like, or the configuration's OutputOrigin and OutputExtent) and --reference.",
+            sequence=sequence.name,
+            reasons=describe_skipped(reconstructor.counts.skipped),
         )
     last = len(sequence) - 1
     if last not in order or poses.problems[last] is not None:

@@ -13,7 +13,8 @@ import numpy as np
 
 from .errors import SettingsError, TransformError
 from .frames import ImageStack, TrackedSequence
-from .transform_graph import TransformName, TransformSample, TransformStatus
+from .message import Message
+from .transform_graph import TransformName, TransformSample, TransformStatus, capital
 from .transforms import as_matrix, invert
 
 Transforms = dict[TransformName, TransformSample]
@@ -69,9 +70,14 @@ def select_frames(sequence: TrackedSequence, first: int = 0, last: int | None = 
     """
     last = len(sequence) - 1 if last is None else last
     if not 0 <= first <= last < len(sequence):
-        raise SettingsError(f"Input frames must be two numbers from 0 to {len(sequence) - 1}, rising; got {first} {last}.")
+        raise SettingsError(
+            "Input frames must be two numbers from 0 to {largest}, rising; got {first} {last}.",
+            largest=len(sequence) - 1,
+            first=first,
+            last=last,
+        )
     if every < 1:
-        raise SettingsError(f"Input every must be 1 or more; got {every}.")
+        raise SettingsError("Input every must be 1 or more; got {every}.", every=every)
     numbers = range(first, last + 1, every)
     return replace(sequence, images=ImageView(sequence.images, numbers), records=[sequence.records[number] for number in numbers])
 
@@ -86,17 +92,31 @@ def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, ima
     """
     columns, rows = sequence.frame_size
     if width < 1 or height < 1 or x < 0 or y < 0 or x + width > columns or y + height > rows:
-        raise SettingsError(f"Input crop must lie within the image of {columns} x {rows} pixels; got X {x}, Y {y}, W {width}, H {height}.")
+        raise SettingsError(
+            "Input crop must lie within the image of {columns} x {rows} pixels; got X {x}, Y {y}, W {width}, H {height}.",
+            columns=columns,
+            rows=rows,
+            x=x,
+            y=y,
+            width=width,
+            height=height,
+        )
     if not any(image_frame in (name.source, name.target) for name in sequence.transform_names()):
         raise SettingsError(
-            f"{sequence.name}: cropping moves the first pixel, so the calibration must move along, and the recording has none of "
-            f"{image_frame}. Give it with --config PlusDeviceSet.xml or --calibration FILE."
+            "{sequence}: cropping moves the first pixel, so the calibration must move along, and the recording has none of "
+            "{image_frame}. Give it with --config PlusDeviceSet.xml or --calibration FILE.",
+            sequence=sequence.name,
+            image_frame=image_frame,
         )
     moved = np.eye(4)
     moved[:2, 3] = x, y
-    note = (
-        f"Columns {x} to {x + width - 1} and rows {y} to {y + height - 1} were cut out. A configuration's clip rectangle, fan and "
-        f"transducer center are about the whole image: subtract {x} and {y} from them."
+    note = Message(
+        "Columns {x} to {last_x} and rows {y} to {last_y} were cut out. A configuration's clip rectangle, fan and "
+        "transducer center are about the whole image: subtract {x} and {y} from them.",
+        x=x,
+        last_x=x + width - 1,
+        y=y,
+        last_y=y + height - 1,
     )
     sequence = _with_images_moved(sequence, moved, image_frame)
     return replace(sequence, images=ImageView(sequence.images, None, (x, width), (y, height)), notes=(*sequence.notes, note))
@@ -122,7 +142,10 @@ def rename(sequence: TrackedSequence, names: Mapping[str, str]) -> TrackedSequen
         twice = next((name for name in taken if taken.count(name) > 1 or name.inverse in taken), None)
         if twice is not None:
             raise SettingsError(
-                f"Input rename {old}={new} must give names that are free; there would be two of {twice}. Choose another name."
+                "Input rename {old}={new} must give names that are free; there would be two of {twice}. Choose another name.",
+                old=old,
+                new=new,
+                twice=twice,
             )
         sequence = _map_transforms(
             sequence, lambda transforms, change=change: {change(name): sample for name, sample in transforms.items()}
@@ -160,8 +183,10 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: np.ndarr
         wrong = _recorded(sequence, name)
         if wrong is None:
             raise SettingsError(
-                f"{sequence.name}: its {others[0]} includes the calibration that it was recorded with, which is not in the file. "
-                "Give that too, with --wrong-calibration FILE."
+                "{sequence}: its {transform} includes the calibration that it was recorded with, which is not in the file. "
+                "Give that too, with --wrong-calibration FILE.",
+                sequence=sequence.name,
+                transform=others[0],
             )
     was_recorded = {name, name.inverse} & set(sequence.transform_names())
     sequence = _map_transforms(
@@ -210,14 +235,22 @@ def _renaming(sequence: TrackedSequence, old: str, new: str) -> Callable[[Transf
     pair = [_parsed(old), _parsed(new)]
     if all(pair):
         if pair[0] not in known:
-            there = ", ".join(map(str, known)) or "none"
-            raise SettingsError(f"Input rename {old}={new} must name a transform of the recording; it has {there}.")
+            there = ", ".join(map(str, known)) or Message("none")
+            raise SettingsError(
+                "Input rename {old}={new} must name a transform of the recording; it has {there}.", old=old, new=new, there=there
+            )
         return lambda name: pair[1] if name == pair[0] else name
-    if any(pair) or not new[:1].isupper():
-        raise SettingsError(f"Input rename {old}={new} must be two transforms (AToB=CToD) or two frames (A=B), capital letters first.")
+    if any(pair) or not new:
+        raise SettingsError("Input rename {old}={new} must be two transforms (AToB=CToD) or two frames (A=B).", old=old, new=new)
+    old, new = capital(old), capital(new)
     frames = {frame for name in known for frame in (name.source, name.target)}
     if old not in frames:
-        raise SettingsError(f"Input rename {old}={new} must name a frame of the recording; it has {', '.join(sorted(frames)) or 'none'}.")
+        raise SettingsError(
+            "Input rename {old}={new} must name a frame of the recording; it has {frames}.",
+            old=old,
+            new=new,
+            frames=", ".join(sorted(frames)) or Message("none"),
+        )
     return lambda name: TransformName(*(new if frame == old else frame for frame in (name.source, name.target)))
 
 

@@ -42,6 +42,15 @@ class DepthScale:
         radius = np.hypot((columns - probe.apex_px[0]) * spacing[0], (rows - probe.apex_px[1]) * spacing[1])
         return cls(probe, factor, float(radius.min()), spacing)
 
+    @property
+    def stretch(self) -> np.ndarray | None:
+        """What moves the pixels of a linear probe, (4, 4), true from shown pixels; None for a sector, whose rows become curved."""
+        if self.probe.kind != LINEAR:
+            return None
+        matrix = np.diag([1.0, self.factor, 1.0, 1.0])
+        matrix[1, 3] = self.face - self.factor * self.face
+        return matrix
+
     def moved(self, pixels: np.ndarray) -> np.ndarray:
         """Where pixels truly are.
 
@@ -55,14 +64,23 @@ class DepthScale:
         pixels : (2, n) float64 array
             Linear probe: row' = face + factor (row - face). Sector: the same of the radius about the apex, at the same angle in mm.
         """
-        if self.probe.kind == LINEAR:
-            return np.stack([pixels[0], self.face + self.factor * (pixels[1] - self.face)])
+        stretch = self.stretch
+        if stretch is not None:
+            return np.stack([pixels[0], stretch[1, 1] * pixels[1] + stretch[1, 3]])
         apex = np.array(self.probe.apex_px, dtype=np.float64)[:, None]
         offset = pixels - apex
         radius = np.hypot(offset[0] * self.spacing[0], offset[1] * self.spacing[1])
         # At the apex itself there is no direction to move in
         stretch = np.divide(self.face + self.factor * (radius - self.face), radius, out=np.ones_like(radius), where=radius > 0)
         return apex + stretch * offset
+
+
+def depth_scale(
+    settings: ReconstructionSettings, mask: np.ndarray, probe: ProbeGeometry | None, spacing: tuple[float, float]
+) -> DepthScale | None:
+    """The scale that the settings ask for, of images whose ultrasound is `mask`; None where pixels are where they are shown."""
+    factor = depth_factor(settings)
+    return None if factor == 1.0 else DepthScale.of(mask, probe, factor, spacing)
 
 
 def depth_factor(settings: ReconstructionSettings) -> float:

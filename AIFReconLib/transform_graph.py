@@ -14,6 +14,7 @@ from enum import Enum
 import numpy as np
 
 from .errors import TransformError
+from .message import Message
 from .transforms import as_matrix, invert, why_not_affine
 
 
@@ -38,6 +39,11 @@ class TransformStatus(Enum):
         return cls.__members__.get(text.strip().upper(), cls.UNKNOWN)
 
 
+def capital(text: str) -> str:
+    """`text` with a capital first letter, as Plus spells the names of coordinate frames."""
+    return text[:1].upper() + text[1:]
+
+
 @dataclass(frozen=True)
 class TransformName:
     """`From` and `To` of a transform; its text is ``FromToTo``."""
@@ -47,20 +53,23 @@ class TransformName:
 
     @classmethod
     def parse(cls, text: str) -> TransformName:
-        """Split a name such as ``ProbeToTracker`` (a trailing ``Transform`` is allowed).
+        """Split a name such as ``ProbeToTracker`` (a trailing ``Transform`` is allowed); frames get a capital first letter, as in Plus.
 
         Raises
         ------
         TransformError
-            When the name has no "To" before an upper-case letter between two frames, or more than one.
+            When the name has no "To" before an upper-case letter or a digit between two frames, or more than one.
         """
         bare = text.removesuffix("Transform")
-        cuts = [m.start() for m in re.finditer(r"To(?=[A-Z])", bare) if m.start() > 0]
-        if len(cuts) != 1:
+        # As IGSIO splits: whatever is no lower-case letter begins a frame's name
+        cuts = [m.start() for m in re.finditer(r"To(?=[^a-z\s])", bare)]
+        if len(cuts) != 1 or cuts[0] == 0:
             raise TransformError(
-                f"Input transform name must be FromToTo, with one 'To' before an upper-case letter (as in ProbeToTracker); got {text!r}."
+                "Input transform name must be FromToTo, with one 'To' before an upper-case letter or a digit (as in ProbeToTracker); "
+                "got {text!r}.",
+                text=text,
             )
-        return cls(bare[: cuts[0]], bare[cuts[0] + 2 :])
+        return cls(capital(bare[: cuts[0]]), capital(bare[cuts[0] + 2 :]))
 
     @property
     def inverse(self) -> TransformName:
@@ -128,7 +137,7 @@ class TransformGraph:
             When the matrix is not a finite, invertible 4x4 matrix.
         """
         name = TransformName.parse(name) if isinstance(name, str) else name
-        self._put(name, TransformSample(as_matrix(matrix, f"transform {name}"), status))
+        self._put(name, TransformSample(as_matrix(matrix, Message("transform {name}", name=name)), status))
 
     def updated(self, transforms: dict[TransformName, TransformSample]) -> TransformGraph:
         """A new graph with `transforms` (those of one tracked frame) set on top of this one."""
@@ -155,13 +164,17 @@ class TransformGraph:
         """
         path = self._shortest_path(source, target)
         if path is None:
-            raise TransformError(self._no_path_message(source, target))
+            raise self._no_path(source, target)
         for link, _ in path:
             other = self._shortest_path(source, target, without=link)
             if other is not None:
                 raise TransformError(
-                    f"Two paths lead from {source} to {target}: {_spell(path)}; and {_spell(other)}. "
-                    "Remove one of them, or name the recorded transform to use with --image-to-reference."
+                    "Two paths lead from {source} to {target}: {one}; and {other}. "
+                    "Remove one of them, or name the recorded transform to use with --image-to-reference.",
+                    source=source,
+                    target=target,
+                    one=_spell(path),
+                    other=_spell(other),
                 )
         names = tuple(name if forward else name.inverse for name, forward in path)
         matrix = np.eye(4)
@@ -189,9 +202,13 @@ class TransformGraph:
 
     def _put(self, name: TransformName, sample: TransformSample) -> None:
         if name.source == name.target:
-            raise TransformError(f"Transform {name} cannot be set: it leads from a frame to itself. Remove it.")
+            raise TransformError("Transform {name} cannot be set: it leads from a frame to itself. Remove it.", name=name)
         if name.inverse in self._transforms:
-            raise TransformError(f"Transform {name} cannot be set: its inverse {name.inverse} is given already. Remove one of the two.")
+            raise TransformError(
+                "Transform {name} cannot be set: its inverse {inverse} is given already. Remove one of the two.",
+                name=name,
+                inverse=name.inverse,
+            )
         self._transforms[name] = sample
 
     def _shortest_path(self, source: str, target: str, without: TransformName | None = None) -> list[tuple[TransformName, bool]] | None:
@@ -209,17 +226,20 @@ class TransformGraph:
                     nearest_first.append(there)
         return ways.get(target)
 
-    def _no_path_message(self, source: str, target: str) -> str:
-        known = ", ".join(str(name) for name in self._transforms) or "none"
-        return (
-            f"No transform leads from {source} to {target}. Known transforms: {known}. "
-            f"{source} is connected to {_list_frames(self.connected(source) - {source})}, "
-            f"{target} to {_list_frames(self.connected(target) - {target})}."
+    def _no_path(self, source: str, target: str) -> TransformError:
+        return TransformError(
+            "No transform leads from {source} to {target}. Known transforms: {known}. "
+            "{source} is connected to {near_source}, {target} to {near_target}.",
+            source=source,
+            target=target,
+            known=", ".join(str(name) for name in self._transforms) or Message("none"),
+            near_source=_list_frames(self.connected(source) - {source}),
+            near_target=_list_frames(self.connected(target) - {target}),
         )
 
 
 def _list_frames(frames: Iterable[str]) -> str:
-    return ", ".join(sorted(frames)) or "nothing"
+    return ", ".join(sorted(frames)) or Message("nothing")
 
 
 def _spell(path: list[tuple[TransformName, bool]]) -> str:

@@ -13,7 +13,7 @@ from typing import TextIO
 import numpy as np
 
 from ..compounding.reconstructor import Reconstruction
-from ..console import ProgressBar
+from ..console import ProgressBar, show
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
 from ..frames import TrackedSequence
 from ..io.plus_config import read_plus_configuration
@@ -24,7 +24,17 @@ from ..live.replay import PLUS_PORT
 from ..live.session import SCOUTING, LiveSession
 from ..live.session_statistics import LiveStatistics
 from ..live.synchronizer import SynchronizerSettings
-from .options import add_bone_options, add_imaging_options, add_setting, bone_from, imaging_from, refuse_to_overwrite, settings_from
+from .options import (
+    add_bone_options,
+    add_imaging_options,
+    add_importance_option,
+    add_setting,
+    bone_from,
+    imaging_from,
+    importance_from,
+    refuse_to_overwrite,
+    settings_from,
+)
 from .reconstruct import SIDE_OUTPUTS, add_tracking_options, add_tuning_options, add_volume_options, describe
 
 EXAMPLE = """examples:
@@ -101,7 +111,7 @@ def add_to(commands) -> None:
     add_setting(parser, "method")
     add_tracking_options(parser)
     add_bone_options(parser)
-    add_imaging_options(parser)
+    add_importance_option(add_imaging_options(parser))
     add_volume_options(parser)
     add_tuning_options(parser)
     parser.set_defaults(run=run)
@@ -112,9 +122,10 @@ def run(arguments: argparse.Namespace) -> None:
     for name in ("frames", "seconds", "scout_seconds"):
         value = getattr(arguments, name)
         if value is not None and not value > 0:
-            raise SettingsError(f"Input --{name.replace('_', '-')} must be above 0; got {value!r}.")
+            raise SettingsError("Input --{option} must be above 0; got {value!r}.", option=name.replace("_", "-"), value=value)
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
     inputs = [arguments.config, arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.grid_like]
+    inputs.append(arguments.importance_mask)
     refuse_to_overwrite([*outputs.values(), arguments.record], inputs)
     for path in filter(None, outputs.values()):
         check_volume_path(path)
@@ -124,7 +135,10 @@ def run(arguments: argparse.Namespace) -> None:
     statistics, error = session.statistics, session.error
     recording = _recording_line(session)
     if result is None or not result.frames_inserted:
-        raise NoUsableFramesError(" ".join(filter(None, [_why_nothing(statistics, error), recording])))
+        why = _why_nothing(statistics, error)
+        if recording is None:
+            raise NoUsableFramesError("{why}", why=why)
+        raise NoUsableFramesError("{why} {recording}", why=why, recording=recording)
     with ProgressBar() as progress:
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.1 * number, f"Writing {path.name}")
@@ -134,7 +148,11 @@ def run(arguments: argparse.Namespace) -> None:
         print(f"  {line}")
     if error is not None:
         cause = str(error).rstrip(".")
-        raise AIFReconError(f"The reconstruction stopped early: {cause}. What was there before is written to {arguments.output}.")
+        raise AIFReconError(
+            "The reconstruction stopped early: {problem}. What was there before is written to {output}.",
+            problem=cause,
+            output=arguments.output,
+        )
     if interrupted:
         raise KeyboardInterrupt
 
@@ -171,6 +189,7 @@ def _session(arguments: argparse.Namespace) -> LiveSession:
         grid,
         region=region,
         probe=probe,
+        importance=importance_from(arguments),
         configuration=configuration,
         synchronizer=synchronizer,
         record=arguments.record,
@@ -213,20 +232,29 @@ def _wait_for_images(session: LiveSession, arguments: argparse.Namespace) -> Non
     deadline = time.monotonic() + DEVICE_TIMEOUT
     while session.latest is None and not session.finished.wait(POLL):
         if time.monotonic() > deadline:
-            raise LiveConnectionError(_no_images(session, arguments))
+            raise _no_images(session, arguments)
     settled = time.monotonic() + SETTLING
     while arguments.image is None and time.monotonic() < settled and not session.finished.wait(POLL):
         images = [device for device, types in session.devices().items() if "IMAGE" in types]
         if len(images) > 1:
-            raise LiveConnectionError(f"The server sends images of several devices: {', '.join(images)}. Choose one with --image.")
+            raise LiveConnectionError(
+                "The server sends images of several devices: {devices}. Choose one with --image.", devices=", ".join(images)
+            )
 
 
-def _no_images(session: LiveSession, arguments: argparse.Namespace) -> str:
+def _no_images(session: LiveSession, arguments: argparse.Namespace) -> LiveConnectionError:
     wanted = f"images of {arguments.image}" if arguments.image else "images"
     devices = session.devices()
     sends = ", ".join(f"{device} ({', '.join(types)})" for device, types in devices.items() if device) or "nothing"
     advice = "Choose its image device with --image." if any("IMAGE" in types for types in devices.values()) else "Start the imaging there."
-    return f"The server at {arguments.host}:{arguments.port} sends no {wanted}. It sends {sends}. {advice}"
+    return LiveConnectionError(
+        "The server at {host}:{port} sends no {wanted}. It sends {sends}. {advice}",
+        host=arguments.host,
+        port=arguments.port,
+        wanted=wanted,
+        sends=sends,
+        advice=advice,
+    )
 
 
 def _scout(session: LiveSession, arguments: argparse.Namespace, first_frame: float, status: StatusLine) -> None:
@@ -274,9 +302,12 @@ def _what_else(statistics: LiveStatistics, result: Reconstruction) -> list[str]:
     """What happened besides the reconstruction."""
     lines = [f"skipped: {count}: {reason}" for reason, count in statistics.skipped.items() if reason not in result.skipped]
     if statistics.dropped:
-        lines.append(f"{statistics.dropped} messages were dropped before they could be looked at")
+        images = f", {statistics.dropped_images} of them images," if statistics.dropped_images else ""
+        lines.append(f"{statistics.dropped} messages{images} were dropped before they could be looked at")
     if statistics.repeated:
         lines.append(f"{statistics.repeated} images were sent again after a reconnection, and left out")
+    if statistics.other_images:
+        lines.append(f"{statistics.other_images} images came from other devices, and were left out")
     return lines
 
 
@@ -313,23 +344,20 @@ class StatusLine:
     def say(self, text: str) -> None:
         """A line of its own that stays."""
         self.clear()
-        self._stream.write(" ".join(text.split()) + "\n")
-        self._stream.flush()
+        show(self._stream, " ".join(text.split()) + "\n")
 
     def clear(self) -> None:
         """Take the status off the line."""
         if self._width:
-            self._stream.write("\r" + " " * self._width + "\r")
-            self._stream.flush()
+            show(self._stream, "\r" + " " * self._width + "\r")
             self._width = 0
 
     def _draw(self, text: str) -> None:
         if self._terminal:
-            self._stream.write("\r" + text.ljust(self._width))
+            show(self._stream, "\r" + text.ljust(self._width))
             self._width = len(text)
         else:
-            self._stream.write(text + "\n")
-        self._stream.flush()
+            show(self._stream, text + "\n")
 
 
 def status_text(statistics: LiveStatistics, scouted: int = 0) -> str:

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import argparse
+import os
 from dataclasses import fields, replace
 from pathlib import Path
+
+import numpy as np
 
 from ..beams import LINEAR, SECTOR, ProbeGeometry
 from ..bone import SIGMA_VOXELS, BoneMap
 from ..detection import detect_imaging
 from ..errors import OutputError, SettingsError
 from ..frames import TrackedSequence
+from ..io.importance_mask import read_importance_mask
 from ..io.metafile import data_files
 from ..io.volume_files import read_labels, read_transform, read_volume
 from ..poses import sweep_poses
 from ..progress import Progress
 from ..reconstruction import configured_region, resolve_imaging
-from ..region import ClipRectangle, Fan, ImageRegion
+from ..region import ClipRectangle, ImageRegion, chosen_region
 from ..settings import ReconstructionSettings
 from ..sweep_bone import bone_from_sweep
 
@@ -129,25 +133,29 @@ def add_imaging_options(parser: argparse.ArgumentParser):
     return image
 
 
+def add_importance_option(group) -> None:
+    """How much each pixel counts."""
+    group.add_argument(
+        "--importance-mask",
+        type=Path,
+        metavar="IMAGE",
+        help="weight of each pixel in an average: 8-bit gray image as large as the frames, 0 does not count",
+    )
+
+
+def importance_from(arguments: argparse.Namespace) -> np.ndarray | None:
+    """The weight of each pixel that the options give, as `read_importance_mask` returns it."""
+    return read_importance_mask(arguments.importance_mask) if arguments.importance_mask else None
+
+
 def imaging_from(arguments: argparse.Namespace, sequence: TrackedSequence) -> tuple[ImageRegion | None, ProbeGeometry | None]:
     """Region and probe that the options ask for; None where they leave it to the configuration or the images."""
-    configured = configured_region(sequence) or ImageRegion()
+    configured = configured_region(sequence)
     apex = tuple(arguments.apex_px) if arguments.apex_px else None
     probe = _probe(arguments.probe, apex, sequence)
     clip = ClipRectangle(tuple(arguments.clip_px[:2]), tuple(arguments.clip_px[2:])) if arguments.clip_px else None
-    fan = None
-    if bool(arguments.fan_angles_deg) != bool(arguments.fan_radius_px):
-        raise SettingsError("A fan takes both --fan-angles-deg A B and --fan-radius-px R0 R1; got one of them.")
-    if arguments.fan_angles_deg:
-        about = (
-            apex or (configured.fan.apex_px if configured.fan else None) or getattr(probe or configured_probe(sequence), "apex_px", None)
-        )
-        if about is None:
-            raise SettingsError("A fan stands about the apex of a sector probe, which is not known. Give --apex-px COLUMN ROW.")
-        fan = Fan(about, tuple(arguments.fan_angles_deg), tuple(arguments.fan_radius_px))
-    detection = None if fan else configured.fan_detection
-    region = ImageRegion(clip or configured.clip, fan or configured.fan, detection) if clip or fan else None
-    return region, probe
+    known = probe or configured_probe(sequence)
+    return chosen_region(configured, clip, arguments.fan_angles_deg, arguments.fan_radius_px, apex, known), probe
 
 
 def configured_probe(sequence: TrackedSequence) -> ProbeGeometry | None:
@@ -174,16 +182,23 @@ def _probe(kind: str, apex: tuple[float, float] | None, sequence: TrackedSequenc
 
 def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -> None:
     """Stop before work begins when an output is an input, or two outputs are one file; the data files beside .mhd headers count too."""
-    seen = {file: "an input" for path in inputs if path is not None for file in [path.resolve(), *data_files(path)]}
+    seen = {file: "an input" for path in inputs if path is not None for file in [_real(path), *data_files(path)]}
     for path in outputs:
         if path is None:
             continue
-        for file in dict.fromkeys([path.resolve(), *_companions(path)]):
+        for file in dict.fromkeys([_real(path), *_companions(path)]):
             if file in seen:
-                raise OutputError(f"{path} would overwrite {seen[file]} ({file.name}). Choose another name.")
+                raise OutputError(
+                    "{path} would overwrite {other} ({file}). Choose another name.", path=path, other=seen[file], file=file.name
+                )
             seen[file] = "another output"
+
+
+def _real(path: Path) -> Path:
+    """The path without links; one that leads in a circle stays as it is."""
+    return Path(os.path.realpath(path))
 
 
 def _companions(path: Path) -> list[Path]:
     """What is written beside `path`: a .mhd header has its voxels in a .raw or .zraw file."""
-    return [path.resolve().with_suffix(suffix) for suffix in (".raw", ".zraw")] if path.suffix.lower() == ".mhd" else []
+    return [_real(path).with_suffix(suffix) for suffix in (".raw", ".zraw")] if path.suffix.lower() == ".mhd" else []

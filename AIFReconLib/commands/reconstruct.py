@@ -11,7 +11,6 @@ from pathlib import Path
 from ..compounding.reconstructor import Reconstruction
 from ..console import ProgressBar
 from ..io.atomic import check_writable, write_text
-from ..io.importance_mask import read_importance_mask
 from ..io.volume_files import check_volume_path, read_volume
 from ..poses import sweep_poses
 from ..progress import part
@@ -22,9 +21,11 @@ from .options import (
     SpacingAction,
     add_bone_options,
     add_imaging_options,
+    add_importance_option,
     add_setting,
     bone_from,
     imaging_from,
+    importance_from,
     refuse_to_overwrite,
     settings_from,
 )
@@ -54,10 +55,7 @@ def add_to(commands) -> None:
     add_tracking_options(parser)
     add_sequence_options(parser)
     add_bone_options(parser)
-    image = add_imaging_options(parser)
-    image.add_argument(
-        "--importance-mask", type=Path, metavar="IMAGE", help="weight of each pixel in an average: 8-bit gray image, 0 does not count"
-    )
+    add_importance_option(add_imaging_options(parser))
     volume = add_volume_options(parser)
     volume.add_argument("--report", type=Path, metavar="FILE", help="also write a report of the tracking and of what was done, as JSON")
     add_tuning_options(parser)
@@ -124,7 +122,7 @@ def run(arguments: argparse.Namespace) -> None:
             grid,
             region=region,
             probe=probe,
-            importance=read_importance_mask(arguments.importance_mask) if arguments.importance_mask else None,
+            importance=importance_from(arguments),
             image_to_reference=arguments.image_to_reference,
             reference=arguments.reference,
             progress=part(progress, 0.1, 0.95),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 
 from ..errors import SettingsError
+from ..message import Message
 from .numpy_engine import NumpyEngine
 
 INSTALL_NUMBA = "pip install 'numba>=0.60'"
@@ -28,17 +29,21 @@ def choose_engine(wanted: str) -> tuple[type, str | None]:
     if find_spec("numba") is None:
         if wanted == "numba":
             raise SettingsError(
-                f"Input engine must be auto or numpy where numba is not installed; got 'numba'. Install it: {INSTALL_NUMBA}."
+                "Input engine must be auto or numpy where numba is not installed; got 'numba'. Install it: {command}.",
+                command=INSTALL_NUMBA,
             )
         return NumpyEngine, None
     try:
         from .numba_engine import NumbaEngine
     # A numba that does not fit its numpy or its Python fails in whatever way it likes
     except Exception as error:
-        reason = f"numba is installed but does not work ({type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''})"
+        cause = next(iter(str(error).splitlines()), "")
+        reason = Message("numba is installed but does not work ({kind}: {cause})", kind=type(error).__name__, cause=cause)
         if wanted == "numba":
             raise SettingsError(
-                f"Input engine must be auto or numpy: {reason}. Reinstall it: {INSTALL_NUMBA} --force-reinstall."
+                "Input engine must be auto or numpy: {reason}. Reinstall it: {command} --force-reinstall.",
+                reason=reason,
+                command=INSTALL_NUMBA,
             ) from error
-        return NumpyEngine, f"Warning: {reason}; the slower numpy engine was used. The voxels are the same."
+        return NumpyEngine, Message("Warning: {reason}; the slower numpy engine was used. The voxels are the same.", reason=reason)
     return NumbaEngine, None

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from array import array
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
-from ..beams import ProbeGeometry
+from ..beams import SECTOR, ProbeGeometry
 from ..bone import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, GeometryError, SettingsError
 from ..frames import TrackedFrame
 from ..hole_kinds import HoleFilling, fill_as_asked
 from ..memory import require_memory
+from ..message import Message
 from ..pixel_filter import PixelFilter
 from ..progress import Progress
 from ..region import ImageRegion
 from ..settings import BONE_METHODS, ReconstructionSettings
-from ..sound_speed import DepthScale, depth_factor
+from ..sound_speed import depth_factor, depth_scale
 from ..transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
 from ..volume import Volume, VoxelGrid
 from .batch import FrameBatch
 from .engines import choose_engine
 from .evidence import ScanLines
+from .fixed_point import in_fixed_point
 from .layout import PixelLayout
 from .numpy_engine import NumpyEngine
 from .splat_engine import SplatEngine, check_shares, uses_shares
@@ -71,14 +75,18 @@ class Reconstruction:
 
 @dataclass(eq=False)
 class FrameCounts:
-    """Which frames entered and which did not."""
+    """Which frames entered and which did not; their numbers in arrays, because a scan of hours may skip most of its frames."""
 
     inserted: int = 0
-    skipped: dict[str, list[int]] = field(default_factory=dict)
+    skipped: dict[str, array] = field(default_factory=dict)
 
     def skip(self, reason: str, number: int) -> None:
         """Count frame `number` as skipped for `reason`."""
-        self.skipped.setdefault(reason, []).append(number)
+        self.skipped.setdefault(reason, array("q")).append(number)
+
+    def copy(self) -> FrameCounts:
+        """The counts as they are now."""
+        return FrameCounts(self.inserted, {reason: numbers[:] for reason, numbers in self.skipped.items()})
 
 
 class Reconstructor:
@@ -101,6 +109,8 @@ class Reconstructor:
         Weight of each pixel of an image in an average; those of 0 do not enter.
     holes : tuple of HoleFilling
         How holes are filled, where the settings leave it open.
+    fixed_point : bool
+        Place pixels as Plus's Optimization=FULL does; see `in_fixed_point`.
 
     Raises
     ------
@@ -132,6 +142,7 @@ class Reconstructor:
         threads: int | None = None,
         importance: np.ndarray | None = None,
         holes: tuple[HoleFilling, ...] = (),
+        fixed_point: bool = False,
         progress: Progress | None = None,
     ):
         self.settings = settings or ReconstructionSettings()
@@ -143,14 +154,17 @@ class Reconstructor:
         self._notes: list[str] = []
         self._needs_beams = needs_beams(self.method, self.settings)
         if self._needs_beams and bone is None:
-            wish = f"Method {self.method}" if self.method in BONE_METHODS else "The cosine of incidence"
-            raise SettingsError(f"{wish} needs to know where bone is. Give labels or a bone probability, or choose method average.")
+            wish = Message("Method {method}", method=self.method) if self.method in BONE_METHODS else Message("The cosine of incidence")
+            raise SettingsError(
+                "{wish} needs to know where bone is. Give labels or a bone probability, or choose method average.", wish=wish
+            )
         if self._needs_beams and probe is None:
             raise BeamGeometryError(
-                f"Method {self.method} needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
+                "Method {method} needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW.",
+                method=self.method,
             )
-        self._depth_factor = depth_factor(self.settings)
-        if self._depth_factor != 1.0 and probe is None:
+        moves_pixels = depth_factor(self.settings) != 1.0
+        if moves_pixels and probe is None:
             raise BeamGeometryError(
                 "A speed of sound needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
             )
@@ -158,21 +172,22 @@ class Reconstructor:
         self._importance = None if importance is None else np.asarray(importance, dtype=np.float32)
         self._shares = uses_shares(self.settings, importance)
         self._holes = holes
+        self._fixed_point = fixed_point
         self._filter = PixelFilter(self.settings.pixel_rejection, self._region)
         self._engine_class, note = choose_engine(self.settings.engine)
         if note is not None:
             self._notes.append(note)
-        if self._depth_factor != 1.0:
-            # The other engine knows pixels by their rows alone
+        if moves_pixels and probe.kind == SECTOR and not self._shares and self._engine_class is not NumpyEngine:
+            # The other engine wants rows of pixels to be straight lines
             self._engine_class = NumpyEngine
-            if self.settings.engine == "numba":
-                self._notes.append("A speed of sound is corrected for by the numpy engine, not by numba. The voxels are the same.")
+            self._notes.append(Message("A sector's speed of sound is corrected for by the slower numpy engine. The voxels are the same."))
         self._threads = threads
         cost = bytes_per_voxel(self.method, self._needs_beams, self.settings.best_cosine, self._shares)
         require_memory(grid.size, grid.spacing, cost)
         self._bone = self._place_bone(bone, progress) if self._needs_beams else None
         self._state: VoxelState | None = VoxelState.empty(grid, self.method, self.settings.best_cosine, self._shares)
         self._layout: PixelLayout | None = None
+        self._stretch: np.ndarray | None = None
         self._scan_lines: ScanLines | None = None
         self._engine = None
         self._batch: FrameBatch | None = None
@@ -206,15 +221,19 @@ class Reconstructor:
 
     def reconstruction(self, progress: Progress | None = None) -> Reconstruction:
         """The volume as it is now, holes filled; more frames may follow."""
-        return self._result(self._state.copy(), progress)
+        return self.capture()(progress)
+
+    def capture(self) -> Callable[[Progress | None], Reconstruction]:
+        """Copy the voxels as they are now; the answer makes a volume of them, once, while more frames may already enter."""
+        return partial(self._result, self._state.copy(), self.counts.copy(), tuple(self._notes))
 
     def finish(self, progress: Progress | None = None) -> Reconstruction:
         """The final volume. No frame can follow: the bone map is released and the state handed over, which saves the memory of both."""
         state, self._state = self._state, None
         self._bone = self._engine = self._batch = None
-        return self._result(state, progress)
+        return self._result(state, self.counts.copy(), tuple(self._notes), progress)
 
-    def _result(self, state: VoxelState, progress: Progress | None) -> Reconstruction:
+    def _result(self, state: VoxelState, counts: FrameCounts, notes: tuple[str, ...], progress: Progress | None) -> Reconstruction:
         """The volumes of a state that is not used any more."""
         shape = self.grid.shape
         values = state.intensity().reshape(shape)
@@ -223,7 +242,7 @@ class Reconstructor:
         score = state.score().reshape(shape)
         hits, cosine = state.hits.reshape(shape), state.cosine
         del state
-        fill_as_asked(values, mask, self.grid.spacing, self.settings, self._holes, progress, threads=self._threads)
+        fill_as_asked(values, mask, self.grid.spacing, self.settings, self._holes, progress, threads=self._threads, score=score)
         return Reconstruction(
             intensity=self._volume(self._to_output_type(values)),
             score=self._volume(score),
@@ -231,17 +250,19 @@ class Reconstructor:
             mask=self._volume(mask),
             cosine=None if cosine is None else self._volume(cosine.reshape(shape)),
             method=self.method,
-            frames_inserted=self.counts.inserted,
-            skipped={reason: list(numbers) for reason, numbers in self.counts.skipped.items()},
-            notes=tuple(self._notes),
+            frames_inserted=counts.inserted,
+            skipped={reason: numbers.tolist() for reason, numbers in counts.skipped.items()},
+            notes=notes,
         )
 
     def _place_bone(self, bone: BoneMap, progress: Progress | None) -> BoneOnGrid:
         placed = bone.on_grid(self.grid, self.settings.bone_direction, progress)
         if not placed.overlaps:
             self._notes.append(
-                "Warning: the bone map does not overlap the volume, so incidence weights nothing. "
-                "Check the registration of the CT (--bone-transform)."
+                Message(
+                    "Warning: the bone map does not overlap the volume, so incidence weights nothing. "
+                    "Check the registration of the CT (--bone-transform)."
+                )
             )
         return placed
 
@@ -257,7 +278,7 @@ class Reconstructor:
         self._check_like_first(frame)
         kept = self._filter.kept(image)
         if kept is not None and not kept.any():
-            self.counts.skip("nothing bright enough in the image", frame.number)
+            self.counts.skip(Message("nothing bright enough in the image"), frame.number)
             return
         spacing = pixel_spacing(pose)
         size = image.shape[1], image.shape[0]
@@ -266,14 +287,16 @@ class Reconstructor:
             self._layout = self._lay_out(size, spacing)
             self._scan_lines = ScanLines(self._layout, self._probe) if self.method == "weighted" else None
         axes = tuple(axis.astype(np.float32) for axis in image_plane_axes(pose))
-        self._batch.add(image, self.grid.reference_to_ijk @ pose, axes, frame.number, kept)
+        image_to_ijk = self.grid.reference_to_ijk @ pose if self._stretch is None else self.grid.reference_to_ijk @ pose @ self._stretch
+        self._batch.add(image, in_fixed_point(image_to_ijk) if self._fixed_point else image_to_ijk, axes, frame.number, kept)
         if self._batch.full:
             self._compute()
 
     def _lay_out(self, size: tuple[int, int], spacing: tuple[float, float]) -> PixelLayout:
-        scale = None
-        if self._depth_factor != 1.0:
-            scale = DepthScale.of(self._region.mask(*size), self._probe, self._depth_factor, spacing)
+        scale = depth_scale(self.settings, self._region.mask(*size), self._probe, spacing)
+        # What keeps rows straight is the pose's to do, which any engine can
+        self._stretch = None if scale is None else scale.stretch
+        scale = None if self._stretch is not None else scale
         return PixelLayout.build(size, spacing, self._region, self._probe if self._needs_beams else None, scale)
 
     def _compute(self) -> None:
@@ -286,7 +309,7 @@ class Reconstructor:
                 if pixels:
                     self.counts.inserted += 1
                 else:
-                    self.counts.skip("outside the volume", number)
+                    self.counts.skip(Message("outside the volume"), number)
         finally:
             batch.clear()
 
@@ -295,11 +318,11 @@ class Reconstructor:
         if frame.status != "OK":
             return frame.status
         if frame.image is None:
-            return "no image"
+            return Message("no image")
         if frame.image_to_reference is None:
-            return "no pose"
+            return Message("no pose")
         problem = why_not_an_image_pose(frame.image_to_reference)
-        return f"image pose {problem}" if problem else None
+        return Message("image pose {problem}", problem=problem) if problem else None
 
     def _start(self, image: np.ndarray) -> None:
         self._image_type = image.dtype
@@ -307,12 +330,18 @@ class Reconstructor:
         eight_bit = image.dtype == np.uint8
         if self.method == "weighted" and not eight_bit and self.settings.intensity_maximum is None:
             self._notes.append(
-                f"Warning: weighted judges brightness against the full gray scale, which {image.dtype} images do not tell. "
-                "Give their brightest value with --intensity-maximum."
+                Message(
+                    "Warning: weighted judges brightness against the full gray scale, which {kind} images do not tell. "
+                    "Give their brightest value with --intensity-maximum.",
+                    kind=image.dtype.name,
+                )
             )
         if self.settings.output_type == "uint8" and not eight_bit:
             self._notes.append(
-                f"Warning: {image.dtype} images are written as uint8: values above 255 are cut off. Use --output-type float32."
+                Message(
+                    "Warning: {kind} images are written as uint8: values above 255 are cut off. Use --output-type float32.",
+                    kind=image.dtype.name,
+                )
             )
         maximum = self.settings.intensity_maximum
         if maximum is None:
@@ -327,8 +356,12 @@ class Reconstructor:
         image = frame.image
         if image.shape != self._image_shape or image.dtype != self._image_type:
             raise GeometryError(
-                f"Input images must all be alike; got {image.shape} {image.dtype} in frame {frame.number} "
-                f"after {self._image_shape} {self._image_type}."
+                "Input images must all be alike; got {shape} {kind} in frame {number} after {first_shape} {first_type}.",
+                shape=image.shape,
+                kind=image.dtype,
+                number=frame.number,
+                first_shape=self._image_shape,
+                first_type=self._image_type,
             )
 
     def _to_output_type(self, values: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import SettingsError
+from ..message import Message, listed
 from ..settings import ReconstructionSettings
 from ..threads import optional_module
 from .batch import FrameBatch
@@ -35,13 +36,17 @@ def uses_shares(settings: ReconstructionSettings, importance: np.ndarray | None)
 def check_shares(method: str, settings: ReconstructionSettings, importance: np.ndarray | None) -> None:
     """Raise `SettingsError` where linear interpolation or an importance mask does not fit the method."""
     if settings.interpolation == "linear" and (method not in LINEAR_METHODS or settings.best_cosine):
-        wish = f"method {method}" if method not in LINEAR_METHODS else "the cosine of incidence"
+        wish = Message("method {method}", method=method) if method not in LINEAR_METHODS else Message("the cosine of incidence")
         raise SettingsError(
-            f"Input interpolation must be nearest for {wish}; got 'linear'. Leave it out, or choose method {' or '.join(LINEAR_METHODS)}."
+            "Input interpolation must be nearest for {wish}; got 'linear'. Leave it out, or choose method {methods}.",
+            wish=wish,
+            methods=listed(LINEAR_METHODS, " or "),
         )
     if importance is not None and (method != "average" or settings.best_cosine):
-        wish = f"method {method}" if method != "average" else "the cosine of incidence"
-        raise SettingsError(f"An importance mask weights an average, and does not fit {wish}. Leave it out, or choose method average.")
+        wish = Message("method {method}", method=method) if method != "average" else Message("the cosine of incidence")
+        raise SettingsError(
+            "An importance mask weights an average, and does not fit {wish}. Leave it out, or choose method average.", wish=wish
+        )
 
 
 class SplatEngine:
@@ -174,5 +179,10 @@ class SplatEngine:
         columns, rows = layout.size
         if self._importance.shape != (rows, columns):
             got = f"{self._importance.shape[1]} x {self._importance.shape[0]}"
-            raise SettingsError(f"Input importance mask must be as large as the images, {columns} x {rows}; got {got}. Make it anew.")
+            raise SettingsError(
+                "Input importance mask must be as large as the images, {columns} x {rows}; got {got}. Make it anew.",
+                columns=columns,
+                rows=rows,
+                got=got,
+            )
         return layout.values(self._importance)

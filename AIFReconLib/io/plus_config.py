@@ -11,6 +11,7 @@ import numpy as np
 
 from ..beams import LINEAR, SECTOR, ProbeGeometry
 from ..errors import ConfigurationError, GeometryError
+from ..message import Message
 from ..region import ClipRectangle, Fan, ImageRegion
 from ..transform_graph import TransformName, TransformSample, TransformStatus
 from ..transforms import as_matrix
@@ -60,6 +61,10 @@ class PlusConfiguration:
         How many to use.
     skip : int
         Every how many frames one is used.
+    fixed_point : bool
+        Whether pixels are to be placed in fixed-point numbers, as Plus's Optimization=FULL does.
+    fits_spacing : bool
+        Whether the spacing along z may grow so that the box around the sweep is a whole number of voxels.
     warnings : tuple of str
         What the file asks for and is not honored, one sentence each.
     """
@@ -82,6 +87,8 @@ class PlusConfiguration:
     holes: tuple[HoleFilling, ...] = ()
     threads: int | None = None
     skip: int = 1
+    fixed_point: bool = False
+    fits_spacing: bool = False
     warnings: tuple[str, ...] = ()
 
     def importance(self) -> np.ndarray | None:
@@ -99,7 +106,9 @@ class PlusConfiguration:
         if self.importance_mask is None:
             place = "VolumeReconstruction@ImportanceMaskFilename"
             raise ConfigurationError(
-                f"{self.path}: {place} is missing, and CompoundingMode=IMPORTANCE_MASK needs it. Add it, or give an importance mask."
+                "{path}: {place} is missing, and CompoundingMode=IMPORTANCE_MASK needs it. Add it, or give an importance mask.",
+                path=self.path,
+                place=place,
             )
         return read_importance_mask(self.importance_mask)
 
@@ -129,7 +138,9 @@ def read_plus_configuration(path: str | Path) -> PlusConfiguration:
     path = Path(path)
     root = parse_xml(path)
     if root.tag != "PlusConfiguration":
-        raise ConfigurationError(f"{path}: its root element must be PlusConfiguration; got {root.tag}. Give a Plus configuration file.")
+        raise ConfigurationError(
+            "{path}: its root element must be PlusConfiguration; got {found}. Give a Plus configuration file.", path=path, found=root.tag
+        )
     values = {"transforms": _read_transforms(path, root)}
     reconstruction = _find_reconstruction(root)
     if reconstruction is not None:
@@ -151,13 +162,15 @@ def _read_transforms(path: Path, root: Element) -> dict[TransformName, Transform
             raise attributes.failure("To", "must differ from From. Correct it.")
         for other in (name, name.inverse):
             if other in transforms:
-                raise attributes.failure("To", f"states the relation that {other} states already. Remove one of the two.")
+                raise attributes.failure("To", "states the relation that {other} states already. Remove one of the two.", other=other)
         status = TransformStatus.parse(attributes.text("Status") or "OK")
         if status is TransformStatus.OK:
             try:
-                matrix = as_matrix(attributes.required_numbers(16, "Matrix"), f"transform {name}")
+                matrix = as_matrix(attributes.required_numbers(16, "Matrix"), Message("transform {name}", name=name))
             except GeometryError as error:
-                raise attributes.failure("Matrix", f"cannot be used. {error} Repeat the calibration, or correct it.") from error
+                raise attributes.failure(
+                    "Matrix", "cannot be used. {problem} Repeat the calibration, or correct it.", problem=error
+                ) from error
         else:
             matrix = np.full((4, 4), np.nan)
         transforms[name] = TransformSample(matrix, status)

@@ -8,8 +8,9 @@ from xml.etree.ElementTree import Element
 
 from ..errors import AIFReconError
 from ..fan_detection import FanDetection
+from ..message import Message
 from ..region import ClipRectangle, Fan, ImageRegion
-from .text_values import capital
+from ..transform_graph import capital
 from .xml_attributes import Attributes
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 _METHODS = {"MEAN": "average", "LATEST": "latest", "MAXIMUM": "maximum", "IMPORTANCE_MASK": "average"}
 _INTERPOLATIONS = {"NEAREST_NEIGHBOR": "nearest", "LINEAR": "linear"}
 _DEFAULT_FAN_RADIUS_STOP = 500.0
-_OTHER_HOLE_FILLINGS = ("GAUSSIAN_ACCUMULATION", "DISTANCE_WEIGHT_INVERSE")
 _NO_EXTENT = (0,) * 6
 
 _HONORED = frozenset(
@@ -27,7 +27,7 @@ _HONORED = frozenset(
         *("ClipRectangleSize", "FanAnglesDeg", "FanAngles", "FanOriginPixel", "FanOrigin", "FanRadiusStartPixel", "FanRadiusStopPixel"),
         *("FanDepth", "EnableFanAnglesAutoDetect", "FanAnglesAutoDetectBrightnessThreshold", "FanAnglesAutoDetectFilterRadiusPixel"),
         *("PixelRejectionThreshold", "SkipInterval", "Interpolation", "CompoundingMode", "Compounding", "Calculation", "FillHoles"),
-        *("ImportanceMaskFilename", "NumberOfThreads", "Optimization"),
+        *("ImportanceMaskFilename", "NumberOfThreads", "Optimization", "RecomputeOutputSpacing"),
     )
 )
 
@@ -44,7 +44,6 @@ def read_reconstruction(path: Path, element: Element) -> dict:
     skip = attributes.integers(1, "SkipInterval") or (1,)
     threads = attributes.integers(1, "NumberOfThreads") or (0,)
     rejection = attributes.number(0.0, "PixelRejectionThreshold")
-    attributes.positive(skip, "SkipInterval")
     fan = _read_fan(attributes)
     interpolation = attributes.word("Interpolation", tuple(_INTERPOLATIONS))
     return {
@@ -61,7 +60,9 @@ def read_reconstruction(path: Path, element: Element) -> dict:
         "pixel_rejection": rejection if rejection > 0 else None,
         "holes": _read_holes(path, attributes),
         "threads": threads[0] if threads[0] > 0 else None,
-        "skip": skip[0],
+        "skip": max(skip[0], 1),
+        "fixed_point": (attributes.text("Optimization") or "").upper() == "FULL",
+        "fits_spacing": attributes.switch("RecomputeOutputSpacing"),
         "warnings": _not_honored(attributes),
     }
 
@@ -73,7 +74,7 @@ def _read_extent(attributes: Attributes) -> tuple[int, ...] | None:
         return None
     if any(extent[2 * axis] > extent[2 * axis + 1] for axis in range(3)):
         got = attributes.text("OutputExtent")
-        raise attributes.failure("OutputExtent", f"must be first and last voxel along x, y and z, rising; got {got!r}. Correct it.")
+        raise attributes.failure("OutputExtent", "must be first and last voxel along x, y and z, rising; got {got!r}. Correct it.", got=got)
     if attributes.text("OutputSpacing") is None:
         raise attributes.failure("OutputSpacing", "is missing, and OutputExtent counts voxels. Add it to the element.")
     return extent
@@ -132,7 +133,12 @@ def _read_importance_mask(path: Path, attributes: Attributes) -> Path | None:
     if name is None or not _uses_importance_mask(attributes):
         return None
     # Windows paths in a configuration should not depend on where it is read
-    file = Path(name.replace("\\", "/"))
+    name = name.replace("\\", "/")
+    if name.startswith("//") or "://" in name:
+        raise attributes.failure(
+            "ImportanceMaskFilename", "must be a file of this computer; got {name!r}. Copy it beside the configuration.", name=name
+        )
+    file = Path(name)
     return file if file.is_absolute() else path.parent / file
 
 
@@ -141,20 +147,27 @@ def _read_holes(path: Path, attributes: Attributes) -> tuple[HoleFilling, ...]:
     if not attributes.switch("FillHoles"):
         return ()
     # Filling takes scipy, which is slow to load and seldom asked for
-    from ..hole_kinds import CUBE, GAUSSIAN, STICK, HoleFilling
+    from ..hole_kinds import CUBE, GAUSSIAN, GAUSSIAN_BY_HITS, INVERSE_DISTANCE, STICK, HoleFilling
+
+    cubes = {
+        "NEAREST_NEIGHBOR": CUBE,
+        "GAUSSIAN": GAUSSIAN,
+        "GAUSSIAN_ACCUMULATION": GAUSSIAN_BY_HITS,
+        "DISTANCE_WEIGHT_INVERSE": INVERSE_DISTANCE,
+    }
 
     kinds = []
     for number, element in enumerate(attributes.element.iterfind("HoleFilling/HoleFillingElement"), start=1):
         one = Attributes(path, element, f"HoleFillingElement[{number}]")
         one.required_text("Type")
-        kind = one.word("Type", ("STICK", "GAUSSIAN", "NEAREST_NEIGHBOR", *_OTHER_HOLE_FILLINGS))
+        kind = one.word("Type", ("STICK", *cubes))
         if kind == "STICK":
             length, sticks = (_whole(one, name) for name in ("StickLengthLimit", "NumberOfSticksToUse"))
             kinds.append(build(one, "StickLengthLimit", HoleFilling, STICK, length, 1.0, 0.0, sticks))
-        elif kind in ("GAUSSIAN", "NEAREST_NEIGHBOR"):
+        else:
             size, ratio = _whole(one, "Size"), one.required_numbers(1, "MinimumKnownVoxelsRatio")[0]
-            stdev = one.required_numbers(1, "Stdev")[0] if kind == "GAUSSIAN" else 1.0
-            kinds.append(build(one, "Size", HoleFilling, GAUSSIAN if kind == "GAUSSIAN" else CUBE, size, stdev, ratio))
+            stdev = one.required_numbers(1, "Stdev")[0] if kind.startswith("GAUSSIAN") else 1.0
+            kinds.append(build(one, "Size", HoleFilling, cubes[kind], size, stdev, ratio))
     return tuple(kinds)
 
 
@@ -167,27 +180,28 @@ def _not_honored(attributes: Attributes) -> tuple[str, ...]:
     """A sentence for each request that is not carried out, or that is but has no effect."""
     warnings = []
 
-    def warn(attribute: str, what: str) -> None:
-        warnings.append(f"{attributes.place}@{attribute}={attributes.text(attribute)} {what}.")
+    def warn(attribute: str, problem: Message) -> None:
+        value = attributes.text(attribute)
+        place = attributes.place
+        warnings.append(Message("{place}@{attribute}={value} {problem}.", place=place, attribute=attribute, value=value, problem=problem))
 
-    if attributes.text("Optimization") and attributes.text("Optimization").upper() != "NONE":
-        warn("Optimization", "has no effect: voxels are those of NONE, in double precision")
+    if attributes.text("Optimization") and attributes.text("Optimization").upper() not in ("NONE", "FULL"):
+        warn("Optimization", Message("has no effect: voxels are those of NONE, in double precision"))
+    if attributes.number(1, "SkipInterval") < 1:
+        warn("SkipInterval", Message("means 1, every frame: it must be at least that"))
+    if attributes.switch("RecomputeOutputSpacing") and _read_extent(attributes) is not None:
+        warn("RecomputeOutputSpacing", Message("has no effect with OutputExtent, which gives the box in voxels"))
     if attributes.text("ImportanceMaskFilename") and not _uses_importance_mask(attributes):
-        warn("ImportanceMaskFilename", "has no effect without CompoundingMode=IMPORTANCE_MASK: all pixels count alike")
+        warn("ImportanceMaskFilename", Message("has no effect without CompoundingMode=IMPORTANCE_MASK: all pixels count alike"))
     if attributes.switch("EnableFanAnglesAutoDetect") and _read_fan(attributes) is None:
-        warn("EnableFanAnglesAutoDetect", "has no effect without FanAnglesDeg, the widest angles to look within")
-    if attributes.switch("FillHoles"):
-        elements = [element.get("Type", "").strip().upper() for element in attributes.element.iterfind("HoleFilling/HoleFillingElement")]
-        if not elements:
-            warn("FillHoles", "is not honored: it has no HoleFillingElement. Give --hole-limit to fill empty voxels")
-        for kind in elements:
-            if kind in _OTHER_HOLE_FILLINGS:
-                warnings.append(f"HoleFillingElement@Type={kind} is not honored: it is left out. Use STICK, GAUSSIAN or NEAREST_NEIGHBOR.")
+        warn("EnableFanAnglesAutoDetect", Message("has no effect without FanAnglesDeg, the widest angles to look within"))
+    if attributes.switch("FillHoles") and attributes.element.find("HoleFilling/HoleFillingElement") is None:
+        warn("FillHoles", Message("is not honored: it has no HoleFillingElement. Give --hole-limit to fill empty voxels"))
     if attributes.text("OutputOrigin") and _read_extent(attributes) is None:
-        warn("OutputOrigin", "is not honored without OutputExtent: the volume is the box around the sweep")
+        warn("OutputOrigin", Message("is not honored without OutputExtent: the volume is the box around the sweep"))
     for name in attributes.element.attrib:
         if name not in _HONORED and attributes.text(name):
-            warn(name, "is not honored: it would be Plus's alone")
+            warn(name, Message("has no effect: VolumeReconstruction has no such attribute. Check how it is spelled"))
     return tuple(warnings)
 
 
@@ -196,4 +210,4 @@ def build(attributes: Attributes, attribute: str, kind, *values):
     try:
         return kind(*values)
     except AIFReconError as error:
-        raise attributes.failure(attribute, f"cannot be used. {error}") from error
+        raise attributes.failure(attribute, "cannot be used. {problem}", problem=error) from error

@@ -15,11 +15,14 @@ import numpy as np
 
 from ..errors import SettingsError, TransformError
 from ..frames import FrameRecord
-from ..transform_graph import TransformName, TransformSample, TransformStatus
+from ..message import Message
+from ..transform_graph import TransformName, TransformSample, TransformStatus, capital
 from .metafile import Metafile
-from .text_values import capital, format_number, parse_number, parse_numbers, shorten
+from .text_values import NotANumberError, format_number, one_line, parse_number, parse_numbers, shorten
 
 FRAME_KEY = re.compile(r"Seq_Frame([0-9]+)_(.+)", re.DOTALL)
+MOST_DIGITS = 12
+"""In the number of a frame; recorders write four."""
 _TIMES = ("Timestamp", "UnfilteredTimestamp")
 _IMAGE_STATUS = "ImageStatus"
 _MATRIX_SUFFIX = "Transform"
@@ -42,17 +45,27 @@ def split_fields(metafile: Metafile, frames: int) -> tuple[list[FrameRecord], di
         if match is None:
             header[key] = value
             continue
-        number, name = int(match[1]), match[2]
-        if number >= frames:
+        # More digits than any number of frames has are not even converted: Python refuses thousands of them
+        digits, name = match[1].lstrip("0") or "0", match[2]
+        number = int(digits[:MOST_DIGITS])
+        if number >= frames or len(digits) > MOST_DIGITS:
             raise metafile.failure(
-                f"{shorten(key)} belongs to frame {number}, but there are only {frames} frames (0 to {frames - 1}). Correct DimSize."
+                "{key} belongs to frame {number}, but there are only {frames} frames (0 to {last}). Correct DimSize.",
+                key=shorten(key),
+                number=shorten(digits),
+                frames=frames,
+                last=frames - 1,
             )
         if keys.setdefault((number, name), key) != key:
             raise metafile.failure(
-                f"frame {number} has {name} twice, as {keys[number, name]} and {key}. Remove one of them from the header."
+                "frame {number} has {name} twice, as {first} and {second}. Remove one of them from the header.",
+                number=number,
+                name=name,
+                first=keys[number, name],
+                second=key,
             )
         per_frame.setdefault(number, {})[name] = value
-    records = [_record(metafile, f"frame {number}, ", per_frame.get(number, {})) for number in range(frames)]
+    records = [_record(metafile, Message("frame {number}, ", number=number), per_frame.get(number, {})) for number in range(frames)]
     transforms, fields = _take_transforms(metafile, "", header)
     return records, fields, transforms
 
@@ -72,14 +85,18 @@ def frame_entries(records: Iterable[FrameRecord]) -> Iterator[tuple[str, str]]:
         for name, time in zip(_TIMES, (record.timestamp, record.unfiltered_timestamp)):
             if time is not None:
                 if not math.isfinite(time):
-                    raise SettingsError(f"Input {name} of frame {number} must be a finite number; got {time!r}.")
+                    raise SettingsError(
+                        "Input {name} of frame {number} must be a finite number; got {time!r}.", name=name, number=number, time=time
+                    )
                 yield prefix + name, format_number(time)
         yield prefix + _IMAGE_STATUS, record.image_status.value
         for name, value in record.fields.items():
             if not name or name in _TIMES or name == _IMAGE_STATUS or _transform_name(name) is not None:
                 raise SettingsError(
-                    f"Input field {name!r} of frame {number} must have a name, and not that of a time, status or transform. "
-                    "Set those in the record."
+                    "Input field {name!r} of frame {number} must have a name, and not that of a time, status or transform. "
+                    "Set those in the record.",
+                    name=name,
+                    number=number,
                 )
             yield prefix + name, value
 
@@ -96,7 +113,8 @@ def header_entries(fields: Mapping[str, str], transforms: Mapping[TransformName,
     for name, value in fields.items():
         if FRAME_KEY.fullmatch(name) or _transform_name(name) is not None:
             raise SettingsError(
-                f"Input header field {name!r} must not have the name of a transform or of a frame's field. Set it where it belongs."
+                "Input header field {name!r} must not have the name of a transform or of a frame's field. Set it where it belongs.",
+                name=name,
             )
         yield name, value
 
@@ -123,12 +141,18 @@ def _take_transforms(metafile: Metafile, where: str, fields: dict[str, str]) -> 
             continue
         other = spelled.setdefault((name, key.endswith(_STATUS_SUFFIX)), key)
         if other != key:
-            raise metafile.failure(f"{where}{name} is given twice, as {other} and as {key}. Remove one of them from the header.")
+            raise metafile.failure(
+                "{where}{name} is given twice, as {other} and as {second}. Remove one of them from the header.",
+                where=where,
+                name=name,
+                other=other,
+                second=key,
+            )
         order[name] = None
         if key.endswith(_STATUS_SUFFIX):
             statuses[name] = TransformStatus.parse(value)
         else:
-            matrices[name] = _matrix(metafile, f"{where}{key}", value)
+            matrices[name] = _matrix(metafile, Message("{where}{key}", where=where, key=one_line(key)), value)
     missing = np.full((4, 4), np.nan)
     return {name: TransformSample(matrices.get(name, missing), statuses.get(name, TransformStatus.OK)) for name in order}, others
 
@@ -138,7 +162,7 @@ def _transform_name(key: str) -> TransformName | None:
     for suffix in (_STATUS_SUFFIX, _MATRIX_SUFFIX):
         if key.endswith(suffix) and key != suffix:
             try:
-                name = capitalized(TransformName.parse(key.removesuffix(suffix)))
+                name = TransformName.parse(key.removesuffix(suffix))
             except TransformError:
                 return None
             # "TransformToTransform" would lose a word on the way.
@@ -155,10 +179,14 @@ def _matrix(metafile: Metafile, where: str, text: str) -> np.ndarray:
     """(4, 4) float64. NaN is allowed: recorders write it for poses that they do not have."""
     try:
         numbers = parse_numbers(text)
-    except ValueError as error:
-        raise metafile.failure(f"{where} must be 16 numbers; {error}. Correct the header, or set its status to INVALID.") from error
+    except NotANumberError as error:
+        raise metafile.failure(
+            "{where} must be 16 numbers; {problem}. Correct the header, or set its status to INVALID.", where=where, problem=error
+        ) from error
     if len(numbers) != 16:
-        raise metafile.failure(f"{where} must be 16 numbers; got {len(numbers)}. Correct the header, or remove the entry.")
+        raise metafile.failure(
+            "{where} must be 16 numbers; got {count}. Correct the header, or remove the entry.", where=where, count=len(numbers)
+        )
     return np.array(numbers).reshape(4, 4)
 
 
@@ -171,7 +199,10 @@ def _time(metafile: Metafile, where: str, name: str, text: str | None) -> float 
         time = math.nan
     if not math.isfinite(time):
         raise metafile.failure(
-            f"{where}{name} must be a number of seconds; got {shorten(text)!r}. Correct the header, or remove the entry."
+            "{where}{name} must be a number of seconds; got {text!r}. Correct the header, or remove the entry.",
+            where=where,
+            name=name,
+            text=shorten(text),
         )
     return time
 
@@ -181,11 +212,12 @@ def _transform_entries(transforms: Mapping[TransformName, TransformSample]) -> I
     for name, sample in transforms.items():
         if _transform_name(f"{name}{_MATRIX_SUFFIX}") != name:
             raise SettingsError(
-                f"Input transform {name} must be named FromToTo, with one 'To' before an upper-case letter. Rename its frames."
+                "Input transform {name} must be named FromToTo, with one 'To' before an upper-case letter or a digit. Rename its frames.",
+                name=name,
             )
         if sample.status is TransformStatus.OK or not np.isnan(sample.matrix).all():
             numbers = np.asarray(sample.matrix, dtype=np.float64)
             if numbers.shape != (4, 4):
-                raise SettingsError(f"Input transform {name} must have shape (4, 4); got {numbers.shape}.")
+                raise SettingsError("Input transform {name} must have shape (4, 4); got {shape}.", name=name, shape=numbers.shape)
             yield f"{name}{_MATRIX_SUFFIX}", " ".join(format_number(number) for number in numbers.ravel())
         yield f"{name}{_STATUS_SUFFIX}", sample.status.value

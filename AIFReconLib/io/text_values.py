@@ -5,9 +5,20 @@ from __future__ import annotations
 import math
 import re
 
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+from ..errors import AIFReconError
+from ..message import one_line, shorten
+
+__all__ = ["NotANumberError", "format_number", "one_line", "parse_number", "parse_numbers", "shorten"]
+
+
+# Written so that there is one way to match a run of digits: with two, a long run takes the square of its length
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _NOT_A_NUMBER = re.compile(r"[+-]?(nan(\(\w*\))?|1\.#(ind|qnan|snan)\d*)", re.IGNORECASE | re.ASCII)
 _INFINITY = re.compile(r"[+-]?(inf(inity)?|1\.#inf\d*)", re.IGNORECASE | re.ASCII)
+
+
+class NotANumberError(AIFReconError, ValueError):
+    """A word is not a number, as half a sentence for the message that says where it stands."""
 
 
 def parse_number(text: str) -> float:
@@ -15,7 +26,7 @@ def parse_number(text: str) -> float:
 
     Raises
     ------
-    ValueError
+    NotANumberError
         When it is not one number. (`float` alone would also take ``1_000``.)
     """
     word = text.strip()
@@ -25,7 +36,7 @@ def parse_number(text: str) -> float:
         return math.nan
     if _INFINITY.fullmatch(word):
         return -math.inf if word.startswith("-") else math.inf
-    raise ValueError(f"{shorten(word)!r} is not a number")
+    raise NotANumberError("{word!r} is not a number", word=shorten(word))
 
 
 def parse_numbers(text: str) -> list[float]:
@@ -33,7 +44,7 @@ def parse_numbers(text: str) -> list[float]:
 
     Raises
     ------
-    ValueError
+    NotANumberError
         When a word is not a number; the message quotes it.
     """
     return [parse_number(word) for word in text.split()]
@@ -43,18 +54,3 @@ def format_number(value: float) -> str:
     """The shortest text that reads back as exactly `value`."""
     text = repr(float(value))
     return text[:-2] if text.endswith(".0") else text
-
-
-def capital(text: str) -> str:
-    """`text` with a capital first letter, as Plus spells the names of coordinate frames."""
-    return text[:1].upper() + text[1:]
-
-
-def one_line(text: str) -> str:
-    """`text` with everything that a terminal cannot show on one line replaced by a question mark."""
-    return "".join(character if character.isprintable() else "?" for character in text)
-
-
-def shorten(text: str, length: int = 60) -> str:
-    """`text` cut to `length` characters, for quoting it in a message."""
-    return text if len(text) <= length else text[: length - 3] + "..."

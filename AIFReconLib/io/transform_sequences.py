@@ -15,14 +15,15 @@ import numpy as np
 
 from ..errors import SequenceFormatError, SettingsError, TransformError
 from ..frames import FrameRecord
+from ..message import Message
 from ..pose_tracks import LONGEST_GAP, PoseTrack
 from ..transform_graph import TransformName, TransformSample, TransformStatus
 from .file_images import MAXIMUM_FRAMES
 from .metafile import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, HeaderLines, require_regular_file
 from .metaimage_header import read_entries
 from .nrrd_header import read_nrrd_entries
-from .sequence_fields import FRAME_KEY, capitalized
-from .text_values import parse_number, parse_numbers, shorten
+from .sequence_fields import FRAME_KEY
+from .text_values import NotANumberError, parse_number, parse_numbers, shorten
 
 ROUNDED = 1.1e-3
 """s. Slicer rounds times to 1 ms, of images and transforms alike."""
@@ -50,12 +51,22 @@ def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | N
     present = dict.fromkeys(_stem(key) for fields in per_frame.values() for key in fields if _stem(key))
     wanted = next((word for word in present if word.removesuffix(_MATRIX_SUFFIX).lower() == name.lower()), None)
     if wanted is None and len(present) != 1:
-        there = ", ".join(present) or "none"
-        raise SequenceFormatError(f"{path}: it must hold the transform {name}; got {there}. Name one of these, or give another file.")
+        there = ", ".join(present) or Message("none")
+        raise SequenceFormatError(
+            "{path}: it must hold the transform {name}; got {there}. Name one of these, or give another file.",
+            path=path,
+            name=name,
+            there=there,
+        )
     stem = wanted or next(iter(present))
     samples = []
+    # One for all frames that the file leaves out, of which there may be a million
+    absent = (None, TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING))
     for number in range(max(per_frame) + 1):
-        fields = per_frame.get(number, {})
+        if number not in per_frame:
+            samples.append(absent)
+            continue
+        fields = per_frame[number]
         matrix = _matrix(path, number, f"{stem}{_MATRIX_SUFFIX}", fields.get(stem + _MATRIX_SUFFIX))
         status = TransformStatus.parse(fields.get(stem + _STATUS_SUFFIX, "OK" if stem + _MATRIX_SUFFIX in fields else "MISSING"))
         samples.append((_time(path, number, fields.get("Timestamp")), TransformSample(matrix, status)))
@@ -85,9 +96,11 @@ def pair_transforms(
     notes = []
     for text, path in files.items():
         try:
-            name = capitalized(TransformName.parse(text))
+            name = TransformName.parse(text)
         except TransformError as error:
-            raise SettingsError(f"{error} Give --transform-sequence NAME=FILE, e.g. ImageToReference=Transform.seq.mha.") from None
+            raise SettingsError(
+                "{problem} Give --transform-sequence NAME=FILE, e.g. ImageToReference=Transform.seq.mha.", problem=error
+            ) from None
         records, note = _pair(records, name, read_transform_sequence(path, str(name)), Path(path), longest_gap)
         notes.append(note)
     return records, tuple(notes)
@@ -101,47 +114,70 @@ def _pair(records, name: TransformName, samples, path: Path, longest_gap: float)
         found = [track.at(time, longest_gap, ROUNDED)[0] for time in image_times]
         paired = [TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING) if m is None else TransformSample(m) for m in found]
         if not sum(m is not None for m in found):
-            span = f"{track.times[0]:.3f} to {track.times[-1]:.3f} s" if len(track) else "none"
+            span = Message("{first:.3f} to {last:.3f} s", first=track.times[0], last=track.times[-1]) if len(track) else Message("none")
             raise SequenceFormatError(
-                f"{path}: no pose of {name} (times {span}) fits the images ({min(image_times):.3f} to {max(image_times):.3f} s). "
-                "Give the transform sequence that was recorded together with the images."
+                "{path}: no pose of {name} (times {span}) fits the images ({first:.3f} to {last:.3f} s). "
+                "Give the transform sequence that was recorded together with the images.",
+                path=path,
+                name=name,
+                span=span,
+                first=min(image_times),
+                last=max(image_times),
             )
-        how = "by time"
+        how = Message("by time")
     elif len(samples) == len(records):
         paired = [sample for _, sample in samples]
-        how = "frame by frame, for lack of times"
+        how = Message("frame by frame, for lack of times")
     else:
         raise SettingsError(
-            f"{path}: there must be as many samples of {name} as images, or times on both; got {len(samples)} for {len(records)} images. "
-            "Give the transform sequence that was recorded together with the images."
+            "{path}: there must be as many samples of {name} as images, or times on both; got {samples} for {images} images. "
+            "Give the transform sequence that was recorded together with the images.",
+            path=path,
+            name=name,
+            samples=len(samples),
+            images=len(records),
         )
     good = sum(sample.status is TransformStatus.OK for sample in paired)
     changed = [replace(record, transforms={**record.transforms, name: sample}) for record, sample in zip(records, paired)]
-    return changed, f"{name} was paired from {path.name} {how}: {good} of {len(records)} frames."
+    note = Message(
+        "{name} was paired from {file} {how}: {good} of {count} frames.", name=name, file=path.name, how=how, good=good, count=len(records)
+    )
+    return changed, note
 
 
 def _frame_fields(path: Path) -> dict[int, dict[str, str]]:
     """Fields per frame of any sequence header, images or not."""
     suffix = path.suffix.lower()
     if suffix not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
-        raise SequenceFormatError(f"{path}: its suffix must be .mha, .mhd or .nrrd. Save the transform sequence from Slicer as .seq.mha.")
+        raise SequenceFormatError(
+            "{path}: its suffix must be .mha, .mhd or .nrrd. Save the transform sequence from Slicer as .seq.mha.", path=path
+        )
     require_regular_file(path, SequenceFormatError)
     try:
         with open(path, "rb") as file:
             lines = HeaderLines(file, path, SequenceFormatError)
             entries = read_entries(lines) if suffix in METAIMAGE_SUFFIXES else read_nrrd_entries(lines)[1]
     except OSError as error:
-        raise SequenceFormatError(f"{path}: the file cannot be read ({error.strerror}). Check its permissions.") from error
+        raise SequenceFormatError(
+            "{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=error.strerror
+        ) from error
     per_frame: dict[int, dict[str, str]] = {}
     for key, value in entries.items():
         match = FRAME_KEY.fullmatch(key)
         if match is None:
             continue
         if len(match[1]) > 12 or int(match[1]) >= MAXIMUM_FRAMES:
-            raise SequenceFormatError(f"{path}: {shorten(key)} must belong to a frame below {MAXIMUM_FRAMES}. The header is damaged.")
+            raise SequenceFormatError(
+                "{path}: {field} must belong to a frame below {maximum}. The header is damaged.",
+                path=path,
+                field=shorten(key),
+                maximum=MAXIMUM_FRAMES,
+            )
         per_frame.setdefault(int(match[1]), {})[match[2]] = value
     if not per_frame:
-        raise SequenceFormatError(f"{path}: it holds no transforms per frame (no Seq_Frame fields). Give a sequence of transforms.")
+        raise SequenceFormatError(
+            "{path}: it holds no transforms per frame (no Seq_Frame fields). Give a sequence of transforms.", path=path
+        )
     return per_frame
 
 
@@ -155,11 +191,17 @@ def _matrix(path: Path, frame: int, key: str, text: str | None) -> np.ndarray:
         return np.full((4, 4), np.nan)
     try:
         numbers = parse_numbers(text)
-        wrong = f"got {len(numbers)}" if len(numbers) != 16 else ""
-    except ValueError as error:
-        wrong = str(error)
+        wrong = Message("got {count}", count=len(numbers)) if len(numbers) != 16 else None
+    except NotANumberError as error:
+        wrong = error
     if wrong:
-        raise SequenceFormatError(f"{path}: frame {frame}, {key} must be 16 numbers; {wrong}. Save the transform sequence again.")
+        raise SequenceFormatError(
+            "{path}: frame {frame}, {field} must be 16 numbers; {wrong}. Save the transform sequence again.",
+            path=path,
+            frame=frame,
+            field=key,
+            wrong=wrong,
+        )
     return np.array(numbers).reshape(4, 4)
 
 
@@ -170,6 +212,9 @@ def _time(path: Path, frame: int, text: str | None) -> float | None:
         time = math.nan
     if time is not None and not math.isfinite(time):
         raise SequenceFormatError(
-            f"{path}: frame {frame}, Timestamp must be a number of seconds; got {shorten(text)!r}. Save the transform sequence again."
+            "{path}: frame {frame}, Timestamp must be a number of seconds; got {text!r}. Save the transform sequence again.",
+            path=path,
+            frame=frame,
+            text=shorten(text),
         )
     return time

@@ -16,7 +16,7 @@ from ..bone import BoneMap
 from ..compounding.reconstructor import Reconstruction, Reconstructor
 from ..configured import ConfiguredParts
 from ..frames import TrackedFrame
-from ..hole_kinds import fill_as_asked
+from ..message import Message
 from ..progress import Progress
 from ..reconstruction import Imaging
 from ..settings import ReconstructionSettings
@@ -25,9 +25,9 @@ from .keep_up import KeepUp
 from .session_statistics import Meter
 from .synchronizer import LiveFrame
 
-TOO_SLOW = "skipped to keep up"
-OTHER_SIZE = "image of another size or type"
-AFTER_ERROR = "not inserted after an error"
+TOO_SLOW = Message("skipped to keep up")
+OTHER_SIZE = Message("image of another size or type")
+AFTER_ERROR = Message("not inserted after an error")
 
 MOST_WAITING_BYTES = 512 * 2**20
 """Pixels that wait to be inserted at most, whatever their number."""
@@ -42,7 +42,7 @@ class Inserter:
     Parameters
     ----------
     settings : ReconstructionSettings
-        With everything resolved; holes are filled in what is handed out.
+        With everything resolved.
     bone : BoneMap or None
     meter : Meter
     longest_delay : float or None, s
@@ -112,15 +112,16 @@ class Inserter:
                 known.append(unknown[0]())
                 # It may hold every image that was scouted
                 unknown.clear()
-            # Holes are filled in what is handed out, so that nobody waits for it who inserts
             reconstructor = Reconstructor(
                 grid,
-                replace(self._settings, holes="off"),
+                self._settings,
                 self._bone,
                 probe=known[0].probe,
                 region=known[0].region,
                 threads=self._parts.threads,
                 importance=self._parts.importance,
+                holes=self._parts.holes,
+                fixed_point=self._parts.fixed_point,
             )
             notes = (*known[0].notes, *self._parts.notes)
             with self._volume:
@@ -172,8 +173,9 @@ class Inserter:
         with self._turnstile, self._volume:
             if self._reconstructor is None:
                 return None
-            result, notes = self._reconstructor.reconstruction(), self._notes
-        return self._fill(replace(result, notes=(*notes, *result.notes)), progress)
+            make, notes = self._reconstructor.capture(), self._notes
+        result = make(progress)
+        return replace(result, notes=(*notes, *result.notes))
 
     def finish(self, progress: Progress | None = None) -> Reconstruction | None:
         """The final volume, after `close`; it can be asked for once."""
@@ -181,13 +183,8 @@ class Inserter:
             if self._reconstructor is None:
                 return None
             reconstructor, self._reconstructor = self._reconstructor, None
-            result = reconstructor.finish()
-        return self._fill(replace(result, notes=(*self._notes, *result.notes)), progress)
-
-    def _fill(self, result: Reconstruction, progress: Progress | None) -> Reconstruction:
-        arrays = result.intensity.array, result.mask.array
-        fill_as_asked(*arrays, result.grid.spacing, self._settings, self._parts.holes, progress)
-        return result
+        result = reconstructor.finish(progress)
+        return replace(result, notes=(*self._notes, *result.notes))
 
     # ---- the thread
 
@@ -257,7 +254,7 @@ class Inserter:
         self._reconstructor.insert(frame)
         if counts.inserted > before:
             return None
-        return next((reason for reason, numbers in counts.skipped.items() if numbers[-1:] == [frame.number]), frame.status)
+        return next((reason for reason, numbers in counts.skipped.items() if numbers[-1] == frame.number), frame.status)
 
 
 def _bytes(frame: TrackedFrame) -> int:

@@ -9,8 +9,9 @@ import numpy as np
 
 from ..errors import TransformError
 from ..frames import FrameRecord, TrackedSequence
+from ..message import Message
 from ..poses import chain_ends, sweep_poses
-from ..transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
+from ..transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus, capital
 from .messages import ImageMessage
 
 PROBE = "Probe"
@@ -37,7 +38,7 @@ def stream_name(text: str) -> TransformName | None:
     except TransformError:
         return None
     # A name that would not come back from a sequence file as itself cannot be recorded
-    return name if str(name) == text else None
+    return name if str(name) == capital(text) else None
 
 
 class Placement:
@@ -211,22 +212,25 @@ class Placement:
         try:
             poses = sweep_poses(sequence, named, self.wanted.target)
         except TransformError as error:
-            self.problem = str(error)
-            ways = "two ways lead" if "Two paths" in self.problem else "no transform leads"
-            return Placed(None, f"{ways} from {self.wanted.source} to {self.wanted.target}", transforms)
+            self.problem = error.args[0]
+            ends = {"source": self.wanted.source, "target": self.wanted.target}
+            if "Two paths" in self.problem:
+                return Placed(None, Message("two ways lead from {source} to {target}", **ends), transforms)
+            return Placed(None, Message("no transform leads from {source} to {target}", **ends), transforms)
         self.problem = None
         status = poses.problems[0]
         if status is None:
             return Placed(poses.image_to_reference[0], "OK", transforms)
         culprit = next((name for name in problems if status.startswith(f"{name} ")), None)
-        return Placed(None, f"{culprit} {problems[culprit]}" if culprit else status, transforms)
+        said = Message("{transform} {problem}", transform=culprit, problem=problems[culprit]) if culprit else status
+        return Placed(None, said, transforms)
 
     @staticmethod
     def _word(doubt, problems: Mapping[TransformName, str]) -> str:
         if isinstance(doubt, str):
             return doubt
         name, status = doubt
-        return f"{name} {problems.get(name, status.value)}"
+        return Message("{transform} {problem}", transform=name, problem=problems.get(name, status.value))
 
 
 def metadata_transforms(message: ImageMessage) -> dict[TransformName, TransformSample]:

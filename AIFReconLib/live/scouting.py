@@ -2,33 +2,40 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from array import array
+from collections.abc import Iterator
 
 import numpy as np
 
 from ..errors import NoUsableFramesError
 from ..extent import grid_around_sweep
 from ..frames import FrameRecord, TrackedSequence
+from ..message import Message
 from ..poses import SweepPoses
-from ..region import ImageRegion
+from ..reconstruction import Imaging
+from ..settings import ReconstructionSettings
+from ..sound_speed import depth_scale
+from ..transforms import pixel_spacing
 from ..volume import VoxelGrid
 from .synchronizer import LiveFrame
 
-SCOUTED = "seen while scouting"
+SCOUTED = Message("seen while scouting")
 
 
 class ScoutedFrames:
-    """Frames in order of arrival.
+    """Frames that wait for a volume.
 
     Parameters
     ----------
     byte_limit : int
-        Bytes of pixels that are kept; of later frames only the poses are, which is enough for the box.
+        Bytes of pixels that are kept; of later frames only the poses are, which is enough for the box. Of frames that cannot be used only
+        the numbers are.
     """
 
     def __init__(self, byte_limit: int = 512 * 2**20):
-        self.frames: list[tuple[LiveFrame, int]] = []
         self.usable = 0
+        self._kept: list[tuple[LiveFrame, int]] = []
+        self._others: dict[tuple[str, int], array] = {}
         self._poses: list[np.ndarray] = []
         self._left = byte_limit
 
@@ -38,11 +45,24 @@ class ScoutedFrames:
             self.usable += 1
             self._poses.append(frame.image_to_reference)
             self._left -= frame.image.nbytes
-            if self._left < 0:
-                frame = replace(frame, image=None, status=SCOUTED)
+        if frame.status == "OK" and self._left >= 0:
+            self._kept.append((frame, round_))
         else:
-            frame = replace(frame, image=None)
-        self.frames.append((frame, round_))
+            # Hours may pass before there is a volume, so only their numbers are kept
+            status = SCOUTED if frame.status == "OK" else frame.status
+            self._others.setdefault((status, round_), array("q")).append(frame.number)
+
+    def __iter__(self) -> Iterator[tuple[LiveFrame, int]]:
+        """Every frame and its count: first those without an image, by reason, then the usable ones in order of arrival."""
+        for (status, round_), numbers in self._others.items():
+            for number in numbers:
+                yield LiveFrame(None, None, status=status, number=number), round_
+        yield from self._kept
+
+    def clear(self) -> None:
+        """Keep no frame any longer."""
+        self._kept.clear()
+        self._others.clear()
 
     def sequence(self) -> tuple[TrackedSequence, SweepPoses]:
         """The usable frames of one size that were kept, as a recording and its poses.
@@ -51,7 +71,7 @@ class ScoutedFrames:
         ------
         NoUsableFramesError
         """
-        kept = [frame for frame, _ in self.frames if frame.status == "OK"]
+        kept = [frame for frame, _ in self._kept]
         kept = [frame for frame in kept if frame.image.shape == kept[0].image.shape and frame.image.dtype == kept[0].image.dtype]
         if not kept:
             raise NoUsableFramesError("Not one tracked frame was seen yet. Check that the probe and the reference are visible, then scan.")
@@ -59,15 +79,29 @@ class ScoutedFrames:
         poses = SweepPoses(np.stack([frame.image_to_reference for frame in kept]), (None,) * len(kept), ())
         return TrackedSequence(images, [FrameRecord(frame.timestamp) for frame in kept]), poses
 
-    def grid(self, region: ImageRegion, spacing: tuple[float, float, float], bytes_per_voxel: int, margin: float) -> VoxelGrid:
-        """The box around every pose that was seen, `margin` mm larger on each side.
+    def grid(
+        self, imaging: Imaging, settings: ReconstructionSettings, bytes_per_voxel: int, margin: float = 0.0, fits_spacing: bool = False
+    ) -> VoxelGrid:
+        """The box around every pose that was seen, `margin` mm larger on each side; the other arguments as in `grid_around_sweep`.
+
+        Parameters
+        ----------
+        imaging : Imaging
+            Which pixels count, and the probe where a speed of sound moves them.
+        settings : ReconstructionSettings
+            Of which spacing and speed of sound count.
+        bytes_per_voxel : int
+        margin : float, mm
+        fits_spacing : bool
 
         Raises
         ------
         NoUsableFramesError, GeometryError, InsufficientMemoryError
         """
-        sequence, _ = self.sequence()
-        grid = grid_around_sweep(np.stack(self._poses), sequence.frame_size, region, spacing, bytes_per_voxel)
+        (columns, rows), poses = self.sequence()[0].frame_size, np.stack(self._poses)
+        scale = depth_scale(settings, imaging.region.mask(columns, rows), imaging.probe, pixel_spacing(poses[0]))
+        spacing = settings.spacing_xyz()
+        grid = grid_around_sweep(poses, (columns, rows), imaging.region, spacing, bytes_per_voxel, scale, fits_spacing)
         more = np.ceil(margin / grid.spacing).astype(int)
         size = tuple(int(n) for n in np.array(grid.size) + 2 * more)
         return VoxelGrid.from_spacing(grid.origin - more * grid.spacing, size, spacing)

@@ -13,8 +13,10 @@ from ..bone import BoneMap
 from ..compounding.reconstructor import Reconstruction, needs_beams
 from ..compounding.state import bytes_per_voxel
 from ..configured import configured_parts, resolve_settings
-from ..errors import AIFReconError, OutputError, SettingsError
+from ..errors import AIFReconError, BeamGeometryError, OutputError, SettingsError
 from ..frames import TrackedSequence
+from ..message import Message as Text
+from ..message import said
 from ..progress import Progress, part
 from ..reconstruction import Imaging, configured_region, resolve_imaging
 from ..region import ImageRegion
@@ -43,8 +45,8 @@ SILENCE = 1.0
 TROUBLE_SHOWN = 10.0
 """s that an event of a stream that goes on is told."""
 
-WHILE_PAUSED = "paused"
-LEFT_OUT = "left out by --skip"
+WHILE_PAUSED = Text("paused")
+LEFT_OUT = Text("left out by --skip")
 
 
 class LiveSession:
@@ -59,8 +61,8 @@ class LiveSession:
         Needed by methods that weight by incidence.
     grid : VoxelGrid or None
         Where to reconstruct. None: it begins by scouting; see `grid_from_scout` and `use_grid`.
-    region, probe : ImageRegion, ProbeGeometry or None
-        Override the configuration and what the images show.
+    region, probe, importance : ImageRegion, ProbeGeometry, (rows, columns) array of 0 to 1, or None
+        Override the configuration and what the images show; `importance` is the weight of each pixel in an average.
     configuration : PlusConfiguration or None
         Gives calibration, names of frames, region, probe, method, spacing and skip where the other arguments leave them open.
     synchronizer : SynchronizerSettings
@@ -97,6 +99,7 @@ class LiveSession:
         *,
         region: ImageRegion | None = None,
         probe=None,
+        importance: np.ndarray | None = None,
         configuration=None,
         synchronizer: SynchronizerSettings | None = None,
         record: str | Path | None = None,
@@ -106,13 +109,15 @@ class LiveSession:
         self._source = source
         self._configured = TrackedSequence(np.empty((0, 0, 0), np.uint8), [], configuration=configuration)
         asked = settings or ReconstructionSettings()
-        self.settings = resolve_settings(asked, configuration, bone is not None)
-        parts = configured_parts(asked, self.settings, configuration)
+        self.settings = resolve_settings(asked, configuration, bone is not None, importance is not None)
+        parts = configured_parts(asked, self.settings, configuration, importance)
+        self._fits_spacing = parts.fits_spacing
         self._uses_beams = needs_beams(self.settings.method, self.settings)
         self._needs_probe = self._uses_beams or depth_factor(self.settings) != 1.0
         if self._uses_beams and bone is None:
             raise SettingsError(
-                f"Method {self.settings.method} needs to know where bone is. Give labels or a bone probability, or choose method average."
+                "Method {method} needs to know where bone is. Give labels or a bone probability, or choose method average.",
+                method=self.settings.method,
             )
         self._region, self._probe = region or configured_region(self._configured), probe or getattr(configuration, "probe", None)
         self._imaging: Imaging | None = None
@@ -192,16 +197,14 @@ class LiveSession:
 
         Raises
         ------
-        NoUsableFramesError
-            When no tracked frame was seen.
-        BeamGeometryError, GeometryError, InsufficientMemoryError
-            As `reconstruct` raises them.
+        NoUsableFramesError, BeamGeometryError, GeometryError, InsufficientMemoryError
+            As `reconstruct` raises them, the first where no tracked frame was seen.
         """
         with self._lock:
-            spacing = self.settings.spacing_xyz() if spacing is None else tuple(float(s) for s in np.broadcast_to(spacing, 3))
-            region = self._find_imaging(self._scouted).region
+            fits = self._fits_spacing and spacing is None
+            settings = self.settings if spacing is None else replace(self.settings, spacing=spacing)
             cost = bytes_per_voxel(self.settings.method, self._uses_beams, self.settings.best_cosine, shares=True)
-            return self._scouted.grid(region, spacing, cost, margin)
+            return self._scouted.grid(self._find_imaging(self._scouted), settings, cost, margin, fits)
 
     def use_grid(self, grid: VoxelGrid) -> None:
         """Reconstruct on `grid` from now on, beginning with the frames seen while scouting that were kept."""
@@ -232,9 +235,11 @@ class LiveSession:
             try:
                 self.recorded = self.recorder.finish(progress)
             except OutputError as error:
-                self._unfinished = str(error)
+                self._unfinished = error.args[0]
             except AIFReconError as error:
-                self._unfinished = f"{error} The recording is kept in {self.recorder.header_path} and its .raw file."
+                self._unfinished = Text(
+                    "{problem} The recording is kept in {path} and its .raw file.", problem=error, path=self.recorder.header_path
+                )
 
     def finish(self, progress: Progress | None = None) -> Reconstruction | None:
         """`stop`, and the final volume, holes filled; None when there never was a grid. It can be asked for once."""
@@ -284,16 +289,18 @@ class LiveSession:
         now = time.monotonic()
         latest, recorder = self.latest, self.recorder
         tracking = NO_IMAGES if latest is None or now - latest.received > SILENCE else tracking_words(latest.status, self._reference)
-        error = self.error
+        error, source = self.error, self._source.statistics
         return LiveStatistics(
             phase=FAILED if error is not None and self._phase != STOPPED else PAUSED if self._paused else self._phase,
             connection=self._source.state,
             tracking=tracking,
-            dropped=self._source.statistics.dropped,
+            dropped=source.dropped,
+            dropped_images=source.dropped_images,
             repeated=self._synchronizer.repeated,
+            other_images=self._synchronizer.other_images,
             recorded=recorder.frames if recorder is not None else 0,
             recording_failure=self.recording_failure,
-            trouble=str(error) if error is not None else self._recent_trouble(now) or self._synchronizer.problem,
+            trouble=said(error) if error is not None else self._recent_trouble(now) or self._synchronizer.problem,
             **self._meter.counts(now),
         )
 
@@ -361,7 +368,7 @@ class LiveSession:
         """Reconstruct from now on, what was kept first."""
         kept, self._scouted = self._scouted, ScoutedFrames()
         self._inserter.begin(self._grid, lambda: self._find_imaging(kept))
-        for frame, round_ in kept.frames:
+        for frame, round_ in kept:
             self._inserter.put(frame, round_, live=False)
         self._phase = RECONSTRUCTING
 
@@ -370,9 +377,9 @@ class LiveSession:
         with self._lock:
             if self._phase == LOOKING and self._scouted.usable:
                 self._begin()
-            for frame, round_ in self._scouted.frames:
+            for frame, round_ in self._scouted:
                 self._meter.skip(SCOUTED if frame.status == "OK" else frame.status, round_)
-            self._scouted.frames.clear()
+            self._scouted.clear()
 
     @property
     def _knows_imaging(self) -> bool:
@@ -384,7 +391,8 @@ class LiveSession:
             sequence, poses = (self._configured, None) if self._knows_imaging else kept.sequence()
             try:
                 imaging = resolve_imaging(sequence, poses, self._needs_probe, self._region, self._probe)
-            except AIFReconError as error:
-                raise type(error)(str(error).removeprefix(f"{sequence.name}: ")) from None
+            except BeamGeometryError as error:
+                # Without the name of the sequence, which nobody gave
+                raise error.args[0].values.get("problem", error) from None
             self._imaging = replace(imaging, notes=(*getattr(self._configured.configuration, "warnings", ()), *imaging.notes))
         return self._imaging

@@ -1,10 +1,13 @@
-"""IGSIO's volume reconstruction with nearest-neighbor interpolation, emulated from the facts in plus-conventions.md.
+"""IGSIO's volume reconstruction, emulated from the facts in plus-conventions.md.
 
 An oracle only: `test_igsio_references.py` first shows that it reproduces what IGSIO wrote, voxel by voxel, and then holds our results
 against it where the two mean to agree.
 """
 
 from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -82,3 +85,135 @@ def _add_to_mean(value, hits, flat, pixels):
         seen = hits[at] + turn
         acc = 256 * seen
         value[at] = np.where(seen < 255, (256 * p + value[at] * acc) // (acc + 256), (p + value[at] * 255) // 256)
+
+
+@dataclass(frozen=True)
+class Arithmetic:
+    """How IGSIO computes: `one` is the number that stands for 1.
+
+    Parameters
+    ----------
+    one : int
+        2^14 with Optimization FULL, which computes in whole numbers of 2^-14; 1 with NONE, in double precision.
+    stores_whole_numbers : bool
+        IGSIO keeps gray levels and 1/256 of a pixel's weight after every pixel. False: as if it kept what it computed.
+    """
+
+    one: int = 1
+    stores_whole_numbers: bool = True
+
+    def number(self, x):
+        """A double as it is represented."""
+        return np.rint(x * self.one).astype(np.int64) if self.one > 1 else x
+
+    def split(self, x):
+        """Whole part and remainder."""
+        floor = x // self.one if self.one > 1 else np.floor(x + FLOOR_TOLERANCE)
+        return floor.astype(np.int64), x - floor * self.one
+
+    def times(self, x, y):
+        """A product of two such numbers."""
+        return (x * y + self.one // 2) // self.one if self.one > 1 else x * y
+
+    def over(self, x, y):
+        """A quotient of two such numbers."""
+        return self.number(x / y)
+
+    def rounded(self, x):
+        """As it is stored."""
+        return np.floor(x / self.one + (0.5 + FLOOR_TOLERANCE)) if self.stores_whole_numbers else x / self.one
+
+
+def paste_linear(images, poses, grid, mask, method, arithmetic, importance=None):
+    """Reconstruct with trilinear splatting; returns gray levels, and for means what IGSIO's accumulation buffer holds, [k, j, i].
+
+    `method` latest, maximum, mean or importance (which weights the mean by an `importance` image of 0 to 255).
+    """
+    rows, columns = np.nonzero(mask)
+    size = np.array(grid.size)
+    value, accumulated = np.zeros((2, grid.voxels))
+    weights = np.full(rows.size, 256) if importance is None else importance[rows, columns].astype(np.int64)
+    for image, pose in zip(images, poses, strict=True):
+        matrix = arithmetic.number(grid.reference_to_ijk @ pose)
+        parts = [arithmetic.split(matrix[a, 0] * columns + matrix[a, 1] * rows + matrix[a, 3]) for a in range(3)]
+        low, remainder = (np.stack(part) for part in zip(*parts, strict=True))
+        inside = ((low >= 0) & (low + (remainder != 0) < size[:, None])).all(axis=0) & (weights > 0)
+        low, remainder = low[:, inside], remainder[:, inside]
+        flat, shares = _corners(low, remainder, size, arithmetic)
+        chosen = np.nonzero(shares >= arithmetic.one / 8 if method in ("latest", "maximum") else shares)
+        pixels, weight = image[rows, columns][inside].astype(np.int64)[chosen[0]], weights[inside][chosen[0]]
+        if method == "latest":
+            value[flat[chosen]] = pixels
+        elif method == "maximum":
+            np.maximum.at(value, flat[chosen], pixels)
+        else:
+            _in_turn(value, accumulated, flat[chosen], (pixels, shares[chosen], weight), method, arithmetic)
+    return value.reshape(grid.shape), accumulated.reshape(grid.shape)
+
+
+def paste_weighted(images, poses, grid, mask, arithmetic, importance):
+    """The mean weighted by an `importance` image of 0 to 255, each pixel in its nearest voxel; Optimization NONE.
+
+    (FULL and PARTIAL end a row of pixels at the first one without weight.)
+    """
+    rows, columns = np.nonzero(mask & (importance > 0))
+    ni, nj, nk = grid.size
+    value, accumulated = np.zeros((2, grid.voxels))
+    weights = importance[rows, columns].astype(np.int64)
+    for image, pose in zip(images, poses, strict=True):
+        i, j, k = double_index(grid.reference_to_ijk @ pose, columns, rows)
+        inside = (i >= 0) & (i < ni) & (j >= 0) & (j < nj) & (k >= 0) & (k < nk)
+        pixels = image[rows, columns][inside].astype(np.int64)
+        flat = ((k * nj + j) * ni + i)[inside]
+        _in_turn(value, accumulated, flat, (pixels, np.ones(flat.size), weights[inside]), "nearest", arithmetic)
+    return value.reshape(grid.shape), accumulated.reshape(grid.shape)
+
+
+def _corners(low, remainder, size, arithmetic):
+    """Flat voxels and shares of the corners of every pixel, (pixels, 8), in IGSIO's order."""
+    flat, shares = [], []
+    for corner in itertools.product((1, 0), repeat=3):
+        along = [r if high else arithmetic.one - r for r, high in zip(remainder, corner, strict=True)]
+        shares.append(arithmetic.times(along[0], arithmetic.times(along[1], along[2])))
+        i, j, k = low + np.array(corner)[:, None]
+        flat.append((k * size[1] + j) * size[0] + i)
+    return np.stack(flat, axis=1), np.stack(shares, axis=1)
+
+
+def _in_turn(value, accumulated, flat, contributions, method, arithmetic):
+    """Contributions enter their voxels in their order: at each turn, the next one of every voxel."""
+    order = np.argsort(flat, kind="stable")
+    flat = flat[order]
+    first = np.flatnonzero(np.r_[True, flat[1:] != flat[:-1]])
+    counts = np.diff(first, append=flat.size)
+    for turn in range(int(counts.max(initial=0))):
+        now = order[first[counts > turn] + turn]
+        at = flat[first[counts > turn]]
+        _enter(value, accumulated, at, *(part[now] for part in contributions), method, arithmetic)
+
+
+def _enter(value, accumulated, at, pixel, share, weight, method, arithmetic):
+    """One pixel enters each voxel of `at`."""
+    one = arithmetic.one
+    before = accumulated[at] * one
+    if method == "nearest":
+        total = before + weight
+        new = (pixel * weight + value[at] * before) / total
+        if arithmetic.stores_whole_numbers:
+            full = before > 65535 - 256
+            new = np.floor(np.where(full, (pixel + 255 * value[at]) / 256, new))
+            total = np.where(full, before, np.minimum(total, 65535))
+        value[at], accumulated[at] = new, total
+        return
+    if method == "mean":
+        total = share + before / 256
+        new = arithmetic.over(share * pixel + before / 256 * value[at], total)
+        total = total * 256
+    else:
+        total = weight * share + before
+        if one > 1:
+            new = arithmetic.over(pixel * weight * share, total) + arithmetic.over(before, total) * value[at]
+        else:
+            new = (pixel * weight * share + value[at] * before) / total
+    value[at] = arithmetic.rounded(new)
+    accumulated[at] = np.minimum(arithmetic.rounded(total), 65535) if arithmetic.stores_whole_numbers else total / one

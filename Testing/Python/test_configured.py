@@ -15,7 +15,7 @@ from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.cli import main
 from AIFReconLib.configured import configured_parts, resolve_settings
 from AIFReconLib.errors import ConfigurationError, SettingsError
-from AIFReconLib.hole_kinds import HoleFilling
+from AIFReconLib.hole_kinds import HoleFilling, fill_holes_by_kind
 from AIFReconLib.io.plus_config import PlusConfiguration
 from AIFReconLib.io.sequence_files import write_sequence
 from AIFReconLib.io.volume_files import read_volume
@@ -82,6 +82,31 @@ def test_a_spacing_of_the_caller_keeps_the_box():
     assert grid.size == (39, 28, 57)
 
 
+@pytest.mark.parametrize(("method", "moves"), [("average", True), ("maximum", True), ("weighted", False)])
+def test_fixed_point_places_the_pixels_of_plus_own_methods(method, moves):
+    asks = {"probe": ProbeGeometry("linear"), "spacing": (0.4, 0.4, 0.4)}
+    bone = sphere_bone() if method == "weighted" else None
+    double, fixed = (
+        reconstruct(
+            replace(tracked_sequence(), configuration=configuration(fixed_point=cut, **asks)), ReconstructionSettings(method=method), bone
+        )
+        for cut in (False, True)
+    )
+    assert (fixed.hits.array != double.hits.array).any() == moves
+
+
+def test_a_spacing_that_is_to_fit_ends_with_the_sweep():
+    plain, fitted, own = (
+        reconstruct(
+            replace(tracked_sequence(), configuration=configuration(fits_spacing=fits, spacing=(1.0, 1.0, 1.7))),
+            ReconstructionSettings(method="average", spacing=spacing),
+        ).grid
+        for fits, spacing in ((False, None), (True, None), (True, 1.7))
+    )
+    assert own.spacing[2] == plain.spacing[2] == 1.7 < fitted.spacing[2]
+    np.testing.assert_allclose(fitted.spacing[:2], (1, 1))
+
+
 def test_in_another_reference_frame_the_box_means_nothing():
     sequence = replace(tracked_sequence(), configuration=configuration(**BOX))
     assert reconstruct(sequence, reference="Tracker").grid.origin[2] < -800
@@ -91,6 +116,16 @@ def test_holes_are_filled_as_configured_and_not_where_the_caller_says_off():
     sequence = replace(tracked_sequence(), configuration=configuration(holes=(HoleFilling("cube", 5),), spacing=(0.6,) * 3))
     assert (reconstruct(sequence).mask.array == 2).sum() > 100
     assert (reconstruct(sequence, ReconstructionSettings(holes="off")).mask.array == 2).sum() == 0
+
+
+def test_holes_are_filled_by_the_pixels_that_entered_where_that_is_asked_for():
+    way = HoleFilling("gaussian by hits", 5, 1.0)
+    sequence = replace(tracked_sequence(), configuration=configuration(holes=(way,), spacing=(0.8,) * 3))
+    unfilled, filled = (reconstruct(sequence, ReconstructionSettings(output_type="float32", holes=holes)) for holes in ("off", None))
+    assert unfilled.hits.array.max() > 1
+    values, mask = unfilled.intensity.array, unfilled.mask.array
+    fill_holes_by_kind(values, mask, (way,), score=unfilled.hits.array)
+    np.testing.assert_array_equal(filled.intensity.array, values)
 
 
 def test_a_configured_importance_mask_weights_the_average(tmp_path):
@@ -134,7 +169,7 @@ def recording(tmp_path):
     (tmp_path / "plus.xml").write_text(
         f"""<PlusConfiguration><CoordinateDefinitions><Transform From="Image" To="Probe" Matrix="{matrix}"/></CoordinateDefinitions>
         <VolumeReconstruction OutputSpacing="1 1 1" ClipRectangleSize="39 29" Interpolation="LINEAR" CompoundingMode="MAXIMUM"
-        Optimization="FULL" FillHoles="ON" PixelRejectionThreshold="20">
+        Optimization="PARTIAL" FillHoles="ON" PixelRejectionThreshold="20">
         <HoleFilling><HoleFillingElement Type="STICK" StickLengthLimit="9" NumberOfSticksToUse="1"/></HoleFilling>
         </VolumeReconstruction></PlusConfiguration>""",
         encoding="utf-8",
@@ -149,7 +184,7 @@ def run(recording, *options):
 
 def test_a_plus_configuration_drives_the_command(recording, capsys):
     assert run(recording, "--mask", str(recording / "mask.nrrd")) == 0
-    assert "Optimization=FULL has no effect" in capsys.readouterr().out
+    assert "Optimization=PARTIAL has no effect" in capsys.readouterr().out
     assert (read_volume(recording / "mask.nrrd").array == 2).any()
 
 

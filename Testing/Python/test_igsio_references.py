@@ -1,7 +1,8 @@
 """Real recordings against what IGSIO's own reconstructor wrote for them.
 
 The reference volumes were made with Optimization FULL: a fixed-point voxel index and a slightly smaller fan. The emulation shows that
-these two explain them completely; our volumes follow IGSIO's double-precision rule instead.
+these two explain them completely. Our volumes follow IGSIO's fixed-point index where the configuration asks for it, else its
+double-precision rule.
 """
 
 from __future__ import annotations
@@ -13,9 +14,7 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 
-from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.extent import grid_around_sweep
-from AIFReconLib.frames import TrackedFrame
 from AIFReconLib.hole_kinds import HoleFilling, fill_holes_by_kind
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.poses import sweep_poses
@@ -62,8 +61,10 @@ def spine(real_data):
 
 
 def ours(case, method, **arguments):
+    """A volume of the case, in double precision."""
     settings = ReconstructionSettings(method=method, output_type="float32", holes="off")
-    return reconstruct(case.sequence, settings, grid=case.grid, **arguments)
+    sequence = replace(case.sequence, configuration=replace(case.sequence.configuration, fixed_point=False))
+    return reconstruct(sequence, settings, grid=case.grid, **arguments)
 
 
 @pytest.mark.parametrize("name", ["trus", "spine"])
@@ -139,11 +140,25 @@ def test_sticks_over_the_emulated_mean_reproduce_igsios_filled_volume(spine):
 
 def test_the_hole_filling_of_the_configuration_is_done(spine):
     assert spine.sequence.configuration.holes == (HoleFilling("stick", 9),)
-    result = reconstruct(spine.sequence, ReconstructionSettings(output_type="float32"), grid=spine.grid)
-    values, mask = ours(spine, "average").intensity.array, ours(spine, "average").mask.array
+    result, unfilled = (
+        reconstruct(spine.sequence, ReconstructionSettings(output_type="float32", holes=holes), grid=spine.grid) for holes in (None, "off")
+    )
+    values, mask = unfilled.intensity.array, unfilled.mask.array
     fill_holes_by_kind(values, mask, (HoleFilling("stick", 9),))
     np.testing.assert_array_equal(result.intensity.array, values)
     np.testing.assert_array_equal(result.mask.array, mask)
+
+
+def test_latest_as_configured_is_igsios_with_its_fixed_point_index(trus):
+    expected, hits = igsio.paste(trus.images, trus.poses, trus.grid, trus.mask, igsio.fixed_point_index, "latest")
+    result = reconstruct(trus.sequence, ReconstructionSettings(holes="off"), grid=trus.grid)
+    np.testing.assert_array_equal(result.intensity.array, expected)
+    np.testing.assert_array_equal(result.hits.array, hits)
+
+
+def test_latest_as_configured_is_igsios_volume_but_for_the_fan(trus):
+    close = np.abs(reconstruct(trus.sequence, grid=trus.grid).intensity.array.astype(int) - trus.reference) <= 2
+    assert close.mean() > 0.999
 
 
 @pytest.fixture(scope="module")
@@ -151,28 +166,85 @@ def linear(real_data):
     return load(real_data, "SpinePhantom_LN_MAXI.xml", "Reference_LNMAXI.mha")
 
 
-def spread(case, poses):
-    """What linear interpolation and maximum make of the images at these poses."""
-    reconstructor = Reconstructor(case.grid, ReconstructionSettings(method="maximum", interpolation="linear"), region=case.region)
-    reconstructor.insert(TrackedFrame(image, pose) for image, pose in zip(case.images, poses, strict=True))
-    return reconstructor.finish().intensity.array
+def within_tolerance(values, reference):
+    """The share of voxels within the 2 gray levels that IGSIO's own regression tests allow."""
+    return (np.abs(values.astype(float) - reference) <= 2).mean()
 
 
-def test_linear_maximum_reproduces_igsios_volume_from_its_fixed_point_matrices(linear):
-    matrices = [np.rint(linear.grid.reference_to_ijk @ pose * 2**14) / 2**14 for pose in linear.poses]
-    values = spread(linear, [linear.grid.ijk_to_reference @ matrix for matrix in matrices])
-    close = np.abs(values.astype(int) - linear.reference) <= 2
-    assert close.mean() > 0.9999
+def test_linear_maximum_as_configured_reproduces_igsios_volume(linear):
+    assert linear.sequence.configuration.fixed_point
+    assert within_tolerance(reconstruct(linear.sequence, grid=linear.grid).intensity.array, linear.reference) > 0.9999
 
 
-def test_linear_maximum_in_double_precision_differs_from_igsios_volume_by_what_its_fixed_point_moves(linear):
-    close = np.abs(spread(linear, linear.poses).astype(int) - linear.reference) <= 2
-    assert 0.995 < close.mean() < 0.999
+def test_linear_maximum_in_double_precision_differs_by_what_fixed_point_numbers_move(linear):
+    assert 0.995 < within_tolerance(ours(linear, "maximum").intensity.array, linear.reference) < 0.999
 
 
-def test_interpolation_and_method_of_the_configuration_are_used(linear):
-    result = reconstruct(linear.sequence, grid=linear.grid)
-    np.testing.assert_array_equal(result.intensity.array, spread(linear, linear.poses))
+def test_the_emulation_of_igsio_reproduces_its_linear_maximum_in_every_voxel(linear):
+    emulated, _ = igsio.paste_linear(linear.images, linear.poses, linear.grid, linear.mask, "maximum", igsio.Arithmetic(2**14))
+    np.testing.assert_array_equal(emulated, linear.reference)
+
+
+@pytest.fixture(scope="module")
+def linear_mean(trus):
+    """The sector images with LINEAR and MEAN."""
+    configuration = replace(trus.sequence.configuration, interpolation="linear", method="average")
+    return replace(trus, sequence=replace(trus.sequence, configuration=configuration))
+
+
+@pytest.mark.parametrize("method", ["latest", "maximum"])
+def test_linear_latest_and_maximum_are_igsios_in_double_precision(linear_mean, method):
+    case = linear_mean
+    expected, _ = igsio.paste_linear(case.images, case.poses, case.grid, case.mask, method, igsio.Arithmetic())
+    np.testing.assert_array_equal(ours(case, method).intensity.array, expected)
+
+
+def test_the_linear_average_is_igsios_before_it_rounds(linear_mean):
+    case = linear_mean
+    unrounded = igsio.Arithmetic(stores_whole_numbers=False)
+    expected, weight = igsio.paste_linear(case.images, case.poses, case.grid, case.mask, "mean", unrounded)
+    result = ours(case, "average")
+    assert within_tolerance(result.intensity.array, expected) > 0.9999
+    np.testing.assert_allclose(result.score.array, weight / 256, atol=1e-4)
+
+
+def test_igsios_linear_mean_stops_following_because_it_rounds_after_every_pixel(linear_mean):
+    case = linear_mean
+    emulated, weight = igsio.paste_linear(case.images, case.poses, case.grid, case.mask, "mean", igsio.Arithmetic())
+    off = np.abs(ours(case, "average").intensity.array - emulated)[weight > 0]
+    assert 0.4 < (off <= 2).mean() < 0.7
+    assert 2.0 < off.mean() < 3.0
+
+
+def test_the_emulation_of_igsio_reproduces_its_linear_mean_where_it_measured(real_data, trus):
+    written = real_data("VolumeReconstructorTestLNMEANvolumeRef.mha")
+    reference = sitk.GetArrayFromImage(sitk.ReadImage(str(written)))
+    fan = igsio.optimized_fan(trus.region, *trus.sequence.frame_size)
+    emulated, weight = igsio.paste_linear(trus.images, trus.poses, trus.grid, fan, "mean", igsio.Arithmetic(2**14))
+    np.testing.assert_array_equal(emulated[weight > 0], reference[weight > 0])
+
+
+@pytest.fixture(scope="module")
+def importance(trus):
+    """Weights that fall off from the middle of the image, 0 at its sides."""
+    columns, rows = trus.sequence.frame_size
+    across = 1 - np.abs(np.arange(columns) - 380) / 200
+    return np.broadcast_to(np.round(255 * np.clip(across, 0, 1)), (rows, columns)).astype(np.uint8)
+
+
+@pytest.mark.parametrize("interpolation", ["nearest", "linear"])
+def test_an_importance_mask_weights_as_igsio_does_before_it_rounds(linear_mean, importance, interpolation):
+    case = linear_mean
+    unrounded, place = igsio.Arithmetic(stores_whole_numbers=False), (case.images, case.poses, case.grid, case.mask)
+    if interpolation == "linear":
+        expected, weight = igsio.paste_linear(*place, "importance", unrounded, importance)
+    else:
+        expected, weight = igsio.paste_weighted(*place, unrounded, importance)
+    settings = ReconstructionSettings(method="average", interpolation=interpolation, output_type="float32", holes="off")
+    sequence = replace(case.sequence, configuration=replace(case.sequence.configuration, fixed_point=False))
+    result = reconstruct(sequence, settings, grid=case.grid, importance=importance / 255)
+    assert within_tolerance(result.intensity.array, expected) > 0.9999
+    np.testing.assert_allclose(result.score.array, weight / 255, rtol=1e-4, atol=1e-4)
 
 
 def test_the_clip_of_the_configuration_is_honored(trus):

@@ -102,6 +102,28 @@ def test_equal_importance_is_none():
     np.testing.assert_array_equal(weighted.hits.array, plain.hits.array)
 
 
+@pytest.mark.parametrize("interpolation", ["nearest", "linear"])
+def test_importance_of_one_within_a_rectangle_is_a_crop(interpolation):
+    frames, grid = oblique_frames(seed=5, count=3), turned_grid()
+    rectangle = np.zeros((26, 34))
+    rectangle[6:15, 9:21] = 1
+    weighted = reconstructed(frames, grid, "average", importance=rectangle, interpolation=interpolation)
+    cropped = reconstructed(frames, grid, "average", region=ImageRegion(ClipRectangle((9, 6), (11, 8))), interpolation=interpolation)
+    np.testing.assert_array_equal(weighted.hits.array, cropped.hits.array)
+    np.testing.assert_allclose(weighted.intensity.array, cropped.intensity.array, rtol=1e-6)
+
+
+@pytest.mark.parametrize("interpolation", ["nearest", "linear"])
+def test_importance_counts_by_its_ratios_alone(interpolation):
+    frames, grid = oblique_frames(seed=5, count=3), turned_grid()
+    importance = np.random.default_rng(1).choice([0.0, 0.2, 0.6, 1.0], (26, 34))
+    whole, tenth = (
+        reconstructed(frames, grid, "average", importance=scale * importance, interpolation=interpolation) for scale in (1, 0.1)
+    )
+    np.testing.assert_allclose(tenth.intensity.array, whole.intensity.array, rtol=1e-5)
+    np.testing.assert_allclose(tenth.score.array, 0.1 * whole.score.array, rtol=1e-5)
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_the_compiled_engine_gives_the_same_voxels_to_the_last_bit(method):
     if optional_module("AIFReconLib.compounding.numba_splat") is None:

@@ -152,6 +152,8 @@ def test_the_compounding_mode_becomes_a_method(read, attributes, method):
 STICK = '<HoleFillingElement Type="STICK" StickLengthLimit="9" NumberOfSticksToUse="2"/>'
 GAUSSIAN = '<HoleFillingElement Type="gaussian" Size="5" Stdev="0.6" MinimumKnownVoxelsRatio="0.1"/>'
 CUBE = '<HoleFillingElement Type="NEAREST_NEIGHBOR" Size="7" MinimumKnownVoxelsRatio="0.02"/>'
+BY_HITS = '<HoleFillingElement Type="GAUSSIAN_ACCUMULATION" Size="9" Stdev="1.5" MinimumKnownVoxelsRatio="0"/>'
+INVERSE = '<HoleFillingElement Type="DISTANCE_WEIGHT_INVERSE" Size="3" MinimumKnownVoxelsRatio="0.3"/>'
 
 
 @pytest.mark.parametrize(
@@ -159,6 +161,8 @@ CUBE = '<HoleFillingElement Type="NEAREST_NEIGHBOR" Size="7" MinimumKnownVoxelsR
     [
         (STICK, (HoleFilling("stick", 9, sticks=2),)),
         (GAUSSIAN, (HoleFilling("gaussian", 5, 0.6, 0.1),)),
+        (BY_HITS, (HoleFilling("gaussian by hits", 9, 1.5),)),
+        (INVERSE, (HoleFilling("inverse distance", 3, known_ratio=0.3),)),
         (CUBE + STICK, (HoleFilling("cube", 7, known_ratio=0.02), HoleFilling("stick", 9, sticks=2))),
     ],
 )
@@ -177,11 +181,13 @@ def test_hole_filling_that_is_off_fills_nothing(read, switch):
     ("element", "expected"),
     [
         ("<HoleFillingElement/>", "HoleFillingElement[1]@Type is missing"),
-        ('<HoleFillingElement Type="MEDIAN"/>', "Type must be STICK or GAUSSIAN or NEAREST_NEIGHBOR"),
+        ('<HoleFillingElement Type="MEDIAN"/>', "Type must be STICK or NEAREST_NEIGHBOR or GAUSSIAN or GAUSSIAN_ACCUMULATION or DISTANCE"),
         ('<HoleFillingElement Type="STICK" NumberOfSticksToUse="1"/>', "HoleFillingElement[1]@StickLengthLimit is missing"),
         (STICK.replace('"9"', '"0"'), "HoleFillingElement[1]@StickLengthLimit cannot be used. Input size of hole filling must be 1 to 201"),
         (STICK.replace('"2"', '"0"'), "number of sticks must be at least 1; got 0"),
         (STICK + GAUSSIAN.replace("0.6", "0"), "HoleFillingElement[2]@Size cannot be used. Input standard deviation"),
+        (BY_HITS.replace('Stdev="1.5" ', ""), "HoleFillingElement[1]@Stdev is missing"),
+        (INVERSE.replace('Size="3" ', ""), "HoleFillingElement[1]@Size is missing"),
         (GAUSSIAN.replace("0.1", "3"), "ratio of known voxels must be 0 to 1; got 3.0"),
         (CUBE.replace('"7"', '"7.5"'), "HoleFillingElement[1]@Size must be whole; got '7.5'"),
     ],
@@ -234,7 +240,7 @@ def test_an_importance_mask_stands_beside_the_configuration(read, tmp_path):
     [
         ("", "plus.xml: VolumeReconstruction@ImportanceMaskFilename is missing"),
         ('ImportanceMaskFilename="other.png"', "other.png: there is no such file"),
-        ('ImportanceMaskFilename="plus.xml"', "plus.xml: it cannot be read as an importance mask"),
+        ('ImportanceMaskFilename="plus.xml"', "plus.xml: an importance mask must be one of .png"),
         ('ImportanceMaskFilename="black.png"', "black.png: an importance mask must have pixels above 0"),
         ('ImportanceMaskFilename="color.png"', "color.png: an importance mask must be an 8-bit gray image; got 2 x 2 vector"),
     ],
@@ -269,8 +275,13 @@ def test_an_output_box_of_zeros_is_none(read):
     [
         ('ImportanceMaskFilename="mask.png"', "ImportanceMaskFilename=mask.png has no effect without CompoundingMode=IMPORTANCE_MASK"),
         ('EnableFanAnglesAutoDetect="TRUE"', "EnableFanAnglesAutoDetect=TRUE has no effect without FanAnglesDeg"),
-        ('Optimization="FULL"', "Optimization=FULL has no effect"),
-        ('RecomputeOutputSpacing="TRUE"', "RecomputeOutputSpacing=TRUE is not honored"),
+        ('Optimization="PARTIAL"', "Optimization=PARTIAL has no effect"),
+        ('SkipInterval="0"', "SkipInterval=0 means 1, every frame"),
+        ('SomethingNew="3"', "SomethingNew=3 has no effect: VolumeReconstruction has no such attribute"),
+        (
+            'RecomputeOutputSpacing="TRUE" OutputSpacing="1 1 1" OutputExtent="0 1 0 1 0 1"',
+            "RecomputeOutputSpacing=TRUE has no effect with OutputExtent",
+        ),
         ('OutputOrigin="1 2 3"', "OutputOrigin=1 2 3 is not honored without OutputExtent"),
         ('FillHoles="ON"', "FillHoles=ON is not honored: it has no HoleFillingElement. Give --hole-limit"),
     ],
@@ -280,15 +291,19 @@ def test_what_is_not_honored_is_said(read, attributes, named):
     assert named in warning
 
 
-def test_nothing_is_said_of_an_optimization_that_is_off(read):
-    assert read(reconstruction('Optimization="NONE"')).warnings == ()
+@pytest.mark.parametrize(("word", "fixed_point"), [("NONE", False), ("full", True)])
+def test_an_optimization_says_how_pixels_are_placed(read, word, fixed_point):
+    configuration = read(reconstruction(f'Optimization="{word}"'))
+    assert (configuration.fixed_point, configuration.warnings) == (fixed_point, ())
 
 
-def test_kinds_of_hole_filling_that_are_left_out_are_said(read):
-    elements = '<HoleFillingElement Type="DISTANCE_WEIGHT_INVERSE" Size="3" MinimumKnownVoxelsRatio="0"/>' + STICK
-    configuration = read(reconstruction('FillHoles="ON"', f"<HoleFilling>{elements}</HoleFilling>"))
-    assert "HoleFillingElement@Type=DISTANCE_WEIGHT_INVERSE is not honored" in configuration.warnings[0]
-    assert configuration.holes == (HoleFilling("stick", 9, sticks=2),)
+def test_a_spacing_that_is_to_fit_is_read(read):
+    configuration = read(reconstruction('OutputSpacing="1 1 1" RecomputeOutputSpacing="TRUE"'))
+    assert (configuration.fits_spacing, configuration.warnings) == (True, ())
+
+
+def test_a_skip_interval_below_one_means_every_frame(read):
+    assert read(reconstruction('SkipInterval="0"')).skip == 1
 
 
 @pytest.mark.parametrize(
@@ -310,7 +325,6 @@ def test_what_does_not_change_the_volume_is_not_mentioned(read, attributes):
         ('FanAnglesDeg="-95 95"', "FanAnglesDeg cannot be used"),
         ('FanAnglesDeg="-45 45" FanRadiusStartPixel="600"', "FanAnglesDeg cannot be used"),
         ('FanDepth="deep"', "FanDepth must be a finite number"),
-        ('SkipInterval="0"', "SkipInterval must be positive"),
         ('CompoundingMode="MEDIAN"', "CompoundingMode must be MEAN or LATEST or MAXIMUM"),
         ('FillHoles="maybe"', "FillHoles must be ON"),
         ('OutputSpacing="1 1 1" OutputExtent="0 9 5 4 0 9"', "OutputExtent must be first and last voxel along x, y and z, rising"),

@@ -1,0 +1,143 @@
+"""What a Plus configuration or the options ask for while scanning: the volume is that of the recording, reconstructed alike."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import SimpleITK as sitk
+from files import COLUMNS, IMAGE_TO_PROBE, ROWS, tracked_sequence
+
+from AIFReconLib.cli import main
+from AIFReconLib.io.plus_config import read_plus_configuration
+from AIFReconLib.io.volume_files import read_volume
+from AIFReconLib.live.replay import ReplayServer
+from AIFReconLib.volume import Volume, VoxelGrid
+
+FRAMES = 10
+GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
+STICK = '<HoleFillingElement Type="STICK" StickLengthLimit="7" NumberOfSticksToUse="1"/>'
+BY_HITS = '<HoleFillingElement Type="GAUSSIAN_ACCUMULATION" Size="5" Stdev="1" MinimumKnownVoxelsRatio="0"/>'
+BOX = 'OutputOrigin="-9 -8 -6" OutputExtent="0 18 0 16 0 12"'
+
+
+@pytest.fixture
+def configuration(tmp_path):
+    """Writes configurations, with a mask beside them; answers with the path."""
+    weights = np.tile(np.linspace(0, 255, COLUMNS).astype(np.uint8), (ROWS, 1))
+    sitk.WriteImage(sitk.GetImageFromArray(weights), str(tmp_path / "mask.png"))
+    matrix = " ".join(f"{number:.17g}" for number in IMAGE_TO_PROBE.ravel())
+
+    def write(attributes="", holes=""):
+        path = tmp_path / "plus.xml"
+        path.write_text(
+            f"""<PlusConfiguration><CoordinateDefinitions><Transform From="Image" To="Probe" Matrix="{matrix}"/></CoordinateDefinitions>
+            <ScanConversion TransducerGeometry="LINEAR" ImagingDepthMm="15" TransducerWidthMm="16" OutputImageSizePixel="40 30"
+            OutputImageSpacingMmPerPixel="0.4 0.5"/>
+            <VolumeReconstruction OutputSpacing="1 1 1" {attributes}><HoleFilling>{holes}</HoleFilling></VolumeReconstruction>
+            </PlusConfiguration>""",
+            encoding="utf-8",
+        )
+        return path
+
+    return write
+
+
+@pytest.fixture
+def scan(tmp_path):
+    """Scans live, and reconstructs the recording with the same options; answers with both sets of volumes."""
+
+    def run(config, *options, where=()):
+        sequence = replace(tracked_sequence(count=FRAMES), configuration=read_plus_configuration(config))
+        server = ReplayServer(sequence, port=0, rate=60.0, loop=True)
+        server.start()
+        record = tmp_path / "scan.mha"
+        options = [str(option) for option in ("--config", config, *options)]
+        try:
+            arguments = ["--port", str(server.port), "--frames", str(FRAMES), "--record", str(record), *where, *options]
+            assert main(["live", *arguments, *outputs("live")]) == 0
+        finally:
+            server.stop()
+        # On the very grid: of a recording that names ImageToReference the configuration's box would not be used
+        placed = ["--image-to-reference", "ImageToReference", "--grid-like", str(tmp_path / "live.nrrd")]
+        assert main(["reconstruct", str(record), *placed, *options, *outputs("offline")]) == 0
+        return tuple({part: read_volume(path(name, part)) for part in ("", "-mask", "-hits")} for name in ("live", "offline"))
+
+    def path(name, part):
+        return tmp_path / f"{name}{part}.nrrd"
+
+    def outputs(name):
+        return [f"--{option}={path(name, part)}" for option, part in (("output", ""), ("mask", "-mask"), ("hits", "-hits"))]
+
+    return run
+
+
+@pytest.fixture
+def like(tmp_path):
+    """The options for a grid that is known before the scan."""
+    Volume(np.zeros(GRID.shape, np.uint8), GRID.ijk_to_reference).write(tmp_path / "like.nrrd")
+    return "--grid-like", str(tmp_path / "like.nrrd")
+
+
+def same(live, offline):
+    for part in live:
+        np.testing.assert_array_equal(live[part].array, offline[part].array)
+    return live
+
+
+@pytest.mark.parametrize(
+    ("attributes", "holes"),
+    [
+        ('Interpolation="LINEAR" CompoundingMode="MAXIMUM" Optimization="FULL" PixelRejectionThreshold="90"', ""),
+        ('CompoundingMode="LATEST" ClipRectangleOrigin="3 4" ClipRectangleSize="30 20"', ""),
+        ('CompoundingMode="IMPORTANCE_MASK" ImportanceMaskFilename="mask.png"', ""),
+        ('Interpolation="LINEAR" CompoundingMode="IMPORTANCE_MASK" ImportanceMaskFilename="mask.png"', ""),
+        ('CompoundingMode="MEAN" FillHoles="ON"', STICK),
+        ('Interpolation="LINEAR" FillHoles="ON" SkipInterval="2"', BY_HITS),
+    ],
+)
+def test_a_configuration_gives_the_volume_of_the_recording(scan, configuration, like, attributes, holes):
+    plain = scan(configuration(), where=like)[0]
+    configured = same(*scan(configuration(attributes, holes), where=like))
+    assert (configured[""].array != plain[""].array).any()
+    assert (configured["-mask"].array == 2).any() == bool(holes)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--importance-mask", "mask.png"),
+        ("--importance-mask", "mask.png", "--interpolation", "linear"),
+        ("--holes", "gaussian", "--hole-limit", "2"),
+        ("--pixel-rejection", "90", "--method", "maximum"),
+        ("--speed-of-sound", "1400"),
+    ],
+    ids=" ".join,
+)
+def test_options_give_the_volume_of_the_recording(scan, configuration, like, tmp_path, options):
+    config = configuration('CompoundingMode="MEAN"')
+    plain = scan(config, where=like)[0]
+    asked = same(*scan(config, *(tmp_path / word if word == "mask.png" else word for word in options), where=like))
+    assert (asked[""].array != plain[""].array).any()
+
+
+def test_the_box_of_a_configuration_needs_no_scouting(scan, configuration, capsys):
+    live = same(*scan(configuration(BOX)))
+    assert live[""].grid.size == GRID.size
+    np.testing.assert_allclose(live[""].grid.ijk_to_reference, GRID.ijk_to_reference)
+    assert "The box is" not in capsys.readouterr().err
+
+
+def test_a_scouted_box_holds_pixels_that_sound_was_slower_to(scan, configuration):
+    scouting = ("--scout-seconds", "0.05")
+    usual, slow = (same(*scan(configuration(), "--speed-of-sound", speed, where=scouting)) for speed in ("1540", "2400"))
+    assert np.prod(slow[""].grid.size) > np.prod(usual[""].grid.size)
+    assert slow["-hits"].array.sum() == usual["-hits"].array.sum()
+
+
+def test_an_importance_mask_that_is_not_there_is_refused_before_the_scan(configuration, tmp_path, capsys):
+    output = tmp_path / "v.nrrd"
+    assert main(["live", "--config", str(configuration()), "--importance-mask", str(tmp_path / "none.png"), "--output", str(output)]) == 2
+    assert "none.png: there is no such file" in capsys.readouterr().err
+    assert not output.exists()
