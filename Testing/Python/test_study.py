@@ -28,7 +28,7 @@ def phantom():
 
 @pytest.fixture(scope="module")
 def scan(phantom):
-    return study_cases._scan(phantom, PhasedArray(), multi_angle_sweep(phantom, 36), seed=2)
+    return study_cases.simulated_scan(phantom, PhasedArray(), multi_angle_sweep(phantom, 36), seed=2)
 
 
 def row(seed, method="average", value=1.0, scan="multi-angle", condition="exact", direction=""):

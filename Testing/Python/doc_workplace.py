@@ -1,0 +1,75 @@
+"""A folder with every file that README.md and docs/ name in their commands: tiny, made up, and of the kind that the name says."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from files import COLUMNS, IMAGE_TO_PROBE, LABELS_TO_REFERENCE, ROWS, tracked_sequence, write_patient
+from test_sequence_variants import slicer_images, slicer_transforms
+
+from AIFReconLib.frames import TrackedSequence
+from AIFReconLib.io.plus_config import read_plus_configuration
+from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.transform_files import write_transform
+from AIFReconLib.live.replay import ReplayServer
+from AIFReconLib.poses import sweep_poses
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.volume import Volume
+
+pictures = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+
+FRAMES = 8
+ECHO_ROW = 19
+"""Where the images show bone: a bright line in gray tissue, with darkness behind it."""
+
+
+def bone_images() -> np.ndarray:
+    """Frames of tissue with a bright line and its shadow, (frames, rows, columns)."""
+    images = np.random.default_rng(0).integers(30, 60, (FRAMES, ROWS, COLUMNS), dtype=np.uint8)
+    images[:, ECHO_ROW - 1 : ECHO_ROW + 1] = 250
+    images[:, ECHO_ROW + 1 :] = 2
+    return images
+
+
+def make_workplace(folder: Path) -> Path:
+    """Write all files into `folder`, and return it."""
+    patient = write_patient(folder, tracked_sequence(FRAMES, images=bone_images()))
+    shutil.copy(patient.labels, folder / "lumbar.nrrd")
+    shutil.copy(patient.labels, folder / "lumbar-segmentation.nrrd")
+    write_transform(IMAGE_TO_PROBE, folder / "ImageToProbe.tfm")
+    write_transform(LABELS_TO_REFERENCE, folder / "CTToReference.tfm")
+    sequence = read_sequence(patient.sweep, config=patient.config)
+    volume = reconstruct(sequence).intensity
+    for name in ("volume.nrrd", "average.nrrd", "weighted.nrrd", "planned.nrrd"):
+        volume.write(folder / name)
+    Volume(np.zeros((4, 5, 6), np.int16), np.eye(4)).write(folder / "ct.nrrd")
+    _write_frames(sequence, folder)
+    slicer_images(folder / "Image.seq.nrrd")
+    slicer_transforms(folder / "ImageToReference.seq.mha")
+    slicer_transforms(folder / "Transform.seq.mha")
+    return folder
+
+
+def _write_frames(sequence: TrackedSequence, folder: Path) -> None:
+    """Pictures, and a table of rigid poses of the image, pixel size taken out."""
+    (folder / "frames").mkdir()
+    poses = sweep_poses(sequence).image_to_reference
+    spacing = np.linalg.norm(poses[0][:3, :3], axis=0)
+    rows = ["time," + ",".join(f"m{i}{j}" for i in range(4) for j in range(4))]
+    for number, pose in enumerate(poses):
+        pictures.fromarray(np.asarray(sequence.images[number])).save(folder / "frames" / f"frame{number}.png")
+        rigid_pose = pose @ np.diag([*(1 / spacing), 1.0])
+        rows.append(",".join(map(repr, [0.05 * number, *rigid_pose.ravel().tolist()])))
+    (folder / "poses.csv").write_text("\n".join(rows), "utf-8")
+
+
+def serve(folder: Path) -> ReplayServer:
+    """A server that sends the sweep of the folder over and over, as Plus would."""
+    sequence = replace(read_sequence(folder / "sweep.igs.mha"), configuration=read_plus_configuration(folder / "PlusDeviceSet.xml"))
+    server = ReplayServer(sequence, port=0, rate=60.0, loop=True)
+    server.start()
+    return server
