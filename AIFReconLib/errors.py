@@ -1,7 +1,9 @@
 """Every error that a user can cause or meet.
 
 Each class is a domain error and a builtin one, so that callers may catch either. Messages are complete sentences: what is
-wrong, where, and what to do about it. The command line prints them as they are, on one line.
+wrong, where, and what to do about it. The command line prints them as they are, on one line; Slicer looks up a translation of the
+sentence before its values were filled in, which every error therefore keeps. So the sentence is spelled out where it is raised, with
+its values named: ``raise SettingsError("Input rate must be above 0; got {rate!r}.", rate=rate)``, never an f-string.
 """
 
 from __future__ import annotations

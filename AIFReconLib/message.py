@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import string
+from collections.abc import Callable, Iterable
+from pathlib import PurePath
+
+LONGEST_QUOTE = 500
+"""Characters of a text that a sentence repeats at most."""
 
 
 class Message(str):
@@ -16,7 +21,8 @@ class Message(str):
     template : str
         The sentence, with its values as `str.format` takes them: ``"frame {number} is missing"``. Without values it is taken as it is.
     **values
-        What the template names. A `Message`, or an error that holds one, is translated along with the sentence around it.
+        What the template names. A `Message`, or an error that holds one, is translated along with the sentence around it. Text and paths
+        may come from a file: they are shown on one line, and text is cut to `LONGEST_QUOTE` characters.
 
     Examples
     --------
@@ -31,21 +37,72 @@ class Message(str):
     values: dict[str, object]
 
     def __new__(cls, template: str, /, **values: object) -> Message:
+        values = {name: _shown(value) for name, value in values.items()}
         message = super().__new__(cls, template.format(**values) if values else template)
         message.template = template
         message.values = values
         return message
 
     def translated(self, translate: Callable[[str], str]) -> str:
-        """The sentence with `translate` applied to its template, and to the templates of its values."""
+        """The sentence with `translate` applied to its template, and to the templates of its values.
+
+        A translation whose placeholders are not those of the template is a translator's mistake; the English template then stands in.
+        """
         template = translate(self.template)
         if not self.values:
             return template
+        if _placeholders(template) != _placeholders(self.template):
+            template = self.template
         return template.format(**{name: translated(value, translate) for name, value in self.values.items()})
+
+
+def listed(items: Iterable[object], separator: str = ", ") -> Message:
+    """Several messages as one, which is translated item by item."""
+    values = {f"item{number}": item for number, item in enumerate(items)}
+    return Message(separator.join(f"{{{name}}}" for name in values), **values)
+
+
+def one_line(text: str) -> str:
+    """`text` with everything that a terminal cannot show on one line replaced by a question mark."""
+    return "".join(character if character.isprintable() else "?" for character in text)
+
+
+def shorten(text: str, length: int = 60) -> str:
+    """`text` cut to `length` characters, for quoting it in a message."""
+    return text if len(text) <= length else text[: length - 3] + "..."
+
+
+class _OneLine(str):
+    """Text from elsewhere that a message shows as `one_line` does; ``!r`` shows it as it is, for that escapes what cannot be printed."""
+
+    def __format__(self, form: str) -> str:
+        return one_line(super().__format__(form))
+
+
+def _shown(value: object) -> object:
+    """A value as a sentence shows it: plain text and paths on one line, anything else as it is."""
+    if isinstance(value, PurePath):
+        return value if str(value).isprintable() else _OneLine(value)
+    if type(value) is str:
+        return _OneLine(shorten(value, LONGEST_QUOTE))
+    return value
+
+
+def _placeholders(template: str) -> set[tuple] | None:
+    """Names, conversions and formats in braces; None where the braces do not match."""
+    try:
+        return {(name, conversion, form) for _, name, form, conversion in string.Formatter().parse(template) if name is not None}
+    except ValueError:
+        return None
+
+
+def said(error: BaseException) -> str:
+    """What an error says: the `Message` that it was raised with, where it was raised with one."""
+    return error.args[0] if error.args and isinstance(error.args[0], Message) else str(error)
 
 
 def translated(value: object, translate: Callable[[str], str]) -> object:
     """`value`, translated where it is a `Message` or an error that was raised with one; anything else as it is."""
-    if isinstance(value, BaseException) and value.args and isinstance(value.args[0], Message):
-        value = value.args[0]
+    if isinstance(value, BaseException):
+        value = said(value)
     return value.translated(translate) if isinstance(value, Message) else value

@@ -67,4 +67,5 @@ def run(arguments: argparse.Namespace) -> None:
         print(f"{server.describe()}\nCtrl-C stops it.", flush=True)
         server.serve_until_stopped()
     left_out = f"; slow clients missed {server.dropped}" if server.dropped else ""
+    left_out += f"; {server.turned_away} more were turned away" if server.turned_away else ""
     print(f"\nStopped. Sent {server.sent} frames to {server.served} client{'s' if server.served != 1 else ''}{left_out}.")

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 
 from ..errors import LiveConnectionError, SettingsError
+from ..message import Message
 
 POLL = 0.05
 """How often a waiting socket looks whether it must stop, s."""
@@ -27,7 +28,9 @@ def check_port(port: int, lowest: int = 1) -> int:
     SettingsError
     """
     if not isinstance(port, int) or isinstance(port, bool) or not lowest <= port <= 65535:
-        raise SettingsError(f"Input port must be a whole number from {lowest} to 65535; got {port!r}. Plus listens on 18944.")
+        raise SettingsError(
+            "Input port must be a whole number from {lowest} to 65535; got {port!r}. Plus listens on 18944.", lowest=lowest, port=port
+        )
     return port
 
 
@@ -50,8 +53,10 @@ def open_connection(host: str, port: int, timeout: float, stopped: Callable[[], 
     try:
         addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError) as error:
-        reason = getattr(error, "strerror", None) or "not a host name"
-        raise LiveConnectionError(f"Host {host!r} cannot be found ({reason}). Check its name, or give its IP address.") from None
+        reason = getattr(error, "strerror", None) or Message("not a host name")
+        raise LiveConnectionError(
+            "Host {host!r} cannot be found ({reason}). Check its name, or give its IP address.", host=host, reason=reason
+        ) from None
     deadline = time.monotonic() + timeout
     code = errno.ETIMEDOUT
     for family, kind, protocol, _, address in addresses:
@@ -67,7 +72,7 @@ def open_connection(host: str, port: int, timeout: float, stopped: Callable[[], 
                 connection.close()
         if stopped():
             return None
-    raise LiveConnectionError(_explain(code, host, port, timeout))
+    raise _failure(code, host, port, timeout)
 
 
 def _connect(connection: socket.socket, address, deadline: float, stopped: Callable[[], bool]) -> int:
@@ -96,18 +101,27 @@ def _prepare(connection: socket.socket) -> None:
             connection.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
 
 
-def _explain(code: int, host: str, port: int, timeout: float) -> str:
+def _failure(code: int, host: str, port: int, timeout: float) -> LiveConnectionError:
     if code in (errno.ECONNREFUSED, getattr(errno, "WSAECONNREFUSED", errno.ECONNREFUSED)):
-        return f"{host} has no server on port {port}. Start the server there (PlusServer), and check the port in its configuration."
+        return LiveConnectionError(
+            "{host} has no server on port {port}. Start the server there (PlusServer), and check the port in its configuration.",
+            host=host,
+            port=port,
+        )
     if code in _UNREACHABLE:
-        return f"{host} cannot be reached. Check the network, and that the machine is on."
+        return LiveConnectionError("{host} cannot be reached. Check the network, and that the machine is on.", host=host)
     if code in (errno.ETIMEDOUT, getattr(errno, "WSAETIMEDOUT", errno.ETIMEDOUT)):
-        return (
-            f"{host} does not answer on port {port} within {timeout:g} s. Check that the machine is on, that it is on this network, "
-            "and that its firewall admits the port."
+        return LiveConnectionError(
+            "{host} does not answer on port {port} within {timeout:g} s. Check that the machine is on, that it is on this network, "
+            "and that its firewall admits the port.",
+            host=host,
+            port=port,
+            timeout=timeout,
         )
     try:
         reason = errno.errorcode[code]
     except KeyError:
-        reason = f"error {code}"
-    return f"{host}, port {port}, cannot be connected to ({reason}). Check host and port."
+        reason = Message("error {code}", code=code)
+    return LiveConnectionError(
+        "{host}, port {port}, cannot be connected to ({reason}). Check host and port.", host=host, port=port, reason=reason
+    )

@@ -12,12 +12,16 @@ import numpy as np
 
 from ..errors import LiveConnectionError, LiveMessageError
 from ..io.file_images import luminance
+from ..message import Message
 from ..transform_graph import TransformStatus
 from ..transforms import LPS_FROM_RAS
 from .framing import Frame, Header
 from .messages import ImageMessage, StatusMessage, TransformMessage
 
 USED_TYPES = frozenset(("IMAGE", "TRANSFORM", "TDATA", "STATUS"))
+
+MOST_TOOLS = 1000
+"""Tools in one message of tracking data; each of them becomes a message of its own, far larger than its bytes."""
 
 _TRACKED_TOOL = struct.Struct(">20sBB12f")
 _STATUS = struct.Struct(">Hq20s")
@@ -63,11 +67,13 @@ def decode(frame: Frame, received: float = 0.0) -> tuple[ImageMessage | Transfor
         raise
     except Exception as error:  # pyigtl judges no input: any error of Python's may come out of a body that does not make sense
         reason = str(error) or type(error).__name__
-        raise LiveMessageError(f"{_describe(frame.header)} cannot be understood ({reason}); it is left out.") from None
+        raise LiveMessageError(
+            "{message} cannot be understood ({reason}); it is left out.", message=_describe(frame.header), reason=reason
+        ) from None
 
 
-def _describe(header: Header) -> str:
-    return f"{header.kind} message of {header.device!r}"
+def _describe(header: Header) -> Message:
+    return Message("{kind} message of {device!r}", kind=header.kind, device=header.device)
 
 
 def _unpack(frame: Frame):
@@ -89,13 +95,19 @@ def _image(frame: Frame, received: float) -> tuple[ImageMessage]:
     header = frame.header
     message = _unpack(frame)
     slices, rows, columns, *channels = message.image.shape
-    what = f"{_describe(header)} holds {columns} x {rows} x {slices} pixels"
+    what = Message(
+        "{message} holds {columns} x {rows} x {slices} pixels", message=_describe(header), columns=columns, rows=rows, slices=slices
+    )
     if slices != 1:
-        raise LiveMessageError(f"{what}: frames must be 2D, of one slice. It is left out; send the 2D image of the scanner.")
+        raise LiveMessageError("{what}: frames must be 2D, of one slice. It is left out; send the 2D image of the scanner.", what=what)
     if rows == 0 or columns == 0:
-        raise LiveMessageError(f"{what}: it is empty, and left out.")
+        raise LiveMessageError("{what}: it is empty, and left out.", what=what)
     if channels and channels[0] not in _COLOR_CHANNELS:
-        raise LiveMessageError(f"{what} of {channels[0]} channels: there must be 1, or 3 or 4 (color). It is left out; send gray images.")
+        raise LiveMessageError(
+            "{what} of {channels} channels: there must be 1, or 3 or 4 (color). It is left out; send gray images.",
+            what=what,
+            channels=channels[0],
+        )
     image = message.image[0]
     image = luminance(image) if channels else image.astype(image.dtype.newbyteorder("="), copy=False)
     image.flags.writeable = False
@@ -117,7 +129,19 @@ def _tracking_data(frame: Frame, received: float) -> tuple[TransformMessage, ...
     header = frame.header
     content, metadata = _content(frame)
     if len(content) % _TRACKED_TOOL.size:
-        raise LiveMessageError(f"{_describe(header)} holds {len(content)} bytes, not {_TRACKED_TOOL.size} for each tool. It is left out.")
+        raise LiveMessageError(
+            "{message} holds {count} bytes, not {expected} for each tool. It is left out.",
+            message=_describe(header),
+            count=len(content),
+            expected=_TRACKED_TOOL.size,
+        )
+    if len(content) > MOST_TOOLS * _TRACKED_TOOL.size:
+        raise LiveMessageError(
+            "{message} holds {count} tools, more than {limit}. It is left out.",
+            message=_describe(header),
+            count=len(content) // _TRACKED_TOOL.size,
+            limit=MOST_TOOLS,
+        )
     # The 20 bytes of a name may cut it; Plus tells the whole one by the place of the tool in the message
     full_names = {value.strip(): key.removesuffix("Index") for key, value in metadata.items() if key.endswith("Index")}
     messages = []

@@ -10,9 +10,11 @@ from __future__ import annotations
 
 import re
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+from ..message import Message
 from .crc64 import crc64
 
 HEADER_SIZE = 58
@@ -20,7 +22,9 @@ SIZE_LIMIT = 64 * 2**20
 """Bytes in a message body beyond which a header is taken for damage: an image of 8192 x 8192 bytes."""
 NEWEST_VERSION = 3
 CANDIDATES = 64
-"""Headers that are kept in mind while searching; random bytes give none in practice."""
+"""Headers of messages still under way that are kept in mind while searching; random bytes give none in practice."""
+EFFORT = 4
+"""Bytes of wrong messages whose checksum is taken while searching, for each byte that has arrived: made-up headers must not cost more."""
 
 _HEADER = struct.Struct(">H12s20sQQQ")
 _TYPE = re.compile(rb"([A-Za-z][A-Za-z0-9_]{2,11})[\0 ]*")
@@ -112,6 +116,7 @@ class Framer:
         self._synchronized = True
         self._candidates: list[int] = []
         self._searched = 0
+        self._effort = 0
         self._skipped = 0
         self._skipped_before = 0
         self._found: Frame | None = None
@@ -129,22 +134,24 @@ class Framer:
     def feed(self, data: bytes | bytearray | memoryview) -> list[Frame | Damage | Recovery]:
         """Take bytes as they arrive; returns what they complete, in order."""
         self._buffer += data
+        self._effort += EFFORT * len(data)
         parts = []
         while (part := self._next()) is not None:
             parts.append(part)
         return parts
 
-    def describe_pending(self) -> str | None:
+    def describe_pending(self) -> Message | None:
         """The message that has begun to arrive, in words: ``an IMAGE of Image_Reference (300 of 505192 bytes)``; None without one."""
         have = len(self._buffer)
         if self.searching or have == 0:
             return None
         header = parse_header(self._buffer) if have >= HEADER_SIZE else None
         if header is None:
-            return f"a header ({have} of {HEADER_SIZE} bytes)"
-        device = f" of {header.device}" if header.device else ""
-        article = "an" if header.kind[0] in "AEIOU" else "a"
-        return f"{article} {header.kind}{device} ({have - HEADER_SIZE} of {header.size} bytes)"
+            return Message("a header ({have} of {whole} bytes)", have=have, whole=HEADER_SIZE)
+        of = {"message": _named(header), "have": have - HEADER_SIZE, "whole": header.size}
+        if header.kind[0] in "AEIOU":
+            return Message("an {message} ({have} of {whole} bytes)", **of)
+        return Message("a {message} ({have} of {whole} bytes)", **of)
 
     def look_inside(self) -> list[Frame | Damage | Recovery]:
         """Doubt the message that does not become complete, and search the bytes that have arrived of it; returns what is found."""
@@ -164,42 +171,49 @@ class Framer:
             return None
         header = parse_header(self._buffer)
         if header is None:
-            return self._lose("header", "Bytes arrived that are no OpenIGTLink message")
-        whose = f"{header.kind} of {header.device}" if header.device else header.kind
+            return self._lose("header", Message("Bytes arrived that are no OpenIGTLink message"))
+        whose = _named(header)
         if header.size > self._limit:
-            return self._lose("size", f"A message ({whose}) declares {header.size} bytes, more than the limit of {self._limit}")
+            detail = Message(
+                "A message ({message}) declares {size} bytes, more than the limit of {limit}",
+                message=whose,
+                size=header.size,
+                limit=self._limit,
+            )
+            return self._lose("size", detail)
         if len(self._buffer) < HEADER_SIZE + header.size:
             return None
         body = self._body(0, header)
         if crc64(body) != header.crc:
-            return self._lose("checksum", f"A message ({whose}) has a wrong checksum")
+            return self._lose("checksum", Message("A message ({message}) has a wrong checksum", message=whose))
         del self._buffer[: HEADER_SIZE + header.size]
         return Frame(header, body)
 
-    def _lose(self, kind: Literal["header", "size", "checksum"], detail: str) -> Damage:
+    def _lose(self, kind: Literal["header", "size", "checksum"], detail: Message) -> Damage:
         self._begin_search([])
         return Damage(kind, detail)
 
     def _begin_search(self, candidates: list[int]) -> None:
         self._synchronized = False
         self._candidates, self._searched = candidates, 1
+        self._effort = EFFORT * len(self._buffer)
         self._skipped_before = self._skipped
 
     def _search(self) -> Recovery | None:
         """The first whole message with a right checksum among the bytes that are there."""
-        self._find_headers()
-        for start in list(self._candidates):
+        for start in self._possible_starts():
             header = parse_header(self._buffer, start)
             if len(self._buffer) < start + HEADER_SIZE + header.size:
                 continue
-            body = self._body(start, header)
-            if crc64(body) == header.crc:
+            body = self._body(start, header) if header.size <= self._effort else None
+            if body is not None and crc64(body) == header.crc:
                 del self._buffer[: start + HEADER_SIZE + header.size]
                 self._skipped += start
                 self._synchronized, self._found = True, Frame(header, body)
                 skipped = self._skipped - self._skipped_before
                 # Nothing skipped: the message that was doubted was whole after all
                 return Recovery(skipped) if skipped else self._next()
+            self._effort -= header.size if body is not None else 0
             self._candidates.remove(start)
         # What lies before the first possible message will never be part of one
         useless = self._candidates[0] if self._candidates else min(self._searched, len(self._buffer))
@@ -209,8 +223,9 @@ class Framer:
         self._candidates = [start - useless for start in self._candidates]
         return None
 
-    def _find_headers(self) -> None:
-        """Look for possible headers in the bytes that were not looked at yet."""
+    def _possible_starts(self) -> Iterator[int]:
+        """Where messages may begin: the headers in mind, then those in the bytes that were not looked at yet, kept in mind too."""
+        yield from list(self._candidates)
         last = len(self._buffer) - HEADER_SIZE
         while self._searched <= last:
             match = _START.search(self._buffer, self._searched)
@@ -222,7 +237,13 @@ class Framer:
             # A message without a body proves nothing: its checksum is 0, as so many bytes are
             if header is not None and 0 < header.size <= self._limit:
                 self._candidates = [*self._candidates[1 - CANDIDATES :], match.start()]
+                yield match.start()
 
     def _body(self, start: int, header: Header) -> bytes:
         with memoryview(self._buffer) as view:
             return bytes(view[start + HEADER_SIZE : start + HEADER_SIZE + header.size])
+
+
+def _named(header: Header) -> str:
+    """A message in words: ``IMAGE of Image_Reference``."""
+    return Message("{kind} of {device}", kind=header.kind, device=header.device) if header.device else header.kind

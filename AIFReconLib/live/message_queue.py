@@ -6,7 +6,8 @@ import threading
 import time
 from collections import deque
 
-from .messages import ImageMessage, Message, StreamEvent
+from ..message import Message as Text
+from .messages import ImageMessage, Message, StatusMessage, StreamEvent, TransformMessage
 
 REPORT_INTERVAL = 1.0
 """Shortest time between two events that report dropped messages, s."""
@@ -20,7 +21,7 @@ class MessageQueue:
     limit : int
         Messages.
     byte_limit : int
-        Bytes of pixels.
+        Bytes of pixels and of metadata.
     """
 
     def __init__(self, limit: int, byte_limit: int):
@@ -30,6 +31,7 @@ class MessageQueue:
         self._messages: deque[Message] = deque()
         self._bytes = 0
         self._dropped = 0
+        self._dropped_images = 0
         self._reported = 0
         self._report_time = -REPORT_INTERVAL
         self._open = False
@@ -40,11 +42,17 @@ class MessageQueue:
         with self._changed:
             return self._dropped
 
+    @property
+    def dropped_images(self) -> int:
+        """Images among them: frames that nobody has seen."""
+        with self._changed:
+            return self._dropped_images
+
     def open(self) -> None:
         """Begin anew: empty, nothing dropped."""
         with self._changed:
             self._messages.clear()
-            self._bytes = self._dropped = self._reported = 0
+            self._bytes = self._dropped = self._dropped_images = self._reported = 0
             self._report_time = -REPORT_INTERVAL
             self._open = True
 
@@ -54,16 +62,17 @@ class MessageQueue:
             self._open = False
             self._changed.notify_all()
 
-    def put(self, message: Message) -> None:
-        """Add a message; does nothing once closed."""
+    def put(self, message: Message) -> bool:
+        """Add a message; once closed it is not taken, and the answer is False."""
         with self._changed:
             if not self._open:
-                return
+                return False
             self._messages.append(message)
             self._bytes += _size(message)
             while len(self._messages) > self._limit or (self._bytes > self._byte_limit and len(self._messages) > 1):
                 self._drop_oldest()
             self._changed.notify()
+            return True
 
     def get(self, timeout: float | None) -> Message | None:
         """The oldest message; None if there is none within `timeout` s (None: without limit) or the queue is closed."""
@@ -74,9 +83,8 @@ class MessageQueue:
             now = time.monotonic()
             if self._dropped > self._reported and now - self._report_time >= REPORT_INTERVAL:
                 count, self._reported, self._report_time = self._dropped - self._reported, self._dropped, now
-                return StreamEvent(
-                    "dropped", f"{count} messages were left out, the oldest first: they arrive faster than they are worked on.", now
-                )
+                detail = Text("{count} messages were left out, the oldest first: they arrive faster than they are worked on.", count=count)
+                return StreamEvent("dropped", detail, now)
             message = self._messages.popleft()
             self._bytes -= _size(message)
             return message
@@ -84,10 +92,16 @@ class MessageQueue:
     def _drop_oldest(self) -> None:
         """The oldest message goes; events stay as long as there is anything else, because they tell what happened to the rest."""
         place = next((n for n, message in enumerate(self._messages) if not isinstance(message, StreamEvent)), 0)
-        self._bytes -= _size(self._messages[place])
+        message = self._messages[place]
+        self._bytes -= _size(message)
         del self._messages[place]
         self._dropped += 1
+        self._dropped_images += isinstance(message, ImageMessage)
 
 
 def _size(message: Message) -> int:
-    return message.image.nbytes if isinstance(message, ImageMessage) else 0
+    """Bytes of pixels and texts, which may both be large."""
+    pixels = message.image.nbytes if isinstance(message, ImageMessage) else 0
+    if isinstance(message, ImageMessage | TransformMessage):
+        return pixels + sum(len(key) + len(value) for key, value in message.metadata.items())
+    return pixels + len(message.text) if isinstance(message, StatusMessage) else pixels

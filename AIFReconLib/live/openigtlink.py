@@ -11,6 +11,7 @@ import threading
 import time
 
 from ..errors import LiveConnectionError, LiveMessageError, SettingsError
+from ..message import Message as Text
 from .connection import check_port, open_connection
 from .decoding import USED_TYPES, codec, decode
 from .encoding import encode_status_request
@@ -19,7 +20,7 @@ from .message_queue import MessageQueue
 from .messages import EventKind, Message, StreamEvent
 from .statistics import Counters, StreamStatistics
 
-CONNECTING, CONNECTED, WAITING, STOPPED = "connecting", "connected", "waiting to reconnect", "stopped"
+CONNECTING, CONNECTED, WAITING, STOPPED = Text("connecting"), Text("connected"), Text("waiting to reconnect"), Text("stopped")
 
 CHUNK = 2**18
 """Bytes asked of the operating system at a time."""
@@ -75,7 +76,7 @@ class OpenIGTLinkClient:
         retry_delays: tuple[float, ...] = (0.5, 1.0, 2.0, 5.0),
     ):
         if not isinstance(host, str) or not host.strip():
-            raise SettingsError(f"Input host must be a host name or an IP address; got {host!r}.")
+            raise SettingsError("Input host must be a host name or an IP address; got {host!r}.", host=host)
         if queue_size < 1 or queue_bytes < 1 or size_limit < 1 or stall_after <= 0 or connect_timeout <= 0 or not retry_delays:
             raise SettingsError("Input limits and times of a client must be positive, and retry_delays must not be empty.")
         self.host = host.strip()
@@ -114,8 +115,13 @@ class OpenIGTLinkClient:
             decided = run.attempted.wait(self._connect_timeout + RESOLVING_TIMEOUT)
             if not decided or run.first_error:
                 self.stop()
-                unresolved = f"Host {self.host!r} was not found in {RESOLVING_TIMEOUT:g} s. Check its name, or give its IP address."
-                raise LiveConnectionError(run.first_error or unresolved)
+                if run.first_error:
+                    raise run.first_error
+                raise LiveConnectionError(
+                    "Host {host!r} was not found in {seconds:g} s. Check its name, or give its IP address.",
+                    host=self.host,
+                    seconds=RESOLVING_TIMEOUT,
+                )
 
     def connect_once(self) -> None:
         """`start` that fails at once where there is no server: see its `wait`."""
@@ -159,7 +165,7 @@ class OpenIGTLinkClient:
     def statistics(self) -> StreamStatistics:
         """A snapshot of all counters since `start`."""
         run = self._run
-        return StreamStatistics() if run is None else run.snapshot(self._queue.dropped)
+        return StreamStatistics() if run is None else run.snapshot(self._queue.dropped, self._queue.dropped_images)
 
     def devices(self) -> dict[str, tuple[str, ...]]:
         """Names of the devices seen since `start`, each with the types of its messages, in order of appearance."""
@@ -181,7 +187,7 @@ class _Run:
         self._thread = threading.Thread(target=self._work, name=f"OpenIGTLink {client.host}:{client.port}", daemon=True)
         self.stopping = threading.Event()
         self.attempted = threading.Event()
-        self.first_error: str | None = None
+        self.first_error: LiveConnectionError | None = None
         self.last_error: str | None = None
         self.state = CONNECTING
 
@@ -192,10 +198,9 @@ class _Run:
         if self._thread is not threading.current_thread():
             self._thread.join(STOP_TIMEOUT)
 
-    def snapshot(self, dropped: int) -> StreamStatistics:
+    def snapshot(self, dropped: int, dropped_images: int) -> StreamStatistics:
         with self._lock:
-            self._counters.dropped = dropped
-            return self._counters.snapshot(time.monotonic())
+            return self._counters.snapshot(time.monotonic(), dropped, dropped_images)
 
     def _work(self) -> None:
         client, attempt = self._client, 0
@@ -206,8 +211,8 @@ class _Run:
             try:
                 connection = open_connection(client.host, client.port, client._connect_timeout, self.stopping.is_set)
             except LiveConnectionError as error:
-                reason = str(error)
-                self.first_error = None if self.attempted.is_set() else reason
+                reason = error.args[0]
+                self.first_error = None if self.attempted.is_set() else error
             else:
                 if connection is None:
                     break
@@ -219,46 +224,67 @@ class _Run:
                 break
             self.last_error, self.state = reason, WAITING
             self.attempted.set()
-            self._emit("disconnected", f"{reason} Connecting again in {delay:g} s.")
+            self._emit("disconnected", Text("{reason} Connecting again in {seconds:g} s.", reason=reason, seconds=delay))
             self.stopping.wait(delay)
 
-    def _serve(self, connection: socket.socket) -> tuple[str, bool]:
+    def _serve(self, connection: socket.socket) -> tuple[Text, bool]:
         """Receive until the connection ends; returns why, and whether a message came."""
         with self._lock:
             self._counters.connections += 1
         self.last_error, self.state = None, CONNECTED
         self.attempted.set()
-        self._emit("connected", f"Connected to {self._client.host}, port {self._client.port}.")
-        framer, before = Framer(self._client._size_limit), self._counters.skipped_bytes
-        buffer = bytearray(CHUNK)
-        view = memoryview(buffer)
-        last, stalled, received = time.monotonic(), False, False
+        self._emit("connected", Text("Connected to {host}, port {port}.", host=self._client.host, port=self._client.port))
+        framer, before = Framer(self._client._size_limit), self._counters.last_message
+        skipped = self._counters.skipped_bytes
         try:
             connection.sendall(encode_status_request())
-            while not self.stopping.is_set():
-                size = _receive(connection, buffer)
-                now = time.monotonic()
-                if size == 0:
-                    return f"The server closed the connection{_in_the_middle_of(framer)}.", received
-                parts = framer.feed(view[:size]) if size else []
-                if now - last > self._client._stall_after and not parts:
-                    seen = "only bytes that are no message arrive" if framer.searching else f"nothing arrived{_in_the_middle_of(framer)}"
-                    # A message that does not come to its end may have begun anew inside itself
-                    parts = framer.look_inside()
-                    if not stalled and not parts:
-                        stalled = True
-                        self._emit("stalled", f"For {now - last:.1f} s {seen}. Waiting; check {self._client.host}, and the network.")
-                for part in parts:
-                    self._take(part, now)
-                    if isinstance(part, Frame):
-                        last, stalled, received = now, False, True
-                with self._lock:
-                    self._counters.received_bytes += size or 0
-                    self._counters.skipped_bytes = before + framer.skipped
+            reason = self._receive_all(connection, framer, skipped)
         except OSError as error:
-            reason = error.strerror or "the network failed"
-            return f"The connection was lost ({reason}){_in_the_middle_of(framer)}.", received
-        return "The client was stopped.", received
+            cause = error.strerror or Text("the network failed")
+            reason = _ended(Text("The connection was lost ({reason})", reason=cause), framer)
+        # A message that will never come to its end may have swallowed whole ones
+        while parts := framer.look_inside():
+            self._take_all(parts, time.monotonic())
+        with self._lock:
+            self._counters.skipped_bytes = skipped + framer.skipped
+        return reason, self._counters.last_message != before
+
+    def _receive_all(self, connection: socket.socket, framer: Framer, skipped: int) -> Text:
+        """Receive until the stream ends or the client is stopped, and say which; `skipped` bytes were lost on earlier connections."""
+        buffer = bytearray(CHUNK)
+        view = memoryview(buffer)
+        last, stalled = time.monotonic(), False
+        while not self.stopping.is_set():
+            size = _receive(connection, buffer)
+            now = time.monotonic()
+            if size == 0:
+                return _ended(Text("The server closed the connection"), framer)
+            parts = framer.feed(view[:size]) if size else []
+            if now - last > self._client._stall_after and not parts:
+                seen = _seen(framer)
+                # A message that does not come to its end may have begun anew inside itself
+                parts = framer.look_inside()
+                if not stalled and not parts:
+                    stalled = True
+                    detail = Text(
+                        "For {seconds:.1f} s {seen}. Waiting; check {host}, and the network.",
+                        seconds=now - last,
+                        seen=seen,
+                        host=self._client.host,
+                    )
+                    self._emit("stalled", detail)
+            if self._take_all(parts, now):
+                last, stalled = now, False
+            with self._lock:
+                self._counters.received_bytes += size or 0
+                self._counters.skipped_bytes = skipped + framer.skipped
+        return Text("The client was stopped.")
+
+    def _take_all(self, parts: list[Frame | Damage | Recovery], now: float) -> bool:
+        """Take parts of the stream; whether there is a message among them."""
+        for part in parts:
+            self._take(part, now)
+        return any(isinstance(part, Frame) for part in parts)
 
     def _take(self, part: Frame | Damage | Recovery, now: float) -> None:
         """Count a part of the stream, and queue what it holds."""
@@ -266,11 +292,11 @@ class _Run:
             with self._lock:
                 self._counters.bad_crc += part.kind == "checksum"
                 self._counters.refused_sizes += part.kind == "size"
-            self._emit("refused", f"{part.detail}. It is left out; looking for the next message.", part.kind)
+            self._emit("refused", Text("{problem}. It is left out; looking for the next message.", problem=part.detail), part.kind)
         elif isinstance(part, Recovery):
             with self._lock:
                 self._counters.resyncs += 1
-            detail = f"{part.skipped} bytes that belong to no message were skipped; the stream is in order again."
+            detail = Text("{count} bytes that belong to no message were skipped; the stream is in order again.", count=part.skipped)
             self._emit("resynchronized", detail, "in order")
         else:
             header = part.header
@@ -282,9 +308,9 @@ class _Run:
             except LiveMessageError as error:
                 with self._lock:
                     self._counters.refused += 1
-                self._emit("refused", str(error), "contents")
+                self._emit("refused", error.args[0], "contents")
 
-    def _emit(self, kind: EventKind, detail: str, trouble: str | None = None) -> None:
+    def _emit(self, kind: EventKind, detail: Text, trouble: str | None = None) -> None:
         """Queue an event; those about the same trouble at most once in a while, because counters tell the rest."""
         now = time.monotonic()
         if trouble is not None:
@@ -294,8 +320,9 @@ class _Run:
         self._queue_up(StreamEvent(kind, detail, now))
 
     def _queue_up(self, message: Message) -> None:
-        if not self.stopping.is_set():
-            self._queue.put(message)
+        if self.stopping.is_set() or not self._queue.put(message):
+            with self._lock:
+                self._counters.discard(message)
 
 
 def _receive(connection: socket.socket, buffer: bytearray) -> int | None:
@@ -308,6 +335,15 @@ def _receive(connection: socket.socket, buffer: bytearray) -> int | None:
         return None
 
 
-def _in_the_middle_of(framer: Framer) -> str:
+def _seen(framer: Framer) -> Text:
+    """What arrives of a stream from which no message comes."""
+    if framer.searching:
+        return Text("only bytes that are no message arrive")
     pending = framer.describe_pending()
-    return f" in the middle of {pending}" if pending else ""
+    return Text("nothing arrived in the middle of {message}", message=pending) if pending else Text("nothing arrived")
+
+
+def _ended(how: Text, framer: Framer) -> Text:
+    """How a connection ended, and in the middle of what."""
+    pending = framer.describe_pending()
+    return Text("{ended} in the middle of {message}.", ended=how, message=pending) if pending else Text("{ended}.", ended=how)

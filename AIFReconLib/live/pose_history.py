@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..message import Message
 from ..pose_interpolation import interpolate_pose, pose_change
 from ..transform_graph import TransformSample, TransformStatus
 from ..transforms import why_not_rigid
@@ -123,16 +124,16 @@ class PoseHistory:
                 return Answer(TransformSample(sample.matrix, TransformStatus.INVALID), why_not_rigid(sample.matrix))
         span = self._times[place] - self._times[place - 1]
         if span > self._longest_gap:
-            return Answer(TransformSample(MISSING.matrix, TransformStatus.MISSING), "stale")
+            return Answer(TransformSample(MISSING.matrix, TransformStatus.MISSING), Message("stale"))
         distance, angle = pose_change(before.matrix, after.matrix)
         if distance > LARGEST_SPEED * span or angle > LARGEST_TURN * span:
-            return Answer(TransformSample(MISSING.matrix, TransformStatus.INVALID), "jumps")
+            return Answer(TransformSample(MISSING.matrix, TransformStatus.INVALID), Message("jumps"))
         fraction = (time - self._times[place - 1]) / span
         return Answer(TransformSample(interpolate_pose(before.matrix, after.matrix, fraction)))
 
     def given_up(self) -> Answer:
         """The answer when nothing more is waited for."""
-        return Answer(MISSING, "stale" if self._times else None)
+        return Answer(MISSING, Message("stale") if self._times else None)
 
 
 def _is_like(first: np.ndarray, second: np.ndarray) -> bool:

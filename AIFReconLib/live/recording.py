@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import errno
 import os
-import tempfile
 import time
 from pathlib import Path
 
@@ -24,11 +23,14 @@ import numpy as np
 
 from ..errors import AIFReconError, OutputError
 from ..frames import TrackedSequence
-from ..io.atomic import atomic_output, check_writable
+from ..io.atomic import atomic_outputs, check_writable
 from ..io.metafile import UNFINISHED
+from ..io.metaimage_pair import check_pair_name
 from ..io.sequence_fields import frame_entries
 from ..io.sequence_files import read_sequence
 from ..io.sequence_writer import SUFFIXES, write_sequence
+from ..io.workspace import workspace
+from ..message import Message
 from ..progress import Progress
 from ..transform_graph import TransformStatus
 from .synchronizer import LiveFrame
@@ -66,7 +68,13 @@ class Recorder:
     def __init__(self, path: str | Path):
         self.path = Path(path)
         if self.path.suffix.lower() not in SUFFIXES:
-            raise OutputError(f"Cannot write {self.path}: its suffix must be one of {', '.join(SUFFIXES)}. Choose another name.")
+            raise OutputError(
+                "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.",
+                path=self.path,
+                suffixes=", ".join(SUFFIXES),
+            )
+        if self.path.suffix.lower() == ".mhd":
+            check_pair_name(self.path)
         check_writable(self.path)
         stem = self.path.name[: -len(self.path.suffix)]
         self.header_path, self._pixels_path, self._fields_path = (
@@ -75,8 +83,11 @@ class Recorder:
         left = next((path for path in (self.header_path, self._pixels_path, self._fields_path) if path.exists()), None)
         if left is not None:
             raise OutputError(
-                f"Cannot record to {self.path}: {left.name} is there, from a recording that was not finished. "
-                f"Keep {self.header_path.name} and its .raw file under another name, or choose one."
+                "Cannot record to {path}: {left} is there, from a recording that was not finished. "
+                "Keep {file} and its .raw file under another name, or choose one.",
+                path=self.path,
+                left=left.name,
+                file=self.header_path.name,
             )
         self.frames = 0
         self.failure: str | None = None
@@ -102,7 +113,7 @@ class Recorder:
         except OSError as error:
             self._fail(error)
         except AIFReconError as error:
-            self._stop(f"{error}")
+            self._stop(error.args[0])
 
     def refresh(self) -> None:
         """List every frame that was appended in the header on the disk."""
@@ -140,7 +151,11 @@ class Recorder:
             if self.path.suffix.lower() != ".mhd" or not self._finish_in_place():
                 self._copy(progress)
         except OSError as error:
-            raise OutputError(f"{error} The recording is kept in {self.header_path} and its .raw file, and can be read there.") from error
+            raise OutputError(
+                "{problem} The recording is kept in {header} and its .raw file, and can be read there.",
+                problem=error,
+                header=self.header_path,
+            ) from error
         self._remove()
         return self.path
 
@@ -157,8 +172,8 @@ class Recorder:
     def _start(self, image: np.ndarray) -> None:
         """Create the files, and the header around the lines of the frames as the sequence writer makes it."""
         self._shape, self._dtype = image.shape, image.dtype
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "header.mhd"
+        with workspace(self.path.absolute().parent) as folder:
+            path = folder / "header.mhd"
             write_sequence(TrackedSequence(image[None], [LiveFrame(image, None).record], {UNFINISHED: "True"}), path, compress=False)
             lines = path.read_text("utf-8").splitlines()
         place = lines.index(next(line for line in lines if line.startswith(_FIRST_FRAME)))
@@ -212,17 +227,14 @@ class Recorder:
     def _finish_in_place(self) -> bool:
         """Give pixels and header their final names; False where the file system cannot give a file two names for a moment."""
         target = self.path.with_suffix(".raw")
-        other = target.with_name(target.name + ".new")
-        other.unlink(missing_ok=True)
         with open(self._pixels_path, "rb+") as file:
             file.truncate(self.frames * self._frame_bytes)
-        try:
-            # Two names until the header is there: at no moment is the recording without one that fits
-            os.link(self._pixels_path, other)
-        except OSError:
-            return False
-        os.replace(other, target)
-        with atomic_output(self.path) as temporary:
+        with atomic_outputs(target, self.path) as (temporary_data, temporary):
+            try:
+                # Two names until the header is there: at no moment is the recording without one that fits
+                os.link(self._pixels_path, temporary_data)
+            except OSError:
+                return False
             self._write_header(temporary.with_name("header.new"), temporary, target.name)
         return True
 
@@ -239,10 +251,13 @@ class Recorder:
                 self.refresh()
         except OSError:
             self.frames = self._listed
-        self._stop("the disk is full" if error.errno in _FULL else (error.strerror or str(error)))
+        cause = Message("the disk is full") if error.errno in _FULL else (error.strerror or str(error))
+        self._stop(Message("{cause}.", cause=cause))
 
-    def _stop(self, cause: str) -> None:
-        self.failure = f"Recording stopped: {cause.rstrip('.')}. {self.frames} frames are kept in {self.header_path}."
+    def _stop(self, cause: Message) -> None:
+        self.failure = Message(
+            "Recording stopped: {cause} {count} frames are kept in {path}.", cause=cause, count=self.frames, path=self.header_path
+        )
         self.close()
 
     def _remove(self) -> None:

@@ -22,6 +22,9 @@ END_INTERVAL = 0.22
 
 DRAIN_TIMEOUT = 0.5
 
+MOST_CLIENTS = 32
+"""Clients at a time; each costs two threads, and a thousand of them would leave nothing to anybody."""
+
 
 class ReplayServer:
     """Serves a recording over OpenIGTLink.
@@ -48,7 +51,8 @@ class ReplayServer:
     The recording begins when the first client is there; a client that comes later joins in. Once every client has left it is back at
     its beginning. After the last frame of a recording that does not repeat, a STATUS of time 0 goes out every 0.22 s and the
     connections stay open. Time stamps are those of the present, frames as far apart as recorded. A client that reads slowly misses
-    whole frames and never gets a part of one.
+    whole frames and never gets a part of one; one that takes nothing at all for half a minute is disconnected, and while 32 are connected
+    others are turned away.
 
     Examples
     --------
@@ -71,7 +75,7 @@ class ReplayServer:
         valid_only: bool = True,
     ):
         if header_version not in (None, 1, 2):
-            raise SettingsError(f"Input header_version must be 1 or 2; got {header_version!r}.")
+            raise SettingsError("Input header_version must be 1 or 2; got {header_version!r}.", header_version=header_version)
         self.frames = ReplayFrames(
             sequence,
             rate=rate,
@@ -85,6 +89,7 @@ class ReplayServer:
         self.loop = loop
         self.sent = 0
         self.served = 0
+        self.turned_away = 0
         self._version = header_version
         self._dropped = 0
         self._lock = threading.Lock()
@@ -114,8 +119,14 @@ class ReplayServer:
         self._played.clear()
         self._error = None
         self._threads = [threading.Thread(target=work, name=f"replay {work.__name__}", daemon=True) for work in (self._accept, self._play)]
-        for thread in self._threads:
-            thread.start()
+        try:
+            for thread in self._threads:
+                thread.start()
+        except RuntimeError:  # the system allows no more threads
+            self._stopping.set()
+            self._listener.close()
+            self._listener = None
+            raise
 
     def stop(self) -> None:
         """Close every connection and free the port; what was queued is sent if the clients take it within half a second."""
@@ -201,6 +212,10 @@ class ReplayServer:
                 # A client that gave up before it was accepted is no reason to stop serving the others
                 self._stopping.wait(POLL)
                 continue
+            if self.clients >= MOST_CLIENTS:
+                self.turned_away += 1
+                connection.close()
+                continue
             peer = Peer(connection, self._version, self._forget)
             with self._lock:
                 self._peers.append(peer)
@@ -277,7 +292,9 @@ def _listen(host: str, port: int) -> socket.socket:
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
     except (OSError, UnicodeError):
-        raise LiveConnectionError(f"Host {host!r} cannot be found. Give 127.0.0.1, 0.0.0.0 or an address of this machine.") from None
+        raise LiveConnectionError(
+            "Host {host!r} cannot be found. Give 127.0.0.1, 0.0.0.0 or an address of this machine.", host=host
+        ) from None
     listener = socket.socket(family, kind, protocol)
     try:
         # Elsewhere this frees a port that a server has just left; on Windows it would let two servers share one
@@ -288,15 +305,22 @@ def _listen(host: str, port: int) -> socket.socket:
         listener.settimeout(POLL)
     except OSError as error:
         listener.close()
-        raise LiveConnectionError(_explain(error, host, port)) from None
+        raise _failure(error, host, port) from None
     return listener
 
 
-def _explain(error: OSError, host: str, port: int) -> str:
+def _failure(error: OSError, host: str, port: int) -> LiveConnectionError:
     if error.errno == errno.EADDRINUSE:
-        return f"Port {port} is in use by another program, perhaps a PlusServer. Stop it, or choose another port (0 takes any free one)."
+        return LiveConnectionError(
+            "Port {port} is in use by another program, perhaps a PlusServer. Stop it, or choose another port (0 takes any free one).",
+            port=port,
+        )
     if error.errno == errno.EADDRNOTAVAIL:
-        return f"{host} is no address of this machine. Give 127.0.0.1, 0.0.0.0 or one of its addresses."
+        return LiveConnectionError("{host} is no address of this machine. Give 127.0.0.1, 0.0.0.0 or one of its addresses.", host=host)
     if error.errno == errno.EACCES:
-        return f"Port {port} needs special rights. Choose one above 1023; Plus uses {PLUS_PORT}."
-    return f"Port {port} on {host} cannot be served ({error.strerror}). Choose another port."
+        return LiveConnectionError(
+            "Port {port} needs special rights. Choose one above 1023; Plus uses {plus_port}.", port=port, plus_port=PLUS_PORT
+        )
+    return LiveConnectionError(
+        "Port {port} on {host} cannot be served ({reason}). Choose another port.", port=port, host=host, reason=error.strerror
+    )

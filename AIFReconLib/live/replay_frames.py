@@ -65,10 +65,12 @@ class ReplayFrames:
         valid_only: bool = True,
     ):
         if len(sequence) == 0:
-            raise SettingsError(f"{sequence.name} has no frames to replay. Choose another recording.")
+            raise SettingsError("{sequence} has no frames to replay. Choose another recording.", sequence=sequence.name)
         problem = why_not_sendable(sequence.images.dtype, sequence.frame_size)
         if problem:
-            raise SettingsError(f"{sequence.name} cannot be sent over OpenIGTLink: {problem}. Convert the recording.")
+            raise SettingsError(
+                "{sequence} cannot be sent over OpenIGTLink: {problem}. Convert the recording.", sequence=sequence.name, problem=problem
+            )
         self._sequence = sequence
         self._valid_only = valid_only
         self._order = time_order(sequence)
@@ -161,11 +163,13 @@ def _times(sequence: TrackedSequence, order: np.ndarray, rate: float | None) -> 
     count = len(order)
     if rate is not None:
         if not 0.0 < rate <= 1.0 / SHORTEST_INTERVAL:
-            raise SettingsError(f"Input rate must be above 0 and at most {1 / SHORTEST_INTERVAL:g} frames/s; got {rate!r}.")
+            raise SettingsError(
+                "Input rate must be above 0 and at most {highest:g} frames/s; got {rate!r}.", highest=1 / SHORTEST_INTERVAL, rate=rate
+            )
         return np.arange(count) / rate, count / rate
     recorded = [record.timestamp for record in sequence.records]
     if any(time is None or not np.isfinite(time) for time in recorded) or (count > 1 and max(recorded) == min(recorded)):
-        raise SettingsError(f"{sequence.name} has no recorded times to follow. Give the rate to replay it at (--rate).")
+        raise SettingsError("{sequence} has no recorded times to follow. Give the rate to replay it at (--rate).", sequence=sequence.name)
     times = np.array(recorded)[order]
     intervals = np.maximum(np.diff(times), SHORTEST_INTERVAL)
     offsets = np.concatenate(([0.0], np.cumsum(intervals)))

@@ -19,6 +19,9 @@ QUEUE_BYTES = 64 * 2**20
 REQUEST_LIMIT = 2**20
 """Bytes of a client's message; what Plus understands is far smaller."""
 
+TAKES_NOTHING = 30.0
+"""s after which a client that has taken not a byte of what waits for it is given up."""
+
 GREETING = 0.25
 """How long a new client is given to ask for header version 2 before the first frame goes out, s."""
 
@@ -119,12 +122,12 @@ class Peer:
 
     def _send(self) -> None:
         while (data := self._next()) is not None:
-            rest = memoryview(data)
+            rest, taken = memoryview(data), time.monotonic()
             while rest and not self._closing:
                 try:
-                    rest = rest[self._connection.send(rest) :]
+                    rest, taken = rest[self._connection.send(rest) :], time.monotonic()
                 except TimeoutError as error:
-                    if error.errno is not None:
+                    if error.errno is not None or time.monotonic() - taken > TAKES_NOTHING:
                         self.close()
                 except OSError:
                     self.close()

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..message import Message, listed
 from .placement import stream_name
 
 RATE_WINDOW = 2.0
@@ -16,12 +17,12 @@ RATE_WINDOW = 2.0
 LATENCIES = 4096
 """Frames over which latency is judged: the last two minutes or more."""
 
-TRACKED = "tracked"
-NO_IMAGES = "no images"
+TRACKED = Message("tracked")
+NO_IMAGES = Message("no images")
 
 _NO_TOOLS = ("Tracker", "Image", "World")
 _REASONS_KEPT = 200
-OTHER_REASONS = "other reasons"
+OTHER_REASONS = Message("other reasons")
 
 
 @dataclass(frozen=True)
@@ -46,8 +47,12 @@ class LiveStatistics:
         From the arrival of an image to its voxels; NaN before the first.
     dropped : int
         Messages that the source had to drop.
+    dropped_images : int
+        Images among them, which no other number counts.
     repeated : int
         Images that the server sent again after a reconnection; they are no frames.
+    other_images : int
+        Images of other devices; they are no frames either.
     recorded : int
         Frames in the recording.
     recording_failure : str or None
@@ -66,7 +71,9 @@ class LiveStatistics:
     latency_p50: float = float("nan")
     latency_p99: float = float("nan")
     dropped: int = 0
+    dropped_images: int = 0
     repeated: int = 0
+    other_images: int = 0
     recorded: int = 0
     recording_failure: str | None = None
     trouble: str | None = None
@@ -142,10 +149,10 @@ def tracking_words(status: str, reference: str) -> str:
     if name is None:
         return status
     if what == "stale":
-        return f"{name} comes too rarely"
+        return Message("{name} comes too rarely", name=name)
     if what not in ("MISSING", "OUT_OF_VIEW", "OUT_OF_VOLUME", "INVALID", "REQ_TIMEOUT", "UNKNOWN"):
         return status
     tools = [frame for frame in (name.source, name.target) if frame not in _NO_TOOLS]
     if name.source == "Image" and tools == [reference]:
         tools = ["Probe", reference]
-    return f"{' or '.join(tools) or name} not visible"
+    return Message("{tools} not visible", tools=listed(tools, " or ") or name)

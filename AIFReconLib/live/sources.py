@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from ..message import Message as Text
 from .message_queue import MessageQueue
 from .messages import ImageMessage, Message, StreamEvent
 
-CONNECTED = "connected"
+CONNECTED = Text("connected")
 """The state of a source that can give messages."""
 
-ENDED = "stopped"
+ENDED = Text("stopped")
 """The state of a source from which nothing more will come once `get` answers None."""
 
 
@@ -19,6 +20,7 @@ class SourceStatistics(Protocol):
     """What a session asks of a source's counters."""
 
     dropped: int
+    dropped_images: int
 
 
 class MessageSource(Protocol):
@@ -31,7 +33,7 @@ class MessageSource(Protocol):
 
     @property
     def statistics(self) -> SourceStatistics:
-        """Counters; `dropped` is the number of messages that were lost because nobody took them in time."""
+        """Counters; `dropped` is the number of messages, `dropped_images` of images among them, that nobody took in time."""
         ...
 
     def start(self) -> None:
@@ -56,6 +58,7 @@ class QueueStatistics:
     """Counters of a `QueueSource`."""
 
     dropped: int = 0
+    dropped_images: int = 0
 
 
 class QueueSource:
@@ -82,8 +85,8 @@ class QueueSource:
 
     @property
     def statistics(self) -> QueueStatistics:
-        """How many messages were dropped."""
-        return QueueStatistics(self._queue.dropped)
+        """How many messages were dropped, and images among them."""
+        return QueueStatistics(self._queue.dropped, self._queue.dropped_images)
 
     def start(self) -> None:
         """Nothing: a queue takes messages from its making on."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
+from .messages import ImageMessage, Message, StreamEvent
+
 DEVICES = 1000
 """Devices that are listed by name; a server that makes up ever new names must not fill the memory."""
 
@@ -32,7 +34,9 @@ class StreamStatistics:
     skipped_bytes : int
         Bytes that belong to no message.
     dropped : int
-        Messages that were never taken from the queue because newer ones pushed them out.
+        Messages that nobody got: newer ones pushed them out of the queue, or the client was stopped.
+    dropped_images : int
+        Images among them.
     reconnects : int
         Connections after the first one.
     received_bytes : int
@@ -48,6 +52,7 @@ class StreamStatistics:
     resyncs: int = 0
     skipped_bytes: int = 0
     dropped: int = 0
+    dropped_images: int = 0
     reconnects: int = 0
     received_bytes: int = 0
     last_message_age: float | None = None
@@ -68,7 +73,8 @@ class Counters:
         self.bad_crc = 0
         self.resyncs = 0
         self.skipped_bytes = 0
-        self.dropped = 0
+        self.discarded = 0
+        self.discarded_images = 0
         self.connections = 0
         self.received_bytes = 0
         self.last_message: float | None = None
@@ -80,12 +86,17 @@ class Counters:
             self.unused[self._key(self.unused, kind, OTHERS)] += 1
         self.last_message = now
 
+    def discard(self, message: Message) -> None:
+        """Count a message that came too late to be queued."""
+        self.discarded += not isinstance(message, StreamEvent)
+        self.discarded_images += isinstance(message, ImageMessage)
+
     @staticmethod
     def _key(counter: Counter, key, others):
         return key if key in counter or len(counter) < DEVICES else others
 
-    def snapshot(self, now: float) -> StreamStatistics:
-        """What is known at `now`, s of `time.monotonic`."""
+    def snapshot(self, now: float, dropped: int, dropped_images: int) -> StreamStatistics:
+        """What is known at `now`, s of `time.monotonic`; the queue has dropped so many messages."""
         return StreamStatistics(
             received=dict(self.received),
             unused=dict(self.unused),
@@ -94,7 +105,8 @@ class Counters:
             bad_crc=self.bad_crc,
             resyncs=self.resyncs,
             skipped_bytes=self.skipped_bytes,
-            dropped=self.dropped,
+            dropped=dropped + self.discarded,
+            dropped_images=dropped_images + self.discarded_images,
             reconnects=max(0, self.connections - 1),
             received_bytes=self.received_bytes,
             last_message_age=None if self.last_message is None else now - self.last_message,

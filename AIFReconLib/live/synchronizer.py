@@ -5,7 +5,7 @@ No thread and no clock: the same messages give the same frames.
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,6 +19,9 @@ from .pose_history import MISSING, Answer, PoseHistory
 
 MOST_WAITING = 128
 """Images that wait for their transforms at the same time; then the oldest is decided as it stands."""
+
+MOST_TRANSFORMS = 200
+"""Transforms that are followed; a server that makes up ever new names must not fill the memory."""
 
 REMEMBERED_TIMES = 512
 """Times of placed images, by which those are recognized that a server sends again after a reconnection."""
@@ -57,7 +60,7 @@ class SynchronizerSettings:
         for name, least in (("time_offset", -60.0), ("longest_gap", 0.0), ("patience", 0.0)):
             value = getattr(self, name)
             if not least <= value <= 60.0:
-                raise SettingsError(f"Input {name} must be from {least:g} to 60 s; got {value!r}.")
+                raise SettingsError("Input {name} must be from {least:g} to 60 s; got {value!r}.", name=name, least=least, value=value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,8 +109,8 @@ class Synchronizer:
         self.device = self.settings.image_device
         self.frames = 0
         self.repeated = 0
-        self.other_images: Counter[str] = Counter()
-        self.unnamed_transforms: Counter[str] = Counter()
+        self.other_images = 0
+        self.unused_transforms = 0
         self._placement = Placement(self.settings, configuration)
         self._histories: dict[TransformName, PoseHistory] = {}
         self._expected: frozenset[TransformName] = frozenset()
@@ -185,7 +188,7 @@ class Synchronizer:
         if self.device is None:
             self.device = message.device
         if message.device != self.device:
-            self.other_images[message.device] += 1
+            self.other_images += 1
             return []
         time, frames = self._time_of(message, "image"), []
         if time in self._times_before and message.timestamp != 0.0:
@@ -202,8 +205,8 @@ class Synchronizer:
 
     def _take_transform(self, message: TransformMessage) -> None:
         name = stream_name(message.device)
-        if name is None:
-            self.unnamed_transforms[message.device] += 1
+        if name is None or (name not in self._histories and len(self._histories) >= MOST_TRANSFORMS):
+            self.unused_transforms += 1
             return
         status = message.status
         if status is TransformStatus.OK and message.header_version == 1 and np.array_equal(message.matrix, np.eye(4)):

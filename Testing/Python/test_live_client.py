@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 import sys
 import threading
@@ -17,7 +18,7 @@ from AIFReconLib.errors import LiveConnectionError, SettingsError
 from AIFReconLib.live.connection import open_connection
 from AIFReconLib.live.encoding import encode_status, encode_status_request
 from AIFReconLib.live.message_queue import MessageQueue
-from AIFReconLib.live.messages import StatusMessage, StreamEvent
+from AIFReconLib.live.messages import StatusMessage, StreamEvent, TransformMessage
 from AIFReconLib.live.openigtlink import OpenIGTLinkClient
 
 QUICK = {"retry_delays": (0.02,), "stall_after": 30.0}
@@ -322,6 +323,15 @@ def test_the_rest_of_a_message_cut_by_a_disconnection_is_not_joined_to_the_next_
     assert inbox.images() == []
 
 
+def test_messages_swallowed_by_one_that_never_ends_are_found_when_the_server_goes(server, connect):
+    inbox = connect()
+    server.send(with_size(transform_bytes(), 2**20), *(transform_bytes(device=f"T{n}") for n in range(3)))
+    server.send(with_size(transform_bytes(), 2**20), transform_bytes(device="Last"))
+    server.hang_up()
+    inbox.until_transform("Last")
+    assert [transform.device for transform in inbox.transforms()] == ["T0", "T1", "T2", "Last"]
+
+
 def test_pauses_between_attempts_grow_and_the_last_one_repeats():
     client = OpenIGTLinkClient("127.0.0.1", free_port(), retry_delays=(0.01, 0.02, 0.03))
     with client:
@@ -519,6 +529,39 @@ def test_pixels_that_wait_are_limited_in_bytes_too(server, connect):
     wait_for(lambda: inbox.client.statistics.dropped == 15, "15 dropped images")
     inbox.until(lambda inbox: inbox.images() and inbox.images()[-1].timestamp == 19)
     assert [image.timestamp for image in inbox.images()] == [15, 16, 17, 18, 19]
+
+
+def test_images_among_the_dropped_messages_are_counted(server, connect):
+    inbox = connect(queue_size=3)
+    server.send(*(image_bytes(timestamp=n) + transform_bytes(timestamp=n) for n in range(10)))
+    wait_for(lambda: inbox.client.statistics.dropped == 18, "18 dropped messages")
+    assert inbox.client.statistics.dropped_images == 9
+
+
+def test_texts_that_wait_are_limited_in_bytes_too():
+    queue = MessageQueue(100, 1000)
+    queue.open()
+    for n in range(10):
+        queue.put(TransformMessage(f"T{n}", 0.0, np.eye(4), metadata={"Note": "x" * 300}))
+        queue.put(StatusMessage("", 0.0, 1, "y" * 300))
+    assert queue.dropped == 17
+
+
+def test_after_a_stop_every_message_was_taken_or_is_counted_as_dropped(server, connect):
+    for _ in range(5):
+        inbox = connect(queue_size=50)
+        stopper = threading.Timer(0.05, inbox.client.stop)
+        stopper.start()
+        with contextlib.suppress(OSError):
+            for n in range(20_000):
+                server.send(transform_bytes(timestamp=n))
+        stopper.join()
+        wait_for(lambda inbox=inbox: not any(t.name.startswith("OpenIGTLink") for t in threading.enumerate()), "the end of the thread")
+        taken = 0
+        while (message := inbox.client.get(timeout=0)) is not None:
+            taken += isinstance(message, TransformMessage)
+        statistics = inbox.client.statistics
+        assert statistics.count("TRANSFORM") == taken + statistics.dropped
 
 
 def test_events_outlast_a_full_queue():

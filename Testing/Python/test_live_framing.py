@@ -14,7 +14,7 @@ from igtl_streams import POSE, image_bytes, packed, picture, recorded, transform
 from pyigtl.messages import MessageBase
 
 from AIFReconLib.errors import LiveMessageError
-from AIFReconLib.live import encoding
+from AIFReconLib.live import encoding, framing
 from AIFReconLib.live.crc64 import crc64
 from AIFReconLib.live.decoding import decode
 from AIFReconLib.live.framing import Damage, Frame, Framer, Recovery, parse_header
@@ -181,6 +181,22 @@ def test_a_size_that_is_wrong_within_the_limit_is_seen_through_when_looked_into(
     assert devices(framer.look_inside()) == ["B"]
 
 
+def test_hundreds_of_messages_swallowed_by_one_that_never_ends_all_come_out():
+    names = [f"T{n}" for n in range(500)]
+    framer = Framer()
+    framer.feed(with_size(transform_bytes(device="A"), 2**25) + b"".join(transform_bytes(device=name) for name in names))
+    assert devices(framer.look_inside()) == names
+
+
+def test_made_up_messages_cost_no_more_work_than_real_ones(monkeypatch):
+    """Headers of long messages, one behind the other: without a bound, every byte would be summed up for each of them."""
+    checked = []
+    monkeypatch.setattr(framing, "crc64", lambda data: checked.append(len(data)) or -1)
+    flood = b"junk" * 20 + with_size(transform_bytes(), 50_000)[:58] * 5000
+    Framer().feed(flood)
+    assert sum(checked) <= framing.EFFORT * len(flood)
+
+
 def test_looking_into_a_message_that_is_only_slow_does_it_no_harm():
     message = image_bytes(device="A")
     framer = Framer()
@@ -341,6 +357,12 @@ def test_a_message_of_tracking_data_gives_a_transform_for_each_tool():
     probe, reference = decode(frame)
     assert (probe.device, reference.device) == ("Probe", "Reference")
     assert probe.matrix.tolist() == [[1, 4, 7, 10], [2, 5, 8, 11], [3, 6, 9, 12], [0, 0, 0, 1]]
+
+
+def test_tracking_data_of_a_thousand_tools_and_more_are_refused():
+    message = encoding.encode_message("TDATA", "Tracker", 1.0, bytes(70 * 1001))
+    with pytest.raises(LiveMessageError, match="holds 1001 tools, more than 1000"):
+        decoded(message)
 
 
 def test_tracking_data_of_a_real_server_agree_with_its_transforms(data_dir):

@@ -6,6 +6,7 @@ import contextlib
 import math
 import threading
 import time
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -29,10 +30,11 @@ from AIFReconLib.live.messages import StreamEvent
 from AIFReconLib.live.openigtlink import OpenIGTLinkClient
 from AIFReconLib.live.recording import Recorder
 from AIFReconLib.live.replay import ReplayServer
+from AIFReconLib.live.scouting import ScoutedFrames
 from AIFReconLib.live.session import LiveSession
 from AIFReconLib.live.session_statistics import Meter, tracking_words
 from AIFReconLib.live.sources import QueueSource
-from AIFReconLib.live.synchronizer import Synchronizer, SynchronizerSettings
+from AIFReconLib.live.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from AIFReconLib.poses import sweep_poses
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.region import ClipRectangle, ImageRegion
@@ -109,6 +111,15 @@ def test_live_gives_the_very_voxels_of_offline(method, session_of, configuration
     live = run(session_of(streamed(sequence), settings, bone))
     for name in ("intensity", "score", "hits", "mask"):
         np.testing.assert_array_equal(getattr(live, name).array, getattr(offline, name).array)
+
+
+def test_an_importance_mask_weights_a_live_average_as_offline(session_of, configuration):
+    sequence = replace(tracked_sequence(), configuration=configuration)
+    settings = ReconstructionSettings(method="average", output_type="float32")
+    importance = np.linspace(0.0, 1.0, 40, dtype=np.float32)[None].repeat(30, axis=0)
+    offline = reconstruct(sequence, settings, None, GRID, importance=importance)
+    live = run(session_of(streamed(sequence), settings, importance=importance))
+    np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
 
 
 def test_frames_without_tracking_are_skipped_alike(session_of, configuration):
@@ -252,6 +263,25 @@ def test_a_frame_from_before_a_reset_is_not_counted_after_it():
     meter.skip("paused", before)
     counts = meter.counts(0.0)
     assert (counts["inserted"], counts["skipped"], counts["waiting"]) == (0, {}, 0)
+
+
+def test_frames_that_cannot_be_used_wait_for_a_box_without_filling_the_memory():
+    """An hour with the probe out of view is 100 000 of them."""
+    scouted = ScoutedFrames()
+    tracemalloc.start()
+    for number in range(20_000):
+        record = FrameRecord(transforms={TransformName("Probe", "Tracker"): TransformSample(np.eye(4), TransformStatus.OUT_OF_VIEW)})
+        scouted.add(LiveFrame(np.zeros((4, 4)), None, status="ProbeToTracker OUT_OF_VIEW", number=number, record=record), 1)
+    size, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert size < 500_000
+    assert [frame.number for frame, _ in scouted] == list(range(20_000))
+
+
+def test_images_of_other_devices_are_told(session_of):
+    session = session_of([*streamed(tracked_sequence()), image(99.0, "Second_Reference")])
+    run(session)
+    assert session.statistics.other_images == 1
 
 
 def test_frames_of_a_scan_that_never_got_a_box_are_accounted_for(session_of):

@@ -15,7 +15,7 @@ from sweeps import image_pose, rigid
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.frames import FrameRecord, TrackedSequence
 from AIFReconLib.live.messages import StreamEvent
-from AIFReconLib.live.synchronizer import Synchronizer, SynchronizerSettings
+from AIFReconLib.live.synchronizer import MOST_TRANSFORMS, Synchronizer, SynchronizerSettings
 from AIFReconLib.pose_interpolation import interpolate_pose
 from AIFReconLib.poses import sweep_poses
 from AIFReconLib.time_offset import with_time_offset
@@ -328,7 +328,7 @@ def test_the_first_image_device_is_taken_and_others_are_counted():
     synchronizer = Synchronizer(SynchronizerSettings(trust_image_pose=True))
     frames = [f for m in (image(1.0), image(1.0, "Other_Reference"), image(2.0)) for f in synchronizer.feed(m)]
     assert len(frames) == 2
-    assert synchronizer.other_images == {"Other_Reference": 1}
+    assert synchronizer.other_images == 1
 
 
 def test_the_image_device_can_be_chosen():
@@ -340,7 +340,15 @@ def test_the_image_device_can_be_chosen():
 def test_transforms_without_a_proper_name_are_counted_and_do_no_harm():
     synchronizer = Synchronizer()
     synchronizer.feed(transform(1.0, "NeedleTip"))
-    assert synchronizer.unnamed_transforms == {"NeedleTip": 1}
+    assert synchronizer.unused_transforms == 1
+
+
+def test_transforms_of_ever_new_names_do_not_fill_the_memory():
+    synchronizer = Synchronizer()
+    for number in range(3 * MOST_TRANSFORMS):
+        synchronizer.feed(transform(1.0, f"Tool{number}ToTracker"))
+    assert len(synchronizer._histories) == MOST_TRANSFORMS
+    assert synchronizer.unused_transforms == 2 * MOST_TRANSFORMS
 
 
 @pytest.mark.parametrize("name", ["longest_gap", "patience", "time_offset"])
