@@ -25,12 +25,13 @@ except ImportError:
     # Loaded from source: Slicer knows this folder alone, and the library stands beside it
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
-from AIFReconGui.dependentWidgets import updateDependentWidgets
-from AIFReconGui.parameterNode import AIFReconParameterNode
+from AIFReconGui.dependentWidgets import updateButtons, updateDependentWidgets
+from AIFReconGui.parameterNode import LONGEST_GAP, AIFReconParameterNode
 from AIFReconGui.startup import onStartupCompleted
 from AIFReconScene import readiness
 from AIFReconScene.panelWords import inPanelWords
-from AIFReconScene.parameters import settingsFrom, takeConfigured
+from AIFReconScene.parameters import readingFrom, settingsFrom, takeConfigured
+from AIFReconScene.sweepReport import SweepReport
 from AIFReconScene.sweepStatus import SweepStatus
 
 
@@ -77,6 +78,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         from AIFReconGui.livePanel import LivePanel
         from AIFReconGui.longWork import LongWork
         from AIFReconGui.pathField import PathField
+        from AIFReconGui.reportPanel import ReportPanel
         from AIFReconGui.segmentsChooser import SegmentsChooser
         from AIFReconScene.inputWatch import InputWatch
 
@@ -90,6 +92,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             PathField(self.ui.recordingPathLineEdit, "recordingPath"),
             PathField(self.ui.configurationPathLineEdit, "configurationPath"),
             PathField(self.ui.liveRecordPathLineEdit, "liveRecordPath"),
+            PathField(self.ui.importanceMaskPathLineEdit, "importanceMaskPath"),
+            ReportPanel(self.ui, self.logic.trackingReport),
         )
         self._work = LongWork(uiWidget)
         self._live = LivePanel(self.ui, self._run)
@@ -106,6 +110,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def cleanup(self) -> None:
         """Let go of everything; called when the application closes or the module is reloaded."""
+        if self._live is None:
+            return  # the .ui file could not be loaded
         self._live.close(sceneStays=True)
         self.setParameterNode(None)
         self.removeObservers()
@@ -174,17 +180,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic.updateDisplay(parameters)
 
     def _checkCanApply(self) -> None:
-        """Enable what can be done, and say what is missing for the rest."""
-        parameters = self._parameterNode
-        for button, missing, does in (
-            (self.ui.loadButton, readiness.whyNotLoad(parameters), _("Read the recording into a sweep that can be replayed")),
-            (self.ui.applyButton, self.logic.whyNotReconstruct(parameters), _("Reconstruct the volume")),
-            (self.ui.compareButton, self.logic.whyNotCompare(parameters), _("Reconstruct with each method and show them side by side")),
-        ):
-            missing = self._live.whyNotNow() or missing
-            button.enabled = not missing
-            button.toolTip = missing or does
-        self.ui.statusLabel.text = self.logic.whyNotReconstruct(parameters) or self._report
+        updateButtons(self.ui, self.logic, self._parameterNode, self._live.whyNotNow(), self._report)
 
     # ---- buttons
 
@@ -229,30 +225,32 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         ScriptedLoadableModuleLogic.__init__(self)
         self._display = None
         self._sweep = SweepStatus()
+        self._tracking = SweepReport()
 
     def getParameterNode(self):
         """The parameters of the scene, typed."""
         return AIFReconParameterNode(super().getParameterNode())
 
     def cleanup(self) -> None:
-        """Take what is drawn for orientation out of the scene."""
-        self._sweep = SweepStatus()
+        """Take what is drawn for orientation out of the scene, and forget what is known of its sweeps."""
+        self._sweep, self._tracking = SweepStatus(), SweepReport()
         if self._display is not None:
             self._display.clear()
 
     # ---- for the console
 
-    def readRecording(self, recording, configuration=None, progress=None):
+    def readRecording(self, recording, configuration=None, progress=None, *, orientation=None, timeOffset=0.0, longestGap=LONGEST_GAP):
         """Read a sequence recorded by Plus into a sequence browser that can be replayed.
 
-        `configuration` is the Plus configuration with the calibration, if needed. Returns the vtkMRMLSequenceBrowserNode. An
-        AIFReconError says what is wrong, where, and what to do; the scene is then as before.
+        `configuration` is the Plus configuration with the calibration, if needed; `orientation` (MF, MN, UF or UN) stands in for a wrong
+        or missing one, `timeOffset` (s) and `longestGap` (s) are those of `with_time_offset`. Returns the browser node. An AIFReconError
+        says what is wrong, where, and what to do; the scene is then as before.
         """
         from AIFReconScene.sequenceNodes import browserFromSequence
 
-        from AIFReconLib import read_sequence
+        from AIFReconLib import read_sequence, with_time_offset
 
-        sequence = read_sequence(recording, config=configuration)
+        sequence = with_time_offset(read_sequence(recording, config=configuration, orientation=orientation), timeOffset, longestGap)
         return browserFromSequence(sequence, pathlib.Path(recording).name.split(".")[0], progress)
 
     def reconstruct(self, sweep, bone=None, *, output=None, keep=(), progress=None, inputs=None, **settings):
@@ -304,10 +302,14 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         """What is missing before the methods can be compared; empty: nothing."""
         return readiness.whyNotCompare(parameters, self._sweep.summary(parameters))
 
+    def trackingReport(self, parameters) -> tuple:
+        """Title and `TrackingReport` of the chosen sweep, with the coverage where it was reconstructed last."""
+        return self._tracking.of(parameters)
+
     def loadRecording(self, parameters, progress=None) -> str:
         """Read the chosen recording and select it; the spacing follows a configuration that tells one."""
         configuration = parameters.configurationPath if parameters.configurationPath.is_file() else None
-        browser = self.readRecording(parameters.recordingPath, configuration, progress)
+        browser = self.readRecording(parameters.recordingPath, configuration, progress, **readingFrom(parameters))
         parameters.sweep, parameters.imageSequence = browser, None
         takeConfigured(parameters, browser)
         return self.describeSweep(parameters)
@@ -359,12 +361,15 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         from AIFReconScene.inputs import reconstructed
         from AIFReconScene.volumeNodes import outputNodes
 
+        from AIFReconLib.message import listed
         from AIFReconLib.progress import part
         from AIFReconLib.summary import summary_lines
 
         result, sequence = reconstructed(inputs, settings, part(progress, 0.0, 0.95))
+        self._tracking.remember(inputs, sequence, result)
+        slicer.mrmlScene.SaveStateForUndo()
         nodes = outputNodes(result, inputs.sweep.GetName(), ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())
-        return nodes, "\n".join(summary_lines(result, len(sequence)))
+        return nodes, listed(summary_lines(result, len(sequence)), "\n")
 
 
 class AIFReconTest(ScriptedLoadableModuleTest):

@@ -7,11 +7,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .errors import SettingsError
 from .fan_detection import FanDetection
+
+if TYPE_CHECKING:
+    from .beams import ProbeGeometry
 
 
 @dataclass(frozen=True)
@@ -29,7 +33,11 @@ class ClipRectangle:
 
     def __post_init__(self):
         if not all(math.isfinite(v) for v in (*self.origin_px, *self.size_px)) or min(self.size_px) < 0:
-            raise SettingsError(f"Input clip rectangle must be X Y W H with W, H not negative; got {self.origin_px} {self.size_px}.")
+            raise SettingsError(
+                "Input clip rectangle must be X Y W H with W, H not negative; got {origin} {size}.",
+                origin=self.origin_px,
+                size=self.size_px,
+            )
 
     def bounds(self, columns: int, rows: int) -> tuple[int, int, int, int]:
         """First and last column, first and last row that it keeps; a last below its first means none."""
@@ -71,11 +79,15 @@ class Fan:
     def __post_init__(self):
         object.__setattr__(self, "angles_deg", tuple(sorted(self.angles_deg)))
         if not -90 < self.angles_deg[0] < self.angles_deg[1] < 90:
-            raise SettingsError(f"Input fan angles must differ and lie between -90 and 90 degrees; got {self.angles_deg}.")
+            raise SettingsError("Input fan angles must differ and lie between -90 and 90 degrees; got {angles}.", angles=self.angles_deg)
         if not 0 <= self.radii[0] < self.radii[1] or not math.isfinite(self.radii[1]):
-            raise SettingsError(f"Input fan radii must be two rising, not negative numbers; got {self.radii}.")
+            raise SettingsError("Input fan radii must be two rising, not negative numbers; got {radii}.", radii=self.radii)
         if min(self.pixel_size) <= 0 or not all(math.isfinite(v) for v in (*self.apex_px, *self.pixel_size)):
-            raise SettingsError(f"Input fan must have a finite apex and a positive pixel size; got {self.apex_px}, {self.pixel_size}.")
+            raise SettingsError(
+                "Input fan must have a finite apex and a positive pixel size; got {apex}, {pixel_size}.",
+                apex=self.apex_px,
+                pixel_size=self.pixel_size,
+            )
 
     def mask(self, columns: int, rows: int) -> np.ndarray:
         """Which pixels are inside, (rows, columns) bool."""
@@ -116,7 +128,11 @@ class ImageRegion:
         if self.fan is not None:
             mask &= self.fan.mask(columns, rows)
         if not mask.any():
-            raise SettingsError(f"The clip rectangle and fan leave no pixel of a {columns} x {rows} image. Check them against the image.")
+            raise SettingsError(
+                "The clip rectangle and fan leave no pixel of a {columns} x {rows} image. Check them against the image.",
+                columns=columns,
+                rows=rows,
+            )
         return mask
 
 
@@ -126,3 +142,42 @@ def extreme_pixels(mask: np.ndarray) -> np.ndarray:
     first = mask[rows].argmax(axis=1)
     last = mask.shape[1] - 1 - mask[rows, ::-1].argmax(axis=1)
     return np.concatenate([np.stack([first, rows], axis=1), np.stack([last, rows], axis=1)]).astype(np.float64)
+
+
+def chosen_region(
+    configured: ImageRegion | None,
+    clip: ClipRectangle | None = None,
+    fan_angles_deg: tuple[float, float] | None = None,
+    fan_radii_px: tuple[float, float] | None = None,
+    apex_px: tuple[float, float] | None = None,
+    probe: ProbeGeometry | None = None,
+) -> ImageRegion | None:
+    """The region that a user asks for, completed by the configuration's; None where nothing is asked for.
+
+    Parameters
+    ----------
+    configured : ImageRegion or None
+    clip : ClipRectangle or None
+    fan_angles_deg, fan_radii_px : (first, last) or None
+        Of a fan; both or none.
+    apex_px : (column, row) or None
+        What the fan stands about; default: the apex of the configured fan, else that of `probe`.
+    probe : ProbeGeometry or None
+
+    Raises
+    ------
+    SettingsError
+        When angles come without radii or the other way round, or no apex is known.
+    """
+    configured = configured or ImageRegion()
+    if bool(fan_angles_deg) != bool(fan_radii_px):
+        raise SettingsError("A fan takes both --fan-angles-deg A B and --fan-radius-px R0 R1; got one of them.")
+    if not clip and not fan_angles_deg:
+        return None
+    fan, detection = configured.fan, configured.fan_detection
+    if fan_angles_deg:
+        about = apex_px or (fan.apex_px if fan else getattr(probe, "apex_px", None))
+        if about is None:
+            raise SettingsError("A fan stands about the apex of a sector probe, which is not known. Give --apex-px COLUMN ROW.")
+        fan, detection = Fan(about, tuple(fan_angles_deg), tuple(fan_radii_px)), None
+    return ImageRegion(clip or configured.clip, fan, detection)

@@ -4,7 +4,7 @@ import html
 
 import qt
 import slicer
-from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.panelWords import errorsInPanelWords, inPanelWords
 from AIFReconScene.parameters import LiveSource
 from slicer.i18n import tr as _
 
@@ -106,7 +106,7 @@ class LivePanel:
 
     def onUseBox(self) -> None:
         """Reconstruct in the box that was scanned so far."""
-        with slicer.util.tryWithErrorDisplay(_("The box cannot be used yet.")):
+        with slicer.util.tryWithErrorDisplay(_("The box cannot be used yet.")), errorsInPanelWords():
             self._live.useScoutedBox()
         self.update(self._missing)
 
@@ -149,7 +149,7 @@ class LivePanel:
         if live.session.recorded is not None:
             said += "\n" + _("Recorded to {path}.").format(path=live.session.recorded)
         if live.session.recording_failure:
-            said += "\n" + live.session.recording_failure
+            said += "\n" + inPanelWords(live.session.recording_failure)
         return said
 
     # ---- timers
@@ -165,21 +165,22 @@ class LivePanel:
         live.refresh()
         statistics = live.statistics
         failed = statistics.phase == "failed"
+        tracking = inPanelWords(statistics.tracking)
         tracked = statistics.tracking == "tracked" and not failed
         if failed:
             word = _("Failed: nothing is inserted")
         elif live.isScouting:
-            word = _("Scan once quickly, then use the box") if tracked else statistics.tracking
+            word = _("Scan once quickly, then use the box") if tracked else tracking
         else:
-            word = _("Paused") if statistics.phase == "paused" else statistics.tracking
+            word = _("Paused") if statistics.phase == "paused" else tracking
         self._showState(word, TRACKED_COLOR if tracked else LOST_COLOR)
         lines = [_describe(statistics)]
         if statistics.trouble:
             lines.append(inPanelWords(statistics.trouble))
         if live.snapshotProblem:
-            lines.append(live.snapshotProblem)
+            lines.append(inPanelWords(live.snapshotProblem))
         if statistics.recording_failure:
-            lines.append(statistics.recording_failure)
+            lines.append(inPanelWords(statistics.recording_failure))
         self._ui.liveStatisticsLabel.text = "\n".join(lines)
         self._ui.liveUseBoxButton.enabled = live.isScouting and live.session.scouted > 0
         if live.volumeNode is not None and self._parameterNode is not None and self._parameterNode.output is not live.volumeNode:
@@ -198,9 +199,10 @@ class LivePanel:
 
 def _describe(statistics) -> str:
     """Rate, latency and where the frames went, in a line or two."""
-    latency = _("no latency yet") if statistics.latency_p50 != statistics.latency_p50 else f"{1000 * statistics.latency_p50:.0f} ms"
+    unknown = statistics.latency_p50 != statistics.latency_p50
+    latency = _("no latency yet") if unknown else _("{latency:.0f} ms").format(latency=1000 * statistics.latency_p50)
     first = _("{rate:.0f} frames/s, {latency}; {connection}").format(
-        rate=statistics.frame_rate, latency=latency, connection=statistics.connection
+        rate=statistics.frame_rate, latency=latency, connection=inPanelWords(statistics.connection)
     )
     second = _("{inserted} of {received} frames inserted").format(inserted=statistics.inserted, received=statistics.frames_received)
     reasons = "; ".join(f"{count} {inPanelWords(reason)}" for reason, count in statistics.skipped.items())

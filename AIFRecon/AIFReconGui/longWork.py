@@ -1,7 +1,7 @@
 """Long work of the panel: with progress and cancel, its errors shown in the panel's words."""
 
 import slicer
-from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.panelWords import errorsInPanelWords, inPanelWords
 from slicer.i18n import tr as _
 
 from .progressDialog import ProgressDialog
@@ -35,17 +35,16 @@ class LongWork:
 
         An error is shown under `failure` and raised again; a cancel leaves the scene as it was.
         """
-        from AIFReconLib.errors import AIFReconError, OperationCanceled
+        from AIFReconLib.errors import OperationCanceled
 
         try:
             with slicer.util.tryWithErrorDisplay(failure, waitCursor=True), ProgressDialog(title) as self._progress:
                 self._panel.enabled = False
                 try:
-                    return inPanelWords(work(parameters, progress=self._progress))
+                    with errorsInPanelWords():
+                        return inPanelWords(work(parameters, progress=self._progress))
                 except OperationCanceled:
                     return _("Canceled. Nothing was changed.")
-                except AIFReconError as error:
-                    raise type(error)(inPanelWords(str(error))) from error
         finally:
             self._progress = None
             self._panel.enabled = True

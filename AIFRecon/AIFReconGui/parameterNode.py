@@ -8,6 +8,7 @@ from AIFReconScene.parameters import (
     BoneDirection,
     Engine,
     HoleFilling,
+    ImageOrientation,
     Interpolation,
     LiveSource,
     Method,
@@ -26,6 +27,12 @@ from slicer import (
 )
 from slicer.parameterNodeWrapper import Minimum, WithinRange, parameterNodeWrapper
 
+from AIFReconLib.pose_tracks import LONGEST_GAP
+from AIFReconLib.time_offset import LARGEST_OFFSET
+
+FARTHEST = 100000.0
+"""Pixels: as far as a place may lie from the image's corner."""
+
 
 def _within(name: str) -> WithinRange:
     """The range that the library gives a parameter."""
@@ -43,10 +50,14 @@ class AIFReconParameterNode:
     imageSequence: vtkMRMLSequenceNode | None
     recordingPath: pathlib.Path
     configurationPath: pathlib.Path
+    imageOrientation: ImageOrientation = ImageOrientation.AUTOMATIC
+    timeOffset: Annotated[float, WithinRange(-LARGEST_OFFSET, LARGEST_OFFSET)] = 0.0
+    longestGap: Annotated[float, WithinRange(0.01, 60.0)] = LONGEST_GAP
 
     ctVolume: vtkMRMLScalarVolumeNode | None
     bone: vtkMRMLSegmentationNode | vtkMRMLLabelMapVolumeNode | vtkMRMLScalarVolumeNode | None
     boneSegments: list[str]
+    boneFromSweep: bool = False
     boneSigma: Annotated[float, WithinRange(0.1, 100.0)] = 10.0
     boneSigmaUnit: SigmaUnit = SigmaUnit.VOXELS
 
@@ -74,8 +85,17 @@ class AIFReconParameterNode:
     boneGain: Annotated[float, _within("bone_gain")] = PARAMETERS["bone_gain"]["default"]
     weightFloor: Annotated[float, _within("weight_floor")] = PARAMETERS["weight_floor"]["default"]
     probe: ProbeShape = ProbeShape.AUTOMATIC
-    apexColumn: Annotated[float, WithinRange(-100000.0, 100000.0)] = 0.0
-    apexRow: Annotated[float, WithinRange(-100000.0, 100000.0)] = 0.0
+    apexColumn: Annotated[float, WithinRange(-FARTHEST, FARTHEST)] = 0.0
+    apexRow: Annotated[float, WithinRange(-FARTHEST, FARTHEST)] = 0.0
+    clipColumn: Annotated[float, WithinRange(0.0, FARTHEST)] = 0.0
+    clipRow: Annotated[float, WithinRange(0.0, FARTHEST)] = 0.0
+    clipWidth: Annotated[float, WithinRange(0.0, FARTHEST)] = 0.0
+    clipHeight: Annotated[float, WithinRange(0.0, FARTHEST)] = 0.0
+    fanFirstAngle: Annotated[float, WithinRange(-89.0, 89.0)] = -30.0
+    fanLastAngle: Annotated[float, WithinRange(-89.0, 89.0)] = 30.0
+    fanFirstRadius: Annotated[float, WithinRange(0.0, FARTHEST)] = 0.0
+    fanLastRadius: Annotated[float, WithinRange(0.0, FARTHEST)] = 0.0
+    importanceMaskPath: pathlib.Path
 
     liveSource: LiveSource = LiveSource.OPENIGTLINK
     liveHost: str = "127.0.0.1"

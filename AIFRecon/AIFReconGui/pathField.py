@@ -2,6 +2,8 @@
 
 import pathlib
 
+from slicer.i18n import translate
+
 
 class PathField:
     """Follows one `pathlib.Path` parameter; the empty path is an empty line.
@@ -14,6 +16,8 @@ class PathField:
     """
 
     def __init__(self, lineEdit, name: str):
+        # Qt's loader translates the strings of a .ui file, but not its lists of strings
+        lineEdit.nameFilters = [translate("AIFRecon", words) for words in lineEdit.nameFilters]
         self._lineEdit = lineEdit
         self._name = name
         self._parameterNode = None

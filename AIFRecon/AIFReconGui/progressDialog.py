@@ -1,6 +1,7 @@
 """The one adapter from the library's progress to Qt: a dialog with a bar, a message and Cancel."""
 
 import slicer
+from AIFReconScene.panelWords import inPanelWords
 
 
 class ProgressDialog:
@@ -18,6 +19,8 @@ class ProgressDialog:
     """
 
     STEPS = 1000
+    WIDTH = 400
+    """Pixels: it does not change its size with every message."""
 
     def __init__(self, title: str):
         self._title = title
@@ -26,7 +29,7 @@ class ProgressDialog:
 
     def __enter__(self):
         self._dialog = slicer.util.createProgressDialog(
-            windowTitle=self._title, labelText=self._title, maximum=self.STEPS, autoClose=False, autoReset=False
+            windowTitle=self._title, labelText=self._title, maximum=self.STEPS, autoClose=False, autoReset=False, minimumWidth=self.WIDTH
         )
         slicer.app.processEvents()
         return self
@@ -39,7 +42,7 @@ class ProgressDialog:
     def __call__(self, fraction: float, message: str) -> bool:
         """Show `fraction` (0 to 1) and `message`; False when the user has asked to stop."""
         dialog = self._dialog
-        dialog.labelText = message
+        dialog.labelText = inPanelWords(message)
         dialog.value = int(fraction * self.STEPS)
         slicer.app.processEvents()
         self._canceled = self._canceled or dialog.wasCanceled

@@ -24,6 +24,7 @@ def registerSampleData():
 
 def loadPhantomSample(source=None):
     """Simulate the patient and add CT, segmentation and sweep to the scene; cancel leaves the scene as it was."""
+    from AIFReconScene.panelWords import errorsInPanelWords
     from AIFReconScene.phantomSample import loadPhantom
 
     from AIFReconLib.errors import OperationCanceled
@@ -32,6 +33,7 @@ def loadPhantomSample(source=None):
 
     with slicer.util.tryWithErrorDisplay(_("The lumbar phantom could not be made.")), ProgressDialog(_("Lumbar phantom")) as progress:
         try:
-            return loadPhantom(progress).nodes
+            with errorsInPanelWords():
+                return loadPhantom(progress).nodes
         except OperationCanceled:
             return []

@@ -9,6 +9,7 @@ import vtk
 from vtk.util import numpy_support
 
 from AIFReconLib.errors import GeometryError
+from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress
 from AIFReconLib.volume import Volume
 
@@ -103,7 +104,7 @@ def _named(node):
     try:
         yield
     except GeometryError as error:
-        raise GeometryError(f"{node.GetName()}: {error}") from error
+        raise GeometryError("{node}: {problem}", node=node.GetName(), problem=error) from error
 
 
 def _worldOrNone(node) -> np.ndarray | None:
@@ -113,10 +114,12 @@ def _worldOrNone(node) -> np.ndarray | None:
 def _volumeOf(node) -> Volume:
     image = node.GetImageData()
     if image is None or image.GetPointData().GetScalars() is None or not image.GetNumberOfPoints():
-        raise GeometryError(f"{node.GetName()}: it has no voxels. Choose a volume that is loaded.")
+        raise GeometryError("{node}: it has no voxels. Choose a volume that is loaded.", node=node.GetName())
     channels = image.GetNumberOfScalarComponents()
     if channels != 1:
-        raise GeometryError(f"{node.GetName()}: voxels must have 1 value; got {channels}. Choose a scalar volume.")
+        raise GeometryError(
+            "{node}: voxels must have 1 value; got {channels}. Choose a scalar volume.", node=node.GetName(), channels=channels
+        )
     with _named(node):
         return Volume(slicer.util.arrayFromVolume(node), ijkToRAS(node))
 
@@ -127,10 +130,12 @@ def _mergedSegments(node, segmentIDs: list[str] | None, referenceVolumeNode, rea
     chosen = present if segmentIDs is None else list(segmentIDs)
     unknown = [segmentID for segmentID in chosen if segmentID not in present]
     if unknown or not chosen:
-        names = ", ".join(segmentation.GetSegment(segmentID).GetName() for segmentID in present) or "none"
+        names = ", ".join(segmentation.GetSegment(segmentID).GetName() for segmentID in present) or Message("none")
         raise GeometryError(
-            f"{node.GetName()}: segments must be one or more of those there are ({names}); got {', '.join(unknown) or 'none'}. "
-            "Choose the bone."
+            "{node}: segments must be one or more of those there are ({names}); got {chosen}. Choose the bone.",
+            node=node.GetName(),
+            names=names,
+            chosen=", ".join(unknown) or Message("none"),
         )
     segmentation = _withLabelmaps(segmentation, chosen, referenceVolumeNode, node)
     ids = vtk.vtkStringArray()
@@ -139,7 +144,7 @@ def _mergedSegments(node, segmentIDs: list[str] | None, referenceVolumeNode, rea
     geometry = slicer.vtkOrientedImageData()
     mode = slicer.vtkSegmentation.EXTENT_UNION_OF_EFFECTIVE_SEGMENTS_AND_REFERENCE_GEOMETRY
     if not segmentation.SetImageGeometryFromCommonLabelmapGeometry(geometry, ids, mode) or geometry.IsEmpty():
-        raise GeometryError(f"{node.GetName()}: the chosen segments are empty. Choose the segments that hold bone.")
+        raise GeometryError("{node}: the chosen segments are empty. Choose the segments that hold bone.", node=node.GetName())
     extent = np.array(geometry.GetExtent()).reshape(3, 2)
     if not _hasReference(segmentation):
         extent += np.array([-1, 1]) * reach(geometry.GetSpacing())
@@ -168,7 +173,9 @@ def _withLabelmaps(segmentation, chosen: list[str], referenceVolumeNode, node):
     if not _hasReference(copy) and referenceVolumeNode is not None:
         _setReference(copy, referenceVolumeNode, node)
     if not copy.CreateRepresentation(labelmap):
-        raise GeometryError(f"{node.GetName()}: its segments cannot be made into voxels. Convert them to binary labelmaps in Slicer.")
+        raise GeometryError(
+            "{node}: its segments cannot be made into voxels. Convert them to binary labelmaps in Slicer.", node=node.GetName()
+        )
     return copy
 
 

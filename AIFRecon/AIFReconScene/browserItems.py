@@ -33,13 +33,15 @@ class BrowserItems:
         self.path = Path(browser.GetName() or "sweep")
         self.master = browser.GetMasterSequenceNode()
         if self.master is None or not self.master.GetNumberOfDataNodes():
-            raise SequenceFormatError(f"{self.path}: this sequence browser has no items. Record or load a sweep first.")
+            raise SequenceFormatError("{path}: this sequence browser has no items. Record or load a sweep first.", path=self.path)
         self.sequences = [self.master, *_synchronized(browser)]
         self.images = imageSequence or self._findImages()
         if self.images not in self.sequences:
             raise SequenceFormatError(
-                f"{self.path}: sequence {self.images.GetName()!r} is not one of this browser's. "
-                f"Choose one of: {self._names(self.sequences)}."
+                "{path}: sequence {node!r} is not one of this browser's. Choose one of: {names}.",
+                path=self.path,
+                node=self.images.GetName(),
+                names=self._names(self.sequences),
             )
         self.record = readRecord(browser)
         self._frames = self.record.get("frames", {})
@@ -106,7 +108,10 @@ class BrowserItems:
 
     def recordedProblem(self, sequenceNode, item, number: int) -> str | None:
         """Why a pose cannot be used, in the words of the library when the sweep was loaded."""
-        return item.GetAttribute(PROBLEM_ATTRIBUTE) or (self.recorded(number).get("problem") if self._isOfRecord(sequenceNode) else None)
+        attribute = item.GetAttribute(PROBLEM_ATTRIBUTE)
+        recorded = self.recorded(number).get("problem") if self._isOfRecord(sequenceNode) else None
+        # Alike, they are the same text; that of the record can be translated
+        return recorded if attribute in (None, "", recorded) else attribute
 
     def _isOfRecord(self, sequenceNode) -> bool:
         return bool(self.record.get("poseName")) and self.nameOf(sequenceNode) == self.record["poseName"]
@@ -114,9 +119,11 @@ class BrowserItems:
     def _findImages(self):
         holding = [node for node in self.sequences if _holds(node, "vtkMRMLVolumeNode")]
         if not holding:
-            raise SequenceFormatError(f"{self.path}: none of its sequences holds images. Choose the browser of a tracked sweep.")
+            raise SequenceFormatError("{path}: none of its sequences holds images. Choose the browser of a tracked sweep.", path=self.path)
         if len(holding) > 1 and holding[0] is not self.master:
-            raise SequenceFormatError(f"{self.path}: several of its sequences hold images. Choose one of: {self._names(holding)}.")
+            raise SequenceFormatError(
+                "{path}: several of its sequences hold images. Choose one of: {names}.", path=self.path, names=self._names(holding)
+            )
         return holding[0]
 
     @staticmethod

@@ -5,6 +5,8 @@ import slicer
 from AIFReconLib.errors import AIFReconError
 
 from . import sliceDisplay
+from .imagingChoices import imageRegionFrom, probeFrom
+from .panelWords import inPanelWords
 from .probeOverlay import ProbeOverlay
 from .sweepStatus import sweepKey
 
@@ -26,16 +28,15 @@ class SceneDisplay:
     def showOutput(self, parameters) -> None:
         """Show the output over the CT in the usual slice views. Views that show its place already stay where the user has them."""
         sliceDisplay.restoreLayout()
-        bounds = [0.0] * 6
-        parameters.output.GetRASBounds(bounds)
-        fit = self._changed("place", (parameters.output.GetID(), bounds))
+        fit = self._changed("place", (parameters.output.GetID(), _boundsOf(parameters.output)))
         sliceDisplay.showOverCT(parameters.output, parameters.ctVolume, parameters.opacity, fit=fit)
         self.update(parameters)
 
     def showComparison(self, comparison, parameters) -> None:
-        """Show the compared volumes side by side, over the CT, in linked views."""
+        """Show the compared volumes side by side, over the CT, in linked views. Views that show their place already stay there."""
         volumes = [(node, method) for method, node in comparison.volumes.items()]
-        sliceDisplay.showSideBySide(volumes, parameters.ctVolume, tableNode=comparison.table)
+        fit = self._changed("compared", [(node.GetID(), _boundsOf(node)) for node, _method in volumes])
+        sliceDisplay.showSideBySide(volumes, parameters.ctVolume, tableNode=comparison.table, fit=fit)
 
     def update(self, parameters) -> None:
         """Follow opacity, volume rendering, probe and outlines."""
@@ -68,7 +69,7 @@ class SceneDisplay:
 
     def _updateProbe(self, parameters) -> None:
         shown = parameters.showProbe and parameters.sweep is not None
-        state = shown and (_sweepOf(parameters), parameters.probe, parameters.apexColumn, parameters.apexRow)
+        state = shown and (_sweepOf(parameters), probeFrom(parameters), imageRegionFrom(parameters))
         if not self._changed("probe", state):
             return
         if not shown:
@@ -82,13 +83,13 @@ class SceneDisplay:
             self._theOverlay().showProbe(parameters.sweep, parameters.imageSequence, imaging.probe, imaging.region)
         except AIFReconError as error:
             self._hide("Probe")
-            slicer.util.showStatusMessage(str(error), 5000)
+            slicer.util.showStatusMessage(inPanelWords(error), 5000)
 
     def _updateOutlines(self, parameters) -> None:
         from .sequenceReader import sequenceFromBrowser
 
         shown = parameters.showOutlines and parameters.sweep is not None
-        if not self._changed("outlines", shown and _sweepOf(parameters)):
+        if not self._changed("outlines", shown and (_sweepOf(parameters), imageRegionFrom(parameters))):
             return
         if not shown:
             self._hide("Outlines")
@@ -98,7 +99,7 @@ class SceneDisplay:
             self._theOverlay().showOutlines(parameters.sweep, sequence, self._imagingOf(parameters, needProbe=False).region)
         except AIFReconError as error:
             self._hide("Outlines")
-            slicer.util.showStatusMessage(str(error), 5000)
+            slicer.util.showStatusMessage(inPanelWords(error), 5000)
 
     def _theOverlay(self):
         if self._overlay is None:
@@ -116,17 +117,24 @@ class SceneDisplay:
         from AIFReconLib.poses import sweep_poses
         from AIFReconLib.reconstruction import resolve_imaging
 
-        from .inputs import probeFrom
+        from .inputs import Inputs
         from .sequenceReader import sequenceFromBrowser
 
-        byHand, key = probeFrom(parameters), _sweepOf(parameters)
+        byHand, key = probeFrom(parameters), (_sweepOf(parameters), imageRegionFrom(parameters))
         if self._imaging[0] != key or (needProbe and byHand is None and self._imaging[1].probe is None):
             sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
+            region = Inputs.fromParameters(parameters).imageRegion(sequence)
             poses = sweep_poses(sequence)
             poses.require_usable(sequence.name)
-            self._imaging = (key, resolve_imaging(sequence, poses, needProbe and byHand is None))
+            self._imaging = (key, resolve_imaging(sequence, poses, needProbe and byHand is None, region))
         imaging = self._imaging[1]
         return imaging if byHand is None else replace(imaging, probe=byHand)
+
+
+def _boundsOf(node) -> list[float]:
+    bounds = [0.0] * 6
+    node.GetRASBounds(bounds)
+    return bounds
 
 
 def _sweepOf(parameters) -> tuple:

@@ -37,13 +37,15 @@ def gridFromROI(roiNode, spacing) -> VoxelGrid:
     """
     spacings = np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3)
     if not (np.isfinite(spacings).all() and (spacings > 0).all()):
-        raise SettingsError(f"Input spacing must be positive mm; got {spacing!r}.")
+        raise SettingsError("Input spacing must be positive mm; got {spacing!r}.", spacing=spacing)
     objectToWorld = matrixToWorld(roiNode) @ arrayOf(roiNode.GetObjectToNodeMatrix())
     lengths = np.linalg.norm(objectToWorld[:3, :3], axis=0)
     size = np.array(roiNode.GetSize(), dtype=np.float64) * lengths
     if not (np.isfinite(size).all() and (size > 0).all()) or not roiNode.GetNumberOfControlPoints():
         raise GeometryError(
-            f"{roiNode.GetName()}: the region must be a box; got {' x '.join(f'{mm:g}' for mm in size)} mm. Place it or enlarge it."
+            "{node}: the region must be a box; got {size} mm. Place it or enlarge it.",
+            node=roiNode.GetName(),
+            size=" x ".join(f"{mm:g}" for mm in size),
         )
     count = np.array([max(1, math.ceil(mm / step - TOLERANCE)) for mm, step in zip(size, spacings)])
     matrix = np.eye(4)
@@ -64,7 +66,7 @@ def gridFromVolume(volumeNode) -> VoxelGrid:
     """
     image = volumeNode.GetImageData()
     if image is None or not image.GetNumberOfPoints():
-        raise GeometryError(f"{volumeNode.GetName()}: it has no voxels. Choose a volume that is loaded.")
+        raise GeometryError("{node}: it has no voxels. Choose a volume that is loaded.", node=volumeNode.GetName())
     return _grid(volumeNode, image.GetDimensions(), matrixToWorld(volumeNode) @ ijkToRAS(volumeNode))
 
 
@@ -72,4 +74,4 @@ def _grid(node, size: tuple[int, int, int], matrix: np.ndarray) -> VoxelGrid:
     try:
         return VoxelGrid(size, matrix)
     except GeometryError as error:
-        raise GeometryError(f"{node.GetName()}: {error}") from None
+        raise GeometryError("{node}: {problem}", node=node.GetName(), problem=error) from None

@@ -1,12 +1,15 @@
 """The nodes that a reconstruction starts from, and what the library makes of them."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from AIFReconLib import reconstruct
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.progress import part
+from AIFReconLib.region import ClipRectangle, chosen_region
 
-from .parameters import ProbeShape, Region, SigmaUnit
+from .imagingChoices import imageRegionFrom, probeFrom
+from .parameters import Region, SigmaUnit, fileFrom
 from .sceneNodes import proxiesOf
 
 
@@ -30,6 +33,13 @@ class Inputs:
         None: around the sweep.
     probe : ProbeGeometry or None
         None: as configured, else as the images show.
+    clip : ClipRectangle or None
+    fanAngles, fanRadii : (float, float) or None
+        Of the fan that is ultrasound, degrees and pixels; both or none. None: as configured, else as the images show.
+    importanceMask : Path or None
+        An 8-bit gray image: the weight of each pixel in an average.
+    boneFromSweep : bool
+        Whether bone is looked for in the sweep itself where no `bone` is given.
     """
 
     sweep: object
@@ -41,6 +51,11 @@ class Inputs:
     boneSigmaMm: float | None = None
     region: object = None
     probe: object = None
+    clip: ClipRectangle | None = None
+    fanAngles: tuple | None = None
+    fanRadii: tuple | None = None
+    importanceMask: Path | None = None
+    boneFromSweep: bool = False
 
     @classmethod
     def fromParameters(cls, parameters) -> "Inputs":
@@ -56,6 +71,9 @@ class Inputs:
             boneSigmaMm=None if inVoxels else parameters.boneSigma,
             region={Region.BOX: parameters.roi, Region.LIKE_VOLUME: parameters.regionVolume}.get(parameters.region),
             probe=probeFrom(parameters),
+            importanceMask=fileFrom(parameters.importanceMaskPath),
+            boneFromSweep=parameters.boneFromSweep,
+            **imageRegionFrom(parameters),
         )
 
     def nodes(self) -> tuple:
@@ -75,7 +93,9 @@ class Inputs:
         if self.sweep is None:
             raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
         sequence = sequenceFromBrowser(self.sweep, self.imageSequence)
-        return PreparedInputs(self, sequence, self.boneMap(progress))
+        region = self.imageRegion(sequence)
+        bone = self._boneOf(sequence, region, progress) if self.bone is None and self.boneFromSweep else self.boneMap(progress)
+        return PreparedInputs(self, sequence, bone, region, self.importance())
 
     def boneMap(self, progress=None):
         """The `BoneMap` of the chosen bone in RAS, or None without."""
@@ -86,6 +106,31 @@ class Inputs:
         sigma = {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": self.boneSigmaMm}
         given = {name: value for name, value in sigma.items() if value is not None}
         return boneMapFromNode(self.bone, list(self.boneSegments) or None, referenceVolumeNode=self.ct, progress=progress, **given)
+
+    def imageRegion(self, sequence):
+        """The `ImageRegion` that is asked for, completed by the sequence's configuration; None where nothing is asked for."""
+        from AIFReconLib.reconstruction import configured_region
+
+        known = self.probe or getattr(sequence.configuration, "probe", None)
+        apex = getattr(self.probe, "apex_px", None)
+        return chosen_region(configured_region(sequence), self.clip, self.fanAngles, self.fanRadii, apex, known)
+
+    def importance(self):
+        """The weight of each pixel, (rows, columns) float32 array from 0 to 1, or None where no mask is chosen."""
+        if self.importanceMask is None:
+            return None
+        from AIFReconLib.io.importance_mask import read_importance_mask
+
+        return read_importance_mask(self.importanceMask)
+
+    def _boneOf(self, sequence, region, progress):
+        from AIFReconLib import bone_from_sweep
+        from AIFReconLib.poses import sweep_poses
+        from AIFReconLib.reconstruction import resolve_imaging
+
+        poses = sweep_poses(sequence)
+        poses.require_usable(sequence.name)
+        return bone_from_sweep(sequence, poses, resolve_imaging(sequence, poses, True, region, self.probe), progress=progress)
 
     def grid(self, settings):
         """The `VoxelGrid` of the chosen region in RAS, or None for the box around the sweep."""
@@ -105,21 +150,22 @@ class PreparedInputs:
     inputs: Inputs
     sequence: object
     bone: object
+    imageRegion: object = None
+    importance: object = None
 
     def reconstruct(self, settings, progress=None):
         """One call of the library: `settings` to a `Reconstruction` in RAS."""
         grid = self.inputs.grid(settings)
-        return reconstruct(self.sequence, settings, self.bone, grid, probe=self.inputs.probe, progress=progress)
-
-
-def probeFrom(parameters):
-    """The probe that the panel sets by hand; None where it leaves that to the configuration and the images."""
-    from AIFReconLib import ProbeGeometry
-
-    if parameters.probe == ProbeShape.AUTOMATIC:
-        return None
-    apex = (parameters.apexColumn, parameters.apexRow) if parameters.probe == ProbeShape.SECTOR else None
-    return ProbeGeometry(parameters.probe.value, apex)
+        return reconstruct(
+            self.sequence,
+            settings,
+            self.bone,
+            grid,
+            region=self.imageRegion,
+            probe=self.inputs.probe,
+            importance=self.importance,
+            progress=progress,
+        )
 
 
 def reconstructed(inputs: Inputs, settings, progress=None):

@@ -1,8 +1,10 @@
 """A live session in the scene: starts it from the panel's parameters and keeps the nodes it shows up to date."""
 
+import numpy as np
 import slicer
 
 from AIFReconLib.errors import OperationCanceled, SettingsError
+from AIFReconLib.frames import TrackedSequence
 from AIFReconLib.live.session import SCOUTING, LiveSession
 from AIFReconLib.live.snapshots import SnapshotMaker
 from AIFReconLib.live.synchronizer import SynchronizerSettings
@@ -11,7 +13,8 @@ from AIFReconLib.volume import Volume
 from .inputs import Inputs
 from .liveViews import LiveViews
 from .nodeSource import NodeSource
-from .parameters import LiveSource, settingsFrom
+from .parameters import LiveSource, fileFrom, settingsFrom
+from .sceneNodes import removeNodes
 from .volumeNodes import followIntensity, outputNodes, showGrayLevels, updateVolumeNode
 
 SCOUT_MARGIN = 5.0
@@ -51,17 +54,19 @@ class LiveReconstruction:
         self._outputs = {"intensity": parameters.output} if empty else {}
         inputs = Inputs.fromParameters(parameters)
         settings = settingsFrom(parameters)
-        grid, bone = inputs.grid(settings), inputs.boneMap(progress)
+        grid, bone, configuration = inputs.grid(settings), inputs.boneMap(progress), _configurationFrom(parameters)
         self._source = _sourceFrom(parameters)
         self.session = LiveSession(
             self._source,
             settings,
             bone,
             grid,
+            region=inputs.imageRegion(TrackedSequence(np.empty((0, 0, 0), np.uint8), [], configuration=configuration)),
             probe=inputs.probe,
-            configuration=_configurationFrom(parameters),
+            importance=inputs.importance(),
+            configuration=configuration,
             synchronizer=SynchronizerSettings(image_device=parameters.liveImageDevice.strip() or None),
-            record=_fileFrom(parameters.liveRecordPath),
+            record=fileFrom(parameters.liveRecordPath),
         )
         self._snapshots = SnapshotMaker(self.session)
         self.session.start()
@@ -72,9 +77,9 @@ class LiveReconstruction:
         return self.session.statistics
 
     @property
-    def snapshotProblem(self) -> str:
-        """Why the volume that is shown does not grow; empty while it does."""
-        return str(self._snapshots.error or "")
+    def snapshotProblem(self):
+        """The error that keeps the volume that is shown from growing; None while it grows."""
+        return self._snapshots.error
 
     @property
     def isScouting(self) -> bool:
@@ -157,7 +162,7 @@ class LiveReconstruction:
         """Take the frame out of the scene, and give the red view back as it was."""
         self._views.restore()
         if self._frameNode is not None and self._frameNode.GetScene() is not None:
-            slicer.mrmlScene.RemoveNode(self._frameNode)
+            removeNodes([self._frameNode], self._frameNode.GetScene())
         self._frameNode = None
 
 
@@ -172,13 +177,9 @@ def _sourceFrom(parameters):
 
 
 def _configurationFrom(parameters):
-    path = _fileFrom(parameters.configurationPath)
+    path = fileFrom(parameters.configurationPath)
     if path is None:
         return None
     from AIFReconLib import read_plus_configuration
 
     return read_plus_configuration(path)
-
-
-def _fileFrom(path):
-    return None if str(path) in ("", ".") else path

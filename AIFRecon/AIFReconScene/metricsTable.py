@@ -1,12 +1,14 @@
 """How volumes show bone, as a table node: the numbers and words of `aifrecon evaluate`."""
 
 import re
+from collections.abc import Callable
 
 import slicer
 import vtk
 
 from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.frames import TrackedSequence
+from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress, part, report
 from AIFReconLib.region import ImageRegion
 from AIFReconLib.volume import Volume
@@ -44,13 +46,13 @@ def measureVolumes(
     truth = bone_truth(labels, beams, progress=part(progress, 0.0, 0.6))
     results = {}
     for number, (name, volume) in enumerate(volumes.items()):
-        report(progress, 0.6 + 0.4 * number / len(volumes), f"Measuring {name}")
+        report(progress, 0.6 + 0.4 * number / len(volumes), Message("Measuring {name}", name=name))
         results[name] = evaluate(volume, truth, mask)
     report(progress, 1.0, "Measured")
     return results
 
 
-def updateMetricsTable(tableNode, metrics: dict) -> None:
+def updateMetricsTable(tableNode, metrics: dict, say: Callable[[Message], str] = str) -> None:
     """Fill a table node with bone metrics: a row for each volume, a column for each number that `aifrecon evaluate` prints.
 
     Parameters
@@ -58,10 +60,13 @@ def updateMetricsTable(tableNode, metrics: dict) -> None:
     tableNode : vtkMRMLTableNode
         What it held is replaced.
     metrics : dict of str to BoneMetrics
+    say : callable
+        Gives headings and explanations in the user's language; English by default.
 
     Notes
     -----
-    Numbers are doubles with the digits that are printed, shares from 0 to 1; NaN where a number is not known.
+    Columns are named in English, whatever their titles say. Numbers are doubles with the digits that are printed, shares from 0 to 1;
+    NaN where a number is not known.
     """
     from AIFReconLib.evaluation.quantities import HEADINGS, QUANTITIES
 
@@ -79,7 +84,9 @@ def updateMetricsTable(tableNode, metrics: dict) -> None:
             for row in rows.values():
                 column.InsertNextValue(round(float(row[key]), _digits(QUANTITIES[key].form)))
             tableNode.AddColumn(column)
-            tableNode.SetColumnDescription(heading, f"{QUANTITIES[key].label}: {QUANTITIES[key].definition}")
+            tableNode.SetColumnTitle(heading, say(heading))
+            what = Message("{label}: {definition}", label=QUANTITIES[key].label, definition=QUANTITIES[key].definition)
+            tableNode.SetColumnDescription(heading, say(what))
         tableNode.SetUseColumnTitleAsColumnHeader(True)
         tableNode.SetLocked(True)
 

@@ -1,12 +1,14 @@
 """A live source within Slicer: an image node that something else keeps up to date, with the transforms above it."""
 
 import time
+from dataclasses import replace
 
 import slicer
 from vtk.util import numpy_support
 
 from AIFReconLib.live.messages import ImageMessage, StreamEvent
 from AIFReconLib.live.sources import QueueSource
+from AIFReconLib.message import Message
 
 from .sweepPoses import transformStatus
 from .transforms import ijkToRAS, matrixToWorld, parentTransforms
@@ -27,7 +29,7 @@ class NodeSource(QueueSource):
     -----
     Image and transforms of one moment are set one after the other, in either order. So an image that has come is only marked, and taken
     with its transforms by `collect`, which the panel calls from its timer when Slicer has finished with that moment. An image that is
-    replaced before that is counted as dropped. Everything here happens on the main thread but `get`.
+    replaced before that, or not taken when the scan ends, is counted as dropped. Everything here happens on the main thread but `get`.
     """
 
     def __init__(self, imageNode):
@@ -46,7 +48,15 @@ class NodeSource(QueueSource):
         if self._observation is not None:
             self._node.RemoveObserver(self._observation)
             self._observation = None
+        self.replaced += self._pending
+        self._pending = False
         super().stop()
+
+    @property
+    def statistics(self):
+        """How many messages were dropped: images that nobody took in time."""
+        queued = super().statistics
+        return replace(queued, dropped=queued.dropped + self.replaced, dropped_images=queued.dropped_images + self.replaced)
 
     def collect(self) -> None:
         """Hand on the image that has come since the last call, if any, with the transforms as they are now."""
@@ -58,8 +68,15 @@ class NodeSource(QueueSource):
             return
         columns, rows, slices = image.GetDimensions()
         if slices != 1 or image.GetNumberOfScalarComponents() != 1:
-            seen = f"{columns} x {rows} x {slices} pixels of {image.GetNumberOfScalarComponents()} values"
-            self.put(StreamEvent("refused", f"{self._node.GetName()} must hold gray images of one slice; got {seen}.", time.monotonic()))
+            detail = Message(
+                "{node} must hold gray images of one slice; got {columns} x {rows} x {slices} pixels of {channels} values.",
+                node=self._node.GetName(),
+                columns=columns,
+                rows=rows,
+                slices=slices,
+                channels=image.GetNumberOfScalarComponents(),
+            )
+            self.put(StreamEvent("refused", detail, time.monotonic()))
             return
         pixels = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns).copy()
         pose = matrixToWorld(self._node) @ ijkToRAS(self._node)

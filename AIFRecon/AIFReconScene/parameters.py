@@ -2,6 +2,7 @@
 
 import enum
 from dataclasses import fields
+from pathlib import Path
 
 from slicer.i18n import tr as _
 
@@ -34,6 +35,16 @@ Engine = _choices("Engine", "engine", automatic=False)
 OutputType = _choices("OutputType", "output_type", automatic=True)
 HoleFilling = _choices("HoleFilling", "holes", automatic=True)
 Interpolation = _choices("Interpolation", "interpolation", automatic=True)
+
+
+class ImageOrientation(SettingChoice):
+    """How the pixels of a recording are stored, where its file does not say or says it wrongly."""
+
+    AUTOMATIC = ""
+    MF = "MF"
+    MN = "MN"
+    UF = "UF"
+    UN = "UN"
 
 
 class Region(enum.Enum):
@@ -93,6 +104,11 @@ class SigmaUnit(enum.Enum):
         return {SigmaUnit.VOXELS: _("voxels"), SigmaUnit.MM: _("mm")}[self]
 
 
+def fileFrom(path: Path) -> Path | None:
+    """A path parameter; None where it is empty."""
+    return None if str(path) in ("", ".") else path
+
+
 def camelCase(name: str) -> str:
     """The name of a parameter node's field for a setting's name: ``hole_limit`` is ``holeLimit``."""
     first, *others = name.split("_")
@@ -116,6 +132,15 @@ def settingsFrom(parameterNode) -> ReconstructionSettings:
             value = None
         values[name] = value
     return ReconstructionSettings(**values)
+
+
+def readingFrom(parameterNode) -> dict:
+    """How the panel wants a recording to be read: arguments of `AIFReconLogic.readRecording`."""
+    return {
+        "orientation": parameterNode.imageOrientation.value or None,
+        "timeOffset": parameterNode.timeOffset,
+        "longestGap": parameterNode.longestGap,
+    }
 
 
 def takeConfigured(parameterNode, browser) -> None:

@@ -5,6 +5,7 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.settings import BONE_METHODS
 
+from .contradictions import contradiction
 from .panelWords import inPanelWords
 from .parameters import LiveSource, Region
 from .sceneNodes import proxiesOf
@@ -39,7 +40,7 @@ def whyNotReconstruct(parameters, sweep=None) -> str:
         return _("Select a tracked sweep, or load a recording.")
     if sweep is not None and sweep.problem:
         return inPanelWords(sweep.problem)
-    return _whatIsMissing(parameters)
+    return _whatIsMissing(parameters, parameters.bone is not None or parameters.boneFromSweep)
 
 
 def whyNotLive(parameters) -> str:
@@ -48,11 +49,12 @@ def whyNotLive(parameters) -> str:
         return _("Select the image node that is kept up to date.")
     if parameters.liveSource == LiveSource.OPENIGTLINK and not parameters.liveHost.strip():
         return _("Enter the name or address of the server.")
-    return _whatIsMissing(parameters)
+    # Bone cannot be looked for in a sweep that is still to be made
+    return _whatIsMissing(parameters, parameters.bone is not None)
 
 
-def _whatIsMissing(parameters) -> str:
-    if parameters.bone is None and (parameters.method.value in BONE_METHODS or parameters.bestCosine):
+def _whatIsMissing(parameters, hasBone: bool) -> str:
+    if not hasBone and (parameters.method.value in BONE_METHODS or parameters.bestCosine):
         wanted = parameters.method.value if parameters.method.value in BONE_METHODS else _("The best cosine")
         return _("{method} needs bone: select a segmentation, a labelmap or a bone probability, or another method.").format(method=wanted)
     if parameters.bone is not None and _isEmpty(parameters.bone):
@@ -64,12 +66,12 @@ def _whatIsMissing(parameters) -> str:
     inputs = (parameters.ctVolume, parameters.bone, parameters.regionVolume, parameters.liveImage, *proxiesOf(parameters.sweep))
     if parameters.output is not None and any(parameters.output is node for node in inputs):
         return _("The output would overwrite {name}: select another output volume, or a new one.").format(name=parameters.output.GetName())
-    return ""
+    return contradiction(parameters, hasBone)
 
 
 def whyNotCompare(parameters, sweep=None) -> str:
     """What is missing before the methods can be compared."""
-    if parameters.sweep is not None and parameters.bone is None:
+    if parameters.sweep is not None and parameters.bone is None and not parameters.boneFromSweep:
         return _("Select bone: the methods differ in what they make of it.")
     return whyNotReconstruct(parameters, sweep)
 
@@ -77,6 +79,8 @@ def whyNotCompare(parameters, sweep=None) -> str:
 def describeBone(parameters) -> str:
     """What the chosen bone is taken for, and what its absence means."""
     bone = parameters.bone
+    if bone is None and parameters.boneFromSweep:
+        return _("Bone is looked for in the sweep itself: what is bright with darkness behind it. The docs say how well that works.")
     if bone is None:
         return _("Without bone the sweep is averaged: nothing says at which angle a beam meets it.")
     if bone.IsA("vtkMRMLSegmentationNode"):

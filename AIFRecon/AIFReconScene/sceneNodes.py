@@ -17,6 +17,15 @@ def proxiesOf(browser) -> list:
     return [nodes.GetItemAsObject(index) for index in range(nodes.GetNumberOfItems())]
 
 
+def freeName(name: str, scene) -> str:
+    """`name`, with a number where a node has it already. Unlike the scene's own, a name that was not used in the end is given again."""
+    number, free = 0, name
+    while scene.GetFirstNodeByName(free) is not None:
+        number += 1
+        free = f"{name}_{number}"
+    return free
+
+
 def removeNodes(nodes, scene) -> None:
     """Take nodes out of a scene, the last first, with the display and storage nodes that were made for them."""
     for node in reversed([node for node in nodes if node is not None and node.GetScene() is scene]):

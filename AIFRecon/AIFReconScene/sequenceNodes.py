@@ -19,7 +19,7 @@ from AIFReconLib.progress import Progress, part, report
 from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.transforms import as_matrix
 
-from .sceneNodes import removeNodes
+from .sceneNodes import freeName, removeNodes
 from .sweepRecord import writeRecord
 from .transforms import vtkMatrixOf
 
@@ -75,8 +75,8 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
     """
     scene = scene or slicer.mrmlScene
     if not len(sequence):
-        raise NoUsableFramesError(f"{sequence.name}: it has no frames. Choose another recording.")
-    name = scene.GenerateUniqueName(name)
+        raise NoUsableFramesError("{sequence}: it has no frames. Choose another recording.", sequence=sequence.name)
+    name = freeName(name, scene)
     poses, poseName = _poses(sequence)
     index, unit = indexValues(sequence.records)
     images = _sequenceNode(f"{name}-{IMAGE}", IMAGE, unit)
@@ -142,7 +142,12 @@ def _fillImages(node, sequence: TrackedSequence, index: list[str], progress: Pro
         report(progress, number / len(sequence), "Loading frames")
         image = np.asarray(sequence.images[number])
         if image.ndim != 2:
-            raise GeometryError(f"{sequence.name}: image {number} must have shape (rows, columns); got {image.shape}.")
+            raise GeometryError(
+                "{sequence}: image {number} must have shape (rows, columns); got {shape}.",
+                sequence=sequence.name,
+                number=number,
+                shape=image.shape,
+            )
         if pixels is None or pixels.shape != image.shape or pixels.dtype != _dtypeOf(image):
             pixels = _newPixels(frame, image)
         pixels[:] = image
@@ -210,11 +215,13 @@ def _setTransform(node, indexValue: str, name: TransformName, matrix: np.ndarray
 def _addToScene(scene, name: str, images, transforms: dict, pose):
     """Sequences, browser and the nodes that it replays, the images under the pose; all or nothing."""
     added = []
+    scene.SaveStateForUndo()
     try:
         for node in (images, *transforms.values()):
             added.append(scene.AddNode(node))
         browser = scene.AddNewNodeByClass("vtkMRMLSequenceBrowserNode", name)
         added.append(browser)
+        browser.SetName(name)
         browser.SetAndObserveMasterSequenceNodeID(images.GetID())
         for node in transforms.values():
             browser.AddSynchronizedSequenceNode(node)

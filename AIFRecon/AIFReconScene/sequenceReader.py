@@ -6,7 +6,8 @@ import numpy as np
 
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.frames import FrameRecord, TrackedSequence
-from AIFReconLib.poses import describe_frames
+from AIFReconLib.message import Message
+from AIFReconLib.poses import describe_frames, describe_skipped
 from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
 
 from .browserItems import BrowserItems
@@ -28,22 +29,23 @@ class SweepSummary:
         How many there are, and how many have an image and a valid pose.
     skipped : dict of str to list of int
         Numbers of the others, by reason.
-    problem : str or None
+    problem : Message or None
         Why nothing can be reconstructed from it, in a sentence.
     """
 
     frames: int
     usable: int
     skipped: dict[str, list[int]]
-    problem: str | None = None
+    problem: Message | None = None
 
     @property
-    def lines(self) -> list[str]:
+    def lines(self) -> list[Message]:
         """The findings in words, as `aifrecon info` has them."""
         if self.problem:
             return [self.problem]
-        said = [f"{self.usable} of {self.frames} frames can be placed."]
-        return said + [f"Will be skipped: {describe_frames(numbers)}: {reason}." for reason, numbers in self.skipped.items()]
+        placed = Message("{usable} of {frames} frames can be placed.", usable=self.usable, frames=self.frames)
+        skipped = ((describe_frames(numbers), reason) for reason, numbers in self.skipped.items())
+        return [placed, *(Message("Will be skipped: {frames}: {reason}.", frames=frames, reason=reason) for frames, reason in skipped)]
 
 
 def sequenceFromBrowser(browser, imageSequence=None, reference: str | None = None) -> TrackedSequence:
@@ -109,18 +111,21 @@ def sweepSummary(browser, imageSequence=None, reference: str | None = None) -> S
         frames = len(items)
         poses = framePoses(items, reference)
     except AIFReconError as error:
-        return SweepSummary(frames, 0, {}, str(error))
+        return SweepSummary(frames, 0, {}, error.args[0])
     skipped: dict[str, list[int]] = {}
     for number, pose in enumerate(poses):
         status = _imageStatus(items, number, items.itemAt(items.images, number))
-        problem = pose.problem if status is TransformStatus.OK else f"no image ({status.value})"
+        problem = pose.problem if status is TransformStatus.OK else Message("no image ({status})", status=status.value)
         if problem is not None:
             skipped.setdefault(problem, []).append(number)
     usable = frames - sum(len(numbers) for numbers in skipped.values())
     problem = None
     if not usable:
-        reasons = "; ".join(f"{reason}: {describe_frames(numbers)}" for reason, numbers in skipped.items())
-        problem = f"{items.path.name}: no frame can be placed ({reasons}). Check the tracking of this recording."
+        problem = Message(
+            "{name}: no frame can be placed ({reasons}). Check the tracking of this recording.",
+            name=items.path.name,
+            reasons=describe_skipped(skipped),
+        )
     return SweepSummary(frames, usable, skipped, problem)
 
 

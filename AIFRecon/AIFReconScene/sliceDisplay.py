@@ -51,7 +51,7 @@ def setOpacity(outputNode, opacity: float, applicationLogic=None) -> None:
             composite.SetForegroundOpacity(opacity)
 
 
-def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", applicationLogic=None, tableNode=None) -> None:
+def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", applicationLogic=None, tableNode=None, fit: bool = True) -> None:
     """Show volumes beside each other in linked slice views that scroll, pan and zoom together.
 
     Parameters
@@ -65,6 +65,8 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
         Default: Slicer's.
     tableNode : vtkMRMLTableNode or None
         Shown below them.
+    fit : bool
+        Whether to turn the views to `orientation` and bring them to the first volume; else they stay where the user has brought them.
 
     Raises
     ------
@@ -72,7 +74,7 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
         When there is no volume, or more than 9.
     """
     if not 1 <= len(volumes) <= MOST_VIEWS:
-        raise SettingsError(f"Input volumes must be 1 to {MOST_VIEWS}; got {len(volumes)}. Choose which to compare.")
+        raise SettingsError("Input volumes must be 1 to {most}; got {count}. Choose which to compare.", most=MOST_VIEWS, count=len(volumes))
     scene = volumes[0][0].GetScene()
     layout = _layoutNode(scene)
     registerLayouts(scene)
@@ -93,9 +95,11 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
     first = logics[0].GetSliceNode()
     for sliceLogic, (node, label) in zip(logics, volumes):
         sliceNode = sliceLogic.GetSliceNode()
-        sliceNode.SetOrientation(orientation)
         sliceNode.SetLayoutLabel(label)
         _showIn(sliceLogic, node, ctNode, 1.0)
+        if not fit:
+            continue
+        sliceNode.SetOrientation(orientation)
         _fit(sliceLogic, volumes[0][0])
         if sliceNode is not first:
             sliceNode.GetSliceToRAS().DeepCopy(first.GetSliceToRAS())

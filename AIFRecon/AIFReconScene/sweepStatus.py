@@ -2,6 +2,8 @@
 
 import vtk
 
+from AIFReconLib.message import listed
+
 from .sceneNodes import nodesOfClass
 from .transforms import parentTransforms
 
@@ -27,7 +29,7 @@ class SweepStatus:
     def text(self, parameters) -> str:
         """The findings in words, a line each."""
         summary = self.summary(parameters)
-        return "\n".join(summary.lines) if summary is not None else ""
+        return listed(summary.lines if summary is not None else (), "\n")
 
 
 def sweepKey(browser, imageSequence=None) -> tuple:

@@ -10,7 +10,7 @@ from vtk.util import numpy_support
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.volume import Volume
 
-from .sceneNodes import nodesOfClass, removeNodes
+from .sceneNodes import freeName, nodesOfClass, removeNodes
 from .transforms import vtkMatrixOf
 
 INTENSITY, SCORE, HITS, COSINE, MASK = "intensity", "score", "hits", "cosine", "mask"
@@ -25,6 +25,9 @@ _NAME_ATTRIBUTE = "AIFRecon.Name"
 
 _ROLE = "AIFRecon.{kind}"
 """Of the references from the intensities to the other volumes of the same reconstruction."""
+
+COMPARED_ROLE = "AIFRecon.ComparedSweep"
+"""Of the reference from a comparison's volumes and table to the sweep that was compared; a volume that is written to otherwise loses it."""
 
 BRIGHTEST_SHARE = 99.5
 """Percent of the measured voxels that the window reaches up to: single bright voxels must not darken the rest."""
@@ -89,9 +92,13 @@ def outputNodes(
         given.update({kind: node for kind, node in earlier.items() if node is not None})
     for kind, node in given.items():
         if kind != MASK and node.IsA("vtkMRMLLabelMapVolumeNode"):
-            raise SettingsError(f"Output must be a scalar volume; got the labelmap {node.GetName()!r}. Choose or create another one.")
+            raise SettingsError(
+                "Output must be a scalar volume; got the labelmap {node!r}. Choose or create another one.", node=node.GetName()
+            )
         if any(node is each for each in inputs):
-            raise SettingsError(f"Output must be another volume than the inputs; got {node.GetName()!r}. Choose or create another one.")
+            raise SettingsError(
+                "Output must be another volume than the inputs; got {node!r}. Choose or create another one.", node=node.GetName()
+            )
     volumes = {kind: getattr(result, kind) for kind in KINDS if kind in kinds and getattr(result, kind) is not None}
     # All memory is taken before the first node changes
     images = {kind: _imageData(volume.array) for kind, volume in volumes.items()}
@@ -106,12 +113,13 @@ def outputNodes(
                 className = "vtkMRMLLabelMapVolumeNode" if kind == MASK else "vtkMRMLScalarVolumeNode"
                 node = scene.AddNewNodeByClass(className)
                 made.append(node)
-                _rename(node, name, scene)
-            elif node.GetAttribute(_NAME_ATTRIBUTE) == node.GetName() and re.sub(r"_\d+$", "", node.GetName()) != name:
-                _rename(node, name, scene)
+                giveName(node, name, scene)
+            elif hasGivenName(node) and re.sub(r"_\d+$", "", node.GetName()) != name:
+                giveName(node, name, scene)
             _place(node, images[kind], volume.ijk_to_reference)
             node.SetAttribute("AIFRecon.Method", result.method)
             node.SetAttribute("AIFRecon.Volume", kind)
+            node.SetNodeReferenceID(COMPARED_ROLE, None)
             _show(node, kind, window, scene)
             placed[kind] = node
         for kind, node in placed.items():
@@ -201,8 +209,14 @@ def showGrayLevels(node, dtype: np.dtype) -> None:
         node.GetScalarVolumeDisplayNode().SetWindowLevelMinMax(0, 255)
 
 
-def _rename(node, name: str, scene) -> None:
-    node.SetName(scene.GenerateUniqueName(name))
+def hasGivenName(node) -> bool:
+    """Whether a node still has the name that it was given here; else the user has named it."""
+    return node.GetAttribute(_NAME_ATTRIBUTE) == node.GetName()
+
+
+def giveName(node, name: str, scene) -> None:
+    """Name a node, with a number where that name is taken, and remember it as given here."""
+    node.SetName(freeName(name, scene))
     node.SetAttribute(_NAME_ATTRIBUTE, node.GetName())
 
 

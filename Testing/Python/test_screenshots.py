@@ -184,9 +184,25 @@ def test_pictures_in_rows_keep_their_pixels(tmp_path):
     assert (read.height(), seen) == (40 + view_frames.GAP, [(255, 0, 0), (0, 0, 255)])
 
 
-@pytest.mark.parametrize("name", ["panel", "panel-needs", "slices", "compare", "overlay"])
-def test_a_picture_of_the_readme_is_there_and_small(name):
+PANELS = ("panel", "panel-needs", "panel-dark", "live-panel", "step-1-empty", "step-2-inputs", "step-4-progress", "step-6-report")
+VIEWS = ("slices", "compare", "overlay", "live", "step-3-advanced", "step-5-result", "step-7-compare", "step-8-live")
+
+
+@pytest.mark.parametrize("name", [*PANELS, *VIEWS])
+def test_a_picture_of_the_readme_and_the_guide_is_there_and_small(name):
     assert 2_000 < (REPOSITORY / "Resources" / "Screenshots" / f"{name}.png").stat().st_size < 400_000
+
+
+@pytest.mark.parametrize("name", PANELS)
+def test_the_panel_is_pictured_at_400_px(name):
+    """A panel that needed more would be pictured wider."""
+    header = (REPOSITORY / "Resources" / "Screenshots" / f"{name}.png").read_bytes()[16:20]
+    assert struct.unpack(">I", header) == (400,)
+
+
+def test_every_picture_of_the_folder_is_made_by_the_program():
+    there = {path.stem for path in (REPOSITORY / "Resources" / "Screenshots").glob("*.png")}
+    assert there == {*PANELS, *VIEWS}
 
 
 def test_the_picture_of_the_sample_data_has_the_size_that_slicer_asks():

@@ -10,7 +10,7 @@ the part of `SampleData` that registers data. With AIFRECON_SLICER_SOURCE=<a che
 Slicer's own files instead.
 
 What it cannot show: nothing is drawn in views, so no displayable manager, no interaction and no picture of a slice; no readers or
-writers of the application (`slicer.util.loadVolume` fails), no panels of C++ modules, no translation, no packaging, no packages
+writers of the application (`slicer.util.loadVolume` fails), no panels of C++ modules, no language but a test's, no packaging, no packages
 installed (`pip_install` refuses). The look is Qt's Fusion style, with what CTK draws itself drawn alike. Which node a selector falls
 back to when its node goes is that of a plain list. Python classes that derive from Qt classes cannot override their C++ methods.
 Parameter packs, dictionaries, ranges and colors as parameters, and panels made from parameters, need Slicer's own files.

@@ -1,4 +1,4 @@
-"""Translation as `slicer.i18n` has it, without any translation: the words of a module's source."""
+"""Translation as `slicer.i18n` has it. No language is installed: texts are those of the source, unless a test installs a translator."""
 
 from __future__ import annotations
 

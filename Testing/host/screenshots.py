@@ -1,4 +1,4 @@
-"""Pictures of the module for the README: the program behind `make screenshots`.
+"""Pictures of the module for the README and the user guide: the program behind `make screenshots`.
 
     python Testing/host/screenshots.py [--output FOLDER] [--thumbnail FILE]
 
@@ -17,7 +17,7 @@ import numpy as np
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(REPOSITORY / "Testing"))
-from host import missing, runHost, view_render  # noqa: E402 - the folder must be known first
+from host import guide_pictures, missing, runHost, view_render  # noqa: E402 - the folder must be known first
 
 SPACING, HOLE_LIMIT = 0.7, 2.0
 """mm. Coarser than the default, and without holes: the phantom's sweep has few frames, so that it is made quickly."""
@@ -75,6 +75,7 @@ class Module:
         loadPhantomSample()
         self.check()
         self.widget.initializeParameterNode()
+        self.parameters.spacing, self.parameters.holeLimit = SPACING, HOLE_LIMIT
         # A user who compares with the reconstruction wants to see through bone
         self.parameters.bone.GetDisplayNode().SetVisibility2DFill(False)
 
@@ -108,9 +109,6 @@ class Module:
 
 def panel(module: Module, folder: Path) -> None:
     """panel.png: the panel after a reconstruction."""
-    parameters = module.parameters
-    parameters.spacing, parameters.holeLimit = SPACING, HOLE_LIMIT
-    module.press(module.widget.ui.applyButton)
     module.host.grab(module.widget.parent, folder / "panel.png", width=PANEL_WIDTH)
 
 
@@ -141,6 +139,7 @@ def compare(module: Module, folder: Path) -> None:
     module.press(module.widget.ui.compareButton)
     views = [module.slice_view(f"AIFRecon{number}", (440, 275), field_of_view=125.0) for number in (1, 2, 3, 4)]
     view_frames.write_png(view_frames.tiled([views[:2], views[2:]]), folder / "compare.png")
+    guide_pictures.compared(module, views, folder)
     module.press(module.widget.ui.singleViewButton)
 
 
@@ -183,7 +182,7 @@ def live(module: Module, folder: Path) -> None:
 
     parameters, ui = module.parameters, module.widget.ui
     parameters.output, parameters.region = None, Region.AROUND_SWEEP
-    with ReplayServer(sequenceFromBrowser(parameters.sweep), 0, rate=20.0, loop=True) as server:
+    with ReplayServer(sequenceFromBrowser(parameters.sweep), 0, rate=10.0, loop=True) as server:
         parameters.liveHost, parameters.livePort = "127.0.0.1", server.port
         module.press(ui.liveStartButton)
 
@@ -210,6 +209,7 @@ def live(module: Module, folder: Path) -> None:
         views = [module.slice_view("Red", size, center=None, field_of_view=110.0)]
         views += [module.slice_view(name, size) for name in ("Yellow", "Green")]
         view_frames.write_png(view_frames.tiled([views]), folder / "live.png")
+        guide_pictures.live(module, views[:1], folder)
         module.press(ui.liveStopButton)
 
 
@@ -268,8 +268,13 @@ def main(arguments=None) -> int:
     try:
         options.output.mkdir(parents=True, exist_ok=True)
         module = Module(host)
+        guide = guide_pictures
+        guide.empty(module, options.output)
         module.load_sample()
-        for make in (panel, slices, panel_needs, compare, overlay, live):
+        for make in (guide.inputs, guide.advanced, guide.progress, panel, slices, guide.result, guide.report, guide.dark):
+            make(module, options.output)
+            print(make.__doc__)
+        for make in (panel_needs, compare, overlay, live):
             make(module, options.output)
             print(make.__doc__)
         thumbnail(module, options.thumbnail)

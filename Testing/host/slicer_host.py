@@ -215,12 +215,18 @@ class SlicerHost:
         self.take_slot_errors()
 
     def grab(self, widget, path, width: int | None = None, height: int | None = None):
-        """Writes a picture of a widget as PNG, one image pixel per screen pixel; returns its size.
+        """Writes a picture of a widget as PNG, one image pixel per screen pixel; returns its size. Parameters as of `picture`."""
+        picture = self.picture(widget, width, height)
+        if not picture.save(str(path), "PNG"):
+            raise OSError(f"cannot write {path}")
+        return picture.width(), picture.height()
+
+    def picture(self, widget, width: int | None = None, height: int | None = None):
+        """A picture of a widget, a QPixmap.
 
         Parameters
         ----------
         widget : Wrapper or QWidget
-        path : path-like
         width, height : int, optional
             Pixels; by default the widget's present width, and the height that its contents need at that width.
         """
@@ -236,10 +242,7 @@ class SlicerHost:
         wanted = layout.totalHeightForWidth(width) if layout is not None and layout.hasHeightForWidth() else native.sizeHint().height()
         native.resize(width, height or max(wanted, 1))
         self.process_events()
-        picture = native.grab()
-        if not picture.save(str(path), "PNG"):
-            raise OSError(f"cannot write {path}")
-        return picture.width(), picture.height()
+        return native.grab()
 
     def close(self) -> None:
         """Ends the modules, then Qt; called when the process ends."""

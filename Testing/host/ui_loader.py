@@ -25,8 +25,11 @@ def widget_elements(root):
     return list(root.iter("widget"))
 
 
-def value_of(element, native):
-    """The value in a property's element: bool, number, string, list of strings or enumeration of a stand-in."""
+def value_of(element, native, context=""):
+    """The value in a property's element: bool, number, string, list of strings or enumeration of a stand-in.
+
+    Strings are translated in the context of the form, lists of strings are not: so does Qt's own loader, which does the rest.
+    """
     child = element[0]
     if child.tag == "bool":
         return child.text == "true"
@@ -46,7 +49,9 @@ def value_of(element, native):
                 raise UiFileError(f"{word} is no value that {type(native).__name__} knows")
             total = found if total == 0 else total | found
         return total
-    return child.text or ""
+    if child.get("notr") == "true":
+        return child.text or ""
+    return QtCore.QCoreApplication.translate(context, child.text or "", child.get("comment"))
 
 
 class QUiLoader(QtUiTools.QUiLoader):
@@ -99,19 +104,25 @@ class QUiLoader(QtUiTools.QUiLoader):
             for element in properties:
                 native = named[name]
                 meta = native.metaObject().property(property_index(native, element.get("name")))
-                _write(native, meta, value_of(element, native), type(native).__name__)
+                _write(native, meta, value_of(element, native, root.findtext("class")), type(native).__name__)
         for element in connections:
             self._connect(element, named, path)
         return widget
 
     def _check_classes(self, root, path):
         known = {*self.stand_ins, *self.availableWidgets()}
+        names = {element.get("name") for element in widget_elements(root)}
         for element in widget_elements(root):
             kind, name = element.get("class"), element.get("name")
             if kind not in known:
                 raise UiFileError(f"{path}: {name} is a {kind}, which the host does not know")
             probe = self.stand_ins[kind](None) if kind in self.stand_ins else super().createWidget(kind)
             for each in element.findall("property"):
+                if (kind, each.get("name")) == ("QLabel", "buddy"):
+                    # No property of Qt's; the loader calls setBuddy, and says nothing when there is no such widget
+                    if each.findtext("cstring") not in names:
+                        raise UiFileError(f"{path}: {name} has the buddy {each.findtext('cstring')}, which is not in the file")
+                    continue
                 if each.get("stdset") != "0" and property_index(probe, each.get("name")) < 0:
                     raise UiFileError(f"{path}: {name} ({kind}) has no property {each.get('name')}")
             probe.deleteLater()

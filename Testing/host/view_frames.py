@@ -115,6 +115,20 @@ def framed(pixels: np.ndarray, title: str, color, corner=(), letters=None) -> Qt
     return picture
 
 
+def titled(picture: QtGui.QImage, title: str) -> QtGui.QImage:
+    """A picture of a window or view under a bar with its title, as a window manager would draw one."""
+    whole = QtGui.QImage(picture.width(), picture.height() + BAR, QtGui.QImage.Format.Format_RGB888)
+    painter = QtGui.QPainter(whole)
+    painter.setRenderHint(QtGui.QPainter.RenderHint.TextAntialiasing)
+    painter.fillRect(0, 0, whole.width(), BAR, QtGui.QColor("#6C7A89"))
+    painter.drawImage(0, BAR, picture)
+    _font(painter, 12, bold=True)
+    painter.setPen(INK)
+    painter.drawText(QtCore.QRect(8, 0, whole.width() - 16, BAR), QtCore.Qt.AlignmentFlag.AlignVCenter, title)
+    painter.end()
+    return whole
+
+
 def tiled(rows: list[list[QtGui.QImage]], background: int = 48) -> QtGui.QImage:
     """Pictures in rows, with small gaps between them; `background` is the gray of the gaps."""
     width = max(sum(picture.width() for picture in row) + GAP * (len(row) - 1) for row in rows)

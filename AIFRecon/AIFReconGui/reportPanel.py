@@ -1,0 +1,75 @@
+"""The Tracking report section of the panel: a table of what is known of the sweep, sentences on what may be wrong, and a copy of both."""
+
+import html
+
+import qt
+from AIFReconScene.panelWords import inPanelWords
+from slicer.i18n import tr as _
+
+
+class ReportPanel:
+    """Shows the report while its section is open; nothing is computed for a closed one.
+
+    Parameters
+    ----------
+    ui : namespace of the widgets in AIFRecon.ui
+    reportOf : callable
+        ``reportOf(parameters) -> (title, TrackingReport)``; an AIFReconError says why there is none.
+    """
+
+    def __init__(self, ui, reportOf):
+        self._ui = ui
+        self._reportOf = reportOf
+        self._parameterNode = None
+        self._shown = None
+        ui.reportCollapsibleButton.connect("contentsCollapsed(bool)", lambda collapsed: self.update())
+        ui.copyReportButton.connect("clicked(bool)", self.onCopy)
+
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none."""
+        self._parameterNode = parameterNode
+
+    def update(self) -> None:
+        """Show the report of the chosen sweep, if the section is open."""
+        if self._parameterNode is None or self._ui.reportCollapsibleButton.collapsed:
+            return
+        from AIFReconLib.errors import AIFReconError
+
+        shown = None
+        if self._parameterNode.sweep is None:
+            said = _("Select a tracked sweep, or load a recording.")
+        else:
+            try:
+                shown = self._reportOf(self._parameterNode)
+            except AIFReconError as error:
+                said = inPanelWords(error)
+        self._ui.copyReportButton.enabled = shown is not None
+        if shown is None:
+            self._ui.reportLabel.text = html.escape(said)
+        elif shown != self._shown:
+            self._ui.reportLabel.text = _asTable(*shown)
+        self._shown = shown
+
+    def onCopy(self) -> None:
+        """Put the report into the clipboard as text."""
+        qt.QApplication.clipboard().setText(_asText(*self._shown))
+
+
+def _lines(report) -> tuple[list, list]:
+    """Names and values, and sentences, in the panel's words."""
+    rows = [(inPanelWords(name), inPanelWords(value)) for name, value in report.rows()]
+    return [(name[:1].upper() + name[1:], value) for name, value in rows], [inPanelWords(sentence) for sentence in report.findings()]
+
+
+def _asTable(title: str, report) -> str:
+    rows, findings = _lines(report)
+    cells = "".join(
+        f"<tr><td style='padding-right: 8px'>{html.escape(name)}</td><td>{html.escape(value)}</td></tr>" for name, value in rows
+    )
+    said = "".join(f"<p style='margin: 4px 0'>{html.escape(sentence)}</p>" for sentence in findings)
+    return f"<p style='margin: 0 0 4px 0'><b>{html.escape(title)}</b></p><table cellspacing='0' cellpadding='2'>{cells}</table>{said}"
+
+
+def _asText(title: str, report) -> str:
+    rows, findings = _lines(report)
+    return "\n".join([title, *(f"{name}: {value}" for name, value in rows), *findings])

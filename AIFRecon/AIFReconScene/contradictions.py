@@ -1,0 +1,64 @@
+"""Choices of the panel that do not go together, said before any work begins; the library would refuse them too."""
+
+from slicer.i18n import tr as _
+
+from AIFReconLib.settings import BONE_METHODS, DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE
+
+from .parameters import PARAMETERS, HoleFilling, Interpolation
+
+
+def contradiction(parameters, hasBone: bool) -> str:
+    """The first contradiction among the parameters, in a sentence; empty where there is none.
+
+    Parameters
+    ----------
+    parameters : AIFReconParameterNode
+    hasBone : bool
+        Whether the method is told where bone is.
+    """
+    checks = (_ofSpeed, _ofHoles, _ofFan, lambda parameters: _ofPixels(parameters, _methodOf(parameters, hasBone)))
+    return next((said for said in (check(parameters) for check in checks) if said), "")
+
+
+def _methodOf(parameters, hasBone: bool) -> str:
+    """The method that a reconstruction would take; a configuration's is not looked up, which refuses nothing."""
+    return parameters.method.value or (DEFAULT_METHOD_WITH_BONE if hasBone else DEFAULT_METHOD_WITHOUT_BONE)
+
+
+def _ofSpeed(parameters) -> str:
+    rule = PARAMETERS["speed_of_sound"]
+    if 0 < parameters.speedOfSound < rule["minimum"]:
+        return _("The speed of sound must be off, or {low:g} to {high:g} m/s; it is {speed:g}.").format(
+            low=rule["minimum"], high=rule["maximum"], speed=parameters.speedOfSound
+        )
+    if parameters.speedOfSound and parameters.boneFromSweep and parameters.bone is None:
+        return _("Bone is looked for at the depths that the images show: leave the speed of sound off, or select bone of the CT.")
+    return ""
+
+
+def _ofHoles(parameters) -> str:
+    if parameters.holeLimit == 0 and parameters.holes not in (HoleFilling.AUTOMATIC, HoleFilling.OFF):
+        return _("Holes are filled up to the hole limit: set it above 0 mm, or set “Hole filling” to automatic.")
+    return ""
+
+
+def _ofFan(parameters) -> str:
+    if parameters.fanLastRadius == 0:
+        return ""
+    if parameters.fanFirstAngle >= parameters.fanLastAngle or parameters.fanFirstRadius >= parameters.fanLastRadius:
+        return _("The fan's second angle and radius must be larger than the first. Correct them, or set the last radius to 0.")
+    return ""
+
+
+def _ofPixels(parameters, method: str) -> str:
+    if parameters.interpolation == Interpolation.LINEAR and (method in BONE_METHODS or parameters.bestCosine):
+        wish = method if method in BONE_METHODS else _("the best cosine")
+        return _("Linear interpolation does not go with {wish}: choose nearest, or another method.").format(wish=wish)
+    mask = parameters.importanceMaskPath
+    if str(mask) in ("", "."):
+        return ""
+    if not mask.is_file():
+        return _("There is no file {path}.").format(path=mask)
+    if method != "average" or parameters.bestCosine:
+        return _("An importance mask weights an average: choose method average, or no mask.")
+    return ""

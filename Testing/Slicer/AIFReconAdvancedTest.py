@@ -1,0 +1,225 @@
+"""Self tests of the advanced choices: each reaches the reconstruction as the command line's option does, or is refused with a reason."""
+
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+
+from AIFReconLib import ClipRectangle, ImageRegion, ReconstructionSettings, reconstruct
+
+
+class AIFReconAdvancedTest(unittest.TestCase):
+    """The panel beside the library's own call."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        self.parameters.sweep = tinyScene.addSweep()
+        self.parameters.spacing = 1.0
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def tearDown(self):
+        slicer.mrmlScene.Clear()
+
+    def addBone(self):
+        """CT and segmentation, chosen."""
+        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
+
+    def choose(self, comboBox, text):
+        """Select an item by its text."""
+        comboBox.currentIndex = comboBox.findText(text)
+
+    def applied(self) -> np.ndarray:
+        """Press Apply; the voxels."""
+        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
+        self.ui.applyButton.click()
+        return slicer.util.arrayFromVolume(self.parameters.output)
+
+    def expected(self, settings: dict, **options) -> np.ndarray:
+        """The voxels of the library's own call."""
+        return reconstruct(tinyScene.makeSequence(), ReconstructionSettings(spacing=1.0, **settings), **options).intensity.array
+
+    def assertRefused(self, *words):
+        """Apply is disabled, and the panel says why."""
+        self.assertFalse(self.ui.applyButton.enabled)
+        for word in words:
+            self.assertIn(word, self.ui.statusLabel.text)
+
+    def mask(self) -> pathlib.Path:
+        """An importance mask in a file, and its left half in black."""
+        import SimpleITK as sitk
+
+        columns, rows = tinyScene.FRAME_SIZE
+        array = np.full((rows, columns), 255, np.uint8)
+        array[:, : columns // 2] = 0
+        path = pathlib.Path(self.folder.name) / "mask.png"
+        sitk.WriteImage(sitk.GetImageFromArray(array), str(path))
+        return path
+
+    # ---- each reaches the reconstruction
+
+    def test_linear_interpolation_is_that_of_the_library(self):
+        self.choose(self.ui.methodComboBox, "average")
+        self.choose(self.ui.interpolationComboBox, "linear")
+        np.testing.assert_array_equal(self.applied(), self.expected({"method": "average", "interpolation": "linear"}))
+
+    def test_holes_are_filled_in_the_way_that_is_chosen(self):
+        self.ui.holeLimitSpinBox.value = 3.0
+        self.choose(self.ui.holesComboBox, "stick")
+        np.testing.assert_array_equal(self.applied(), self.expected({"holes": "stick", "hole_limit": 3.0}))
+
+    def test_dark_pixels_are_rejected(self):
+        self.ui.pixelRejectionSpinBox.value = 60.0
+        np.testing.assert_array_equal(self.applied(), self.expected({"pixel_rejection": 60.0}))
+
+    def test_the_speed_of_sound_is_corrected(self):
+        self.ui.speedOfSoundSpinBox.value = 1450.0
+        self.ui.scannerSpeedOfSoundSpinBox.value = 1550.0
+        np.testing.assert_array_equal(self.applied(), self.expected({"speed_of_sound": 1450.0, "scanner_speed_of_sound": 1550.0}))
+
+    def test_only_the_clip_rectangle_enters(self):
+        for widget, value in (("Column", 20.0), ("Row", 10.0), ("Width", 25.0), ("Height", 40.0)):
+            getattr(self.ui, f"clip{widget}SpinBox").value = value
+        region = ImageRegion(ClipRectangle((20.0, 10.0), (25.0, 40.0)))
+        np.testing.assert_array_equal(self.applied(), self.expected({}, region=region))
+
+    def test_only_the_fan_enters(self):
+        from AIFReconScene.parameters import ProbeShape
+
+        from AIFReconLib import Fan, ProbeGeometry
+
+        self.parameters.probe, self.parameters.apexColumn, self.parameters.apexRow = ProbeShape.SECTOR, 32.0, -20.0
+        self.ui.fanLastRadiusSpinBox.value = 70.0
+        self.ui.fanFirstRadiusSpinBox.value = 30.0
+        self.ui.fanFirstAngleSpinBox.value, self.ui.fanLastAngleSpinBox.value = -20.0, 15.0
+        fan = Fan((32.0, -20.0), (-20.0, 15.0), (30.0, 70.0))
+        expected = self.expected({}, region=ImageRegion(fan=fan), probe=ProbeGeometry("sector", (32.0, -20.0)))
+        np.testing.assert_array_equal(self.applied(), expected)
+
+    def test_pixels_count_as_the_importance_mask_says(self):
+        from AIFReconLib.io.importance_mask import read_importance_mask
+
+        self.ui.importanceMaskPathLineEdit.currentPath = str(self.mask())
+        np.testing.assert_array_equal(self.applied(), self.expected({}, importance=read_importance_mask(self.mask())))
+
+    def test_bone_can_be_looked_for_in_the_sweep(self):
+        self.choose(self.ui.methodComboBox, "weighted")
+        self.assertRefused("needs bone")
+        self.ui.boneFromSweepCheckBox.checked = True
+        voxels = self.applied()
+        self.assertFalse(np.array_equal(voxels, self.expected({"method": "average"})))
+        points = tinyScene.worldOfBrightVoxels(self.parameters.output, 150)
+        self.assertLess(np.abs(np.median(points[:, 1]) - tinyScene.FACE), 1.0)
+
+    # ---- reading a recording
+
+    def load(self):
+        """Load the sweep from a file; where its images are, (n, 4, 4)."""
+        from AIFReconScene.sequenceReader import sequenceFromBrowser
+
+        from AIFReconLib import write_sequence
+
+        path = pathlib.Path(self.folder.name) / "sweep.igs.mha"
+        write_sequence(tinyScene.makeSequence(), path)
+        self.parameters.recordingPath = path
+        self.ui.loadButton.click()
+        return sequenceFromBrowser(self.parameters.sweep)
+
+    def test_a_time_offset_moves_the_poses_of_a_recording_that_is_loaded(self):
+        from AIFReconLib import with_time_offset
+        from AIFReconLib.poses import sweep_poses
+
+        self.ui.timeOffsetSpinBox.value = 0.04
+        found = sweep_poses(self.load()).image_to_reference
+        expected = sweep_poses(with_time_offset(tinyScene.makeSequence(), 0.04)).image_to_reference
+        np.testing.assert_allclose(found, expected, atol=1e-4)
+
+    def test_a_wrong_orientation_is_mended_when_a_recording_is_loaded(self):
+        self.choose(self.ui.imageOrientationComboBox, "UF")
+        found = self.load().images[0]
+        np.testing.assert_array_equal(found, tinyScene.makeSequence().images[0][:, ::-1])
+
+    # ---- what does not go together
+
+    def test_linear_interpolation_is_refused_where_beams_are_weighted(self):
+        self.addBone()
+        self.choose(self.ui.interpolationComboBox, "linear")
+        self.assertRefused("Linear interpolation", "weighted")
+
+    def test_a_way_to_fill_holes_is_refused_without_a_limit(self):
+        self.choose(self.ui.holesComboBox, "gaussian")
+        self.assertRefused("hole limit")
+
+    def test_an_impossible_speed_of_sound_is_refused(self):
+        self.ui.speedOfSoundSpinBox.value = 300.0
+        self.assertRefused("800", "300")
+
+    def test_a_fan_whose_angles_do_not_rise_is_refused(self):
+        self.ui.fanLastRadiusSpinBox.value = 70.0
+        self.ui.fanFirstAngleSpinBox.value = 40.0
+        self.assertRefused("fan")
+
+    def test_an_importance_mask_is_refused_beside_weighted_beams(self):
+        self.addBone()
+        self.ui.importanceMaskPathLineEdit.currentPath = str(self.mask())
+        self.assertRefused("weights an average")
+
+    def test_an_importance_mask_that_is_not_there_is_refused(self):
+        self.ui.importanceMaskPathLineEdit.currentPath = "nowhere.png"
+        self.assertRefused("nowhere.png")
+
+    def test_bone_that_is_looked_for_in_the_sweep_is_refused_with_another_speed_of_sound(self):
+        self.ui.boneFromSweepCheckBox.checked = True
+        self.ui.speedOfSoundSpinBox.value = 1450.0
+        self.assertRefused("speed of sound")
+
+    def test_what_the_panel_refuses_the_library_refuses_too(self):
+        from AIFReconLib.errors import SettingsError
+
+        for settings in ({"holes": "gaussian"}, {"speed_of_sound": 300.0}):
+            with self.subTest(settings=settings), self.assertRaises(SettingsError):
+                self.expected(settings)
+
+    # ---- tracking report
+
+    def test_the_tracking_report_tells_what_was_used_and_skipped(self):
+        self.ui.reportCollapsibleButton.collapsed = False
+        text = self.ui.reportLabel.text
+        self.assertIn("11 of 12", text)
+        self.assertIn("OUT_OF_VIEW", text)
+        self.assertNotIn("Coverage", text)
+        self.ui.reportCollapsibleButton.collapsed = True
+
+    def test_the_tracking_report_has_the_coverage_after_a_reconstruction(self):
+        self.ui.reportCollapsibleButton.collapsed = False
+        voxels = self.applied()
+        self.assertIn("Coverage", self.ui.reportLabel.text)
+        self.assertIn("average", self.ui.reportLabel.text)
+        _title, report = self.widget.logic.trackingReport(self.parameters)
+        self.assertEqual(report.coverage.voxels, voxels.size)
+        self.ui.reportCollapsibleButton.collapsed = True
+
+    def test_no_report_is_made_while_its_section_is_closed(self):
+        self.widget.logic.cleanup()
+        self.parameters.alpha = 0.3
+        self.assertIsNone(self.widget.logic._tracking._report)
+
+    def test_the_report_can_be_copied_as_text(self):
+        import qt
+
+        self.ui.reportCollapsibleButton.collapsed = False
+        self.ui.copyReportButton.click()
+        copied = qt.QApplication.clipboard().text()
+        self.assertIn("Frames used: 11 of 12\n", copied)
+        self.assertNotIn("<", copied)
+        self.ui.reportCollapsibleButton.collapsed = True

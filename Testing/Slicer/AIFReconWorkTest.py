@@ -1,0 +1,222 @@
+"""Self tests of long work: canceled at any point it leaves the scene as it was, and what is done again replaces what was done before."""
+
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+
+
+class AIFReconWorkTest(unittest.TestCase):
+    """Load, Apply and Compare methods: canceled, repeated, undone."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def tearDown(self):
+        slicer.mrmlScene.SetUndoOff()
+        slicer.mrmlScene.ClearUndoStack()
+        slicer.mrmlScene.Clear()
+
+    def addInputs(self):
+        """Sweep, CT and bone, chosen."""
+        self.parameters.sweep = tinyScene.addSweep()
+        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
+        self.parameters.spacing = 2.0
+
+    def chooseRecording(self):
+        """A recording of the sweep in a file."""
+        from AIFReconLib import write_sequence
+
+        path = pathlib.Path(self.folder.name) / "lumbar.igs.mha"
+        write_sequence(tinyScene.makeSequence(), path)
+        self.parameters.recordingPath = path
+
+    def pressAndCancel(self, button, work: str, fraction: float):
+        """Press a button and cancel as soon as `work` of the logic has come so far."""
+        do = getattr(self.widget.logic, work)
+
+        def canceled(parameters, progress):
+            def report(done, message):
+                if done >= fraction:
+                    progress.cancel()
+                return progress(done, message)
+
+            return do(parameters, report)
+
+        setattr(self.widget.logic, work, canceled)
+        try:
+            button.click()
+        finally:
+            delattr(self.widget.logic, work)
+
+    def scene(self) -> dict:
+        """Every node by its ID with its name, and what the views show."""
+        nodes = slicer.mrmlScene.GetNodes()
+        nodes = [nodes.GetItemAsObject(index) for index in range(nodes.GetNumberOfItems())]
+        views = {
+            node.GetID(): (node.GetBackgroundVolumeID(), node.GetForegroundVolumeID(), node.GetForegroundOpacity())
+            for node in nodes
+            if node.IsA("vtkMRMLSliceCompositeNode")
+        }
+        places = {
+            node.GetID(): (node.GetFieldOfView(), node.GetSliceOffset(), node.GetOrientation())
+            for node in nodes
+            if node.IsA("vtkMRMLSliceNode")
+        }
+        layout = next(node.GetViewArrangement() for node in nodes if node.IsA("vtkMRMLLayoutNode"))
+        return {"names": {node.GetID(): node.GetName() for node in nodes}, "views": views, "places": places, "layout": layout}
+
+    def made(self, className="vtkMRMLScalarVolumeNode") -> list:
+        """Names of the volumes or tables that were made of a sweep."""
+        return sorted(node.GetName() for node in slicer.util.getNodesByClass(className) if node.GetAttribute("AIFRecon.Name"))
+
+    # ---- cancel
+
+    def test_a_canceled_load_leaves_the_scene_as_it_was(self):
+        self.chooseRecording()
+        before = self.scene()
+        for fraction in (0.0, 0.3, 0.95, 1.0):
+            with self.subTest(fraction=fraction):
+                self.pressAndCancel(self.ui.loadButton, "loadRecording", fraction)
+                self.assertEqual(self.scene(), before)
+                self.assertIsNone(self.parameters.sweep)
+                self.assertIn("Canceled", self.widget._report)
+
+    def test_a_recording_loaded_after_a_cancel_has_the_name_of_its_file(self):
+        self.chooseRecording()
+        self.pressAndCancel(self.ui.loadButton, "loadRecording", 0.5)
+        self.ui.loadButton.click()
+        self.assertEqual(self.parameters.sweep.GetName(), "lumbar")
+        self.assertEqual(self.parameters.sweep.GetMasterSequenceNode().GetName(), "lumbar-Image")
+        self.assertIn("11 of 12", self.ui.sweepStatusLabel.text)
+
+    def test_a_canceled_comparison_leaves_the_scene_as_it_was(self):
+        self.addInputs()
+        self.ui.applyButton.click()
+        before, output = self.scene(), self.parameters.output
+        for fraction in (0.0, 0.3, 0.6, 0.8, 0.98):
+            with self.subTest(fraction=fraction):
+                self.pressAndCancel(self.ui.compareButton, "compare", fraction)
+                self.assertEqual(self.scene(), before)
+                self.assertIs(self.parameters.output, output)
+                self.assertIn("Canceled", self.ui.statusLabel.text)
+
+    def test_methods_are_compared_after_a_cancel(self):
+        self.addInputs()
+        self.pressAndCancel(self.ui.compareButton, "compare", 0.6)
+        self.ui.compareButton.click()
+        self.assertEqual(self.made(), [f"Sweep {method}" for method in ("aif", "aif-compensated", "average", "weighted")])
+        self.assertEqual(self.made("vtkMRMLTableNode"), ["Sweep bone metrics"])
+
+    # ---- again
+
+    def test_a_second_comparison_fills_the_same_volumes_and_table(self):
+        self.addInputs()
+        self.ui.compareButton.click()
+        before = self.scene()["names"]
+        self.parameters.spacing = 3.0
+        self.ui.compareButton.click()
+        self.assertEqual(self.scene()["names"], before)
+        self.assertEqual({slicer.util.getNode(name).GetSpacing() for name in self.made()}, {(3.0, 3.0, 3.0)})
+
+    def test_a_compared_volume_that_the_user_has_renamed_is_kept(self):
+        self.addInputs()
+        self.ui.compareButton.click()
+        kept = slicer.util.getNode("Sweep aif")
+        kept.SetName("The good one")
+        self.parameters.spacing = 3.0
+        self.ui.compareButton.click()
+        self.assertEqual(kept.GetSpacing(), (2.0, 2.0, 2.0))
+        self.assertEqual(slicer.util.getNode("Sweep aif").GetSpacing(), (3.0, 3.0, 3.0))
+
+    def test_a_comparison_does_not_write_over_a_reconstruction(self):
+        from AIFReconScene.parameters import Method
+
+        self.addInputs()
+        self.ui.compareButton.click()
+        adopted = slicer.util.getNode("Sweep average")
+        self.parameters.output, self.parameters.method = adopted, Method.AVERAGE
+        self.ui.applyButton.click()
+        self.parameters.spacing = 3.0
+        self.ui.compareButton.click()
+        self.assertEqual(adopted.GetSpacing(), (2.0, 2.0, 2.0))
+
+    def test_comparisons_of_two_sweeps_stay_apart(self):
+        self.addInputs()
+        self.ui.compareButton.click()
+        self.parameters.sweep = tinyScene.addSweep("Second")
+        self.ui.compareButton.click()
+        self.assertEqual(len(self.made()), 8)
+
+    def test_a_comparison_is_filled_again_after_the_scene_was_loaded(self):
+        self.addInputs()
+        self.ui.compareButton.click()
+        path = pathlib.Path(self.folder.name) / "scene.mrb"
+        self.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
+        slicer.mrmlScene.Clear()
+        self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
+        before = self.made()
+        self.ui.compareButton.click()
+        self.assertEqual(self.made(), before)
+
+    def test_views_stay_where_they_are_when_the_same_place_is_compared_again(self):
+        self.addInputs()
+        self.ui.compareButton.click()
+        view = slicer.app.layoutManager().sliceWidget("AIFRecon1").mrmlSliceNode()
+        view.SetFieldOfView(12.0, 12.0, 1.0)
+        view.SetSliceOffset(view.GetSliceOffset() + 3.0)
+        before = (view.GetFieldOfView(), view.GetSliceOffset())
+        self.parameters.alpha = 0.3
+        self.ui.compareButton.click()
+        self.assertEqual((view.GetFieldOfView(), view.GetSliceOffset()), before)
+
+    # ---- undo, several scenes
+
+    def test_nothing_can_be_undone_where_the_application_has_not_asked_for_it(self):
+        self.addInputs()
+        self.ui.applyButton.click()
+        self.assertEqual(slicer.mrmlScene.GetNumberOfUndoLevels(), 0)
+
+    def test_a_reconstruction_can_be_undone_where_the_application_has_asked_for_it(self):
+        usual = slicer.vtkMRMLScalarVolumeNode()
+        usual.UndoEnabledOn()
+        slicer.mrmlScene.AddDefaultNode(usual)
+        self.addCleanup(usual.UndoEnabledOff)
+        slicer.mrmlScene.SetUndoOn()
+        self.addInputs()
+        self.ui.applyButton.click()
+        self.parameters.output = None
+        self.ui.applyButton.click()
+        self.assertEqual(self.made(), ["Sweep weighted", "Sweep weighted_1"])
+        slicer.mrmlScene.Undo()
+        self.assertEqual(self.made(), ["Sweep weighted"])
+        self.assertIsNone(self.parameters.output)
+        self.ui.applyButton.click()
+        self.assertEqual(self.made(), ["Sweep weighted", "Sweep weighted_1"])
+
+    def test_a_scene_that_is_added_to_another_leaves_both_sweeps_usable(self):
+        self.addInputs()
+        path = pathlib.Path(self.folder.name) / "scene.mrb"
+        self.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
+        self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), False))
+        sweeps = slicer.util.getNodesByClass("vtkMRMLSequenceBrowserNode")
+        self.assertEqual(len(sweeps), 2)
+        parameters, volumes = self.widget._parameterNode, []
+        for sweep in sweeps:
+            parameters.sweep, parameters.output = sweep, None
+            self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
+            self.ui.applyButton.click()
+            volumes.append(slicer.util.arrayFromVolume(parameters.output))
+        np.testing.assert_array_equal(*volumes)

@@ -1,0 +1,184 @@
+"""Pictures of the steps in the user guide: Resources/Screenshots/step-*.png and panel-dark.png, made by `screenshots.py`.
+
+Each function takes the `Module` of that program at the step that its name tells, and the folder to write into.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+PANEL_WIDTH = 400
+PROGRESS_AT = 0.45
+"""Share of the work at which the dialog is pictured."""
+
+SIZE = (400, 300)
+"""Of a view in a picture of four, pixels."""
+
+
+def empty(module, folder: Path) -> None:
+    """step-1-empty.png: the panel in an empty scene, with the reason why Apply is disabled."""
+    _write(_panel(module), folder / "step-1-empty.png")
+
+
+def inputs(module, folder: Path) -> None:
+    """step-2-inputs.png: sweep, CT and bone are chosen."""
+    _write(_panel(module), folder / "step-2-inputs.png")
+
+
+def advanced(module, folder: Path) -> None:
+    """step-3-advanced.png: the advanced groups, in two columns."""
+    from host import view_frames
+
+    ui = module.widget.ui
+    groups = [ui.loadAdvancedGroupBox, ui.imageAdvancedGroupBox, ui.boneAdvancedGroupBox, ui.volumeAdvancedGroupBox, ui.advancedGroupBox]
+    for group in groups:
+        group.collapsed = False
+    module.host.process_events()
+    whole = _panel(module)
+    middle, end = _top(module, ui.volumeCollapsibleButton), _top(module, ui.applyButton)
+    margin = _top(module, ui.sweepCollapsibleButton)
+    columns = [whole.copy(0, top - margin, PANEL_WIDTH, height) for top, height in ((margin, middle), (middle, end - middle))]
+    _write(view_frames.tiled([columns], background=_background(module)), folder / "step-3-advanced.png")
+    for group in groups:
+        group.collapsed = True
+
+
+def progress(module, folder: Path) -> None:
+    """step-4-progress.png: the dialog during the reconstruction, which this starts."""
+    from PySide6 import QtWidgets
+
+    from host import view_frames
+
+    pictures = []
+
+    def look(value):
+        for dialog in QtWidgets.QApplication.topLevelWidgets():
+            if isinstance(dialog, QtWidgets.QProgressDialog) and value >= PROGRESS_AT * dialog.maximum() and not pictures:
+                pictures.append(view_frames.titled(dialog.grab().toImage(), dialog.windowTitle().strip()))
+
+    module.host.dialogs.on_progress = look
+    module.press(module.widget.ui.applyButton)
+    module.host.dialogs.on_progress = None
+    _write(pictures[0], folder / "step-4-progress.png")
+
+
+def result(module, folder: Path) -> None:
+    """step-5-result.png: the volume over the CT in three planes, and rendered in 3D with the bone of the CT."""
+    import numpy as np
+    import slicer
+
+    from host import view_frames, view_render
+
+    parameters = module.parameters
+    views = {name: module.slice_view(name, SIZE) for name in ("Red", "Yellow", "Green")}
+    parameters.volumeRendering = True
+    module.check()
+    parameters.bone.CreateClosedSurfaceRepresentation()
+    parameters.bone.GetDisplayNode().SetOpacity3D(0.25)
+    node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
+    node.SetBoxVisible(False)
+    node.SetAxisLabelsVisible(False)
+    node.SetOrientationMarkerType(node.OrientationMarkerTypeAxes)
+    bounds = [0.0] * 6
+    parameters.output.GetRASBounds(bounds)
+    center = np.reshape(bounds, (3, 2)).mean(axis=1)
+    with view_render.OffscreenThreeDView(node, module.application, SIZE) as view:
+        view.look(center, np.add(center, (-120.0, -330.0, 160.0)), (0.0, 0.0, 1.0), 330.0)
+        shown = view_frames.framed(view.image(), "1   Volume rendering, bone of the CT", node.GetLayoutColor())
+    parameters.volumeRendering = False
+    parameters.bone.GetSegmentation().RemoveRepresentation("Closed surface")
+    parameters.bone.GetDisplayNode().SetOpacity3D(1.0)
+    view_frames.write_png(view_frames.tiled([[views["Red"], shown], [views["Yellow"], views["Green"]]]), folder / "step-5-result.png")
+
+
+def report(module, folder: Path) -> None:
+    """step-6-report.png: the tracking report, below Apply."""
+    ui = module.widget.ui
+    ui.reportCollapsibleButton.collapsed = False
+    module.host.process_events()
+    whole = _panel(module)
+    top, end = _top(module, ui.applyButton) - 8, _top(module, ui.displayCollapsibleButton)
+    _write(whole.copy(0, top, PANEL_WIDTH, end - top), folder / "step-6-report.png")
+    ui.reportCollapsibleButton.collapsed = True
+
+
+def dark(module, folder: Path) -> None:
+    """panel-dark.png: the panel in a dark style."""
+    from PySide6 import QtWidgets
+
+    from host.panel_looks import dark_palette
+
+    usual = QtWidgets.QApplication.palette()
+    QtWidgets.QApplication.setPalette(dark_palette())
+    _write(_panel(module), folder / "panel-dark.png")
+    QtWidgets.QApplication.setPalette(usual)
+
+
+def compared(module, views: list, folder: Path) -> None:
+    """step-7-compare.png: the methods side by side, and the table of how well each shows bone."""
+    import slicer
+
+    from host import view_frames
+
+    table = slicer.mrmlScene.GetNodeByID(slicer.mrmlScene.GetSingletonNode("AIFReconTable", "vtkMRMLTableViewNode").GetTableNodeID())
+    width = 2 * views[0].width() + view_frames.GAP
+    below = view_frames.titled(_table(table, width), table.GetName())
+    view_frames.write_png(view_frames.tiled([views[:2], views[2:], [below]]), folder / "step-7-compare.png")
+
+
+def live(module, views: list, folder: Path) -> None:
+    """step-8-live.png: the Live section and the views during a scan."""
+    from host import view_frames
+
+    top = _top(module, module.widget.ui.liveCollapsibleButton) - 8
+    whole = _panel(module)
+    section = whole.copy(0, top, PANEL_WIDTH, min(whole.height() - top, views[0].height()))
+    view_frames.write_png(view_frames.tiled([[section, *views]], background=_background(module)), folder / "step-8-live.png")
+
+
+def _panel(module):
+    return module.host.picture(module.widget.parent, width=PANEL_WIDTH).toImage()
+
+
+def _top(module, widget) -> int:
+    """Where a widget begins in the panel, pixels from above."""
+    from PySide6 import QtCore
+
+    from host.pythonqt import unwrap
+
+    return unwrap(widget).mapTo(unwrap(module.widget.parent), QtCore.QPoint(0, 0)).y()
+
+
+def _background(module) -> int:
+    from PySide6 import QtWidgets
+
+    return QtWidgets.QApplication.palette().window().color().red()
+
+
+def _table(node, width: int):
+    """A table node as the table view shows it."""
+    from PySide6 import QtCore, QtWidgets
+
+    table = node.GetTable()
+    columns = [table.GetColumn(number) for number in range(table.GetNumberOfColumns())]
+    view = QtWidgets.QTableWidget(table.GetNumberOfRows(), len(columns))
+    view.setHorizontalHeaderLabels([column.GetName() for column in columns])
+    for place, column in enumerate(columns):
+        for row in range(table.GetNumberOfRows()):
+            view.setItem(row, place, QtWidgets.QTableWidgetItem(column.GetVariantValue(row).ToString()))
+    header = view.horizontalHeader()
+    header.setDefaultAlignment(QtCore.Qt.AlignmentFlag.AlignCenter | QtCore.Qt.TextFlag.TextWordWrap)
+    header.setMinimumHeight(2 * view.fontMetrics().lineSpacing() + 8)
+    header.setSectionResizeMode(QtWidgets.QHeaderView.ResizeMode.Stretch)
+    header.setSectionResizeMode(0, QtWidgets.QHeaderView.ResizeMode.ResizeToContents)
+    view.verticalHeader().hide()
+    view.verticalHeader().setDefaultSectionSize(view.fontMetrics().lineSpacing() + 8)
+    view.setFrameShape(QtWidgets.QFrame.Shape.NoFrame)
+    view.resize(width, header.minimumHeight() + sum(view.rowHeight(row) for row in range(view.rowCount())))
+    return view.grab().toImage()
+
+
+def _write(picture, path: Path) -> None:
+    from host import view_frames
+
+    view_frames.write_png(picture, path)

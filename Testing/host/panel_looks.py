@@ -1,0 +1,335 @@
+"""How the panel looks and can be worked with: narrow, with large letters, in dark colors, on dense screens, by keyboard alone.
+
+    python Testing/host/panel_looks.py [--pictures FOLDER]
+
+Prints what it found as JSON, for `Testing/Python/test_panel_accessibility.py`; every list in it should be empty. For a dense screen run
+it with QT_SCALE_FACTOR=2. Only Qt can tell these things, so they are asked of Qt: with its Fusion style and the stand-ins for CTK's
+widgets, not with the styles of the Slicer application. Exit status: 0, or 2 where the host cannot run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(REPOSITORY / "Testing"), str(REPOSITORY / "Testing" / "Slicer")]
+from host import missing, runHost  # noqa: E402 - the folders must be known first
+
+PANEL_WIDTH = 400
+LARGE = 1.3
+SMALL_SCREEN = (400, 480)
+CONTRAST = 4.5
+"""Between letters and what is behind them: what the WCAG ask for (AA)."""
+
+NODE_SELECTORS = ("qMRMLNodeComboBox",)
+"""They show names that the user has given, which may be longer than any line; what they show without a node must fit."""
+
+LOOKS = {
+    "light": {},
+    "open": {"opened": True},
+    "large letters": {"opened": True, "letters": LARGE},
+    "dark": {"dark": True, "opened": True},
+}
+
+
+def dark_palette():
+    """Colors as dark styles have them, Slicer's among these."""
+    from PySide6.QtGui import QColor, QPalette
+
+    palette = QPalette(QColor(53, 53, 53), QColor(53, 53, 53))
+    palette.setColor(QPalette.ColorRole.Base, QColor(35, 35, 35))
+    palette.setColor(QPalette.ColorRole.Highlight, QColor(42, 130, 218))
+    for role in (QPalette.ColorRole.Text, QPalette.ColorRole.ButtonText, QPalette.ColorRole.WindowText):
+        palette.setColor(role, QColor(255, 255, 255))
+        palette.setColor(QPalette.ColorGroup.Disabled, role, QColor(127, 127, 127))
+    return palette
+
+
+def set_look(module, opened=False, letters=1.0, dark=False) -> None:
+    """Opens all sections, enlarges the letters, or changes the colors of the whole application."""
+    from PySide6 import QtWidgets
+
+    application = QtWidgets.QApplication.instance()
+    font = application.font()
+    font.setPointSizeF(set_look.size * letters)
+    application.setFont(font)
+    application.setPalette(dark_palette() if dark else set_look.palette)
+    for section in sections(module.native):
+        section.setProperty("collapsed", not opened if section.objectName() not in module.open_at_first else False)
+    module.host.process_events()
+
+
+def sections(panel) -> list:
+    """The collapsible parts of a panel."""
+    from PySide6 import QtWidgets
+
+    return [each for each in panel.findChildren(QtWidgets.QWidget) if each.objectName().endswith(("CollapsibleButton", "GroupBox"))]
+
+
+class Panel:
+    """The panel on the small scene of the self tests, as a native widget of a given width."""
+
+    def __init__(self, host):
+        import slicer
+
+        from host.pythonqt import unwrap
+
+        self.host = host
+        host.load_module(REPOSITORY / "AIFRecon" / "AIFRecon.py")
+        host.startup()
+        slicer.mrmlScene.Clear()
+        self.widget = host.open("AIFRecon")
+        self.native = unwrap(self.widget.parent)
+        self.open_at_first = {each.objectName() for each in sections(self.native) if not each.property("collapsed")}
+
+    def choose_inputs(self) -> None:
+        """The small sweep, its CT and bone."""
+        import tinyScene
+
+        parameters = self.widget._parameterNode
+        parameters.sweep = tinyScene.addSweep()
+        parameters.ctVolume, parameters.bone, _registration = tinyScene.addCT()
+        parameters.spacing = 1.0
+        self.host.raise_slot_errors()
+
+    def lay_out(self, width=PANEL_WIDTH) -> None:
+        """Gives the panel a width, and the height that it needs then."""
+        self.native.ensurePolished()
+        self.native.resize(width, self.native.height())
+        self.native.show()
+        self.host.process_events()
+        for _settling in range(2):  # a text that has changed is laid out anew after its section has told of it
+            self.native.resize(width, self.native.layout().totalHeightForWidth(width))
+            self.host.process_events()
+
+    def shown(self, kind) -> list:
+        """The widgets of a class that are to be seen."""
+        return [each for each in self.native.findChildren(kind) if each.isVisible()]
+
+    def place(self, widget):
+        """Where a widget lies in the panel."""
+        from PySide6 import QtCore
+
+        return QtCore.QRect(widget.mapTo(self.native, QtCore.QPoint(0, 0)), widget.size())
+
+
+def named(widget) -> str:
+    """What to call a widget in a finding."""
+    while not widget.objectName() or widget.objectName().startswith("qt_"):
+        widget = widget.parentWidget()
+    return widget.objectName()
+
+
+def cut_texts(panel) -> list[str]:
+    """Widgets whose text does not fit into them, and those that reach over the panel's edge."""
+    from PySide6 import QtWidgets
+
+    found = []
+    for widget in panel.shown(QtWidgets.QWidget):
+        wanted, got = room_for_text(widget)
+        if wanted > got or widget.height() < min(widget.fontMetrics().height(), widget.minimumSizeHint().height()):
+            found.append(f"{named(widget)}: {wanted} px of text in {got}")
+        if panel.place(widget).right() >= PANEL_WIDTH:
+            found.append(f"{named(widget)} ends at {panel.place(widget).right()}")
+    return found
+
+
+def room_for_text(widget) -> tuple[int, int]:
+    """Pixels that the text of a widget takes (along the line; down the page where lines are broken), and those that it has."""
+    from PySide6 import QtWidgets
+
+    letters, style = widget.fontMetrics(), widget.style()
+    if isinstance(widget, QtWidgets.QLabel):
+        if widget.wordWrap():
+            return widget.heightForWidth(widget.width()), widget.height()
+        return letters.horizontalAdvance(widget.text()), widget.contentsRect().width()
+    if isinstance(widget, QtWidgets.QComboBox) and not widget.isEditable():
+        option = QtWidgets.QStyleOptionComboBox()
+        widget.initStyleOption(option)
+        field = style.subControlRect(style.ComplexControl.CC_ComboBox, option, style.SubControl.SC_ComboBoxEditField, widget)
+        selector = next((each for each in (widget, widget.parentWidget()) if type(each).__name__ in NODE_SELECTORS), None)
+        counts = selector is None or widget.currentText() == selector.property("noneDisplay")
+        return letters.horizontalAdvance(widget.currentText()) if counts else 0, field.width()
+    if isinstance(widget, QtWidgets.QAbstractSpinBox):
+        line = widget.lineEdit()
+        return letters.horizontalAdvance(line.displayText()), line.contentsRect().width() - 2
+    if isinstance(widget, QtWidgets.QLineEdit) and widget.placeholderText():
+        return letters.horizontalAdvance(widget.placeholderText()), widget.contentsRect().width()
+    if isinstance(widget, QtWidgets.QPushButton | QtWidgets.QCheckBox | QtWidgets.QToolButton):
+        return widget.minimumSizeHint().width(), widget.width()
+    if isinstance(widget, QtWidgets.QAbstractButton):
+        return letters.horizontalAdvance(widget.text()) + letters.height(), widget.width()
+    if isinstance(widget, QtWidgets.QGroupBox):
+        return letters.horizontalAdvance(widget.title()) + letters.height(), widget.width()
+    return 0, 0
+
+
+def faint_texts(panel) -> list[str]:
+    """Labels whose letters do not stand out, by the pixels that are drawn."""
+    from PySide6 import QtWidgets
+
+    found = []
+    for label in panel.shown(QtWidgets.QLabel):
+        if label.text() and label.isEnabled() and (contrast := contrast_of(panel.native.grab(panel.place(label)).toImage())) < CONTRAST:
+            found.append(f"{named(label)}: {contrast:.1f}")
+    return found
+
+
+def contrast_of(picture) -> float:
+    """The largest contrast between two pixels of a picture, 1 to 21 as the WCAG define it."""
+    lights = [luminance(picture.pixelColor(x, y)) for y in range(picture.height()) for x in range(picture.width())]
+    return (max(lights) + 0.05) / (min(lights) + 0.05)
+
+
+def luminance(color) -> float:
+    """Relative luminance, 0 to 1."""
+    linear = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in (color.redF(), color.greenF(), color.blueF())]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def walk_by_tab(panel) -> list:
+    """The widgets that Tab goes to, from the first one on until it is back there."""
+    from PySide6 import QtCore, QtTest, QtWidgets
+
+    application = QtWidgets.QApplication.instance()
+    panel.native.activateWindow()
+    panel.native.setFocus()
+    panel.host.process_events()
+    walked = []
+    for _step in range(300):
+        QtTest.QTest.keyClick(application.focusWidget() or panel.native, QtCore.Qt.Key.Key_Tab)
+        now = application.focusWidget()
+        if now is None or now in walked:
+            break
+        walked.append(now)
+    return walked
+
+
+def by_keyboard(panel) -> dict:
+    """What Tab does not reach, where it goes up, what shows no focus, and what has no name."""
+    from PySide6 import QtCore, QtGui, QtWidgets
+
+    walked = walk_by_tab(panel)
+    wanted = {
+        named(each)
+        for each in panel.shown(QtWidgets.QWidget)
+        if each.isEnabled() and each.focusPolicy() & QtCore.Qt.FocusPolicy.TabFocus and not isinstance(each, QtWidgets.QLabel)
+    }
+    tops = [panel.place(each).top() for each in walked]
+    upward = [
+        f"{named(before)} to {named(after)}"
+        for before, after, top, bottom in zip(walked, walked[1:], tops, tops[1:], strict=False)
+        if bottom < top - before.height() // 2
+    ]
+    unnamed, unmarked = [], []
+    for each in walked:
+        owner = next((up for up in ancestors(each, panel.native) if name_of(up, QtGui)), None)
+        if owner is None:
+            unnamed.append(named(each))
+        if isinstance(each, QtWidgets.QPushButton | QtWidgets.QCheckBox | QtWidgets.QLineEdit) and not marks_focus(panel, each):
+            unmarked.append(named(each))
+    unreached = sorted(wanted - {named(each) for each in walked})
+    return {"walked": len(walked), "unreached": unreached, "upward": upward, "unnamed": unnamed, "unmarked": unmarked}
+
+
+def ancestors(widget, top):
+    """A widget, and those that it is part of up to the first with a name of its own in the .ui file."""
+    while widget is not None and widget is not top:
+        yield widget
+        if widget.objectName() and not widget.objectName().startswith("qt_"):
+            return
+        widget = widget.parentWidget()
+
+
+def name_of(widget, gui) -> str:
+    """What a screen reader says of a widget: its own name or text, or that of the label whose buddy it is."""
+    interface = gui.QAccessible.queryAccessibleInterface(widget)
+    return interface.text(gui.QAccessible.Text.Name) if interface is not None else ""
+
+
+def marks_focus(panel, widget) -> bool:
+    """Whether a widget looks different when it has the focus."""
+    from PySide6 import QtCore
+
+    widget.clearFocus()
+    panel.host.process_events()
+    without = widget.grab().toImage()
+    widget.setFocus(QtCore.Qt.FocusReason.TabFocusReason)
+    widget.window().setAttribute(QtCore.Qt.WidgetAttribute.WA_KeyboardFocusChange)  # as after a real Tab
+    return widget.grab().toImage() != without
+
+
+def applied_by_keyboard(panel) -> bool:
+    """Whether the space bar on Apply reconstructs."""
+    from PySide6 import QtCore, QtTest, QtWidgets
+
+    button = panel.native.findChild(QtWidgets.QPushButton, "applyButton")
+    button.setFocus()
+    QtTest.QTest.keyClick(button, QtCore.Qt.Key.Key_Space)
+    panel.host.raise_slot_errors()
+    return panel.widget._parameterNode.output is not None
+
+
+def scrolls(panel) -> dict:
+    """How far the panel can be scrolled on a small screen, across and down; back in its place afterwards."""
+    from PySide6 import QtWidgets
+
+    area = QtWidgets.QScrollArea()
+    area.setWidgetResizable(True)
+    area.setWidget(panel.native)
+    area.resize(*SMALL_SCREEN)
+    area.show()
+    panel.host.process_events()
+    across, down = area.horizontalScrollBar().maximum(), area.verticalScrollBar().maximum()
+    panel.native.setParent(None)
+    return {"across": across, "down": down}
+
+
+def look_around(panel, pictures: Path | None) -> dict:
+    """Everything that is looked at."""
+    from PySide6 import QtWidgets
+
+    set_look.size, set_look.palette = QtWidgets.QApplication.font().pointSizeF(), QtWidgets.QApplication.palette()
+    found: dict = {"pixels per point": panel.native.devicePixelRatioF(), "cut": {}, "faint": {}}
+    set_look(panel, opened=True, letters=LARGE)
+    panel.lay_out()
+    found["cut"]["without inputs"] = cut_texts(panel)
+    panel.choose_inputs()
+    for name, look in LOOKS.items():
+        set_look(panel, **look)
+        panel.lay_out()
+        found["cut"][name], found["faint"][name] = cut_texts(panel), faint_texts(panel)
+        if pictures:
+            panel.native.grab().save(str(pictures / f"{name}.png"))
+    set_look(panel, opened=True)
+    panel.lay_out()
+    found["keyboard"] = by_keyboard(panel)
+    found["applied"] = applied_by_keyboard(panel)
+    panel.lay_out()
+    found["cut"]["after a reconstruction"] = cut_texts(panel)
+    found["scrolls"] = scrolls(panel)
+    return found
+
+
+def main(arguments=None) -> int:
+    """Prints the findings; returns the exit status."""
+    parser = argparse.ArgumentParser(description="Say what of the panel cannot be read or reached.")
+    parser.add_argument("--pictures", type=Path, help="folder for a picture of every look")
+    options = parser.parse_args(arguments)
+    if reason := missing():
+        print(f"The panel cannot be looked at: it cannot run here: {reason}.", file=sys.stderr)
+        return 2
+    host = runHost()
+    try:
+        panel = Panel(host)  # it must live until the host is closed
+        print(json.dumps(look_around(panel, options.pictures), indent=1))
+    finally:
+        host.close()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
