@@ -6,20 +6,27 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 DEMO_OUTPUT ?= demo-output
 STUDY_OUTPUT ?= study-output
+FUZZ_SECONDS ?= 600
+FAULTS_SECONDS ?= 3600
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test slicer-test screenshots lint format bench study clean
+.PHONY: help setup demo test slicer-test screenshots translations figures lint format bench study soak fuzz faults clean
 
 help:
 	@echo "make demo    reconstruct a simulated lumbar scan and draw it, into $(DEMO_OUTPUT)/"
 	@echo "make test    lint, format check and all tests"
 	@echo "make slicer-test  only the self tests of the Slicer module, on real MRML nodes and Qt, without Slicer"
+	@echo "make translations every visible text of the module, for translators, into Resources/Translations/"
 	@echo "make screenshots  the module's panel and views as pictures, into Resources/Screenshots/"
+	@echo "make figures the pictures of docs/method.md, into docs/images/ (minutes)"
 	@echo "make setup   only install what the two above need, into $(VENV)/"
 	@echo "make lint    only lint and format check"
 	@echo "make format  reformat the code"
 	@echo "make bench   measure the speed of this machine"
 	@echo "make study   compare all methods on simulated patients, into $(STUDY_OUTPUT)/ (half an hour)"
+	@echo "make soak    an hour of live reconstruction from a server that fails at random, in simulated time (half an hour)"
+	@echo "make faults  kill, fill and cut whatever can be for FAULTS_SECONDS ($(FAULTS_SECONDS)); nothing may be lost (Linux, best as root)"
+	@echo "make fuzz    damage input on purpose for FUZZ_SECONDS ($(FUZZ_SECONDS)); only clear refusals may come out"
 	@echo "make clean   remove $(VENV)/ and everything that was built"
 
 setup: $(STAMP)
@@ -37,7 +44,7 @@ $(STAMP): pyproject.toml
 	  || { echo "Python cannot make virtual environments here. Install them with: sudo apt install python3-venv" >&2; exit 1; }
 	@echo "Setting up $(VENV) (once; takes a minute)"
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear $(VENV)
-	@PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet --editable '.[test,lint,figures]'
+	@PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet --use-pep517 --editable '.[test,lint,figures]'
 	@touch $(STAMP)
 
 demo: setup
@@ -52,6 +59,12 @@ slicer-test: setup
 screenshots: setup
 	@QT_QPA_PLATFORM=offscreen $(BIN)/python Testing/host/screenshots.py
 
+figures: setup
+	@$(BIN)/python Testing/figures/parameters.py
+
+translations: setup
+	@$(BIN)/python Testing/write_translations.py
+
 lint: setup
 	@$(BIN)/python -m ruff check --quiet .
 	@$(BIN)/python -m ruff format --quiet --check . || { echo "Run 'make format' and commit what it changes." >&2; exit 1; }
@@ -65,6 +78,23 @@ bench: setup
 
 study: setup
 	@$(BIN)/python -m AIFReconLib study --output "$(STUDY_OUTPUT)"
+
+# Shorter, or with other faults: make soak SOAK="--minutes 5 --seed 7"
+soak: setup
+	@$(BIN)/python Testing/soak $(SOAK)
+	@$(BIN)/python Testing/soak --record $(SOAK)
+	@$(BIN)/python Testing/soak hostile
+	@$(BIN)/python Testing/soak scene
+
+# Not run by continuous integration; that runs a few of each kind
+faults: setup
+	@cd Testing && ../$(BIN)/python -m faults --seconds $(FAULTS_SECONDS)
+
+# Not run by continuous integration; that runs the corpus. Without atheris (Windows, macOS) hypothesis chooses the damage
+fuzz: setup
+	@PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet --use-pep517 --editable '.[fuzz]' \
+	  || echo "atheris cannot be had; hypothesis is used" >&2
+	@$(BIN)/python Testing/fuzz/run.py --seconds $(FUZZ_SECONDS)
 
 clean:
 	rm -rf $(VENV) demo-output study-output htmlcov build dist .pytest_cache .ruff_cache .hypothesis .coverage *.egg-info

@@ -1,8 +1,64 @@
-"""`python -m AIFReconLib`: the command line."""
+"""`python -m AIFReconLib` and `aifrecon`: the command line, and the moment before it, in which the libraries are loaded."""
 
+from __future__ import annotations
+
+import os
 import sys
 
-from .cli import main
+LEAST_ADDRESS_SPACE = 800 * 2**20
+"""Bytes that loading the libraries takes. With less, some of them end the program in words of their own, or wait forever."""
+
+AMPLE_ADDRESS_SPACE = 4 * 2**30
+"""Bytes below which the linear algebra behind numpy, which takes some for every core, is held to one thread."""
+
+_INTERRUPTED = "Interrupted. No file is left half-written."
+
+
+def main() -> int:
+    """Load and run the command line.
+
+    Returns
+    -------
+    code : int
+        As `cli.main`; 2 where the libraries cannot be loaded, 130 when Ctrl-C came before they were.
+    """
+    space = _address_space()
+    if space < LEAST_ADDRESS_SPACE:
+        least, given = LEAST_ADDRESS_SPACE // 2**20, int(space) // 2**20
+        return _fail(f"The program may use {given} MiB of address space and needs {least} to start. Raise the limit (ulimit -v).", 2)
+    if space < AMPLE_ADDRESS_SPACE:
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    try:
+        from .cli import main as run
+    except KeyboardInterrupt:
+        return _fail(_INTERRUPTED, 130)
+    except MemoryError:
+        return _fail("There is not enough memory to start. End other programs.", 2)
+    except (ImportError, OSError) as error:
+        cause = " ".join(str(error).split())
+        return _fail(f"A library cannot be loaded ({cause}). Install AIFRecon again, or give the program more memory.", 2)
+    try:
+        return run()
+    except KeyboardInterrupt:  # before a command had begun, or when it was just over
+        return _fail(_INTERRUPTED, 130)
+
+
+def _address_space() -> float:
+    """Bytes that the process may map, where the system limits that."""
+    try:
+        import resource
+
+        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+        return float("inf") if limit == resource.RLIM_INFINITY else limit
+    except ImportError:  # Windows
+        return float("inf")
+
+
+def _fail(message: str, code: int) -> int:
+    if sys.stderr is not None:
+        print(f"aifrecon: {message}", file=sys.stderr)
+    return code
+
 
 if __name__ == "__main__":
     sys.exit(main())

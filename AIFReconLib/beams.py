@@ -33,10 +33,10 @@ class ProbeGeometry:
 
     def __post_init__(self):
         if self.kind not in (LINEAR, SECTOR):
-            raise BeamGeometryError(f"Input probe must be linear or sector; got {self.kind!r}.")
+            raise BeamGeometryError("Input probe must be linear or sector; got {kind!r}.", kind=self.kind)
         if self.kind == SECTOR and (self.apex_px is None or len(self.apex_px) != 2 or not all(math.isfinite(v) for v in self.apex_px)):
             raise BeamGeometryError(
-                f"Input apex of a sector probe must be a column and a row; got {self.apex_px!r}. Give --apex-px COLUMN ROW."
+                "Input apex of a sector probe must be a column and a row; got {apex!r}. Give --apex-px COLUMN ROW.", apex=self.apex_px
             )
 
     def directions(self, columns: int, rows: int, spacing: tuple[float, float]) -> np.ndarray:

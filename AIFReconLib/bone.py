@@ -12,6 +12,7 @@ import numpy as np
 from scipy import ndimage
 
 from .errors import GeometryError
+from .message import listed
 from .progress import Progress, report
 from .threads import in_parts, optional_module, usable_cores
 from .volume import Volume, VoxelGrid
@@ -110,7 +111,7 @@ class BoneMap:
             raise GeometryError("Input labels must leave voxels that are not bone; got bone everywhere. Was the right segmentation chosen?")
         sigma_kji = np.full(3, float(sigma_voxels)) if sigma_mm is None else float(sigma_mm) / labels.grid.spacing[::-1]
         if not (np.isfinite(sigma_kji).all() and (sigma_kji > 0).all()):
-            raise GeometryError(f"Input sigma must be positive; got {sigma_voxels if sigma_mm is None else sigma_mm}.")
+            raise GeometryError("Input sigma must be positive; got {sigma}.", sigma=sigma_voxels if sigma_mm is None else sigma_mm)
         margin = np.ceil(GAUSSIAN_REACH * sigma_kji).astype(int) + 2
         box = _box_around(bone, margin)
         bone = bone[box]
@@ -136,8 +137,9 @@ class BoneMap:
         """
         if probability.array.size and np.nanmax(np.where(np.isfinite(probability.array), probability.array, 0)) > 2:
             raise GeometryError(
-                f"Input probability must be 0 to 1; got values up to {np.nanmax(probability.array):g}. "
-                "Divide it by its largest possible value, or give labels with --bone-labels."
+                "Input probability must be 0 to 1; got values up to {largest:g}. "
+                "Divide it by its largest possible value, or give labels with --bone-labels.",
+                largest=np.nanmax(probability.array),
             )
         array = np.clip(np.nan_to_num(probability.array.astype(np.float32), nan=0.0, posinf=0.0, neginf=0.0), 0.0, 1.0)
         volume = Volume(array, probability.ijk_to_reference)
@@ -158,7 +160,9 @@ class BoneMap:
         (the inverse transpose of the matrix), interpolated linearly to the grid and normalized; zero where there is no gradient.
         """
         if direction not in DIRECTIONS:
-            raise GeometryError(f"Input direction must be {' or '.join(DIRECTIONS)}; got {direction!r}.")
+            raise GeometryError(
+                "Input direction must be {directions}; got {direction!r}.", directions=listed(DIRECTIONS, " or "), direction=direction
+            )
         sample = _sampler(self.probability, grid)
         report(progress, 0.0, "Placing the bone map")
         probability = sample(self.probability.array)

@@ -1,23 +1,35 @@
 """The command line: one parser, one place where errors become a line and an exit code.
 
 Exit codes: 0 success; 2 wrong arguments or input, with one line on standard error that says what is wrong and what to do; 130
-interrupted. Whatever fails, no file is left half-written.
+interrupted (143 by SIGTERM, 129 by a terminal that was closed). Whatever fails, no file is left half-written.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import errno
 import os
 import sys
 from typing import NoReturn
 
 from . import __version__
 from .commands import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, replay, simulate, study
+from .console import prepare_streams
 from .errors import AIFReconError, OperationCanceled
+from .message import LONGEST_QUOTE, one_line, shorten
+from .orderly_end import OrderlyEnd, orderly_end
 
 COMMANDS = (demo, reconstruct, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark, study)
 
-SUCCESS, BAD_INPUT, INTERRUPTED = 0, 2, 130
+SUCCESS, BAD_INPUT = 0, 2
+
+_OF_PRINTING = (errno.ENOSPC, errno.EIO)
+"""Errors of a full disk or a terminal that is gone. Those of our files come as `OutputError`, and commands print last."""
+
+_NO_MEMORY = (
+    "There is not enough memory. End other programs, or use a larger --spacing, a smaller part of the image (--clip-px) or of the sweep."
+)
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -25,7 +37,7 @@ class OneLineParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and where help is, and exit."""
-        self.exit(BAD_INPUT, f"{self.prog}: {message}. See {self.prog} --help.\n")
+        self.exit(BAD_INPUT, f"{self.prog}: {one_line(shorten(message, LONGEST_QUOTE))}. See {self.prog} --help.\n")
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -54,31 +66,57 @@ def main(argv: list[str] | None = None) -> int:
     Returns
     -------
     code : int
-        0, 2 or 130.
+        0, 2, or 128 and the number of the signal that ended it.
     """
+    prepare_streams()
     try:
         arguments = build_parser().parse_args(argv)
     except SystemExit as stop:  # argparse has printed help, the version or its one line
         return int(stop.code or 0)
+    end = OrderlyEnd()
     try:
-        arguments.run(arguments)
-        sys.stdout.flush()
+        with orderly_end(end):
+            arguments.run(arguments)
     except (KeyboardInterrupt, OperationCanceled):
-        return _fail("Interrupted. No file is left half-written.", INTERRUPTED)
+        return _fail("Interrupted. No file is left half-written.", end.exit_code)
     except AIFReconError as error:
         return _fail(str(error), BAD_INPUT)
     except MemoryError:
-        return _fail("Not enough memory. Use a larger --spacing, or a smaller part of the image (--clip-px).", BAD_INPUT)
+        return _fail(_NO_MEMORY, BAD_INPUT)
     except BrokenPipeError:
-        # Whoever read the output has gone, as `head` does; the interpreter must not try to flush it again
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return SUCCESS
+        pass  # whoever read the output has gone, as `head` does
+    except RuntimeError as error:
+        # The interpreter has no class for a limit on threads
+        if "start new thread" not in str(error):
+            raise
+        return _fail("The system allows no more threads. End other programs, or raise the limit (ulimit -u).", BAD_INPUT)
     except OSError as error:
+        if error.errno in _OF_PRINTING and not error.filename:
+            return _not_printed(error)
         where = f"{error.filename}: " if error.filename else ""
         return _fail(f"{where}{error.strerror or error}. Check that the file exists and may be used.", BAD_INPUT)
-    return SUCCESS
+    return _print_the_rest()
+
+
+def _print_the_rest() -> int:
+    """Put out what is still in the buffer."""
+    try:
+        sys.stdout.flush()
+        return SUCCESS
+    except OSError as error:
+        # The interpreter must not try again at its end
+        with contextlib.suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):
+            return SUCCESS
+        return _not_printed(error)
+
+
+def _not_printed(error: OSError) -> int:
+    return _fail(f"The result cannot be printed ({error.strerror}). Print it elsewhere; files that were asked for are written.", BAD_INPUT)
 
 
 def _fail(message: str, code: int) -> int:
-    print(f"aifrecon: {' '.join(message.split())}", file=sys.stderr)
+    with contextlib.suppress(OSError):
+        print(f"aifrecon: {one_line(' '.join(message.split()))}", file=sys.stderr, flush=True)
     return code

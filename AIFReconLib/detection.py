@@ -14,6 +14,7 @@ from scipy import ndimage
 from .beams import LINEAR, SECTOR, ProbeGeometry
 from .errors import BeamGeometryError
 from .frames import ImageStack
+from .message import Message
 from .region import ClipRectangle, Fan, ImageRegion
 
 FRAMES_LOOKED_AT = 24
@@ -66,7 +67,7 @@ def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)
     if box.mean() > 0.97 or upright:
         return _rectangle(lit, box, sides if upright else None, (int(columns[0]), int(rows[0])))
     if sides is None:
-        raise _unrecognized("its outline is neither a rectangle nor a sector")
+        raise _unrecognized(Message("its outline is neither a rectangle nor a sector"))
     return _sector(lit, sides, (int(columns[0]), int(rows[0])), spacing)
 
 
@@ -136,12 +137,12 @@ def _rectangle(lit: np.ndarray, box: np.ndarray, sides, corner: tuple[int, int])
         left, right = max(round(min(ends[0])), left), min(round(max(ends[1])), right)
     within = box[:, left : right + 1]
     if right <= left or within.mean() < 0.7 or within.sum() < 0.9 * box.sum():
-        raise _unrecognized("its outline is neither a rectangle nor a sector")
+        raise _unrecognized(Message("its outline is neither a rectangle nor a sector"))
     left, right, top, bottom = left + corner[0], right + corner[0], corner[1], corner[1] + height - 1
     if left < BORDER_PX and right >= lit.shape[1] - BORDER_PX:
-        raise _unrecognized("they are lit from side to side, with no black surround that would show an outline")
+        raise _unrecognized(Message("they are lit from side to side, with no black surround that would show an outline"))
     clip = ClipRectangle((float(left), float(top)), (float(right - left), float(bottom - top)))
-    words = f"a linear probe, columns {left} to {right}, rows {top} to {bottom}"
+    words = Message("a linear probe, columns {left} to {right}, rows {top} to {bottom}", left=left, right=right, top=top, bottom=bottom)
     return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
 
 
@@ -150,7 +151,7 @@ def _sector(lit: np.ndarray, sides, corner: tuple[int, int], spacing: tuple[floa
     # The outermost lit pixels lie inside the side, by half a pixel on average
     left_offset, right_offset = left_offset - 0.5, right_offset + 0.5
     if left_slope >= -VERTICAL_SLOPE or right_slope <= VERTICAL_SLOPE:
-        raise _unrecognized("its sides do not spread downward")
+        raise _unrecognized(Message("its sides do not spread downward"))
     row = (left_offset - right_offset) / (right_slope - left_slope)
     apex = (left_offset + left_slope * row + corner[0], row + corner[1])
     aspect = spacing[0] / spacing[1]
@@ -160,13 +161,19 @@ def _sector(lit: np.ndarray, sides, corner: tuple[int, int], spacing: tuple[floa
     angle = np.degrees(np.arctan2((x - apex[0]) * spacing[0], (y - apex[1]) * spacing[1]))
     middle = radius[np.abs(angle - np.mean(angles)) < 0.25 * (angles[1] - angles[0])]
     if not middle.size:
-        raise _unrecognized("its sides do not enclose it")
+        raise _unrecognized(Message("its sides do not enclose it"))
     first, last = float(middle.min()), _outer_radius(radius, (angle - angles[0]) / (angles[1] - angles[0]))
     fan = Fan(apex, angles, (max(first - 0.5 * spacing[1], 0.0), last), spacing)
     inside = fan.mask(lit.shape[1], lit.shape[0])
     if (lit & inside).sum() < 0.95 * lit.sum() or (lit & inside).sum() < 0.7 * inside.sum():
-        raise _unrecognized("its outline is not that of a sector")
-    words = f"a sector probe, apex at column {apex[0]:.1f}, row {apex[1]:.1f}, {angles[0]:.1f} to {angles[1]:.1f} degrees"
+        raise _unrecognized(Message("its outline is not that of a sector"))
+    words = Message(
+        "a sector probe, apex at column {column:.1f}, row {row:.1f}, {first:.1f} to {last:.1f} degrees",
+        column=apex[0],
+        row=apex[1],
+        first=angles[0],
+        last=angles[1],
+    )
     return DetectedImaging(ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan), words)
 
 
@@ -179,8 +186,9 @@ def _outer_radius(radius: np.ndarray, share: np.ndarray) -> float:
     return float(np.sort(farthest)[-4])
 
 
-def _unrecognized(why: str) -> BeamGeometryError:
+def _unrecognized(why: Message) -> BeamGeometryError:
     return BeamGeometryError(
-        f"The probe cannot be told from the images: {why}. Give --probe linear, or --probe sector with --apex-px COLUMN ROW; "
-        "a configuration with ScanConversion serves too."
+        "The probe cannot be told from the images: {why}. Give --probe linear, or --probe sector with --apex-px COLUMN ROW; "
+        "a configuration with ScanConversion serves too.",
+        why=why,
     )

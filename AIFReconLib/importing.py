@@ -51,9 +51,9 @@ class ImportSettings:
     def __post_init__(self):
         parse_orientation(self.orientation)
         if self.spacing is not None and not (np.isfinite(self.spacing).all() and min(self.spacing) > 0):
-            raise SettingsError(f"Input spacing must be two numbers above 0, in mm per pixel; got {self.spacing!r}.")
+            raise SettingsError("Input spacing must be two numbers above 0, in mm per pixel; got {spacing!r}.", spacing=self.spacing)
         if self.rate is not None and not (np.isfinite(self.rate) and self.rate > 0):
-            raise SettingsError(f"Input rate must be above 0 frames per second; got {self.rate!r}.")
+            raise SettingsError("Input rate must be above 0 frames per second; got {rate!r}.", rate=self.rate)
 
 
 def import_sequence(images: ImportedImages, poses: PoseTable, settings: ImportSettings) -> tuple[TrackedSequence, tuple[str, ...]]:
@@ -75,7 +75,9 @@ def import_sequence(images: ImportedImages, poses: PoseTable, settings: ImportSe
     matrices = poses.matrices
     good = np.isfinite(matrices).all(axis=(1, 2))
     if not good.any():
-        raise SettingsError(f"The poses must hold at least one that is valid; all {len(matrices)} are missing. Export them again.")
+        raise SettingsError(
+            "The poses must hold at least one that is valid; all {count} are missing. Export them again.", count=len(matrices)
+        )
     rigid = _are_rigid(matrices[good], np.flatnonzero(good), name, settings)
     matrices = in_millimeters(matrices, settings.form, takes_pixels=places_image and not rigid)
     matrices, header, how = _placed(matrices, rigid, places_image, images, settings)
@@ -107,8 +109,10 @@ def _are_rigid(matrices: np.ndarray, numbers: np.ndarray, name: TransformName, s
         pixels = matrix if name.source == IMAGE_FRAME else invert(matrix)
         if reason and (IMAGE_FRAME not in (name.source, name.target) or "mirrored" in reason or why_not_an_image_pose(pixels)):
             raise SettingsError(
-                f"Pose {number} must be a rotation and a translation; it is {reason}. Check the columns, and whether the matrices are "
-                "written row by row (else give --column-major)."
+                "Pose {number} must be a rotation and a translation; it is {reason}. Check the columns, and whether the matrices are "
+                "written row by row (else give --column-major).",
+                number=number,
+                reason=reason,
             )
     return False
 
@@ -121,14 +125,17 @@ def _placed(matrices: np.ndarray, rigid: bool, places_image: bool, images: Impor
     if not places_image:
         return _placed_by_probe(matrices, spacing, settings)
     if settings.calibration:
-        raise SettingsError(f"{name} places the image itself, so there is no calibration to apply. Leave out --calibration.")
+        raise SettingsError("{name} places the image itself, so there is no calibration to apply. Leave out --calibration.", name=name)
     if not rigid:
         if settings.spacing or settings.origin_px:
-            raise SettingsError(f"The matrices of {name} hold the size of a pixel already. Leave out --spacing and --image-origin-px.")
+            raise SettingsError(
+                "The matrices of {name} hold the size of a pixel already. Leave out --spacing and --image-origin-px.", name=name
+            )
         return matrices, {}, f"{name} takes pixels (its axes are not of length 1)"
     if spacing is None:
         raise SettingsError(
-            f"The poses of {name} are rigid, so they take millimeters, and the size of a pixel is not known. Give --spacing X Y in mm."
+            "The poses of {name} are rigid, so they take millimeters, and the size of a pixel is not known. Give --spacing X Y in mm.",
+            name=name,
         )
     pixel_to_image = _pixels_to_mm(spacing, origin)
     matrices = matrices @ pixel_to_image if name.source == IMAGE_FRAME else invert(pixel_to_image) @ matrices
@@ -148,8 +155,12 @@ def _placed_by_probe(matrices: np.ndarray, spacing, settings: ImportSettings):
         calibration, matrix = settings.calibration
         if calibration.source != IMAGE_FRAME or calibration.target not in ends:
             raise SettingsError(
-                f"The calibration must lead from {IMAGE_FRAME} to {ends[0]} or {ends[1]}; got {calibration}. "
-                f"Name it, as in --calibration {IMAGE_FRAME}To{ends[0]}=FILE."
+                "The calibration must lead from {image_frame} to {first} or {second}; got {calibration}. "
+                "Name it, as in --calibration {image_frame}To{first}=FILE.",
+                image_frame=IMAGE_FRAME,
+                first=ends[0],
+                second=ends[1],
+                calibration=calibration,
             )
         return matrices, {calibration: TransformSample(matrix)}, f"{calibration} as calibrated"
     if settings.origin_px and spacing:
@@ -163,8 +174,9 @@ def _placed_by_probe(matrices: np.ndarray, spacing, settings: ImportSettings):
         )
     if settings.spacing or settings.origin_px:
         raise SettingsError(
-            f"The size of a pixel alone does not say where the image lies in {name.source}. Give --calibration FILE; or both --spacing and "
-            f"--image-origin-px, if the axes of the image are those of {name.source}."
+            "The size of a pixel alone does not say where the image lies in {frame}. Give --calibration FILE; or both --spacing and "
+            "--image-origin-px, if the axes of the image are those of {frame}.",
+            frame=name.source,
         )
     return matrices, {}, f"not in the recording: give {IMAGE_FRAME}To{name.source} with --config when reconstructing"
 
@@ -197,14 +209,17 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
         found = [track.at(time)[0] for time in images.times]
         if not any(matrix is not None for matrix in found):
             raise SettingsError(
-                f"The poses must be of the time of the images; poses {_span(poses.times)}, images {_span(images.times)}. "
-                "Make both start at 0."
+                "The poses must be of the time of the images; poses {poses}, images {images}. Make both start at 0.",
+                poses=_span(poses.times),
+                images=_span(images.times),
             )
         paired = [missing if matrix is None else TransformSample(matrix) for matrix in found]
         return paired, images.times, f"{len(samples)} poses interpolated at the times of {count} images"
     raise SettingsError(
-        f"There must be as many poses as images; got {len(samples)} poses for {count} images. Leave out what is too much, name the image "
-        "of each pose in a column 'image', or give times on both."
+        "There must be as many poses as images; got {poses} poses for {images} images. Leave out what is too much, name the image "
+        "of each pose in a column 'image', or give times on both.",
+        poses=len(samples),
+        images=count,
     )
 
 
@@ -216,12 +231,19 @@ def _paired_by_name(images: ImportedImages, poses: PoseTable, samples: list[Tran
     for number, text in enumerate(poses.images):
         name = text.replace("\\", "/").rsplit("/", 1)[-1]
         if rows.setdefault(name, number) != number:
-            raise SettingsError(f"Two poses name the image {name} (poses {rows[name]} and {number}). Remove one of them.")
+            raise SettingsError(
+                "Two poses name the image {name} (poses {first} and {number}). Remove one of them.",
+                name=name,
+                first=rows[name],
+                number=number,
+            )
     known = [rows.get(name) for name in images.names]
     found = sum(number is not None for number in known)
     if not found:
         raise SettingsError(
-            f"No pose names one of the images: poses name {next(iter(rows))}, images are {images.names[0]}. Use the same names."
+            "No pose names one of the images: poses name {pose}, images are {image}. Use the same names.",
+            pose=next(iter(rows)),
+            image=images.names[0],
         )
     paired = [missing if number is None else samples[number] for number in known]
     times = None

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from .errors import InsufficientMemoryError
+from .message import Message
 from .volume import MAXIMUM_VOXELS
 
 SAFETY = 0.9
@@ -55,11 +56,18 @@ def require_memory(size: tuple[int, int, int], spacing, bytes_per_voxel: int, av
         return
     usable = MAXIMUM_VOXELS * bytes_per_voxel if available is None else min(SAFETY * available, MAXIMUM_VOXELS * bytes_per_voxel)
     fits = _spacing_that_fits(size, spacing, usable / bytes_per_voxel)
-    advice = "No spacing would fit: free some memory." if fits is None else f"A spacing of {fits:g} mm would fit."
+    if fits is None:
+        advice = Message("No spacing would fit: free some memory.")
+    else:
+        advice = Message("A spacing of {spacing:g} mm would fit.", spacing=fits)
+    most = _gigabytes(usable)
     raise InsufficientMemoryError(
-        f"A volume of {' x '.join(str(n) for n in size)} voxels ({' x '.join(f'{s:.3g}' for s in spacing)} mm) needs "
-        f"{_gigabytes(needed)} of memory, and {'at most ' if available is None else ''}{_gigabytes(usable)} can be used. "
-        f"{advice}"
+        "A volume of {size} voxels ({spacing} mm) needs {needed} of memory, and {usable} can be used. {advice}",
+        size=" x ".join(str(n) for n in size),
+        spacing=" x ".join(f"{s:.3g}" for s in spacing),
+        needed=_gigabytes(needed),
+        usable=Message("at most {memory}", memory=most) if available is None else most,
+        advice=advice,
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from numba import __version__ as VERSION
 from numba import njit
 
@@ -16,15 +18,39 @@ def compiled(function):
     Notes
     -----
     numba keeps it beside the source, else in the user's cache folder (or where NUMBA_CACHE_DIR says). Where neither can be written to
-    it is compiled anew in every process. A kernel calls only `inlined` functions of its own file, because the kept code is told to be
-    out of date by that file alone.
+    it is compiled anew in every process. Kept code that is damaged, and a disk that is full, cost time and nothing else. A kernel calls
+    only `inlined` functions of its own file, because the kept code is told to be out of date by that file alone.
     """
     try:
-        return njit(cache=True, **_OPTIONS)(function)
+        kernel = njit(cache=True, **_OPTIONS)(function)
     except RuntimeError:
         return njit(**_OPTIONS)(function)
+    kernel._cache = _DispensableCache(kernel._cache)
+    return kernel
 
 
 def inlined(function):
     """`function` to be called by a `compiled` one of the same file."""
     return njit(**_OPTIONS)(function)
+
+
+class _DispensableCache:
+    """numba's cache of a kernel, whose failures do not matter: what cannot be loaded is compiled, what cannot be saved is not."""
+
+    def __init__(self, cache):
+        self._cache = cache
+
+    def load_overload(self, *arguments):
+        try:
+            return self._cache.load_overload(*arguments)
+        except Exception:  # a damaged file fails in whatever way it likes
+            with suppress(Exception):
+                self._cache.flush()
+            return None
+
+    def save_overload(self, *arguments) -> None:
+        with suppress(Exception):
+            self._cache.save_overload(*arguments)
+
+    def __getattr__(self, name: str):
+        return getattr(self._cache, name)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from .errors import GeometryError
+from .message import Message
 from .transforms import invert
 
 
@@ -38,7 +39,7 @@ def interpolate_pose(first: np.ndarray, second: np.ndarray, fraction: float) -> 
     it takes the shorter; half a turn has two that are equally short, and one of them is taken.
     """
     if not 0.0 <= fraction <= 1.0:
-        raise GeometryError(f"Input fraction must be from 0 to 1; got {fraction!r}. Poses are not extrapolated.")
+        raise GeometryError("Input fraction must be from 0 to 1; got {fraction!r}. Poses are not extrapolated.", fraction=fraction)
     if fraction == 0.0:
         return np.array(first, dtype=np.float64)
     if fraction == 1.0:
@@ -74,8 +75,10 @@ def interpolate_at(times: np.ndarray, poses: np.ndarray, time: float) -> np.ndar
         When `time` lies outside: poses are not extrapolated.
     """
     if not len(times) or not times[0] <= time <= times[-1]:
-        span = f"{times[0]:.3f} to {times[-1]:.3f} s" if len(times) else "no samples"
-        raise GeometryError(f"Input time must lie within the samples ({span}); got {time:.3f} s. Poses are not extrapolated.")
+        span = Message("{first:.3f} to {last:.3f} s", first=times[0], last=times[-1]) if len(times) else Message("no samples")
+        raise GeometryError(
+            "Input time must lie within the samples ({span}); got {time:.3f} s. Poses are not extrapolated.", span=span, time=time
+        )
     after = int(np.searchsorted(times, time, side="left"))
     if times[after] == time:
         return np.array(poses[after], dtype=np.float64)

@@ -6,13 +6,14 @@ out of view in some frames costs those frames and no others.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from .errors import GeometryError, NoUsableFramesError, TransformError
 from .frames import TrackedFrame, TrackedSequence
+from .message import Message, listed
 from .transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
 from .transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
 
@@ -55,9 +56,10 @@ class SweepPoses:
         """`usable`, or an error that says why there is none."""
         usable = self.usable
         if not usable.size:
-            reasons = "; ".join(f"{reason}: {describe_frames(numbers)}" for reason, numbers in self.skipped().items())
             raise NoUsableFramesError(
-                f"{name}: no frame can be placed ({reasons or 'it has no frames'}). Check the tracking of this recording."
+                "{name}: no frame can be placed ({reasons}). Check the tracking of this recording.",
+                name=name,
+                reasons=describe_skipped(self.skipped()) or Message("it has no frames"),
             )
         return usable
 
@@ -95,7 +97,8 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     recorded = sequence.transform_names()
     configured = dict(getattr(sequence.configuration, "transforms", None) or {})
     notes = list(sequence.notes)
-    notes += [f"{name} is in the recording and in the configuration; the recording's is used." for name in recorded if name in configured]
+    twice = [name for name in recorded if name in configured]
+    notes += [Message("{name} is in the recording and in the configuration; the recording's is used.", name=name) for name in twice]
     path = (wanted,) if named and wanted in recorded else _find_chain(sequence, wanted, recorded, configured)
     # A frame that lacks a recorded transform is a frame without a pose: the configuration's must not stand in for it
     static = {**{name: sample for name, sample in configured.items() if name not in recorded}, **sequence.transforms}
@@ -105,7 +108,7 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     problems: list[str | None] = []
     for number, record in enumerate(sequence.records):
         if record.image_status is not TransformStatus.OK:
-            problems.append(f"no image ({record.image_status.value})")
+            problems.append(Message("no image ({status})", status=record.image_status.value))
             continue
         matrix, problem = _follow(path, known, record.transforms, static, image_frame=wanted.source)
         problems.append(problem)
@@ -135,7 +138,7 @@ def time_order(sequence: TrackedSequence) -> np.ndarray:
     return np.argsort(np.array(timestamps), kind="stable")
 
 
-def describe_frames(numbers: list[int], at_most: int = 4) -> str:
+def describe_frames(numbers: list[int], at_most: int = 4) -> Message:
     """Frame numbers in words: ``12 frames (0-8, 11, 13-14)``."""
     runs: list[list[int]] = []
     for number in numbers:
@@ -144,41 +147,55 @@ def describe_frames(numbers: list[int], at_most: int = 4) -> str:
         else:
             runs.append([number, number])
     spelled = [str(a) if a == b else f"{a}-{b}" for a, b in runs[:at_most]]
-    more = ", ..." if len(runs) > at_most else ""
-    return f"{len(numbers)} frame{'s' if len(numbers) != 1 else ''} ({', '.join(spelled)}{more})"
+    which = ", ".join([*spelled, "..."] if len(runs) > at_most else spelled)
+    if len(numbers) == 1:
+        return Message("1 frame ({numbers})", numbers=which)
+    return Message("{count} frames ({numbers})", count=len(numbers), numbers=which)
+
+
+def describe_skipped(skipped: Mapping[str, list[int]]) -> Message:
+    """Frames by reason, in words: ``no image: 1 frame (3); ProbeToTracker OUT_OF_VIEW: 2 frames (5-6)``."""
+    words = (Message("{reason}: {frames}", reason=reason, frames=describe_frames(numbers)) for reason, numbers in skipped.items())
+    return listed(words, "; ")
 
 
 def _find_chain(sequence, wanted: TransformName, recorded, configured) -> tuple[TransformName, ...]:
     """The chain from image to reference over everything that any frame or the configuration holds."""
     if wanted.source == wanted.target:
-        raise TransformError(f"{sequence.name}: Image and reference must be two frames; got {wanted.source} for both.")
+        raise TransformError(
+            "{sequence}: Image and reference must be two frames; got {frame} for both.", sequence=sequence.name, frame=wanted.source
+        )
     graph = TransformGraph()
     try:
         for name in dict.fromkeys([*configured, *recorded]):
             graph.set(name, np.eye(4))
     except TransformError as error:
-        raise TransformError(f"{sequence.name}: {error}") from None
+        raise TransformError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
     try:
         return graph.lookup(wanted.source, wanted.target).path
     except TransformError as error:
-        raise TransformError(f"{sequence.name}: {error}{_advice(graph, wanted)}") from None
+        advice = _advice(graph, wanted)
+        if advice is None:
+            raise TransformError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
+        raise TransformError("{sequence}: {problem} {advice}", sequence=sequence.name, problem=error, advice=advice) from None
 
 
-def _advice(graph: TransformGraph, wanted: TransformName) -> str:
-    """What to do about a missing chain, in one sentence."""
+def _advice(graph: TransformGraph, wanted: TransformName) -> Message | None:
+    """What to do about a missing chain, in one sentence; None where the chain is not missing."""
     if len(graph) == 0:
-        return (
-            " The recording has no transforms at all: was a tracker connected? "
+        return Message(
+            "The recording has no transforms at all: was a tracker connected? "
             "Slicer saves transforms as sequences of their own; give them with --transform-sequence NAME=FILE."
         )
     if wanted.target in graph.connected(wanted.source):
-        return ""
+        return None
     frames = {frame for name in graph.names for frame in (name.source, name.target)}
     if wanted.source not in frames:
-        return f" Give the calibration (for example {wanted.source}ToProbe) with --config PlusDeviceSet.xml."
+        return Message("Give the calibration (for example {name}) with --config PlusDeviceSet.xml.", name=f"{wanted.source}ToProbe")
     if wanted.target not in frames:
-        return f" Choose another frame to reconstruct in with --reference, one of: {', '.join(sorted(frames - {wanted.source}))}."
-    return " Give the missing link with --config PlusDeviceSet.xml."
+        others = ", ".join(sorted(frames - {wanted.source}))
+        return Message("Choose another frame to reconstruct in with --reference, one of: {frames}.", frames=others)
+    return Message("Give the missing link with --config PlusDeviceSet.xml.")
 
 
 def _follow(
@@ -195,16 +212,16 @@ def _follow(
         is_recorded = stored in recorded
         sample = recorded.get(stored) if is_recorded else static.get(stored)
         if sample is None:
-            return matrix, f"{stored} not recorded"
+            return matrix, Message("{transform} not recorded", transform=stored)
         if sample.status is not TransformStatus.OK:
             return matrix, f"{stored} {sample.status.value}"
         scales_pixels = image_frame in (name.source, name.target)
         problem = why_not_rigid(sample.matrix) if is_recorded and not scales_pixels else why_not_affine(sample.matrix)
         if problem:
-            return matrix, f"{stored} {problem}"
+            return matrix, Message("{transform} {problem}", transform=stored, problem=problem)
         try:
             matrix = (sample.matrix if stored == name else invert(sample.matrix)) @ matrix
         except GeometryError:
-            return matrix, f"{stored} singular"
+            return matrix, Message("{transform} singular", transform=stored)
     problem = why_not_an_image_pose(matrix)
-    return matrix, f"image pose {problem}" if problem else None
+    return matrix, Message("image pose {problem}", problem=problem) if problem else None

@@ -5,23 +5,32 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from .errors import OperationCanceled
+from .message import Message
 
 Progress = Callable[[float, str], bool]
 """Called with a fraction (0 to 1, never decreasing) and what is being done. Returning False means: stop."""
 
 
-def report(progress: Progress | None, fraction: float, message: str) -> None:
+def report(progress: Progress | None, fraction: float, step: str) -> None:
     """Tell the caller how far the work is.
+
+    Parameters
+    ----------
+    progress : Progress or None
+    fraction : float
+    step : str
+        What is being done; where the text has values, a `Message`. The caller gets a `Message` of either.
 
     Raises
     ------
     OperationCanceled
         When the caller's function returns False. (None and other values mean: go on.)
     """
-    if progress is not None and progress(min(max(fraction, 0.0), 1.0), message) is False:
-        first_word = message.split(" ", 1)[0]
-        message = message if first_word.isupper() else message[:1].lower() + message[1:]
-        raise OperationCanceled(f"Canceled while {message}.")
+    if progress is None:
+        return
+    step = step if isinstance(step, Message) else Message(step)
+    if progress(min(max(fraction, 0.0), 1.0), step) is False:
+        raise OperationCanceled("Canceled in this step: {step}.", step=step)
 
 
 def part(progress: Progress | None, start: float, stop: float) -> Progress | None:

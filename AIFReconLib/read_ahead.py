@@ -8,6 +8,8 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
 
+from .threads import start
+
 Item = TypeVar("Item")
 
 AHEAD = 8
@@ -19,7 +21,7 @@ def read_ahead(items: Iterable[Item], ahead: int = AHEAD) -> Iterator[Iterator[I
     """The same items in the same order, produced on a thread of their own while the caller works on earlier ones.
 
     An error of the producer is raised where the item would have come. However the block is left, the thread has ended afterwards: it
-    is told to stop, and does so when the item that it is at is done.
+    is told to stop, and does so when the item that it is at is done. Where the system allows no more threads, nothing is read ahead.
     """
     waiting: queue.Queue = queue.Queue(maxsize=max(ahead, 1))
     stopped = threading.Event()
@@ -52,7 +54,9 @@ def read_ahead(items: Iterable[Item], ahead: int = AHEAD) -> Iterator[Iterator[I
             yield value
 
     reader = threading.Thread(target=produce, name="reading ahead", daemon=True)
-    reader.start()
+    if not start(reader):
+        yield iter(items)
+        return
     try:
         yield take()
     finally:

@@ -134,7 +134,7 @@ class ReconstructionSettings:
             if name == "spacing" and isinstance(self.spacing, Iterable) and not isinstance(self.spacing, str):
                 along_axes = tuple(self.spacing)
                 if len(along_axes) != 3:
-                    raise SettingsError(f"Input spacing must be one number or three (x y z); got {len(along_axes)}.")
+                    raise SettingsError("Input spacing must be one number or three (x y z); got {count}.", count=len(along_axes))
                 for number in along_axes:
                     check_value(name, number, {**rule, "default": DEFAULT_SPACING})
                 object.__setattr__(self, "spacing", tuple(float(s) for s in along_axes))
@@ -159,17 +159,25 @@ def check_value(name: str, value: Any, rule: dict[str, Any]) -> None:
         return
     if rule["choices"] is not None:
         if value not in rule["choices"]:
-            raise SettingsError(f"Input {name} must be one of {', '.join(rule['choices'])}; got {value!r}.")
+            raise SettingsError(
+                "Input {name} must be one of {choices}; got {value!r}.", name=name, choices=", ".join(rule["choices"]), value=value
+            )
         return
     if isinstance(rule["default"], bool):
         if not isinstance(value, bool):
-            raise SettingsError(f"Input {name} must be True or False; got {value!r}.")
+            raise SettingsError("Input {name} must be True or False; got {value!r}.", name=name, value=value)
         return
     whole = rule["whole"]
     if isinstance(value, bool) or not isinstance(value, Integral if whole else Real) or not math.isfinite(value):
-        raise SettingsError(f"Input {name} must be a {'whole' if whole else 'finite'} number; got {value!r}.")
+        if whole:
+            raise SettingsError("Input {name} must be a whole number; got {value!r}.", name=name, value=value)
+        raise SettingsError("Input {name} must be a finite number; got {value!r}.", name=name, value=value)
     unit = f" {rule['unit']}" if rule["unit"] else ""
     if rule["minimum"] is not None and value < rule["minimum"]:
-        raise SettingsError(f"Input {name} must be at least {rule['minimum']:g}{unit}; got {value!r}.")
+        raise SettingsError(
+            "Input {name} must be at least {minimum:g}{unit}; got {value!r}.", name=name, minimum=rule["minimum"], unit=unit, value=value
+        )
     if rule["maximum"] is not None and value > rule["maximum"]:
-        raise SettingsError(f"Input {name} must be at most {rule['maximum']:g}{unit}; got {value!r}.")
+        raise SettingsError(
+            "Input {name} must be at most {maximum:g}{unit}; got {value!r}.", name=name, maximum=rule["maximum"], unit=unit, value=value
+        )

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from .compounding.reconstructor import Reconstruction
+from typing import TYPE_CHECKING
+
+from .message import Message
 from .poses import describe_frames
 
+if TYPE_CHECKING:
+    from .compounding.reconstructor import Reconstruction
 
-def summary_lines(result: Reconstruction, frames: int, seconds: float | None = None) -> list[str]:
+
+def summary_lines(result: Reconstruction, frames: int, seconds: float | None = None) -> list[Message]:
     """Method, frames, voxels, how many of them hold something, which frames were skipped and why, and what else is to be known.
 
     Parameters
@@ -22,13 +27,23 @@ def summary_lines(result: Reconstruction, frames: int, seconds: float | None = N
     filled = int((result.mask.array == 2).sum())
     size = " x ".join(str(n) for n in grid.size)
     spacing = " x ".join(f"{s:.3g}" for s in grid.spacing)
-    took = "" if seconds is None else f", in {seconds:.1f} s"
-    shares = f"{100 * measured / grid.voxels:.1f}% of the voxels measured" + (
-        f", {100 * filled / grid.voxels:.1f}% filled" if filled else ""
+    done = Message(
+        "{method}: {used} of {frames} frames into {size} voxels of {spacing} mm",
+        method=result.method,
+        used=result.frames_inserted,
+        frames=frames,
+        size=size,
+        spacing=spacing,
     )
     return [
-        f"{result.method}: {result.frames_inserted} of {frames} frames into {size} voxels of {spacing} mm{took}",
-        shares,
-        *(f"skipped: {describe_frames(numbers)}: {reason}" for reason, numbers in result.skipped.items()),
+        done if seconds is None else Message("{done}, in {seconds:.1f} s", done=done, seconds=seconds),
+        describe_shares(measured / grid.voxels, filled / grid.voxels if filled else None),
+        *(Message("skipped: {frames}: {reason}", frames=describe_frames(n), reason=reason) for reason, n in result.skipped.items()),
         *result.notes,
     ]
+
+
+def describe_shares(measured: float, filled: float | None = None) -> Message:
+    """How many of the voxels were measured and how many filled, shares from 0 to 1, in words."""
+    said = Message("{share:.1f}% of the voxels measured", share=100 * measured)
+    return said if filled is None else Message("{measured}, {share:.1f}% filled", measured=said, share=100 * filled)

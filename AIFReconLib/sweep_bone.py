@@ -4,9 +4,10 @@ References
 ----------
 Foroughi P, Boctor E, Swartz MJ, Taylor RH, Fichtinger G (2007), "Ultrasound bone segmentation using dynamic programming", IEEE
 Ultrasonics Symposium: echo and shadow together make bone; neighboring scan lines must agree. Hacihaliloglu I, Abugharbieh R, Hodgson AJ,
-Rohling RN (2009), "Bone surface localization in ultrasound using image phase-based features", Ultrasound in Medicine and Biology 35(9):
-ridges from local phase instead. Curless B, Levoy M (1996), "A volumetric method for building complex models from range images",
-SIGGRAPH: averaged signed distances along lines of sight. The rule here is simpler than any of them and shares no code.
+Rohling RN, Guy P (2012), "Automatic bone localization and fracture detection from volumetric ultrasound images using 3-D local phase
+features", Ultrasound in Medicine and Biology 38(1): ridges from local phase instead. Curless B, Levoy M (1996), "A volumetric method for
+building complex models from range images", SIGGRAPH: averaged signed distances along lines of sight. The rule here is simpler than any of
+them and shares no code.
 """
 
 from __future__ import annotations
@@ -207,7 +208,10 @@ def bone_from_sweep(
         np.add.at(distance, at, weights * np.tile(offsets, len(echoes.scores)))
     seen = best > 0
     if not seen.any():
-        raise GeometryError(f"{sequence.name}: no frame shows bone, a bright echo with darkness behind it. Give --bone-labels, or no bone.")
+        raise GeometryError(
+            "{sequence}: no frame shows bone, a bright echo with darkness behind it. Give --bone-labels, or no bone.",
+            sequence=sequence.name,
+        )
     sigma = SIGMA / spacing
     probability = ndimage.gaussian_filter(best.reshape(grid.shape), sigma, mode="constant")
     np.minimum(probability / np.percentile(probability.reshape(-1)[seen], 90), 1.0, out=probability)

@@ -15,7 +15,7 @@ def in_parts(work: Callable[[int], None], parts: int, threads: int) -> None:
     """Call `work` with 0 to `parts` - 1, each once, on up to `threads` threads of which the caller's is one.
 
     Each thread takes the next part when it is done with one, so that parts may differ in size. All threads have ended when this
-    returns or raises; the first error stops the rest, and is raised here.
+    returns or raises; the first error stops the rest, and is raised here. Where the system allows fewer threads, it is done on fewer.
     """
     numbers = itertools.count()
     errors: list[BaseException] = []
@@ -28,13 +28,21 @@ def in_parts(work: Callable[[int], None], parts: int, threads: int) -> None:
             errors.append(error)
 
     helpers = [threading.Thread(target=take_turns, daemon=True) for _ in range(min(threads, parts) - 1)]
-    for helper in helpers:
-        helper.start()
+    started = list(itertools.takewhile(start, helpers))
     take_turns()
-    for helper in helpers:
+    for helper in started:
         helper.join()
     if errors:
         raise errors[0]
+
+
+def start(thread: threading.Thread) -> bool:
+    """Start the thread; False where the system allows no more threads."""
+    try:
+        thread.start()
+    except RuntimeError:
+        return False
+    return True
 
 
 def usable_cores() -> int:

@@ -13,6 +13,7 @@ import numpy as np
 
 from .errors import SettingsError
 from .frames import TrackedSequence
+from .message import Message
 from .pose_tracks import LONGEST_GAP, PoseTrack
 from .transform_graph import TransformName, TransformSample, TransformStatus
 
@@ -44,16 +45,21 @@ def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap:
     without an image still say where the tools were.
     """
     if not np.isfinite(time_offset) or abs(time_offset) > LARGEST_OFFSET:
-        raise SettingsError(f"Input time_offset must be within {LARGEST_OFFSET:g} s; got {time_offset!r}. Give it in seconds.")
+        raise SettingsError(
+            "Input time_offset must be within {limit:g} s; got {time_offset!r}. Give it in seconds.",
+            limit=LARGEST_OFFSET,
+            time_offset=time_offset,
+        )
     if not np.isfinite(longest_gap) or longest_gap <= 0:
-        raise SettingsError(f"Input longest_gap must be above 0 s; got {longest_gap!r}. Give it in seconds.")
+        raise SettingsError("Input longest_gap must be above 0 s; got {longest_gap!r}. Give it in seconds.", longest_gap=longest_gap)
     if time_offset == 0:
         return sequence
     times = [record.timestamp for record in sequence.records]
     if any(time is None or not np.isfinite(time) for time in times) or len(set(times)) < 2:
         raise SettingsError(
-            f"{sequence.name}: a time offset needs a time stamp for every frame, and they must differ. Leave out --time-offset, or record "
-            "the sweep with time stamps."
+            "{sequence}: a time offset needs a time stamp for every frame, and they must differ. Leave out --time-offset, or record "
+            "the sweep with time stamps.",
+            sequence=sequence.name,
         )
     names = dict.fromkeys(name for record in sequence.records for name in record.transforms)
     tracks = {name: _track(sequence, name) for name in names}
@@ -65,9 +71,20 @@ def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap:
         was = {name for name, sample in record.transforms.items() if sample.status is TransformStatus.OK}
         lost += any(transforms[name].status is not TransformStatus.OK for name in was)
         records.append(replace(record, transforms=transforms))
-    note = f"Poses are those of {abs(time_offset):g} s {'after' if time_offset > 0 else 'before'} each image's time stamp"
-    note += f"; {lost} frame{'s have' if lost != 1 else ' has'} no pose then." if lost else "."
-    return replace(sequence, records=records, notes=(*sequence.notes, note))
+    return replace(sequence, records=records, notes=(*sequence.notes, _note(time_offset, lost)))
+
+
+def _note(time_offset: float, lost: int) -> Message:
+    """What was done, and how many frames have no pose for it."""
+    if time_offset > 0:
+        shift = Message("Poses are those of {seconds:g} s after each image's time stamp", seconds=time_offset)
+    else:
+        shift = Message("Poses are those of {seconds:g} s before each image's time stamp", seconds=-time_offset)
+    if not lost:
+        return Message("{shift}.", shift=shift)
+    if lost == 1:
+        return Message("{shift}; 1 frame has no pose then.", shift=shift)
+    return Message("{shift}; {count} frames have no pose then.", shift=shift, count=lost)
 
 
 def _track(sequence: TrackedSequence, name: TransformName) -> PoseTrack:

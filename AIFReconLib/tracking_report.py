@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .frames import TrackedSequence
+from .message import Message, listed
 from .offset_estimate import corner_track
 from .pose_tracks import LONGEST_GAP
 from .poses import SweepPoses, describe_frames, time_order
+from .summary import describe_shares
 
 if TYPE_CHECKING:
     from .compounding.reconstructor import Reconstruction
@@ -31,9 +33,9 @@ class PoseJump:
     distance: float
     seconds: float
 
-    def to_text(self) -> str:
+    def to_text(self) -> Message:
         """``frames 11 to 12: 34.0 mm in 0.05 s``."""
-        return f"frames {self.before} to {self.after}: {self.distance:.1f} mm in {self.seconds:.2f} s"
+        return Message("frames {before} to {after}: {distance:.1f} mm in {seconds:.2f} s", **asdict(self))
 
 
 @dataclass(frozen=True)
@@ -84,31 +86,40 @@ class TrackingReport:
     largest_step: float | None = None
     coverage: Coverage | None = None
 
-    def rows(self) -> list[tuple[str, str]]:
+    def rows(self) -> list[tuple[Message, str]]:
         """Names and values for a table."""
-        rows = [("frames used", f"{self.used} of {self.frames}")]
+        rows = [(Message("frames used"), Message("{used} of {frames}", used=self.used, frames=self.frames))]
         if self.longest_gap is not None:
-            rows.append(("longest gap", f"{self.longest_gap:.2f} s, after frame {self.longest_gap_after}"))
+            gap = Message("{seconds:.2f} s, after frame {number}", seconds=self.longest_gap, number=self.longest_gap_after)
+            rows.append((Message("longest gap"), gap))
         if self.median_speed is not None:
-            rows.append(("probe speed", f"{self.median_speed:.1f} mm/s in the median, {self.highest_speed:.1f} mm/s at most"))
+            speed = Message("{median:.1f} mm/s in the median, {most:.1f} mm/s at most", median=self.median_speed, most=self.highest_speed)
+            rows.append((Message("probe speed"), speed))
         if self.median_step is not None:
-            rows.append(("frame to frame", f"{self.median_step:.2f} mm in the median, {self.largest_step:.2f} mm at most"))
-        rows.append(("pose jumps", str(len(self.jumps)) if self.jumps else "none"))
+            step = Message("{median:.2f} mm in the median, {most:.2f} mm at most", median=self.median_step, most=self.largest_step)
+            rows.append((Message("frame to frame"), step))
+        rows.append((Message("pose jumps"), str(len(self.jumps)) if self.jumps else Message("none")))
         if self.coverage is not None:
-            measured, filled = (100 * n / self.coverage.voxels for n in (self.coverage.measured, self.coverage.filled))
-            rows.append(("coverage", f"{measured:.1f}% of the voxels measured, {filled:.1f}% filled"))
+            measured, filled = (n / self.coverage.voxels for n in (self.coverage.measured, self.coverage.filled))
+            rows.append((Message("coverage"), describe_shares(measured, filled)))
         return rows
 
     def findings(self) -> list[str]:
         """Sentences on what may be wrong."""
-        return [*(f"Skipped: {describe_frames(numbers)}: {reason}." for reason, numbers in self.skipped.items()), *self.findings_on_poses()]
+        skipped = (Message("Skipped: {frames}: {reason}.", frames=describe_frames(n), reason=reason) for reason, n in self.skipped.items())
+        return [*skipped, *self.findings_on_poses()]
 
     def findings_on_poses(self) -> list[str]:
         """Sentences on what may be wrong with poses that count as valid."""
         sentences = []
         if self.jumps:
-            shown = "; ".join(jump.to_text() for jump in self.jumps[:3]) + ("; ..." if len(self.jumps) > 3 else "")
-            sentences.append(f"The pose jumps faster than a probe can move ({shown}): was a marker seen wrongly, or its place changed?")
+            shown = [jump.to_text() for jump in self.jumps[:3]]
+            where = listed([*shown, "..."] if len(self.jumps) > 3 else shown, "; ")
+            sentences.append(
+                Message(
+                    "The pose jumps faster than a probe can move ({where}): was a marker seen wrongly, or its place changed?", where=where
+                )
+            )
         return sentences
 
     def to_dict(self) -> dict:

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from .errors import GeometryError
+from .message import Message
 
 LPS_FROM_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])
 """Left-posterior-superior from right-anterior-superior coordinates. It is its own inverse."""
@@ -55,19 +56,24 @@ def as_matrix(values, name: str = "matrix") -> np.ndarray:
     try:
         matrix = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise GeometryError(f"Input {name} must have 16 numbers (4 rows of 4); got {values!r}.") from None
+        raise GeometryError("Input {name} must have 16 numbers (4 rows of 4); got {values!r}.", name=name, values=values) from None
     if matrix.shape not in ((4, 4), (16,)):
-        raise GeometryError(f"Input {name} must have 16 numbers (4 rows of 4); got shape {matrix.shape}.")
+        raise GeometryError("Input {name} must have 16 numbers (4 rows of 4); got shape {shape}.", name=name, shape=matrix.shape)
     matrix = matrix.reshape(4, 4)
     if not np.isfinite(matrix).all():
-        raise GeometryError(f"Input {name} must hold finite numbers; got NaN or infinity.")
+        raise GeometryError("Input {name} must hold finite numbers; got NaN or infinity.", name=name)
     if np.abs(matrix).max() > LARGEST_NUMBER:
-        raise GeometryError(f"Input {name} must hold numbers of at most {LARGEST_NUMBER:g}; got {np.abs(matrix).max():g}.")
+        raise GeometryError(
+            "Input {name} must hold numbers of at most {limit:g}; got {largest:g}.",
+            name=name,
+            limit=LARGEST_NUMBER,
+            largest=np.abs(matrix).max(),
+        )
     if not _ends_in_0_0_0_1(matrix):
-        raise GeometryError(f"Input {name} must have 0 0 0 1 as its last row; got {matrix[3].tolist()}.")
+        raise GeometryError("Input {name} must have 0 0 0 1 as its last row; got {row}.", name=name, row=matrix[3].tolist())
     scale = np.prod(np.linalg.norm(matrix[:3, :3], axis=0))
     if scale == 0.0 or abs(np.linalg.det(matrix[:3, :3])) < 1e-9 * scale:
-        raise GeometryError(f"Input {name} must be invertible; got a singular matrix.")
+        raise GeometryError("Input {name} must be invertible; got a singular matrix.", name=name)
     return matrix
 
 
@@ -77,33 +83,33 @@ def _ends_in_0_0_0_1(matrix: np.ndarray) -> bool:
     return max(abs(x), abs(y), abs(z)) <= LAST_ROW_TOLERANCE and abs(one - 1.0) <= LAST_ONE_TOLERANCE
 
 
-def why_not_affine(matrix: np.ndarray) -> str | None:
+def why_not_affine(matrix: np.ndarray) -> Message | None:
     """What keeps a (4, 4) matrix from being a transform of points; None for a usable one."""
     # Asked of every frame: on 16 numbers Python is ten times as fast as numpy
     numbers = matrix.ravel().tolist()
     if not all(map(math.isfinite, numbers)):
-        return "not finite"
+        return Message("not finite")
     if max(map(abs, numbers)) > LARGEST_NUMBER:
-        return "not a pose (numbers too large)"
+        return Message("not a pose (numbers too large)")
     if not _ends_in_0_0_0_1(matrix):
-        return "not a pose (last row is not 0 0 0 1)"
+        return Message("not a pose (last row is not 0 0 0 1)")
     return None
 
 
-def why_not_rigid(matrix: np.ndarray) -> str | None:
+def why_not_rigid(matrix: np.ndarray) -> Message | None:
     """What keeps a (4, 4) pose from being a rotation and a translation; None for a rigid one."""
     problem = why_not_affine(matrix)
     if problem:
         return problem
     rotation = matrix[:3, :3]
     if np.abs(rotation.T @ rotation - np.eye(3)).max() > RIGIDITY_TOLERANCE:
-        return "not rigid (scaled or sheared)"
+        return Message("not rigid (scaled or sheared)")
     if np.linalg.det(rotation) < 0:
-        return "not rigid (mirrored)"
+        return Message("not rigid (mirrored)")
     return None
 
 
-def why_not_an_image_pose(image_to_reference: np.ndarray) -> str | None:
+def why_not_an_image_pose(image_to_reference: np.ndarray) -> Message | None:
     """What keeps a (4, 4) image-to-reference matrix from placing pixels on a plane; None for a usable one."""
     problem = why_not_affine(image_to_reference)
     if problem:
@@ -111,9 +117,9 @@ def why_not_an_image_pose(image_to_reference: np.ndarray) -> str | None:
     x, y = image_to_reference[:3, :2].T.tolist()
     along_x, along_y = math.hypot(*x), math.hypot(*y)
     if min(along_x, along_y) <= 0.0 or max(along_x, along_y) > 1e4 * min(along_x, along_y):
-        return "singular (a pixel has no size)"
+        return Message("singular (a pixel has no size)")
     if abs(x[0] * y[0] + x[1] * y[1] + x[2] * y[2]) > SHEAR_TOLERANCE * along_x * along_y:
-        return "sheared (image axes are not at right angles)"
+        return Message("sheared (image axes are not at right angles)")
     return None
 
 

@@ -46,10 +46,14 @@ class VoxelGrid:
         except TypeError:
             size = ()
         if len(size) != 3 or min(size) < 1:
-            raise GeometryError(f"Input grid size must be 3 positive whole numbers of voxels; got {self.size!r}.")
+            raise GeometryError("Input grid size must be 3 positive whole numbers of voxels; got {size!r}.", size=self.size)
         if math.prod(size) > MAXIMUM_VOXELS:
             raise GeometryError(
-                f"Input grid must have at most {MAXIMUM_VOXELS} voxels; got {size[0]} x {size[1]} x {size[2]}. Choose a larger spacing."
+                "Input grid must have at most {maximum} voxels; got {columns} x {rows} x {slices}. Choose a larger spacing.",
+                maximum=MAXIMUM_VOXELS,
+                columns=size[0],
+                rows=size[1],
+                slices=size[2],
             )
         matrix = as_matrix(self.ijk_to_reference, "ijk_to_reference")
         axes = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
@@ -118,7 +122,7 @@ class Volume:
 
     def __post_init__(self):
         if self.array.ndim != 3:
-            raise GeometryError(f"Input volume array must have shape (k, j, i); got {self.array.shape}.")
+            raise GeometryError("Input volume array must have shape (k, j, i); got {shape}.", shape=self.array.shape)
         object.__setattr__(self, "ijk_to_reference", self.grid.ijk_to_reference)
 
     @cached_property

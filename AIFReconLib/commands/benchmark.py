@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.quick:
         frames, spacings = max(frames // 3, 2), spacings[:1]
     if arguments.data is not None and not arguments.data.is_dir():
-        raise SettingsError(f"Input --data must be a folder; got {str(arguments.data)!r}.")
+        raise SettingsError("Input --data must be a folder; got {folder!r}.", folder=str(arguments.data))
     for path in (arguments.json, arguments.markdown):
         if path:
             check_writable(path)
@@ -54,9 +54,11 @@ def run(arguments: argparse.Namespace) -> None:
             data=None if arguments.quick else data,
             progress=progress,
         )
-    print(f"{result.heading()}\n")
-    print(columns(result.rows()))
-    for path, text in ((arguments.json, json.dumps(result.to_dict(), indent=2) + "\n"), (arguments.markdown, result.markdown())):
+    files = {arguments.json: json.dumps(result.to_dict(), indent=2) + "\n", arguments.markdown: result.markdown()}
+    for path, text in files.items():
         if path:
             write_text(path, text)
-            print(f"\n  wrote {path}")
+    print(f"{result.heading()}\n")
+    print(columns(result.rows()))
+    for path in filter(None, files):
+        print(f"\n  wrote {path}")

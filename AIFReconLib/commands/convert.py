@@ -67,7 +67,11 @@ def add_to(commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Read, change, write, and say what was done."""
     if arguments.output.suffix.lower() not in SUFFIXES:
-        raise OutputError(f"Cannot write {arguments.output}: its suffix must be one of {', '.join(SUFFIXES)}. Choose another name.")
+        raise OutputError(
+            "Cannot write {output}: its suffix must be one of {suffixes}. Choose another name.",
+            output=arguments.output,
+            suffixes=", ".join(SUFFIXES),
+        )
     calibrations = [_named_file(text) for text in (arguments.calibration, arguments.wrong_calibration) if text]
     refuse_to_overwrite([arguments.output], [*sequence_inputs(arguments), *(path for _, path in calibrations)])
     sequence = changed(sequence_from(arguments), arguments)
@@ -95,7 +99,7 @@ def changed(sequence: TrackedSequence, arguments: argparse.Namespace) -> Tracked
 def _pair(text: str) -> tuple[str, str]:
     old, equals, new = (word.strip() for word in text.partition("="))
     if not (old and equals and new):
-        raise SettingsError(f"Input rename must be A=B, as in ProbeToTracker=NeedleToTracker; got {text!r}.")
+        raise SettingsError("Input rename must be A=B, as in ProbeToTracker=NeedleToTracker; got {text!r}.", text=text)
     return old, new
 
 

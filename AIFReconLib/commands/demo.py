@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..bone import BoneMap
 from ..configured import resolve_settings
-from ..console import ProgressBar, columns
+from ..console import ProgressBar, columns, program
 from ..evaluation.figures import compare_figure, require_matplotlib
 from ..evaluation.metrics import BoneMetrics, evaluate
 from ..evaluation.quantities import metrics_csv, table
@@ -110,7 +110,7 @@ def run(arguments: argparse.Namespace) -> None:
     )
     print("the same by hand, for one method:")
     print(
-        f"  aifrecon reconstruct {files.sequence} --config {files.configuration} \\\n"
+        f"  {program()} reconstruct {files.sequence} --config {files.configuration} \\\n"
         f"      --bone-labels {files.labels} --bone-sigma-mm {BONE_SIGMA:g} --bone-transform {files.ct_to_reference} \\\n"
         f"      --spacing {SPACING:g} --hole-limit {HOLE_LIMIT:g} --output volume.nrrd"
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
@@ -75,7 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
     for path in outputs:
         check_writable(path)
     if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):
-        raise SettingsError(f"Input --beam-thickness must be positive mm; got {arguments.beam_thickness:g}.")
+        raise SettingsError("Input --beam-thickness must be positive mm; got {beam_thickness:g}.", beam_thickness=arguments.beam_thickness)
     if arguments.config and not arguments.sweep:
         raise SettingsError("--config describes a sweep, and there is none. Give --sweep SEQUENCE.")
     if arguments.ct and not arguments.report:
@@ -96,10 +97,14 @@ def run(arguments: argparse.Namespace) -> None:
             try:
                 results[name] = evaluate(volume, truth, mask)
             except GeometryError as error:
-                raise GeometryError(f"{path}: {error}") from None
+                raise GeometryError("{path}: {problem}", path=path, problem=error) from None
             if results[name].bone.area == 0:
-                reached = "that the sweep reaches " if beams else ""
-                raise GeometryError(f"{path}: no bone surface {reached}lies where it was measured. Check --bone-transform and the files.")
+                if beams:
+                    raise GeometryError(
+                        "{path}: no bone surface that the sweep reaches lies where it was measured. Check --bone-transform and the files.",
+                        path=path,
+                    )
+                raise GeometryError("{path}: no bone surface lies where it was measured. Check --bone-transform and the files.", path=path)
             if arguments.ct:
                 shown[name] = volume
         figure = None
@@ -109,12 +114,13 @@ def run(arguments: argparse.Namespace) -> None:
             center = within_spinous_process(truth.surface, next(iter(shown.values())).grid)
             figure = comparison_png(ct, shown, center, bone=labels, mask=mask)
     frames = len(beams.image_to_reference) if beams else None
-    print(columns(table(results)))
-    print(f"\n  {what_counted(next(iter(results.values())), frames)}" + ("" if beams else " Give --sweep to count only what it reached."))
+    # Before anything is printed, which can fail: whoever reads it may go away
     if arguments.csv:
         write_text(arguments.csv, metrics_csv(results, frames))
     if arguments.report:
         write_report(arguments.report, _report(arguments, results, frames, inputs, figure))
+    print(columns(table(results)))
+    print(f"\n  {what_counted(next(iter(results.values())), frames)}" + ("" if beams else " Give --sweep to count only what it reached."))
     for path in outputs:
         print(f"  wrote {path}")
 
@@ -122,14 +128,18 @@ def run(arguments: argparse.Namespace) -> None:
 def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
     """Paths by short names that tell them apart: the file's, with as many of its folders as that takes."""
     named: dict[str, Path] = {}
-    full = [(path, path.resolve().parts[1:]) for path in paths]
+    full = [(path, _real(path).parts[1:]) for path in paths]
     for path, parts in full:
         same = [other for _, other in full if other != parts]
         length = next((n for n in range(1, len(parts)) if all(other[-n:] != parts[-n:] for other in same)), len(parts))
         name = "/".join(parts[-length:])
-        copy = sum(other == path or other.resolve() == path.resolve() for other in named.values())
+        copy = sum(other == path or _real(other) == _real(path) for other in named.values())
         named[f"{name} ({copy + 1})" if copy else name] = path
     return named
+
+
+def _real(path: Path) -> Path:
+    return Path(os.path.realpath(path))
 
 
 def _beams(arguments: argparse.Namespace) -> SweepBeams:

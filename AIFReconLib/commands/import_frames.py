@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..console import ProgressBar
+from ..console import ProgressBar, program
 from ..errors import AIFReconError, OutputError
 from ..frames import TrackedSequence
 from ..importing import IMAGE_FRAME, ImportSettings, import_sequence
@@ -75,7 +75,11 @@ def add_to(commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Read, pair, write, draw, and say how everything was understood."""
     if arguments.output.suffix.lower() not in SUFFIXES:
-        raise OutputError(f"Cannot write {arguments.output}: its suffix must be one of {', '.join(SUFFIXES)}. Choose another name.")
+        raise OutputError(
+            "Cannot write {output}: its suffix must be one of {suffixes}. Choose another name.",
+            output=arguments.output,
+            suffixes=", ".join(SUFFIXES),
+        )
     drawing = arguments.drawing or arguments.output.with_name(arguments.output.name.split(".")[0] + "-sweep.svg")
     settings, calibration_path = settings_from(arguments)
     refuse_to_overwrite([arguments.output, drawing], [*arguments.images, arguments.poses, calibration_path])
@@ -135,7 +139,8 @@ def _check(sequence: TrackedSequence, transform: TransformName, drawing: Path, n
     write_text(drawing, draw_sweep(poses.image_to_reference[poses.usable], sequence.frame_size, name, reference))
     rows = [f"{what}: {value}" for what, value in tracking_report(sequence, poses).rows()]
     option = "" if reference == "Reference" else f" --reference {reference}"
-    return [_size(sequence, poses), *rows, f"to reconstruct: aifrecon reconstruct {name}{option} --output volume.nrrd", f"drew {drawing}"]
+    next_step = f"to reconstruct: {program()} reconstruct {name}{option} --output volume.nrrd"
+    return [_size(sequence, poses), *rows, next_step, f"drew {drawing}"]
 
 
 def _size(sequence: TrackedSequence, poses: SweepPoses) -> str:

@@ -81,7 +81,7 @@ def write_simulated_patient(
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"{folder}: cannot be made ({error.strerror}). Choose another folder.") from None
+        raise OutputError("{folder}: cannot be made ({reason}). Choose another folder.", folder=folder, reason=error.strerror) from None
     files = SimulatedFiles(
         folder / "sweep.igs.mha",
         folder / "PlusDeviceSet.xml",
@@ -92,12 +92,13 @@ def write_simulated_patient(
     )
     ct_to_reference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
     phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(seed), ct_to_reference=ct_to_reference, progress=part(progress, 0.0, 0.2))
+    trajectory = PATHS[path](phantom, frames)
     phantom.ct.write(files.ct)
     phantom.labels.write(files.labels)
     write_transform(phantom.ct_to_reference, files.ct_to_reference)
     probe = PhasedArray()
     write_text(files.configuration, plus_configuration_xml(probe))
-    sweep = simulate_sweep(phantom, probe, PATHS[path](phantom, frames), seed=seed, progress=part(progress, 0.25, 0.9))
+    sweep = simulate_sweep(phantom, probe, trajectory, seed=seed, progress=part(progress, 0.25, 0.9))
     write_sequence(sweep, files.sequence, progress=part(progress, 0.9, 1.0))
     junctions = phantom.spinolaminar_junctions()
     return SimulatedFiles(

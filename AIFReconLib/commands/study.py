@@ -36,7 +36,9 @@ def run(arguments: argparse.Namespace) -> None:
     try:
         arguments.output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"{arguments.output}: cannot be made ({error.strerror}). Choose another folder.") from None
+        raise OutputError(
+            "{output}: cannot be made ({reason}). Choose another folder.", output=arguments.output, reason=error.strerror
+        ) from None
     with ProgressBar() as progress:
         rows = run_study(arguments.output, range(arguments.patients), arguments.jobs, progress)
     page, figure = arguments.output / "study.md", arguments.output / "study.png"

@@ -9,8 +9,10 @@ References
    Trans. Sonics Ultrason. 30:164-173, doi:10.1109/T-SU.1983.31405 (contrast to noise).
 .. [2] Hanley and McNeil (1982), The meaning and use of the area under a ROC curve, Radiology 143:29-36,
    doi:10.1148/radiology.143.1.7063747 (the probability of ranking one class above the other).
-.. [3] Leotta and Martin (1999), Three-dimensional spatial compounding of ultrasound images of the shoulder (FWHM of bone borders).
-.. [4] Xu et al. (2022), AutoInFocus (surface coverage and interspinous visibility).
+.. [3] Leotta and Martin (1999), Three-dimensional spatial compounding of ultrasound scans with incidence angle weighting, IEEE
+   Ultrasonics Symposium (full width at half maximum of bone borders).
+.. [4] Xu et al. (2022), AutoInFocus, a new paradigm for ultrasound-guided spine intervention, Int J CARS,
+   doi:10.1007/s11548-022-02583-6 (surface coverage and interspinous visibility).
 .. [5] Burckhardt (1978), Speckle in ultrasound B-mode scans, IEEE Trans. Sonics Ultrason. 25:1-6, doi:10.1109/T-SU.1978.30978.
 """
 

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from ..errors import FileFormatError, InsufficientMemoryError
 from ..io.atomic import write_text
+from ..message import Message
 from ..progress import Progress, report
 from .study_cases import Row, patient_rows
 
@@ -63,7 +64,7 @@ def run_study(folder: Path, seeds: Iterable[int], jobs: int = 2, progress: Progr
     seeds = list(seeds)
     missing = [seed for seed in seeds if not _file(folder, seed).exists()]
     done = len(seeds) - len(missing)
-    report(progress, done / max(len(seeds), 1), f"{done} of {len(seeds)} patients done")
+    report(progress, done / max(len(seeds), 1), Message("{done} of {count} patients done", done=done, count=len(seeds)))
     # Not forked: the same on every system, and safe beside other threads
     pool = ProcessPoolExecutor(
         max_workers=max(min(jobs, len(missing), MOST_JOBS), 1), mp_context=get_context("spawn"), initializer=_leave_ctrl_c
@@ -74,11 +75,13 @@ def run_study(folder: Path, seeds: Iterable[int], jobs: int = 2, progress: Progr
             rows = [asdict(row) for row in task.result()]
             write_text(_file(folder, tasks[task]), json.dumps(rows, indent=1) + "\n")
             done += 1
-            report(progress, done / len(seeds), f"{done} of {len(seeds)} patients done")
+            report(progress, done / len(seeds), Message("{done} of {count} patients done", done=done, count=len(seeds)))
     except BrokenProcessPool:
         raise InsufficientMemoryError(
-            f"A process of the study was ended from outside, for memory most likely, after {done} of {len(seeds)} patients. "
-            "Run it again with fewer --jobs; it goes on where it stopped."
+            "A process of the study was ended from outside, for memory most likely, after {done} of {count} patients. "
+            "Run it again with fewer --jobs; it goes on where it stopped.",
+            done=done,
+            count=len(seeds),
         ) from None
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
@@ -90,7 +93,9 @@ def read_rows(path: Path) -> list[Row]:
     try:
         return [Row(**{**row, "metrics": dict(row["metrics"])}) for row in json.loads(path.read_text())]
     except (ValueError, TypeError, KeyError) as error:
-        raise FileFormatError(f"{path}: it is no result of the study ({error}). Delete it, and run the study again.") from None
+        raise FileFormatError(
+            "{path}: it is no result of the study ({problem}). Delete it, and run the study again.", path=path, problem=error
+        ) from None
 
 
 def spread_of(rows: list[Row], name: str, **wanted: str) -> Spread:

@@ -10,25 +10,29 @@ import contextlib
 import errno
 import os
 import shutil
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import OutputError
-
-_PREFIX = ".aifrecon-"
+from ..message import Message
+from .detached import replace_pair
+from .workspace import flush_to_disk, workspace
 
 _REMEDIES = {
-    "ENOENT": "its folder does not exist. Create the folder, or choose another path.",
-    "ENOTDIR": "a part of its path is a file, not a folder. Choose another path.",
-    "EACCES": "there is no permission to write there. Choose another folder, or close programs that hold the file open.",
-    "EPERM": "there is no permission to write there. Choose another folder, or close programs that hold the file open.",
-    "EROFS": "the disk is read-only. Choose another folder.",
-    "ENOSPC": "the disk is full. Free some space, or choose a folder on another disk.",
-    "EDQUOT": "the disk quota is used up. Free some space, or choose a folder on another disk.",
-    "EFBIG": "the file would be larger than the system allows. Choose a larger spacing, or another disk.",
-    "EISDIR": "it is a folder. Give the name of a file.",
-    "ENAMETOOLONG": "its name is too long. Choose a shorter one.",
+    "ENOENT": Message("its folder does not exist. Create the folder, or choose another path."),
+    "ENOTDIR": Message("a part of its path is a file, not a folder. Choose another path."),
+    "EACCES": Message("there is no permission to write there. Choose another folder, or close programs that hold the file open."),
+    "EPERM": Message("there is no permission to write there. Choose another folder, or close programs that hold the file open."),
+    "EROFS": Message("the disk is read-only. Choose another folder."),
+    "ENOSPC": Message("the disk is full. Free some space, or choose a folder on another disk."),
+    "EDQUOT": Message("the disk quota is used up. Free some space, or choose a folder on another disk."),
+    "EFBIG": Message("the file would be larger than the system allows. Choose a larger spacing, or another disk."),
+    "EISDIR": Message("it is a folder. Give the name of a file."),
+    "ENAMETOOLONG": Message("its name is too long. Choose a shorter one."),
+    "EMFILE": Message("too many files are open. Raise the limit on open files (ulimit -n)."),
+    "ENFILE": Message("too many files are open. Close other programs."),
+    "EIO": Message("the disk does not answer. Choose a folder on another disk."),
+    "ESTALE": Message("the network disk does not answer. Connect it again, or choose a folder on another disk."),
 }
 
 
@@ -61,24 +65,27 @@ def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
 
     Notes
     -----
-    They are renamed in the order given: data first, the header that names it last. A file that the block did not write is
-    left out.
+    They are renamed in the order given: data first, the header that names it last, and in such a way that an older header never stands
+    beside newer data. A file that the block did not write is left out. A file keeps the permissions of the one that it replaces.
     """
     targets = [_target(path) for path in paths]
     if len({target.parent for target in targets}) != 1:
-        raise OutputError(f"Cannot write {paths[-1]}: its files must lie in one folder, but one of them is a link. Remove the link.")
-    with _output_errors(paths[-1]):
-        folder = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=targets[0].parent))
-        try:
-            temporaries = tuple(folder / target.name for target in targets)
-            yield temporaries
-            written = [(temporary, target) for temporary, target in zip(temporaries, targets) if temporary.exists()]
-            for temporary, _ in written:
-                _flush_to_disk(temporary)
+        raise OutputError(
+            "Cannot write {path}: its files must lie in one folder, but one of them is a link. Remove the link.", path=paths[-1]
+        )
+    with _output_errors(paths[-1]), workspace(targets[0].parent) as folder:
+        temporaries = tuple(folder / target.name for target in targets)
+        yield temporaries
+        written = [(temporary, target) for temporary, target in zip(temporaries, targets) if temporary.exists()]
+        for temporary, target in written:
+            flush_to_disk(temporary)
+            if target.exists():
+                shutil.copymode(target, temporary)
+        if len(written) == 2 and all(target.exists() for _, target in written):
+            replace_pair(*written[0], *written[1])
+        else:
             for temporary, target in written:
                 os.replace(temporary, target)
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
 
 
 def write_text(path: str | Path, text: str) -> None:
@@ -90,7 +97,7 @@ def write_text(path: str | Path, text: str) -> None:
         When it cannot be written.
     """
     with atomic_output(path) as temporary:
-        temporary.write_bytes(text.encode("utf-8"))
+        temporary.write_bytes(text.encode("utf-8", errors="replace"))
 
 
 def check_writable(path: str | Path) -> None:
@@ -102,12 +109,8 @@ def check_writable(path: str | Path) -> None:
         When its folder does not exist or cannot be written to, its name is impossible, or it is no regular file.
     """
     target = _target(path)
-    with _output_errors(path):
-        folder = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=target.parent))
-        try:
-            (folder / target.name).touch()
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
+    with _output_errors(path), workspace(target.parent) as folder:
+        (folder / target.name).touch()
 
 
 def _target(path: str | Path) -> Path:
@@ -115,11 +118,17 @@ def _target(path: str | Path) -> Path:
     target = Path(os.path.realpath(path))
     with _output_errors(path):
         if target.is_dir():
-            raise OutputError(f"Cannot write {path}: it is a folder. Give the name of a file.")
+            raise OutputError("Cannot write {path}: it is a folder. Give the name of a file.", path=path)
         if target.exists() and not target.is_file():
-            raise OutputError(f"Cannot write {path}: it is a device or a pipe. Give the name of a regular file.")
+            raise OutputError("Cannot write {path}: it is a device or a pipe. Give the name of a regular file.", path=path)
+        if target.exists() and not os.access(target, os.W_OK):
+            raise OutputError("Cannot write {path}: it is write-protected. Remove the protection, or choose another name.", path=path)
         if not target.parent.exists():
-            raise OutputError(f"Cannot write {path}: the folder {target.parent} does not exist. Create it, or choose another path.")
+            raise OutputError(
+                "Cannot write {path}: the folder {folder} does not exist. Create it, or choose another path.",
+                path=path,
+                folder=target.parent,
+            )
     return target
 
 
@@ -131,11 +140,6 @@ def _output_errors(path: str | Path) -> Iterator[None]:
     except OutputError:
         raise
     except OSError as error:
-        cause = _REMEDIES.get(errno.errorcode.get(error.errno, ""), f"{error.strerror or error}. Choose another path.")
-        raise OutputError(f"Cannot write {path}: {cause}") from error
-
-
-def _flush_to_disk(path: Path) -> None:
-    """Wait until the file is on the disk: a rename must not overtake the data, and a full disk may show only now."""
-    with open(path, "rb+") as file:
-        os.fsync(file.fileno())
+        other = Message("{reason}. Choose another path.", reason=error.strerror or str(error))
+        cause = _REMEDIES.get(errno.errorcode.get(error.errno, ""), other)
+        raise OutputError("Cannot write {path}: {problem}", path=path, problem=cause) from error

@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import GeometryError, TransformFileError
+from ..message import Message
 from ..transform_graph import TransformName
 from ..transforms import as_matrix
 from .metafile import require_regular_file
 from .plus_config import read_plus_configuration
-from .text_values import parse_numbers
+from .small_files import read_bytes
+from .text_values import NotANumberError, parse_numbers
 from .transform_files import HDF5_SUFFIXES, read_transform
 
 MAXIMUM_BYTES = 2**16
@@ -41,10 +43,12 @@ def read_calibration(path: str | Path, name: TransformName | None = None, image_
         transforms = read_plus_configuration(path).transforms
         names = [known for known in transforms if known == name or (name is None and known.source == image_frame)]
         if len(names) != 1:
-            there = ", ".join(map(str, transforms)) or "none"
+            there = ", ".join(map(str, transforms)) or Message("none")
             raise TransformFileError(
-                f"{path}: it must hold {name or f'one transform from {image_frame}'}; got {there}. "
-                "Name one, as in --calibration ImageToProbe=FILE."
+                "{path}: it must hold {wanted}; got {there}. Name one, as in --calibration ImageToProbe=FILE.",
+                path=path,
+                wanted=name or Message("one transform from {frame}", frame=image_frame),
+                there=there,
             )
         return names[0], _usable(path, transforms[names[0]].matrix)
     name = name or TransformName(image_frame, "Probe")
@@ -53,13 +57,15 @@ def read_calibration(path: str | Path, name: TransformName | None = None, image_
         return name, read_transform(path)
     try:
         numbers = parse_numbers(_text(path).replace(",", " ").replace(";", " ").replace("[", " ").replace("]", " "))
-        wrong = f"got {len(numbers)}" if len(numbers) != 16 else ""
-    except ValueError as error:
-        wrong = str(error)
+        wrong = Message("got {count}", count=len(numbers)) if len(numbers) != 16 else None
+    except NotANumberError as error:
+        wrong = error
     if wrong:
         raise TransformFileError(
-            f"{path}: a calibration must be 16 numbers, row by row; {wrong}. "
-            "Give those, a Plus configuration (.xml) or a Slicer transform (.tfm)."
+            "{path}: a calibration must be 16 numbers, row by row; {wrong}. "
+            "Give those, a Plus configuration (.xml) or a Slicer transform (.tfm).",
+            path=path,
+            wrong=wrong,
         )
     return name, _usable(path, np.array(numbers))
 
@@ -68,15 +74,15 @@ def _usable(path: Path, matrix: np.ndarray) -> np.ndarray:
     try:
         return as_matrix(matrix, "calibration")
     except GeometryError as error:
-        raise TransformFileError(f"{path}: the calibration cannot be used. {error} Repeat the calibration, or correct it.") from error
+        raise TransformFileError(
+            "{path}: the calibration cannot be used. {problem} Repeat the calibration, or correct it.", path=path, problem=error
+        ) from error
 
 
 def _text(path: Path) -> str:
-    try:
-        with open(path, "rb") as file:
-            data = file.read(MAXIMUM_BYTES + 1)
-    except OSError as error:
-        raise TransformFileError(f"{path}: the file cannot be read ({error.strerror}). Check its permissions.") from error
+    data = read_bytes(path, MAXIMUM_BYTES + 1, TransformFileError)
     if len(data) > MAXIMUM_BYTES:
-        raise TransformFileError(f"{path}: the file is longer than {MAXIMUM_BYTES} bytes. A calibration is 16 numbers.")
+        raise TransformFileError(
+            "{path}: the file is longer than {maximum} bytes. A calibration is 16 numbers.", path=path, maximum=MAXIMUM_BYTES
+        )
     return data.decode("utf-8-sig", errors="replace").strip()

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
+from ..message import Message
 from .file_images import MAXIMUM_FRAMES
 from .imported_images import DecodedImages, ImportedImages, decoding, describe_stack, library
 
@@ -22,8 +23,8 @@ def open_dicom(files: list[Path]) -> ImportedImages:
     FileFormatError
         When a file is no DICOM image, or is compressed in a way that needs another package.
     """
-    pydicom = library("pydicom", "DICOM files")
-    pixels = library("pydicom.pixels", "DICOM files")
+    pydicom = library("pydicom", Message("DICOM files"))
+    pixels = library("pydicom.pixels", Message("DICOM files"))
     headers = [(path, _header(pydicom, path)) for path in files]
     numbers = [getattr(header, "InstanceNumber", None) for _, header in headers]
     if len(headers) > 1 and None not in numbers and len(set(numbers)) == len(numbers):
@@ -33,10 +34,11 @@ def open_dicom(files: list[Path]) -> ImportedImages:
 
     def decode(number: int) -> np.ndarray:
         path, frame = frames[number]
-        with decoding(f"{path}, frame {frame}: its pixels cannot be decoded", "Export it uncompressed, or install pylibjpeg[all]."):
+        what = Message("{path}, frame {number}: its pixels cannot be decoded", path=path, number=frame)
+        with decoding(what, Message("Export it uncompressed, or install pylibjpeg[all].")):
             return pixels.pixel_array(path, index=frame)
 
-    stack = DecodedImages(len(frames), decode, lambda n: f"{frames[n][0]}, frame {frames[n][1]}")
+    stack = DecodedImages(len(frames), decode, lambda n: Message("{path}, frame {number}", path=frames[n][0], number=frames[n][1]))
     first = headers[0][1]
     return ImportedImages(
         stack,
@@ -48,15 +50,20 @@ def open_dicom(files: list[Path]) -> ImportedImages:
 
 
 def _header(pydicom, path: Path):
-    with decoding(f"{path}: it cannot be read as DICOM", "Export it again."):
+    with decoding(Message("{path}: it cannot be read as DICOM", path=path), Message("Export it again.")):
         header = pydicom.dcmread(path, stop_before_pixels=True)
         # Values are decoded when first asked for, so what is wrong with one shows here
         count = _frame_count(header)
         _ = _times(header, min(count, MAXIMUM_FRAMES)), _spacing(header), getattr(header, "InstanceNumber", None)
     if count > MAXIMUM_FRAMES:
-        raise FileFormatError(f"{path}: NumberOfFrames must be at most {MAXIMUM_FRAMES}; got {count}. Export it again.")
+        raise FileFormatError(
+            "{path}: NumberOfFrames must be at most {maximum}; got {count}. Export it again.",
+            path=path,
+            maximum=MAXIMUM_FRAMES,
+            count=count,
+        )
     if "Rows" not in header or "Columns" not in header:
-        raise FileFormatError(f"{path}: this DICOM file holds no image. Give the images of the sweep.")
+        raise FileFormatError("{path}: this DICOM file holds no image. Give the images of the sweep.", path=path)
     return header
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import AIFReconError, FileFormatError
 from ..frames import ImageStack
+from ..message import Message
 from .file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES, luminance
 from .metafile import require_regular_file
 from .text_values import one_line
@@ -22,6 +23,10 @@ PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 DICOM_SUFFIXES = (".dcm", ".dicom")
 VIDEO_SUFFIXES = (".mp4", ".avi", ".mov", ".mkv", ".wmv", ".m4v", ".webm")
 NUMPY_SUFFIXES = (".npy",)
+
+
+_INSTALLED_AS = {"PIL": "Pillow", "imageio_ffmpeg": "imageio-ffmpeg"}
+"""What pip calls a package whose import has another name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +68,7 @@ class DecodedImages:
     Size and type are those of the first frame; a frame that differs is an error that names it. Colors become luminance.
     """
 
-    def __init__(self, count: int, decode: Callable[[int], np.ndarray], where: Callable[[int], str]):
+    def __init__(self, count: int, decode: Callable[[int], np.ndarray], where: Callable[[int], Message]):
         self._decode, self._where = decode, where
         self._last: tuple[int, np.ndarray] | None = None
         self.shape: tuple[int, ...] = (count,)
@@ -71,7 +76,12 @@ class DecodedImages:
         first = self._gray(0)
         self.shape, self.dtype = (count, *first.shape), first.dtype
         if count > MAXIMUM_FRAMES or first.nbytes > MAXIMUM_FRAME_BYTES:
-            raise FileFormatError(f"{where(0)}: {count} frames of {first.nbytes} bytes are beyond the limits. Split the recording.")
+            raise FileFormatError(
+                "{where}: {count} frames of {bytes} bytes are beyond the limits. Split the recording.",
+                where=where(0),
+                count=count,
+                bytes=first.nbytes,
+            )
 
     def __len__(self) -> int:
         return self.shape[0]
@@ -83,8 +93,10 @@ class DecodedImages:
         image = self._gray(index % len(self))
         if image.shape != self.shape[1:] or image.dtype != self.dtype:
             raise FileFormatError(
-                f"{self._where(index % len(self))}: every frame must have {_words(self.shape[1:], self.dtype)} as the first; "
-                f"got {_words(image.shape, image.dtype)}. Export all frames alike."
+                "{where}: every frame must have {expected} as the first; got {found}. Export all frames alike.",
+                where=self._where(index % len(self)),
+                expected=_words(self.shape[1:], self.dtype),
+                found=_words(image.shape, image.dtype),
             )
         return image
 
@@ -97,11 +109,19 @@ class DecodedImages:
         if image.ndim == 3 and image.shape[2] in (3, 4):
             image = luminance(image)
         if image.ndim != 2 or not image.size:
-            raise FileFormatError(f"{self._where(index)}: a frame must be an image of gray levels or colors; got shape {image.shape}.")
+            raise FileFormatError(
+                "{where}: a frame must be an image of gray levels or colors; got shape {shape}.",
+                where=self._where(index),
+                shape=image.shape,
+            )
         if image.dtype == bool:
             image = image.astype(np.uint8) * np.uint8(255)
         if image.dtype.kind not in "iuf" or image.dtype.itemsize > 8 or image.dtype == np.float16:
-            raise FileFormatError(f"{self._where(index)}: pixels must be whole numbers or floats; got {image.dtype}. Convert the images.")
+            raise FileFormatError(
+                "{where}: pixels must be whole numbers or floats; got {kind}. Convert the images.",
+                where=self._where(index),
+                kind=image.dtype,
+            )
         image = np.array(image, dtype=image.dtype.newbyteorder("="), order="C")
         self._last = (index, image)
         return image.copy()
@@ -141,38 +161,45 @@ def open_images(paths: Sequence[str | Path]) -> ImportedImages:
     if kind is None:
         known = ", ".join(suffix for known, _ in _KINDS for suffix in known)
         raise FileFormatError(
-            f"{files[0]}: images must all be pictures, DICOM files, one video or one .npy array ({known}); "
-            f"got {', '.join(sorted(suffixes)) or 'no suffix'}. Give files of one kind."
+            "{path}: images must all be pictures, DICOM files, one video or one .npy array ({known}); "
+            "got {suffixes}. Give files of one kind.",
+            path=files[0],
+            known=known,
+            suffixes=", ".join(sorted(suffixes)) or Message("no suffix"),
         )
     return kind[1](files)
 
 
 def natural_order(path: Path) -> list:
     """A key that sorts 2 before 10."""
-    return [int(word) if word.isdigit() else word.lower() for word in re.split(r"([0-9]+)", path.name)]
+    # Every second piece is a number; isdigit would also take a superscript for one
+    return [int(word) if place % 2 else word.lower() for place, word in enumerate(re.split(r"([0-9]+)", path.name))]
 
 
-def library(name: str, purpose: str):
+def library(name: str, purpose: Message):
     """An optional package, or an error that says how to get it."""
     from importlib import import_module
 
+    package = name.split(".")[0]
     try:
         return import_module(name)
     except ImportError:
         raise FileFormatError(
-            f"{purpose} cannot be read without the Python package {name.split('.')[0]}. Install it: pip install aifrecon[import]."
+            "{purpose} cannot be read without the Python package {package}. Install it: pip install {package}.",
+            purpose=purpose,
+            package=_INSTALLED_AS.get(package, package),
         ) from None
 
 
 @contextlib.contextmanager
-def decoding(what: str, advice: str) -> Iterator[None]:
+def decoding(what: Message, advice: Message) -> Iterator[None]:
     """Turn whatever another package's decoder raises into an error of one line.
 
     Parameters
     ----------
-    what : str
+    what : Message
         File, frame and what cannot be done: ``"a.png: it cannot be read as a picture"``.
-    advice : str
+    advice : Message
         What to do.
 
     Notes
@@ -186,7 +213,9 @@ def decoding(what: str, advice: str) -> Iterator[None]:
     except AIFReconError:
         raise
     except Exception as error:
-        raise FileFormatError(f"{what} ({one_line(str(error))[:200] or type(error).__name__}). {advice}") from error
+        raise FileFormatError(
+            "{what} ({cause}). {advice}", what=what, cause=one_line(str(error))[:200] or type(error).__name__, advice=advice
+        ) from error
 
 
 def describe_stack(count: int, what: str, shape: tuple[int, ...], dtype) -> str:
@@ -194,8 +223,8 @@ def describe_stack(count: int, what: str, shape: tuple[int, ...], dtype) -> str:
     return f"{count} {what} of {_words(shape, dtype)}"
 
 
-def _words(shape: tuple[int, ...], dtype) -> str:
-    return f"{shape[1]} x {shape[0]} pixels, {np.dtype(dtype).name}"
+def _words(shape: tuple[int, ...], dtype) -> Message:
+    return Message("{columns} x {rows} pixels, {kind}", columns=shape[1], rows=shape[0], kind=np.dtype(dtype).name)
 
 
 def _listed(paths: list[Path]) -> list[Path]:
@@ -206,7 +235,7 @@ def _listed(paths: list[Path]) -> list[Path]:
         if path.is_dir():
             inside = sorted((p for p in path.iterdir() if p.is_file() and p.suffix.lower() in known), key=natural_order)
             if not inside:
-                raise FileFormatError(f"{path}: there are no images in this folder. Give a folder of pictures or DICOM files.")
+                raise FileFormatError("{path}: there are no images in this folder. Give a folder of pictures or DICOM files.", path=path)
             files += inside
         else:
             require_regular_file(path, FileFormatError)
@@ -217,20 +246,16 @@ def _listed(paths: list[Path]) -> list[Path]:
 
 
 def _open_numpy(files: list[Path]) -> ImportedImages:
-    path = _only(files, "array")
-    with decoding(f"{path}: numpy cannot read it", "Save the array again with numpy.save."):
-        array = np.load(path, mmap_mode="r", allow_pickle=False)
-    if array.ndim not in (3, 4) or (array.ndim == 4 and array.shape[3] not in (1, 3, 4)) or not array.size:
-        raise FileFormatError(
-            f"{path}: the array must have shape (frames, rows, columns) or (frames, rows, columns, 3); got {array.shape}. Transpose it."
-        )
-    stack = DecodedImages(len(array), lambda n: array[n], lambda n: f"{path}, frame {n}")
-    return ImportedImages(stack, describe_stack(len(array), "frames", stack.shape[1:], stack.dtype) + f" in {path.name}")
+    from .numpy_images import open_numpy
+
+    return open_numpy(_only(files, Message("array")))
 
 
-def _only(files: list[Path], what: str) -> Path:
+def _only(files: list[Path], what: Message) -> Path:
     if len(files) != 1:
-        raise FileFormatError(f"{files[1]}: there must be one {what}; got {len(files)} files. Import them one by one.")
+        raise FileFormatError(
+            "{path}: there must be one {what}; got {count} files. Import them one by one.", path=files[1], what=what, count=len(files)
+        )
     return files[0]
 
 
@@ -249,7 +274,7 @@ def _open_dicom(files: list[Path]) -> ImportedImages:
 def _open_video(files: list[Path]) -> ImportedImages:
     from .video_images import open_video
 
-    return open_video(_only(files, "video"))
+    return open_video(_only(files, Message("video")))
 
 
 _KINDS = (

@@ -40,11 +40,17 @@ class InterleavedImages:
         rows = others.pop(0) if others else 1
         if math.prod(others) != 1 or metafile.channels not in (1, 3, 4):
             raise metafile.failure(
-                f"its frames must be 2D images of 1, 3 or 4 channels; got {metafile.size[1:]} of {metafile.channels}. "
-                "Save the sequence from a newer Slicer."
+                "its frames must be 2D images of 1, 3 or 4 channels; got {shape} of {channels}. Save the sequence from a newer Slicer.",
+                shape=metafile.size[1:],
+                channels=metafile.channels,
             )
         if frames > MAXIMUM_FRAMES or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
-            raise metafile.failure(f"{frames} frames of {columns} x {rows} pixels are beyond the limits. The size in the header is wrong.")
+            raise metafile.failure(
+                "{frames} frames of {columns} x {rows} pixels are beyond the limits. The size in the header is wrong.",
+                frames=frames,
+                columns=columns,
+                rows=rows,
+            )
         self.shape = (frames, rows, columns)
         self.dtype = metafile.dtype.newbyteorder("=")
         self._flips = (slice(None, None, -1 if flip_rows else 1), slice(None, None, -1 if flip_columns else 1))
@@ -65,7 +71,7 @@ class InterleavedImages:
             self._sorted.seek(index % len(self) * self._frame_bytes)
             data = self._sorted.read(self._frame_bytes)
         except OSError as error:
-            raise metafile.failure(f"its sorted copy cannot be read ({error.strerror}). Read the file again.") from error
+            raise metafile.failure("its sorted copy cannot be read ({reason}). Read the file again.", reason=error.strerror) from error
         image = np.frombuffer(data, metafile.dtype).reshape(rows, columns, metafile.channels)
         image = luminance(image) if metafile.channels > 1 else image[..., 0]
         return np.array(image[self._flips], dtype=self.dtype, order="C")
@@ -83,8 +89,8 @@ class InterleavedImages:
         step = max(_PIECE // pixel_bytes, 1)
         inflater = Inflater(metafile.data_offset, metafile.data_length)
         with contextlib.ExitStack() as stack, metafile.open_payload() as file:
-            by_frame = stack.enter_context(tempfile.TemporaryFile())
             try:
+                by_frame = stack.enter_context(tempfile.TemporaryFile())
                 file.seek(metafile.data_offset)
                 for start in range(0, rows * columns, step):
                     count = min(step, rows * columns - start)
@@ -99,9 +105,13 @@ class InterleavedImages:
                     inflater.finish(file)
                 by_frame.flush()
             except PayloadError as error:
-                raise metafile.failure(f"the pixel data {error}. Copy the file again, or save it from Slicer again.") from error
+                raise metafile.failure(
+                    "the pixel data {problem}. Copy the file again, or save it from Slicer again.", problem=error
+                ) from error
             except OSError as error:
-                raise metafile.failure(f"its frames cannot be sorted ({error.strerror}). Free some space on the disk.") from error
+                raise metafile.failure(
+                    "its frames cannot be sorted ({reason}). Free some space on the disk.", reason=error.strerror
+                ) from error
             stack.pop_all()
             weakref.finalize(self, by_frame.close)
             return by_frame

@@ -5,18 +5,21 @@ Everything that a header can get wrong is found here, before anyone allocates me
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from stat import S_ISDIR, S_ISREG
 from typing import BinaryIO
 
 import numpy as np
 
 from ..errors import FileFormatError
-from .text_values import one_line, shorten
+from ..message import Message
+from .text_values import shorten
 
 RAW = "raw"
 COMPRESSED = "compressed"
@@ -82,22 +85,38 @@ class Metafile:
         """Bytes of all pixels, decoded."""
         return math.prod(self.size) * self.channels * self.dtype.itemsize
 
-    def failure(self, what: str) -> FileFormatError:
-        """The error to raise for this file."""
-        return self.error(f"{self.path}: {one_line(what)}")
+    def failure(self, problem: str, /, **values: object) -> FileFormatError:
+        """The error to raise for this file: a sentence with its values, on one line whatever the file holds."""
+        return self.error("{path}: {problem}", path=self.path, problem=Message(problem, **values))
 
-    def open_payload(self) -> BinaryIO:
-        """The data file, open for reading, provided that it is still the one whose header was read."""
+    @contextlib.contextmanager
+    def open_payload(self) -> Iterator[BinaryIO]:
+        """The data file, open for reading, provided that it is still the one whose header was read.
+
+        Raises
+        ------
+        FileFormatError
+            `error`, for every OSError of the block too: a network disk that goes away shows even when the file is closed.
+        """
         try:
-            file = open(self.data_path, "rb")  # noqa: SIM115 (the caller closes it)
+            file = open(self.data_path, "rb")  # noqa: SIM115 (closed below)
         except OSError as error:
             raise self.failure(
-                f"data file {self.data_path.name} cannot be read ({error.strerror}). Put it back beside the header."
+                "data file {file} cannot be read ({reason}). Put it back beside the header.",
+                file=self.data_path.name,
+                reason=error.strerror,
             ) from error
-        if _stamp(os.fstat(file.fileno())) != self.data_stamp:
-            file.close()
-            raise self.failure(f"data file {self.data_path.name} has changed since it was opened. Read the file again.")
-        return file
+        try:
+            with file:
+                self.require_unchanged(file)
+                yield file
+        except OSError as error:
+            raise self.failure("the pixel data cannot be read ({reason}). Copy the file again.", reason=error.strerror) from error
+
+    def require_unchanged(self, file: BinaryIO) -> None:
+        """Raise `error` unless the open data file is still as it was when the header was read."""
+        if stamp(os.fstat(file.fileno())) != self.data_stamp:
+            raise self.failure("data file {file} has changed since it was opened. Read the file again.", file=self.data_path.name)
 
 
 class HeaderLines:
@@ -108,9 +127,9 @@ class HeaderLines:
         self.path = path
         self.error = error
 
-    def failure(self, what: str) -> FileFormatError:
-        """The error to raise for this header."""
-        return self.error(f"{self.path}: {one_line(what)}")
+    def failure(self, problem: str, /, **values: object) -> FileFormatError:
+        """The error to raise for this header: a sentence with its values, on one line whatever the file holds."""
+        return self.error("{path}: {problem}", path=self.path, problem=Message(problem, **values))
 
     @property
     def position(self) -> int:
@@ -125,7 +144,7 @@ class HeaderLines:
         if len(line) > MAXIMUM_LINE or b"\0" in line:
             raise self.failure("this is not a text header. Give a MetaImage or NRRD file.")
         if self._file.tell() > MAXIMUM_HEADER:
-            raise self.failure(f"the header is longer than {MAXIMUM_HEADER} bytes. Give a MetaImage or NRRD file.")
+            raise self.failure("the header is longer than {maximum} bytes. Give a MetaImage or NRRD file.", maximum=MAXIMUM_HEADER)
         return line.rstrip(b"\r\n").decode("utf-8", errors="surrogateescape")
 
 
@@ -144,33 +163,41 @@ def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
-        raise error(f"{path}: its suffix must be one of {', '.join(METAIMAGE_SUFFIXES + NRRD_SUFFIXES)}. Give a MetaImage or NRRD file.")
+        raise error(
+            "{path}: its suffix must be one of {suffixes}. Give a MetaImage or NRRD file.",
+            path=path,
+            suffixes=", ".join(METAIMAGE_SUFFIXES + NRRD_SUFFIXES),
+        )
     require_regular_file(path, error)
     try:
         with open(path, "rb") as file:
             return (parse_metaimage if suffix in METAIMAGE_SUFFIXES else parse_nrrd)(HeaderLines(file, path, error))
     except OSError as cause:
-        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
+        raise error("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=cause.strerror) from cause
 
 
 def data_files(path: Path) -> list[Path]:
     """Where a header keeps its data beside itself, resolved; nothing for files that hold their own or cannot be understood."""
-    if path.suffix.lower() not in (*METAIMAGE_SUFFIXES, *NRRD_SUFFIXES) or not path.is_file():
+    if path.suffix.lower() not in (*METAIMAGE_SUFFIXES, *NRRD_SUFFIXES):
         return []
     try:
-        return [read_metafile(path, FileFormatError).data_path.resolve()]
+        return [Path(os.path.realpath(read_metafile(path, FileFormatError).data_path))]
     except FileFormatError:
         return []
 
 
 def require_regular_file(path: Path, error: type[FileFormatError]) -> None:
     """Raise `error` unless `path` is a file: reading a pipe would wait forever."""
-    if path.is_dir():
-        raise error(f"{path}: this is a folder. Give the name of a file.")
-    if not path.exists():
-        raise error(f"{path}: there is no such file. Check the path.")
-    if not path.is_file():
-        raise error(f"{path}: this is not a regular file. Give the name of a file.")
+    try:
+        mode = path.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError, ValueError):
+        raise error("{path}: there is no such file. Check the path.", path=path) from None
+    except OSError as cause:
+        raise error("{path}: the file cannot be read ({reason}). Check the path.", path=path, reason=cause.strerror) from cause
+    if S_ISDIR(mode):
+        raise error("{path}: this is a folder. Give the name of a file.", path=path)
+    if not S_ISREG(mode):
+        raise error("{path}: this is not a regular file. Give the name of a file.", path=path)
 
 
 def build_metafile(
@@ -201,7 +228,7 @@ def build_metafile(
     offset = lines.position if data_file is None else 0
     data_path = lines.path if data_file is None else _beside(lines, data_file)
     if not data_path.is_file():
-        raise lines.failure(f"data file {data_path.name} is missing. Put it beside the header.")
+        raise lines.failure("data file {file} is missing. Put it beside the header.", file=data_path.name)
     status = data_path.stat()
     metafile = Metafile(
         lines.path,
@@ -215,7 +242,7 @@ def build_metafile(
         offset,
         max(status.st_size - offset, 0),
         fields,
-        _stamp(status),
+        stamp(status),
         entries or {},
     )
     _check_length(metafile, size_key, stored_length)
@@ -226,12 +253,16 @@ def parse_sizes(lines: HeaderLines, key: str, text: str, count: int) -> tuple[in
     """The `count` positive whole numbers of a size entry."""
     words = text.split()
     if len(words) != count or not all(re.fullmatch(r"[0-9]{1,12}", word) for word in words):
-        raise lines.failure(f"{key} must be {count} whole numbers; got {shorten(text)!r}. The header is damaged.")
+        raise lines.failure(
+            "{key} must be {count} whole numbers; got {text!r}. The header is damaged.", key=key, count=count, text=shorten(text)
+        )
     sizes = tuple(int(word) for word in words)
     if min(sizes) < 1:
         raise lines.failure(
-            f"{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, "
-            "if it is Slicer's sequence of a transform, give it with the images as --transform-sequence NAME=FILE."
+            "{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, "
+            "if it is Slicer's sequence of a transform, give it with the images as --transform-sequence NAME=FILE.",
+            key=key,
+            text=text,
         )
     return sizes
 
@@ -240,7 +271,11 @@ def parse_count(lines: HeaderLines, key: str, text: str, lowest: int, highest: i
     """One whole number within limits."""
     if not re.fullmatch(r"[0-9]{1,18}", text) or not lowest <= int(text) <= highest:
         raise lines.failure(
-            f"{key} must be a whole number from {lowest} to {highest}; got {shorten(text)!r}. Such files are not supported."
+            "{key} must be a whole number from {lowest} to {highest}; got {text!r}. Such files are not supported.",
+            key=key,
+            lowest=lowest,
+            highest=highest,
+            text=shorten(text),
         )
     return int(text)
 
@@ -248,7 +283,7 @@ def parse_count(lines: HeaderLines, key: str, text: str, lowest: int, highest: i
 def require(lines: HeaderLines, entries: Mapping[str, str], key: str) -> str:
     """The value of a header key that must be there."""
     if key not in entries:
-        raise lines.failure(f"the header has no {key}. It is damaged, or this is not an image file.")
+        raise lines.failure("the header has no {key}. It is damaged, or this is not an image file.", key=key)
     return entries[key]
 
 
@@ -256,11 +291,23 @@ def store(lines: HeaderLines, entries: dict[str, str], key: str, value: str) -> 
     """Add an entry; two different values under one key leave it open which of them holds."""
     if entries.setdefault(key, value) != value:
         raise lines.failure(
-            f"{key} is given twice, as {shorten(entries[key])!r} and as {shorten(value)!r}. Remove one of the two lines from the header."
+            "{key} is given twice, as {first!r} and as {second!r}. Remove one of the two lines from the header.",
+            key=key,
+            first=shorten(entries[key]),
+            second=shorten(value),
         )
 
 
-def _stamp(status: os.stat_result) -> tuple[int, int]:
+def file_stamp(path: Path) -> tuple[int, int] | None:
+    """`stamp` of the file at `path`; None where there is none."""
+    try:
+        return stamp(path.stat())
+    except OSError:
+        return None
+
+
+def stamp(status: os.stat_result) -> tuple[int, int]:
+    """Size and time of a file, which tell whether it is still the same."""
     return status.st_size, status.st_mtime_ns
 
 
@@ -268,7 +315,8 @@ def _beside(lines: HeaderLines, name: str) -> Path:
     """The data file `name` in the header's folder. Nothing else is opened because a header says so."""
     if not name or name in (".", "..") or re.search(r"[/\\:\0]", name):
         raise lines.failure(
-            f"its data file must lie beside it and be given by its bare name; got {shorten(name)!r}. Move it there and correct the header."
+            "its data file must lie beside it and be given by its bare name; got {file!r}. Move it there and correct the header.",
+            file=shorten(name),
         )
     return lines.path.parent / name
 
@@ -281,23 +329,38 @@ def _check_length(metafile: Metafile, size_key: str, stored_length: int | None) 
         if there < needed:
             complete = there // (needed // metafile.size[-1])
             raise metafile.failure(
-                f"the pixel data are cut short: {size_key} {size} needs {needed} bytes, there are {there} "
-                f"({complete} of {metafile.size[-1]} frames or slices). Copy the file again, or correct {size_key}."
+                "the pixel data are cut short: {size_key} {size} needs {needed} bytes, there are {there} "
+                "({complete} of {total} frames or slices). Copy the file again, or correct {size_key}.",
+                size_key=size_key,
+                size=size,
+                needed=needed,
+                there=there,
+                complete=complete,
+                total=metafile.size[-1],
             )
         if there > needed and UNFINISHED not in metafile.fields:
             raise metafile.failure(
-                f"there are {there - needed} bytes more than {size_key} {size} needs ({needed}). Correct {size_key}, "
-                "or write the file again."
+                "there are {excess} bytes more than {size_key} {size} needs ({needed}). Correct {size_key}, or write the file again.",
+                excess=there - needed,
+                size_key=size_key,
+                size=size,
+                needed=needed,
             )
         return
     if stored_length is not None and there != stored_length:
-        what = "are cut short" if there < stored_length else "go on behind their end"
+        what = Message("are cut short") if there < stored_length else Message("go on behind their end")
         raise metafile.failure(
-            f"the pixel data {what}: CompressedDataSize is {stored_length} bytes, there are {there}. Copy the file again, "
-            "or write it again."
+            "the pixel data {what}: CompressedDataSize is {stored} bytes, there are {there}. Copy the file again, or write it again.",
+            what=what,
+            stored=stored_length,
+            there=there,
         )
     if needed > LARGEST_DEFLATE_RATIO * there + 4096:
         raise metafile.failure(
-            f"{size_key} {size} needs {needed} bytes, more than {there} compressed bytes can hold. Copy the file again, "
-            f"or correct {size_key}."
+            "{size_key} {size} needs {needed} bytes, more than {there} compressed bytes can hold. Copy the file again, "
+            "or correct {size_key}.",
+            size_key=size_key,
+            size=size,
+            needed=needed,
+            there=there,
         )

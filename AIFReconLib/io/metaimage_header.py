@@ -37,7 +37,7 @@ def parse_metaimage(lines: HeaderLines) -> Metafile:
     """The header and where its payload lies."""
     entries = read_entries(lines)
     if entries.get("ObjectType", "Image") != "Image":
-        raise lines.failure(f"ObjectType must be Image; got {entries['ObjectType']!r}. Give an image file.")
+        raise lines.failure("ObjectType must be Image; got {kind!r}. Give an image file.", kind=entries["ObjectType"])
     dimensions = parse_count(lines, "NDims", require(lines, entries, "NDims"), 2, 4)
     size = parse_sizes(lines, "DimSize", require(lines, entries, "DimSize"), dimensions)
     if not _is_true(lines, entries, "BinaryData", default=True):
@@ -46,13 +46,19 @@ def parse_metaimage(lines: HeaderLines) -> Metafile:
     element_type = require(lines, entries, "ElementType")
     if element_type not in ELEMENT_TYPES:
         raise lines.failure(
-            f"ElementType must be one of {', '.join(ELEMENT_TYPES)}; got {element_type!r}. Convert the file to one of them."
+            "ElementType must be one of {kinds}; got {kind!r}. Convert the file to one of them.",
+            kinds=", ".join(ELEMENT_TYPES),
+            kind=element_type,
         )
     byte_order_key = "ElementByteOrderMSB" if "ElementByteOrderMSB" in entries else "BinaryDataByteOrderMSB"
     byte_order = ">" if _is_true(lines, entries, byte_order_key, default=False) else "<"
     kinds = tuple(entries.get("Kinds", "").lower().split())
     if kinds and len(kinds) != dimensions:
-        raise lines.failure(f"Kinds must have {dimensions} words, one for each of NDims; got {entries['Kinds']!r}. Correct the header.")
+        raise lines.failure(
+            "Kinds must have {dimensions} words, one for each of NDims; got {kinds!r}. Correct the header.",
+            dimensions=dimensions,
+            kinds=entries["Kinds"],
+        )
     compressed = _is_true(lines, entries, "CompressedData", default=False)
     return build_metafile(
         lines,
@@ -65,6 +71,7 @@ def parse_metaimage(lines: HeaderLines) -> Metafile:
         data_file=_data_file(lines, entries[LAST_KEY]),
         stored_length=_stored_length(lines, entries) if compressed else None,
         fields={key: value for key, value in entries.items() if key not in FORMAT_KEYS},
+        entries={key: value for key, value in entries.items() if key in FORMAT_KEYS},
     )
 
 
@@ -81,7 +88,7 @@ def read_entries(lines: HeaderLines) -> dict[str, str]:
         store(lines, entries, key, value.strip())
         if key == LAST_KEY:
             return entries
-    raise lines.failure(f"the header ends without {LAST_KEY}: the file is cut short or is no MetaImage. Copy it again.")
+    raise lines.failure("the header ends without {key}: the file is cut short or is no MetaImage. Copy it again.", key=LAST_KEY)
 
 
 def _is_true(lines: HeaderLines, entries: dict[str, str], key: str, default: bool) -> bool:
@@ -92,7 +99,7 @@ def _is_true(lines: HeaderLines, entries: dict[str, str], key: str, default: boo
         return True
     if text.lower() in ("false", "f", "0"):
         return False
-    raise lines.failure(f"{key} must be True or False; got {text!r}. Correct the header.")
+    raise lines.failure("{key} must be True or False; got {text!r}. Correct the header.", key=key, text=text)
 
 
 def _data_file(lines: HeaderLines, text: str) -> str | None:
@@ -100,7 +107,8 @@ def _data_file(lines: HeaderLines, text: str) -> str | None:
         return None
     if text.split()[:1] == ["LIST"] or "%" in text:
         raise lines.failure(
-            f"ElementDataFile must be LOCAL or one file; got {text!r}. Lists of files are not supported: write it again as one file."
+            "ElementDataFile must be LOCAL or one file; got {text!r}. Lists of files are not supported: write it again as one file.",
+            text=text,
         )
     return text
 

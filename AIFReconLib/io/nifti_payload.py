@@ -13,6 +13,9 @@ from .payload import Inflater, PayloadError
 _HEADERS = {348: (40, "8h", 72, 108, "f"), 540: (16, "8q", 14, 168, "q")}
 """By length of the header (NIfTI-1, NIfTI-2): where the dimensions, the bits per voxel and the offset of the voxels stand."""
 
+_BITS = {2: 8, 4: 16, 8: 32, 16: 32, 32: 64, 64: 64, 128: 24, 256: 8, 512: 16, 768: 32, 1024: 64, 1280: 64, 1792: 128, 2304: 32}
+"""By NIfTI's number of a type: bits of a voxel. SimpleITK's reader prints its own complaint about others."""
+
 
 def check_nifti(path: Path, error: type[FileFormatError]) -> None:
     """Return if the file is complete, its checksum included if it is compressed. Keeps nothing in memory.
@@ -29,7 +32,9 @@ def check_nifti(path: Path, error: type[FileFormatError]) -> None:
             if path.suffix.lower() != ".gz":
                 needed = _needed_bytes(file.read(max(_HEADERS)))
                 if length < needed:
-                    raise PayloadError(f"are cut short: the header promises {needed} bytes, there are {length}")
+                    raise PayloadError(
+                        "are cut short: the header promises {needed} bytes, there are {length}", needed=needed, length=length
+                    )
                 return
             stream = Inflater(0, length)
             head = stream.read(file, min(_HEADERS))
@@ -38,9 +43,9 @@ def check_nifti(path: Path, error: type[FileFormatError]) -> None:
             stream.skip(file, _needed_bytes(head) - len(head))
             stream.drain(file)
     except PayloadError as cause:
-        raise error(f"{path}: the voxels {cause}. Copy or export the file again.") from cause
+        raise error("{path}: the voxels {problem}. Copy or export the file again.", path=path, problem=cause) from cause
     except OSError as cause:
-        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
+        raise error("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=cause.strerror) from cause
 
 
 def _header_length(head: bytes) -> int:
@@ -61,9 +66,19 @@ def _needed_bytes(head: bytes) -> int:
     dimensions_at, dimensions_format, bits_at, offset_at, offset_format = _HEADERS[_header_length(head)]
     if len(head) < _header_length(head):
         raise PayloadError("are missing, and part of the header too")
+    if head[344:347] != b"n+1" and head[4:7] != b"n+2":
+        raise PayloadError("are not in this file: it is the header of a pair, or an old Analyze file")
     count, *sizes = struct.unpack_from(order + dimensions_format, head, dimensions_at)
-    (bits,) = struct.unpack_from(order + "h", head, bits_at)
+    kind, bits = struct.unpack_from(order + "2h", head, bits_at - 2)
     (offset,) = struct.unpack_from(order + offset_format, head, offset_at)
     if not 1 <= count <= 7 or min(sizes[:count]) < 1 or bits < 1 or not math.isfinite(offset) or offset < 0:
-        raise PayloadError(f"cannot be told from the header: dimensions {count} {sizes}, {bits} bits, offset {offset}")
+        raise PayloadError(
+            "cannot be told from the header: dimensions {count} {sizes}, {bits} bits, offset {offset}",
+            count=count,
+            sizes=sizes,
+            bits=bits,
+            offset=offset,
+        )
+    if _BITS.get(kind) != bits:
+        raise PayloadError("are of a type that is not read: {kind}, of {bits} bits", kind=kind, bits=bits)
     return int(offset) + (math.prod(sizes[:count]) * bits + 7) // 8

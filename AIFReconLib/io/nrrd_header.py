@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 
+from ..message import Message
 from .metafile import COMPRESSED, RAW, HeaderLines, Metafile, build_metafile, parse_count, parse_sizes, require, store
 
 _TYPE_NAMES = {
@@ -26,6 +27,9 @@ TYPES = {name: code for code, names in _TYPE_NAMES.items() for name in names.spl
 RAW_ENCODINGS = ("raw",)
 GZIP_ENCODINGS = ("gzip", "gz")
 
+SPELLINGS = {name.replace(" ", ""): name for name in ("data file", "line skip", "byte skip", "axis mins", "axis maxs")}
+"""Fields that may also be written as one word."""
+
 CHANNEL_KINDS = frozenset(
     ["vector", "rgb-color", "rgba-color", "hsv-color", "xyz-color", "2-vector", "3-vector", "4-vector", "3-color", "4-color"]
 )
@@ -39,15 +43,19 @@ def parse_nrrd(lines: HeaderLines) -> Metafile:
     size = parse_sizes(lines, "sizes", require(lines, entries, "sizes"), dimensions)
     pixel_type = require(lines, entries, "type").lower()
     if pixel_type not in TYPES:
-        raise lines.failure(f"type must be a whole-number or floating-point type; got {pixel_type!r}. Convert the file.")
+        raise lines.failure("type must be a whole-number or floating-point type; got {kind!r}. Convert the file.", kind=pixel_type)
     kinds = tuple(entries.get("kinds", "").lower().split())
     if kinds and len(kinds) != dimensions:
-        raise lines.failure(f"kinds must have {dimensions} words, one for each dimension; got {entries['kinds']!r}. Correct the header.")
+        raise lines.failure(
+            "kinds must have {dimensions} words, one for each dimension; got {kinds!r}. Correct the header.",
+            dimensions=dimensions,
+            kinds=entries["kinds"],
+        )
     channels = 1
     if kinds and kinds[0] in CHANNEL_KINDS:
         channels, size, kinds = size[0], size[1:], kinds[1:]
     for key in ("line skip", "byte skip"):
-        parse_count(lines, key, entries.get(key, entries.get(key.replace(" ", ""), "0")), 0, 0)
+        parse_count(lines, key, entries.get(key, "0"), 0, 0)
     return build_metafile(
         lines,
         size_key="sizes",
@@ -89,10 +97,12 @@ def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str
         if value.startswith("="):
             store(lines, fields, unescape(key.strip()), unescape(value[1:]).strip())
         else:
-            store(lines, entries, key.strip().lower(), value.strip())
-            if key.strip().lower() in ("data file", "datafile") and value.split()[:1] == ["LIST"]:
+            name = key.strip().lower()
+            name = SPELLINGS.get(name, name)
+            store(lines, entries, name, value.strip())
+            if name == "data file" and value.split()[:1] == ["LIST"]:
                 break
-    if line is None and "data file" not in entries and "datafile" not in entries:
+    if line is None and "data file" not in entries:
         raise lines.failure("the header ends without the empty line before the data: the file is cut short. Copy it again.")
     return entries, fields
 
@@ -100,7 +110,7 @@ def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str
 def _byte_order(lines: HeaderLines, entries: dict[str, str], code: str) -> str:
     endian = entries.get("endian", "little" if code.endswith("1") else "").lower()
     if endian not in ("little", "big"):
-        raise lines.failure(f"endian must be little or big; got {endian!r}. Correct the header.")
+        raise lines.failure("endian must be little or big; got {endian!r}. Correct the header.", endian=endian)
     return "<" if endian == "little" else ">"
 
 
@@ -109,12 +119,19 @@ def _encoding(lines: HeaderLines, encoding: str) -> str:
         return RAW
     if encoding in GZIP_ENCODINGS:
         return COMPRESSED
-    reason = "ASCII data are not supported" if encoding in ("ascii", "txt", "text") else "no other encoding is supported"
-    raise lines.failure(f"encoding must be raw or gzip; got {encoding!r}: {reason}. Write the file again with one of these.")
+    ascii_data = encoding in ("ascii", "txt", "text")
+    reason = Message("ASCII data are not supported") if ascii_data else Message("no other encoding is supported")
+    raise lines.failure(
+        "encoding must be raw or gzip; got {encoding!r}: {reason}. Write the file again with one of these.",
+        encoding=encoding,
+        reason=reason,
+    )
 
 
 def _data_file(lines: HeaderLines, entries: dict[str, str]) -> str | None:
-    text = entries.get("data file", entries.get("datafile"))
+    text = entries.get("data file")
     if text is not None and (text.split()[:1] == ["LIST"] or "%" in text):
-        raise lines.failure(f"data file must be one file; got {text!r}. Lists of files are not supported: write it again as one file.")
+        raise lines.failure(
+            "data file must be one file; got {text!r}. Lists of files are not supported: write it again as one file.", text=text
+        )
     return text.removeprefix("./") if text is not None else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import zlib
 from typing import BinaryIO
 
+from ..errors import AIFReconError
 from .metafile import RAW, Metafile
 
 _PIECE = 2**18
@@ -13,7 +14,7 @@ _PIECE = 2**18
 ZLIB_OR_GZIP = 32 + zlib.MAX_WBITS
 
 
-class PayloadError(ValueError):
+class PayloadError(AIFReconError, ValueError):
     """What is wrong with compressed data, as the predicate of "the pixel data ..."."""
 
 
@@ -52,6 +53,18 @@ class Inflater:
             count -= len(piece)
             self.position += len(piece)
         return b"".join(pieces)
+
+    def read_into(self, file: BinaryIO, view: memoryview) -> None:
+        """Fill `view`, of bytes, with the next decoded bytes.
+
+        Raises
+        ------
+        PayloadError
+            When the stream is corrupt or ends before.
+        """
+        for start in range(0, len(view), _PIECE):
+            part = view[start : start + _PIECE]
+            part[:] = self.read(file, len(part))
 
     def skip(self, file: BinaryIO, count: int) -> None:
         """Decode `count` bytes and drop them."""
@@ -94,7 +107,7 @@ class Inflater:
                 # An empty input still yields what the decoder held back when the last limit was reached.
                 piece = self._decoder.decompress(self._pending, limit)
             except zlib.error as error:
-                raise PayloadError(f"are corrupt ({error})") from error
+                raise PayloadError("are corrupt ({problem})", problem=error) from error
             self._pending = self._decoder.unused_data if self._decoder.eof else self._decoder.unconsumed_tail
             if piece:
                 return piece
@@ -135,6 +148,6 @@ def check_payload(metafile: Metafile) -> None:
             stream.skip(file, metafile.pixel_bytes)
             stream.finish(file)
         except PayloadError as error:
-            raise metafile.failure(f"the pixel data {error}. Copy or write the file again.") from error
+            raise metafile.failure("the pixel data {problem}. Copy or write the file again.", problem=error) from error
         except OSError as error:
-            raise metafile.failure(f"the pixel data cannot be read ({error.strerror}). Copy the file again.") from error
+            raise metafile.failure("the pixel data cannot be read ({reason}). Copy the file again.", reason=error.strerror) from error

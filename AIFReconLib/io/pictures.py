@@ -6,7 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ..errors import FileFormatError
+from ..message import Message
 from .imported_images import DecodedImages, ImportedImages, decoding, describe_stack, library
+from .metafile import file_stamp
+
+_FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "MPO")
+"""Pillow's names. It goes by the content, whatever the suffix, and would start Ghostscript for PostScript."""
 
 _AS_THEY_ARE = ("L", "I", "F", "RGB", "RGBA", "I;16", "I;16L", "I;16B", "I;16N", "LA")
 """Modes that become arrays of their own type; palettes, CMYK and the like are made RGB first."""
@@ -20,13 +26,22 @@ def open_pictures(files: list[Path]) -> ImportedImages:
     FileFormatError
         When a file is no picture.
     """
-    image_module = library("PIL.Image", "Pictures")
+    image_module = library("PIL.Image", Message("Pictures"))
+    opened = {path: file_stamp(path) for path in files}
     pages = [(path, page) for path in files for page in range(_page_count(image_module, path))]
     several = len(pages) > len(files)
 
     def decode(number: int) -> np.ndarray:
         path, page = pages[number]
-        with _readable(path), image_module.open(path) as picture:
+        pixels = decoded(path, page)
+        # Asked afterwards: it may have changed before or meanwhile
+        if file_stamp(path) != opened[path]:
+            raise FileFormatError("{path}: the file has changed since it was opened. Import it again.", path=path)
+        return pixels
+
+    def decoded(path: Path, page: int) -> np.ndarray:
+        # From a file object, not a path: Pillow maps some files into memory, and one that is cut while mapped ends the program
+        with _readable(path), open(path, "rb") as file, image_module.open(file, formats=_FORMATS) as picture:
             picture.seek(page)
             if picture.mode == "1":
                 return np.asarray(picture.convert("L"))
@@ -34,7 +49,7 @@ def open_pictures(files: list[Path]) -> ImportedImages:
 
     def where(number: int) -> str:
         path, page = pages[number]
-        return f"{path}, page {page}" if several else str(path)
+        return Message("{path}, page {page}", path=path, page=page) if several else str(path)
 
     stack = DecodedImages(len(pages), decode, where)
     kinds = "/".join(sorted({path.suffix[1:].upper() for path in files}))
@@ -44,9 +59,9 @@ def open_pictures(files: list[Path]) -> ImportedImages:
 
 
 def _page_count(image_module, path: Path) -> int:
-    with _readable(path), image_module.open(path) as picture:
+    with _readable(path), open(path, "rb") as file, image_module.open(file, formats=_FORMATS) as picture:
         return int(getattr(picture, "n_frames", 1))
 
 
 def _readable(path: Path):
-    return decoding(f"{path}: it cannot be read as a picture", "Export it again.")
+    return decoding(Message("{path}: it cannot be read as a picture", path=path), Message("Export it again."))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError, SettingsError
-from .metafile import require_regular_file
+from ..message import Message, listed
 from .pose_rows import (
+    EULER,
     IMAGE,
     MATRIX,
+    QUATERNION,
     STATUS,
     TIME,
     TRANSLATION,
@@ -26,6 +29,7 @@ from .pose_rows import (
     pose_of,
     time_of,
 )
+from .small_files import read_bytes
 from .text_values import one_line, parse_number, shorten
 
 MAXIMUM_BYTES = 2**28
@@ -78,19 +82,25 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
     text = _text(path)
     rows, understood = _json_rows(path, text) if path.suffix.lower() == ".json" else _text_rows(path, text, form)
     if not rows:
-        raise FileFormatError(f"{path}: it holds no poses. Give a file with one pose per frame.")
+        raise FileFormatError("{path}: it holds no poses. Give a file with one pose per frame.", path=path)
     try:
         kind = kind_of_pose(list(rows[0][1]), form)
     except SettingsError as error:
-        raise SettingsError(f"{path}: {error}") from None
+        raise SettingsError("{path}: {problem}", path=path, problem=error) from None
     matrices = np.full((len(rows), 4, 4), np.nan)
     for number, (place, row) in enumerate(rows):
         if set(row) != set(rows[0][1]):
-            raise FileFormatError(f"{path}: {place} must hold {', '.join(rows[0][1])} as the first; got {', '.join(row)}. Export it again.")
+            raise FileFormatError(
+                "{path}: {place} must hold {expected} as the first; got {found}. Export it again.",
+                path=path,
+                place=place,
+                expected=", ".join(rows[0][1]),
+                found=", ".join(row),
+            )
         try:
             pose = pose_of({name: value for name, value in row.items() if not isinstance(value, str)}, form)
         except PoseValueError as error:
-            raise FileFormatError(f"{path}: {place} {error}") from None
+            raise FileFormatError("{path}: {place} {problem}", path=path, place=place, problem=error) from None
         if pose is not None:
             matrices[number] = pose
     times = [time_of({name: value for name, value in row.items() if not isinstance(value, str)}) for _, row in rows]
@@ -108,17 +118,13 @@ def _words(rows, name: str) -> tuple[str, ...] | None:
 
 
 def _text(path: Path) -> str:
-    require_regular_file(path, FileFormatError)
+    data = read_bytes(path, MAXIMUM_BYTES + 1, FileFormatError)
     try:
-        with open(path, "rb") as file:
-            data = file.read(MAXIMUM_BYTES + 1)
         if len(data) > MAXIMUM_BYTES or b"\0" in data:
-            raise FileFormatError(f"{path}: this is not a text file of poses. Give .csv, .txt or .json.")
+            raise FileFormatError("{path}: this is not a text file of poses. Give .csv, .txt or .json.", path=path)
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise FileFormatError(f"{path}: this is not a text file (UTF-8). Export the poses again.") from None
-    except OSError as error:
-        raise FileFormatError(f"{path}: the file cannot be read ({error.strerror}). Check its permissions.") from error
+        raise FileFormatError("{path}: this is not a text file (UTF-8). Export the poses again.", path=path) from None
 
 
 def _text_rows(path: Path, text: str, form: PoseFormat) -> tuple[list[tuple[str, Row]], tuple[str, ...]]:
@@ -144,7 +150,10 @@ def _text_rows(path: Path, text: str, form: PoseFormat) -> tuple[list[tuple[str,
         return _matrix_blocks(path, table), ("four rows of four numbers each",)
     names = canonical_names(header) if header is not None else _names_of_numbers(path, len(table[0][1]), form)
     unused = [word for word, name in zip(header or (), names) if name is None and word != "-"]
-    rows = [(f"line {number} (frame {n})", _row(path, number, n, cells, names)) for n, (number, cells) in enumerate(table)]
+    rows = [
+        (Message("line {line} (frame {number})", line=number, number=n), _row(path, number, n, cells, names))
+        for n, (number, cells) in enumerate(table)
+    ]
     return rows, ((f"columns that are not used: {', '.join(unused)}",) if unused else ())
 
 
@@ -172,8 +181,10 @@ def _names_of_numbers(path: Path, count: int, form: PoseFormat) -> list[str]:
     if form.euler_order and not form.quaternion_order and count in (6, 7):
         return [*([TIME] if count == 7 else []), *TRANSLATION, *UNNAMED_EULER]
     raise SettingsError(
-        f'{path}: {count} columns without names can be many things. Name them, as in --columns "time x y z qw qx qy qz", or give '
-        "--quaternion-order or --euler-order, if translation comes first."
+        '{path}: {count} columns without names can be many things. Name them, as in --columns "time x y z qw qx qy qz", or give '
+        "--quaternion-order or --euler-order, if translation comes first.",
+        path=path,
+        count=count,
     )
 
 
@@ -181,7 +192,14 @@ def _row(path: Path, line: int, number: int, cells: list[str], names: list[str |
     if len(cells) == len(names) + 1 and not cells[-1]:
         cells = cells[:-1]  # a separator at the end of the line
     if len(cells) != len(names):
-        raise FileFormatError(f"{path}: line {line} (frame {number}) must have {len(names)} columns; got {len(cells)}. Export it again.")
+        raise FileFormatError(
+            "{path}: line {line} (frame {number}) must have {expected} columns; got {found}. Export it again.",
+            path=path,
+            line=line,
+            number=number,
+            expected=len(names),
+            found=len(cells),
+        )
     row: Row = {}
     for cell, name in zip(cells, names):
         if name is None:
@@ -190,8 +208,13 @@ def _row(path: Path, line: int, number: int, cells: list[str], names: list[str |
             row[name] = cell if name in (IMAGE, STATUS) else parse_number(cell) if cell else np.nan
         except ValueError:
             raise FileFormatError(
-                f"{path}: line {line} (frame {number}), column {name} must be a number; got {shorten(cell)!r}. "
-                "Export it again, with decimal points."
+                "{path}: line {line} (frame {number}), column {name} must be a number; got {value!r}. "
+                "Export it again, with decimal points.",
+                path=path,
+                line=line,
+                number=number,
+                name=name,
+                value=shorten(cell),
             ) from None
     return row
 
@@ -200,7 +223,9 @@ def _matrix_blocks(path: Path, table) -> list[tuple[str, Row]]:
     """Matrices of four lines each."""
     if len(table) % 4:
         raise FileFormatError(
-            f"{path}: lines of four numbers must come in fours, one matrix each; got {len(table)} lines. Export it again."
+            "{path}: lines of four numbers must come in fours, one matrix each; got {count} lines. Export it again.",
+            path=path,
+            count=len(table),
         )
     rows = []
     for start in range(0, len(table), 4):
@@ -208,7 +233,8 @@ def _matrix_blocks(path: Path, table) -> list[tuple[str, Row]]:
         for place in range(4):
             line, cells = table[start + place]
             row |= _row(path, line, start // 4, cells, list(MATRIX[4 * place : 4 * place + 4]))
-        rows.append((f"lines {table[start][0]} to {table[start + 3][0]} (frame {start // 4})", row))
+        first, last = table[start][0], table[start + 3][0]
+        rows.append((Message("lines {first} to {last} (frame {number})", first=first, last=last, number=start // 4), row))
     return rows
 
 
@@ -227,6 +253,7 @@ _PART_FIELDS = {
     "euler": {3: UNNAMED_EULER},
 }
 _PART_AXES = {"translation": "", "quaternion": "q", "euler": "r"}
+_AXES = {"translation": TRANSLATION, "quaternion": QUATERNION, "euler": EULER}
 
 
 def _json_rows(path: Path, text: str) -> tuple[list[tuple[str, Row]], tuple[str, ...]]:
@@ -234,28 +261,30 @@ def _json_rows(path: Path, text: str) -> tuple[list[tuple[str, Row]], tuple[str,
     try:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise FileFormatError(f"{path}: this is not JSON ({one_line(str(error))}). Export it again.") from None
+        raise FileFormatError("{path}: this is not JSON ({cause}). Export it again.", path=path, cause=one_line(str(error))) from None
     if isinstance(document, dict):
         key = next((key for key in _JSON_LISTS if isinstance(document.get(key), list)), None)
         if key is None:
-            raise FileFormatError(f"{path}: it must hold a list of poses, or an object with one under {', '.join(_JSON_LISTS)}.")
+            raise FileFormatError(
+                "{path}: it must hold a list of poses, or an object with one under {names}.", path=path, names=", ".join(_JSON_LISTS)
+            )
         document = document[key]
     if not isinstance(document, list):
-        raise FileFormatError(f"{path}: it must hold a list of poses; got {type(document).__name__}. Export it again.")
+        raise FileFormatError("{path}: it must hold a list of poses; got {kind}. Export it again.", path=path, kind=type(document).__name__)
     unused: dict[str, None] = {}
     rows = []
     for number, item in enumerate(document):
-        place = f"pose {number}"
+        place = Message("pose {number}", number=number)
         row: Row = {}
         for key, value in (item if isinstance(item, dict) else {"matrix": item}).items():
             plain = re.sub("[^a-z0-9]", "", key.lower())
             part, name = _PART_OF.get(plain), canonical_names([key])[0]
             if part:
-                row |= _json_part(path, f"{place}, {key}", part, value)
+                row |= _json_part(path, listed([place, key]), part, value)
             elif name in (IMAGE, STATUS):
                 row[name] = str(value)
             elif name:
-                row[name] = _json_number(path, f"{place}, {key}", value)
+                row[name] = _json_number(path, listed([place, key]), value)
             else:
                 unused[key] = None
         rows.append((place, row))
@@ -265,12 +294,27 @@ def _json_rows(path: Path, text: str) -> tuple[list[tuple[str, Row]], tuple[str,
 def _json_part(path: Path, place: str, part: str, value) -> Row:
     """The fields of a list or object of numbers."""
     if isinstance(value, dict) and part != "matrix":
-        return {_PART_AXES[part] + key.lower(): _json_number(path, f"{place}, {key}", number) for key, number in value.items()}
+        names = {name: key for key in value if (name := _PART_AXES[part] + key.lower()) in _AXES[part]}
+        if len(names) != len(value):
+            raise FileFormatError(
+                "{path}: {place} must have the keys {expected}; got {found}. Export it again.",
+                path=path,
+                place=place,
+                expected=listed(name.removeprefix(_PART_AXES[part]) for name in _AXES[part]),
+                found=", ".join(map(repr, value)),
+            )
+        return {name: _json_number(path, listed([place, key]), value[key]) for name, key in names.items()}
     numbers = [number for line in value for number in (line if isinstance(line, list) else [line])] if isinstance(value, list) else [value]
     names = _PART_FIELDS[part].get(len(numbers))
     if names is None:
-        expected = " or ".join(map(str, _PART_FIELDS[part]))
-        raise FileFormatError(f"{path}: {place} must be {expected} numbers; got {len(numbers)}. Export it again.")
+        expected = listed(_PART_FIELDS[part], " or ")
+        raise FileFormatError(
+            "{path}: {place} must be {expected} numbers; got {found}. Export it again.",
+            path=path,
+            place=place,
+            expected=expected,
+            found=len(numbers),
+        )
     return {name: _json_number(path, place, number) for name, number in zip(names, numbers)}
 
 
@@ -278,5 +322,10 @@ def _json_number(path: Path, place: str, value) -> float:
     if value is None:
         return float("nan")
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise FileFormatError(f"{path}: {place} must be a number; got {shorten(repr(value))}. Export it again.")
-    return float(value)
+        raise FileFormatError(
+            "{path}: {place} must be a number; got {value}. Export it again.", path=path, place=place, value=shorten(repr(value))
+        )
+    try:
+        return float(value)
+    except OverflowError:  # JSON's whole numbers have no limit
+        return math.inf if value > 0 else -math.inf

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..errors import SettingsError
+from ..errors import AIFReconError, SettingsError
+from ..message import Message
 
 QUATERNION_ORDERS = ("xyzw", "wxyz")
 LENGTH_UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
@@ -74,21 +75,26 @@ class PoseFormat:
 
     def __post_init__(self):
         if self.quaternion_order not in (None, *QUATERNION_ORDERS):
-            raise SettingsError(f"Input quaternion_order must be xyzw or wxyz; got {self.quaternion_order!r}. See the tracker's manual.")
+            raise SettingsError(
+                "Input quaternion_order must be xyzw or wxyz; got {quaternion_order!r}. See the tracker's manual.",
+                quaternion_order=self.quaternion_order,
+            )
         order = self.euler_order
         if order is not None and not (re.fullmatch("[xyz]{3}|[XYZ]{3}", order) and order[0] != order[1] != order[2]):
             raise SettingsError(
-                f"Input euler_order must be three axes, as xyz (fixed axes) or ZYX (axes that turn along); got {order!r}. "
-                "See the tracker's manual."
+                "Input euler_order must be three axes, as xyz (fixed axes) or ZYX (axes that turn along); got {order!r}. "
+                "See the tracker's manual.",
+                order=order,
             )
         if self.angle_unit not in ANGLE_UNITS or self.length_unit not in LENGTH_UNITS:
             raise SettingsError(
-                f"Input units must be deg or rad, and mm, cm or m; got {self.angle_unit!r} and {self.length_unit!r}. "
-                "See the tracker's manual."
+                "Input units must be deg or rad, and mm, cm or m; got {angle_unit!r} and {length_unit!r}. See the tracker's manual.",
+                angle_unit=self.angle_unit,
+                length_unit=self.length_unit,
             )
 
 
-class PoseValueError(ValueError):
+class PoseValueError(AIFReconError, ValueError):
     """What is wrong with one pose, as the predicate of its place in the file."""
 
 
@@ -119,7 +125,7 @@ def kind_of_pose(names: Sequence[str | None], form: PoseFormat) -> str:
     if set(MATRIX[:12]) <= have:
         return f"4x4 matrices, {'column' if form.column_major else 'row'} by {'column' if form.column_major else 'row'}, in {length}"
     if not set(TRANSLATION) <= have:
-        raise SettingsError(_what_is_needed(names))
+        raise _what_is_needed(names)
     if set(QUATERNION) <= have:
         return f"translation in {length} and quaternion (x, y, z, w by name)"
     if set(UNORDERED_QUATERNION) <= have:
@@ -134,14 +140,15 @@ def kind_of_pose(names: Sequence[str | None], form: PoseFormat) -> str:
             )
         if set(EULER) <= have and len(set(form.euler_order)) < 3:
             raise SettingsError(
-                f"Angles that are named by axis cannot be turned in the order {form.euler_order}, which has an axis twice. "
-                "Give the angles without names, in the order of the turns (--columns with e0 e1 e2)."
+                "Angles that are named by axis cannot be turned in the order {euler_order}, which has an axis twice. "
+                "Give the angles without names, in the order of the turns (--columns with e0 e1 e2).",
+                euler_order=form.euler_order,
             )
         about = "fixed axes" if form.euler_order.islower() else "the axes that turn along"
         return (
             f"translation in {length} and Euler angles in {form.angle_unit}, turns in the order {' '.join(form.euler_order)} about {about}"
         )
-    raise SettingsError(_what_is_needed(names))
+    raise _what_is_needed(names)
 
 
 def pose_of(values: Mapping[str, float], form: PoseFormat) -> np.ndarray | None:
@@ -153,36 +160,47 @@ def pose_of(values: Mapping[str, float], form: PoseFormat) -> np.ndarray | None:
         When they give none.
     """
     matrix = np.eye(4)
-    if MATRIX[0] in values:
+    if set(MATRIX[:12]) <= set(values):
         matrix.ravel()[:] = [values.get(name, float(name == "m33")) for name in MATRIX]
         if form.column_major:
             matrix = matrix.T.copy()
         if not np.isfinite(matrix).all():
             return None
         if not np.allclose(matrix[3], (0, 0, 0, 1), atol=1e-6):
-            hint = " They seem to be written column by column: give --column-major." if np.allclose(matrix[:, 3], (0, 0, 0, 1)) else ""
-            raise PoseValueError(f"must have 0 0 0 1 as its last row; got {' '.join(f'{v:g}' for v in matrix[3])}.{hint}")
+            row = " ".join(f"{v:g}" for v in matrix[3])
+            if np.allclose(matrix[:, 3], (0, 0, 0, 1)):
+                raise PoseValueError(
+                    "must have 0 0 0 1 as its last row; got {row}. They seem to be written column by column: give --column-major.", row=row
+                )
+            raise PoseValueError("must have 0 0 0 1 as its last row; got {row}.", row=row)
         matrix[3] = (0.0, 0.0, 0.0, 1.0)
         return matrix
     matrix[:3, 3] = [values[axis] for axis in TRANSLATION]
-    if EULER[0] in values or UNNAMED_EULER[0] in values:
-        names = [f"r{axis.lower()}" for axis in form.euler_order] if EULER[0] in values else UNNAMED_EULER
-        angles = [values[name] for name in names]
-        if not np.isfinite([*matrix[:3, 3], *angles]).all():
-            return None
-        matrix[:3, :3] = Rotation.from_euler(form.euler_order, angles, degrees=form.angle_unit == "deg").as_matrix()
-        return matrix
-    if QUATERNION[0] in values:
+    # What a row holds besides is not looked at, in the order of `kind_of_pose`
+    if set(QUATERNION) <= set(values):
         quaternion = np.array([values[name] for name in QUATERNION])
-    else:
+    elif set(UNORDERED_QUATERNION) <= set(values):
         by_axis = dict(zip(form.quaternion_order, (values[name] for name in UNORDERED_QUATERNION)))
         quaternion = np.array([by_axis[axis] for axis in "xyzw"])
+    else:
+        return _turned(matrix, values, form)
     if not np.isfinite([*matrix[:3, 3], *quaternion]).all() or not quaternion.any():
         return None
-    length = float(np.linalg.norm(quaternion))
+    with np.errstate(over="ignore"):  # then it is infinite, and refused
+        length = float(np.linalg.norm(quaternion))
     if abs(length - 1.0) > QUATERNION_TOLERANCE:
-        raise PoseValueError(f"must have a quaternion of length 1; got {length:.4g}. Check which columns hold it.")
+        raise PoseValueError("must have a quaternion of length 1; got {length:.4g}. Check which columns hold it.", length=length)
     matrix[:3, :3] = Rotation.from_quat(quaternion / length).as_matrix()
+    return matrix
+
+
+def _turned(matrix: np.ndarray, values: Mapping[str, float], form: PoseFormat) -> np.ndarray | None:
+    """`matrix`, a translation, with the rotation of the row's Euler angles; None where they hold NaN."""
+    names = [f"r{axis.lower()}" for axis in form.euler_order] if set(EULER) <= set(values) else UNNAMED_EULER
+    angles = [values[name] for name in names]
+    if not np.isfinite([*matrix[:3, 3], *angles]).all():
+        return None
+    matrix[:3, :3] = Rotation.from_euler(form.euler_order, angles, degrees=form.angle_unit == "deg").as_matrix()
     return matrix
 
 
@@ -201,9 +219,9 @@ def time_of(values: Mapping[str, float]) -> float | None:
     return time if math.isfinite(time) else None
 
 
-def _what_is_needed(names: Sequence[str | None]) -> str:
-    there = ", ".join(name for name in names if name) or "none"
-    return (
+def _what_is_needed(names: Sequence[str | None]) -> SettingsError:
+    return SettingsError(
         "The poses must be 4x4 matrices (m00 to m33), or x y z with qx qy qz qw, or with rx ry rz; "
-        f"known columns: {there}. Name the columns with --columns, - for those that are not used."
+        "known columns: {there}. Name the columns with --columns, - for those that are not used.",
+        there=", ".join(name for name in names if name) or Message("none"),
     )

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..errors import SequenceFormatError
 from ..frames import ImageStack, TrackedSequence
+from ..message import Message
 from ..pose_tracks import LONGEST_GAP
 from .file_images import FileImages
 from .interleaved_images import InterleavedImages
@@ -82,7 +83,9 @@ def read_sequence(
     geometry = node_geometry(metafile) if from_slicer else None
     if geometry is not None:
         records = place_frames(records, IMAGE_FRAME, geometry)
-        notes += ("The volume nodes of this Slicer sequence have a geometry of their own, which the transforms of Image now include.",)
+        notes += (
+            Message("The volume nodes of this Slicer sequence have a geometry of their own, which the transforms of Image now include."),
+        )
     configuration = read_plus_configuration(config) if isinstance(config, str | Path) else config
     return TrackedSequence(
         images=images,

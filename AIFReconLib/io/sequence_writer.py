@@ -11,10 +11,12 @@ import numpy as np
 
 from ..errors import OutputError, SettingsError
 from ..frames import ImageStack, TrackedSequence
+from ..message import Message
 from ..progress import Progress, report
 from .atomic import atomic_output, atomic_outputs
 from .metafile import MAXIMUM_LINE
 from .metaimage_header import ELEMENT_TYPES, FORMAT_KEYS
+from .metaimage_pair import check_pair_name
 from .nrrd_header import escape
 from .orientation import BRIGHTNESS, IN_MEMORY, is_image_key
 from .sequence_fields import frame_entries, header_entries
@@ -68,7 +70,11 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise OutputError(f"Cannot write {path}: its suffix must be one of {', '.join(SUFFIXES)}. Choose another name.")
+        raise OutputError(
+            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.", path=path, suffixes=", ".join(SUFFIXES)
+        )
+    if suffix == ".mhd":
+        check_pair_name(path)
     code = _pixel_code(sequence.images)
     entries = [
         *_checked(header_entries(sequence.fields, sequence.transforms), reserved=suffix != ".nrrd"),
@@ -76,7 +82,9 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
     ]
 
     def write_pixels(file: BinaryIO, encoder=None) -> None:
-        _write_pixels(file, sequence.images, code, encoder, lambda fraction: report(progress, fraction, f"Writing {path.name}"))
+        _write_pixels(
+            file, sequence.images, code, encoder, lambda fraction: report(progress, fraction, Message("Writing {file}", file=path.name))
+        )
 
     if suffix == ".mhd":
         _write_header_and_data(path, sequence, code, entries, compress, write_pixels)
@@ -176,7 +184,9 @@ def _write_pixels(file: BinaryIO, images: ImageStack, code: str, encoder, tell: 
     for index in range(len(images)):
         image = np.asarray(images[index])
         if image.shape != shape:
-            raise SettingsError(f"Input image of frame {index} must have shape {shape}; got {image.shape}.")
+            raise SettingsError(
+                "Input image of frame {index} must have shape {shape}; got {found}.", index=index, shape=shape, found=image.shape
+            )
         data = np.ascontiguousarray(image, dtype=np.dtype("<" + code)).data
         file.write(data if encoder is None else encoder.compress(data))
         tell((index + 1) / len(images))
@@ -187,11 +197,11 @@ def _write_pixels(file: BinaryIO, images: ImageStack, code: str, encoder, tell: 
 def _pixel_code(images: ImageStack) -> str:
     """Kind and size of the pixel type, as in ``u1``; checks that the stack has frames at all."""
     if len(images.shape) != 3 or min(images.shape) < 1:
-        raise SettingsError(f"Input images must have shape (frames, rows, columns), none of them 0; got {tuple(images.shape)}.")
+        raise SettingsError("Input images must have shape (frames, rows, columns), none of them 0; got {shape}.", shape=tuple(images.shape))
     dtype = np.dtype(images.dtype)
     code = "u1" if dtype.kind == "b" else f"{dtype.kind}{dtype.itemsize}"
     if code not in _NRRD_TYPE_OF:
-        raise SettingsError(f"Input images must be whole numbers of 8 to 64 bits, float32 or float64; got {dtype}. Convert them.")
+        raise SettingsError("Input images must be whole numbers of 8 to 64 bits, float32 or float64; got {kind}. Convert them.", kind=dtype)
     return code
 
 
@@ -201,13 +211,16 @@ def _checked(entries: Entries, reserved: bool) -> Iterator[tuple[str, str]]:
         value = str(value).strip()
         if not key or key != key.strip() or any(c in key for c in "=:#\\") or not _is_one_line(key):
             raise SettingsError(
-                f"Input field name must be one line without = : # or a backslash, not empty; got {shorten(key)!r}. Rename the field."
+                "Input field name must be one line without = : # or a backslash, not empty; got {name!r}. Rename the field.",
+                name=shorten(key),
             )
         if (reserved and key in FORMAT_KEYS) or is_image_key(key):
-            raise SettingsError(f"Input field name must not be a key of the file format; got {key!r}. Rename the field.")
+            raise SettingsError("Input field name must not be a key of the file format; got {name!r}. Rename the field.", name=key)
         if not _is_one_line(value):
             raise SettingsError(
-                f"Input field {shorten(key)} must have a value of one short line of text; got {shorten(value)!r}. Change the value."
+                "Input field {name} must have a value of one short line of text; got {value!r}. Change the value.",
+                name=shorten(key),
+                value=shorten(value),
             )
         yield key, value
 

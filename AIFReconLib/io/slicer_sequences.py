@@ -16,10 +16,12 @@ import numpy as np
 
 from ..errors import GeometryError
 from ..frames import FrameRecord
+from ..message import Message
 from ..transform_graph import TransformSample
 from ..transforms import LPS_FROM_RAS, as_matrix
 from .metafile import Metafile
-from .text_values import parse_number, parse_numbers, shorten
+from .sequence_fields import MOST_DIGITS
+from .text_values import NotANumberError, parse_number, parse_numbers, shorten
 
 _AXIS_KEY = re.compile(r"axis ([03]) index (type|values)")
 _ITEM_KEY = re.compile(r"axis [03] item ([0-9]+) (.+)", re.DOTALL)
@@ -59,11 +61,14 @@ def slicer_records(
         item = _ITEM_KEY.fullmatch(key)
         axis = _AXIS_KEY.fullmatch(key)
         if item:
-            number = int(item[1])
-            if number >= len(records):
+            digits = item[1].lstrip("0") or "0"
+            number = int(digits[:MOST_DIGITS])
+            if number >= len(records) or len(digits) > MOST_DIGITS:
                 raise metafile.failure(
-                    f"{shorten(key)} belongs to frame {number}, but there are only {len(records)} frames. "
-                    "Save the sequence from Slicer again."
+                    "{key} belongs to frame {number}, but there are only {count} frames. Save the sequence from Slicer again.",
+                    key=shorten(key),
+                    number=shorten(digits),
+                    count=len(records),
                 )
             per_frame.setdefault(number, {})[item[2]] = value
         elif axis is None:
@@ -97,16 +102,20 @@ def node_geometry(metafile: Metafile) -> np.ndarray | None:
     vectors = [word for word in re.findall(r"none|\([^)]*\)", directions) if word != "none"]
     if to_ras is None or len(vectors) != 3:
         raise metafile.failure(
-            f"space directions must be three vectors in left-posterior-superior; got {shorten(directions)!r} in space {space!r}. "
-            "Save the sequence from Slicer again."
+            "space directions must be three vectors in left-posterior-superior; got {directions!r} in space {space!r}. "
+            "Save the sequence from Slicer again.",
+            directions=shorten(directions),
+            space=space,
         )
     matrix = np.eye(4)
     try:
         for column, text in enumerate([*vectors, metafile.entries.get("space origin", "(0,0,0)")]):
             matrix[:3, column] = parse_numbers(text.strip("() ").replace(",", " "))
-        matrix = as_matrix(to_ras @ matrix, "space directions")
+        matrix = to_ras @ as_matrix(matrix, "space directions")
     except (ValueError, GeometryError) as error:
-        raise metafile.failure(f"space directions or space origin cannot be used: {error}. Save the sequence from Slicer again.") from error
+        raise metafile.failure(
+            "space directions or space origin cannot be used: {problem}. Save the sequence from Slicer again.", problem=error
+        ) from error
     return None if np.abs(matrix - np.eye(4)).max() < _IDENTITY_TOLERANCE else matrix
 
 
@@ -123,10 +132,11 @@ def place_frames(records: list[FrameRecord], image_frame: str, pixel_to_node: np
     """
 
     def placed(name, sample: TransformSample) -> TransformSample:
-        if name.source == image_frame:
-            return replace(sample, matrix=sample.matrix @ pixel_to_node)
-        if name.target == image_frame:
-            return replace(sample, matrix=np.linalg.inv(pixel_to_node) @ sample.matrix)
+        with np.errstate(all="ignore"):  # a pose that is recorded as infinite is judged later, like any other
+            if name.source == image_frame:
+                return replace(sample, matrix=sample.matrix @ pixel_to_node)
+            if name.target == image_frame:
+                return replace(sample, matrix=np.linalg.inv(pixel_to_node) @ sample.matrix)
         return sample
 
     return [replace(record, transforms={name: placed(name, sample) for name, sample in record.transforms.items()}) for record in records]
@@ -142,19 +152,25 @@ def _times(metafile: Metafile, key: str, text: str, frames: int) -> tuple[list[f
     """Times in s of all frames, where the axis is one of time."""
     words = [unquote(word) for word in text.split()]
     if len(words) != frames:
-        raise metafile.failure(f"{key} must have one value per frame ({frames}); got {len(words)}. Save the sequence from Slicer again.")
+        raise metafile.failure(
+            "{key} must have one value per frame ({frames}); got {count}. Save the sequence from Slicer again.",
+            key=key,
+            frames=frames,
+            count=len(words),
+        )
     axis = int(key.split()[1])
     unit = _axis_word(metafile, "units", axis).lower()
     label = _axis_word(metafile, "labels", axis).lower()
     if unit not in _SECONDS and not (not unit and label == "time"):
-        named = unit or label or "no unit"
-        return None, (f"Slicer's index of the frames is not a time ({named}); frames are taken in the order of the file.",)
+        named = unit or label or Message("no unit")
+        note = Message("Slicer's index of the frames is not a time ({unit}); frames are taken in the order of the file.", unit=named)
+        return None, (note,)
     try:
         times = [_SECONDS.get(unit, 1.0) * parse_number(word) for word in words]
-    except ValueError as error:
-        raise metafile.failure(f"{key} must be times; {error}. Save the sequence from Slicer again.") from error
+    except NotANumberError as error:
+        raise metafile.failure("{key} must be times; {problem}. Save the sequence from Slicer again.", key=key, problem=error) from error
     if not all(map(math.isfinite, times)):
-        raise metafile.failure(f"{key} must be finite times. Save the sequence from Slicer again.")
+        raise metafile.failure("{key} must be finite times. Save the sequence from Slicer again.", key=key)
     return times, ()
 
 

@@ -15,13 +15,19 @@ from ..errors import GeometryError, OutputError, TransformFileError
 from ..transforms import as_matrix, invert, ras_to_lps
 from .atomic import atomic_output
 from .itk_errors import short_cause
-from .metafile import require_regular_file
+from .itk_paths import itk_path
+from .small_files import read_bytes
+from .transform_hdf5 import MAGIC as HDF5_MAGIC
+from .transform_hdf5 import read_transform_hdf5
+from .transform_parts import TransformPartError, composed
+from .transform_text import MAGIC as TEXT_MAGIC
+from .transform_text import read_transform_text
 
 TEXT_SUFFIXES = (".tfm", ".txt")
 HDF5_SUFFIXES = (".h5", ".hdf5")
 
-_TEXT_MAGIC = b"#Insight Transform File"
-_HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
+MAXIMUM_BYTES = 2**24
+"""A linear transform takes a few thousand."""
 
 
 def read_transform(path: str | Path) -> np.ndarray:
@@ -42,26 +48,18 @@ def read_transform(path: str | Path) -> np.ndarray:
         When the file is damaged, or the transform is not linear, not 3D or not invertible.
     """
     path = Path(path)
-    _check_kind(path)
+    data = _read(path)
     try:
-        transform = sitk.ReadTransform(str(path))
-    except RuntimeError as error:
-        raise TransformFileError(
-            f"{path}: SimpleITK cannot read it: {short_cause(error)}. Save the transform from Slicer again."
-        ) from error
-    if transform.GetDimension() != 3:
-        raise TransformFileError(f"{path}: the transform must be 3D; got {transform.GetDimension()} dimensions. Give a 3D transform.")
-    if not transform.IsLinear():
-        raise TransformFileError(f"{path}: the transform must be linear; got {transform.GetName()}. Give a rigid or affine registration.")
-    # An affine map is known from the images of the origin and the unit points; this holds for every linear kind and any composition.
-    itk = np.eye(4)
-    itk[:3, 3] = transform.TransformPoint((0.0, 0.0, 0.0))
-    for axis in range(3):
-        itk[:3, axis] = np.subtract(transform.TransformPoint(np.eye(3)[axis].tolist()), itk[:3, 3])
+        in_hdf5 = path.suffix.lower() in HDF5_SUFFIXES
+        itk = composed(read_transform_hdf5(data) if in_hdf5 else read_transform_text(data.decode("utf-8", "replace")))
+    except TransformPartError as error:
+        raise TransformFileError("{path}: the transform {problem}", path=path, problem=error) from error
     try:
         return ras_to_lps(invert(as_matrix(itk, "transform")))
     except GeometryError as error:
-        raise TransformFileError(f"{path}: the transform cannot be used. {error} Save the transform from Slicer again.") from error
+        raise TransformFileError(
+            "{path}: the transform cannot be used. {problem} Save the transform from Slicer again.", path=path, problem=error
+        ) from error
 
 
 def write_transform(node_to_parent: np.ndarray, path: str | Path) -> None:
@@ -84,7 +82,9 @@ def write_transform(node_to_parent: np.ndarray, path: str | Path) -> None:
     path = Path(path)
     if path.suffix.lower() not in TEXT_SUFFIXES + HDF5_SUFFIXES:
         raise OutputError(
-            f"Cannot write {path}: its suffix must be one of {', '.join(TEXT_SUFFIXES + HDF5_SUFFIXES)}. Choose another name."
+            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.",
+            path=path,
+            suffixes=", ".join(TEXT_SUFFIXES + HDF5_SUFFIXES),
         )
     itk = ras_to_lps(invert(as_matrix(node_to_parent, "node_to_parent")))
     transform = sitk.AffineTransform(3)
@@ -92,33 +92,38 @@ def write_transform(node_to_parent: np.ndarray, path: str | Path) -> None:
     transform.SetTranslation(itk[:3, 3].tolist())
     with atomic_output(path) as temporary:
         try:
-            sitk.WriteTransform(transform, str(temporary))
+            sitk.WriteTransform(transform, itk_path(temporary, OutputError))
         except RuntimeError as error:
-            raise OutputError(
-                f"Cannot write {path}: {short_cause(error)}. Check that the disk is not full, or choose another path."
-            ) from error
+            raise _not_written(path, short_cause(error)) from error
+        # SimpleITK does not notice that a disk is full
+        try:
+            written = read_transform(temporary)
+        except TransformFileError as error:
+            raise _not_written(path, "the file came out incomplete") from error
+        if not np.allclose(written, node_to_parent, rtol=1e-9, atol=1e-9):
+            raise _not_written(path, "the file came out different")
 
 
-def _check_kind(path: Path) -> None:
-    """Refuse what is no transform file before SimpleITK sees it: its HDF5 reader prints pages of complaints."""
+def _not_written(path: Path, cause: str) -> OutputError:
+    return OutputError("Cannot write {path}: {cause}. Check that the disk is not full, or choose another path.", path=path, cause=cause)
+
+
+def _read(path: Path) -> bytes:
+    """The bytes of a file that begins as one of its suffix must."""
     suffix = path.suffix.lower()
     if suffix not in TEXT_SUFFIXES + HDF5_SUFFIXES:
         raise TransformFileError(
-            f"{path}: its suffix must be one of {', '.join(TEXT_SUFFIXES + HDF5_SUFFIXES)}. Save the transform from Slicer as one."
+            "{path}: its suffix must be one of {suffixes}. Save the transform from Slicer as one.",
+            path=path,
+            suffixes=", ".join(TEXT_SUFFIXES + HDF5_SUFFIXES),
         )
-    require_regular_file(path, TransformFileError)
-    try:
-        with open(path, "rb") as file:
-            head = file.read(64)
-    except OSError as error:
-        raise TransformFileError(f"{path}: the file cannot be read ({error.strerror}). Check its permissions.") from error
-    if not head.startswith(_TEXT_MAGIC if suffix in TEXT_SUFFIXES else _HDF5_MAGIC):
-        raise TransformFileError(f"{path}: this is not an ITK transform file. Save the transform from Slicer as .tfm or .h5.")
-    if suffix in HDF5_SUFFIXES and path.stat().st_size < _hdf5_length(head):
-        raise TransformFileError(f"{path}: the file is cut short. Copy it again.")
-
-
-def _hdf5_length(head: bytes) -> int:
-    """The length that an HDF5 superblock declares; its place depends on the version."""
-    start = 28 if head[8:9] >= b"\2" else 40
-    return int.from_bytes(head[start : start + 8], "little")
+    data = read_bytes(path, MAXIMUM_BYTES + 1, TransformFileError)
+    if not data.startswith(TEXT_MAGIC.encode() if suffix in TEXT_SUFFIXES else HDF5_MAGIC):
+        raise TransformFileError("{path}: this is not an ITK transform file. Save the transform from Slicer as .tfm or .h5.", path=path)
+    if len(data) > MAXIMUM_BYTES:
+        raise TransformFileError(
+            "{path}: the transform must be linear, and the file is longer than {maximum} bytes. Give a rigid or affine registration.",
+            path=path,
+            maximum=MAXIMUM_BYTES,
+        )
+    return data

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import weakref
@@ -10,8 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
+from ..message import Message
 from .imported_images import DecodedImages, ImportedImages, describe_stack, library
 from .text_values import one_line
+
+_ONLY_THIS_FILE = ("-protocol_whitelist", "file", "-format_whitelist", "mov,mp4,avi,matroska,webm,asf")
+"""ffmpeg goes by the content, whatever the suffix: without this, a list of other files or addresses would be followed."""
 
 _EVERY_FRAME = ("-map", "0:v:0", "-fps_mode", "passthrough")
 """The first video stream as it is: no frame repeated or dropped to make the rate constant."""
@@ -31,14 +36,14 @@ def open_video(path: Path) -> ImportedImages:
     the scanner showed, not equal to them.
     """
     try:
-        program = library("imageio_ffmpeg", "Videos").get_ffmpeg_exe()
+        program = library("imageio_ffmpeg", Message("Videos")).get_ffmpeg_exe()
     except RuntimeError as error:
         raise FileFormatError(
-            f"{path}: there is no ffmpeg program ({one_line(str(error))}). Install it: pip install imageio-ffmpeg."
+            "{path}: there is no ffmpeg program ({cause}). Install it: pip install imageio-ffmpeg.", path=path, cause=one_line(str(error))
         ) from None
     video = _Video(program, path)
     times = video.times()
-    stack = DecodedImages(len(times), video.frame, lambda n: f"{path}, frame {n}")
+    stack = DecodedImages(len(times), video.frame, lambda n: Message("{path}, frame {number}", path=path, number=n))
     return ImportedImages(stack, describe_stack(len(times), "video frames", stack.shape[1:], stack.dtype), times=times)
 
 
@@ -46,7 +51,7 @@ class _Video:
     """One pass through a video, begun again when an earlier frame is asked for."""
 
     def __init__(self, program: str, path: Path):
-        self._command = [program, "-v", "error", "-nostdin", "-i", str(path.resolve()), *_EVERY_FRAME]
+        self._command = [program, "-v", "error", "-nostdin", *_ONLY_THIS_FILE, "-i", f"file:{os.path.realpath(path)}", *_EVERY_FRAME]
         self._path = path
         self._process: subprocess.Popen | None = None
         self._stop = None
@@ -64,11 +69,11 @@ class _Video:
                 errors="replace",
             )
         except OSError as error:
-            raise self._failure(str(error)) from error
+            raise self._failure(_shown(str(error))) from error
         base = re.search(r"^#tb 0: (\d+)/(\d+)", done.stdout, re.MULTILINE)
         stamps = [int(line.split(",")[2]) for line in done.stdout.splitlines() if line and not line.startswith("#")]
         if base is None or not stamps:
-            raise self._failure(done.stderr or "it holds no frames")
+            raise self._failure(_shown(done.stderr) or Message("it holds no frames"))
         return np.array(stamps) * (int(base[1]) / int(base[2]))
 
     def frame(self, number: int) -> np.ndarray:
@@ -92,7 +97,7 @@ class _Video:
                 stderr=subprocess.DEVNULL,
             )
         except OSError as error:
-            raise self._failure(str(error)) from error
+            raise self._failure(_shown(str(error))) from error
         self._stop = weakref.finalize(self, _end, self._process)
         self._next = 0
 
@@ -102,17 +107,23 @@ class _Video:
         lines = [stream.readline(64) for _ in range(3)]
         size = re.fullmatch(rb"(\d+) (\d+)\n", lines[1])
         if lines[0] != b"P5\n" or size is None:
-            raise self._failure(f"it ends after frame {self._next - 1}")
+            raise self._failure(Message("it ends after frame {number}", number=self._next - 1))
         columns, rows = int(size[1]), int(size[2])
         data = stream.read(columns * rows)
         if len(data) != columns * rows:
-            raise self._failure(f"it ends within frame {self._next}")
+            raise self._failure(Message("it ends within frame {number}", number=self._next))
         return np.frombuffer(data, np.uint8).reshape(rows, columns)
 
     def _failure(self, why: str) -> FileFormatError:
         return FileFormatError(
-            f"{self._path}: it cannot be decoded as a video ({one_line(why.strip())[:200]}). Export it again, or its frames as pictures."
+            "{path}: it cannot be decoded as a video ({cause}). Export it again, or its frames as pictures.",
+            path=self._path,
+            cause=why,
         )
+
+
+def _shown(text: str) -> str:
+    return one_line(text.strip())[:200]
 
 
 def _end(process: subprocess.Popen) -> None:

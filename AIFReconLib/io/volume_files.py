@@ -1,4 +1,4 @@
-"""Volume files through SimpleITK. The file holds left-posterior-superior coordinates, memory right-anterior-superior ones."""
+"""Volume files: MetaImage, NRRD and, through SimpleITK, NIfTI. Files hold left-posterior-superior coordinates, memory RAS ones."""
 
 from __future__ import annotations
 
@@ -12,9 +12,14 @@ from ..transforms import LPS_FROM_RAS
 from ..volume import Volume
 from .atomic import atomic_outputs, check_writable
 from .itk_errors import short_cause
-from .metafile import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
+from .itk_paths import itk_path
+from .metafile import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, file_stamp, read_metafile
+from .metafile_volumes import read_metafile_volume
+from .metaimage_pair import check_pair_name, split_metaimage
 from .nifti_payload import check_nifti
 from .payload import check_payload
+from .small_files import local_copy
+from .stored_volume import StoredVolume
 from .transform_files import read_transform, write_transform
 
 __all__ = ["check_volume_path", "read_labels", "read_transform", "read_volume", "write_transform", "write_volume"]
@@ -37,14 +42,15 @@ def read_volume(path: str | Path) -> Volume:
     VolumeFormatError
         When the file is damaged, incomplete, or holds something other than one scalar 3D volume.
     """
-    path = Path(path)
-    image = _read_image(path)
-    if image.GetNumberOfComponentsPerPixel() != 1:
+    stored = _read_stored(Path(path))
+    if stored.components != 1:
         raise VolumeFormatError(
-            f"{path}: its voxels must be single numbers; got {image.GetNumberOfComponentsPerPixel()} each "
-            f"({image.GetPixelIDTypeAsString()}). Export a scalar volume."
+            "{path}: its voxels must be single numbers; got {count} each ({kind}). Export a scalar volume.",
+            path=stored.path,
+            count=stored.components,
+            kind=stored.array.dtype,
         )
-    return _as_volume(path, image, sitk.GetArrayFromImage(image))
+    return _as_volume(stored, stored.array)
 
 
 def read_labels(path: str | Path) -> Volume:
@@ -61,16 +67,18 @@ def read_labels(path: str | Path) -> Volume:
     VolumeFormatError
         As `read_volume`, and when a voxel is not a whole number or is negative.
     """
-    path = Path(path)
-    image = _read_image(path)
-    array = sitk.GetArrayFromImage(image)
-    if image.GetNumberOfComponentsPerPixel() != 1:
-        if not any(key.startswith("Segment") for key in image.GetMetaDataKeys()):
+    stored = _read_stored(Path(path))
+    array = stored.array
+    if stored.components != 1:
+        if not any(key.startswith("Segment") for key in stored.keys):
             raise VolumeFormatError(
-                f"{path}: its voxels must be single labels; got {image.GetPixelIDTypeAsString()}. Export a label volume."
+                "{path}: its voxels must be single labels; got {count} numbers each ({kind}). Export a label volume.",
+                path=stored.path,
+                count=stored.components,
+                kind=array.dtype,
             )
         array = (array > 0).any(axis=-1).astype(np.uint8)
-    return _as_volume(path, image, _as_labels(path, array))
+    return _as_volume(stored, _as_labels(stored.path, array))
 
 
 def write_volume(volume: Volume, path: str | Path) -> None:
@@ -92,17 +100,22 @@ def write_volume(volume: Volume, path: str | Path) -> None:
     suffix = _writable_suffix(path)
     array = volume.array.astype(np.uint8) if volume.array.dtype == bool else volume.array
     image = _as_image(path, array, volume.ijk_to_reference)
-    companions = (path.with_suffix(".raw"), path.with_suffix(".zraw")) if suffix == ".mhd" else ()
+    companions = (path.with_suffix(".zraw"),) if suffix == ".mhd" else ()
     with atomic_outputs(*companions, path) as temporaries:
+        one_file = temporaries[-1].with_suffix(".mha") if companions else temporaries[-1]
         try:
-            sitk.WriteImage(image, str(temporaries[-1]), useCompression=suffix != ".nii")
+            sitk.WriteImage(image, itk_path(one_file, OutputError), useCompression=suffix != ".nii")
+            if companions:
+                split_metaimage(one_file, temporaries[-1], temporaries[0])
             # A full disk can pass unnoticed by SimpleITK; a file that is not all there must not get its name.
             _check_complete(temporaries[-1])
         except FileFormatError as error:
-            raise OutputError(f"Cannot write {path}: the file came out incomplete. Check that the disk is not full.") from error
+            raise OutputError("Cannot write {path}: the file came out incomplete. Check that the disk is not full.", path=path) from error
         except RuntimeError as error:
             raise OutputError(
-                f"Cannot write {path}: {short_cause(error)}. Check that the disk is not full, or choose another path."
+                "Cannot write {path}: {cause}. Check that the disk is not full, or choose another path.",
+                path=path,
+                cause=short_cause(error),
             ) from error
 
 
@@ -115,13 +128,20 @@ def check_volume_path(path: str | Path) -> None:
         When no volume format has that suffix, or no file can be created there.
     """
     _writable_suffix(Path(path))
+    itk_path(Path(path).absolute(), OutputError)
     check_writable(path)
 
 
 def _writable_suffix(path: Path) -> str:
     suffix = _suffix(path)
     if suffix not in WRITABLE_SUFFIXES:
-        raise OutputError(f"Cannot write {path}: its suffix must be one of {', '.join(WRITABLE_SUFFIXES)}. Choose another name.")
+        raise OutputError(
+            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.",
+            path=path,
+            suffixes=", ".join(WRITABLE_SUFFIXES),
+        )
+    if suffix == ".mhd":
+        check_pair_name(path)
     return suffix
 
 
@@ -139,36 +159,55 @@ def _check_complete(path: Path) -> None:
     metafile = read_metafile(path, VolumeFormatError)
     axes = sum(kind in ("domain", "space") for kind in metafile.kinds) or len(metafile.size)
     if axes != 3:
-        raise metafile.failure(f"it must be a 3D volume; got {axes} axes in space. If it is a sequence of frames, give it as a sequence.")
+        raise metafile.failure(
+            "it must be a 3D volume; got {axes} axes in space. If it is a sequence of frames, give it as a sequence.", axes=axes
+        )
     check_payload(metafile)
 
 
-def _read_image(path: Path) -> sitk.Image:
-    if _suffix(path) not in READABLE_SUFFIXES:
+def _read_stored(path: Path) -> StoredVolume:
+    suffix = _suffix(path)
+    if suffix not in READABLE_SUFFIXES:
         raise VolumeFormatError(
-            f"{path}: its suffix must be one of {', '.join(READABLE_SUFFIXES)}. Export the volume in one of these formats."
+            "{path}: its suffix must be one of {suffixes}. Export the volume in one of these formats.",
+            path=path,
+            suffixes=", ".join(READABLE_SUFFIXES),
         )
-    _check_complete(path)
-    try:
-        image = sitk.ReadImage(str(path))
-    except RuntimeError as error:
-        raise VolumeFormatError(f"{path}: SimpleITK cannot read it: {short_cause(error)}. Export the volume again.") from error
+    if suffix in NIFTI_SUFFIXES:
+        return _read_nifti(path)
+    return read_metafile_volume(read_metafile(path, VolumeFormatError))
+
+
+def _read_nifti(path: Path) -> StoredVolume:
+    seen = file_stamp(path)
+    check_nifti(path, VolumeFormatError)
+    # From a copy, because SimpleITK takes what it cannot read, where a disk fails, for zeros
+    with local_copy(path, VolumeFormatError, seen) as copy:
+        try:
+            # Left to look for a reader itself, it asks others too
+            image = sitk.ReadImage(itk_path(copy, VolumeFormatError), imageIO="NiftiImageIO")
+        except RuntimeError as error:
+            raise VolumeFormatError(
+                "{path}: SimpleITK cannot read it: {cause}. Export the volume again.", path=path, cause=short_cause(error)
+            ) from error
     if image.GetDimension() != 3:
-        raise VolumeFormatError(f"{path}: it must be a 3D volume; got {image.GetDimension()} dimensions. Export one 3D volume.")
+        raise VolumeFormatError(
+            "{path}: it must be a 3D volume; got {dimensions} dimensions. Export one 3D volume.", path=path, dimensions=image.GetDimension()
+        )
     if "complex" in image.GetPixelIDTypeAsString():
-        raise VolumeFormatError(f"{path}: its voxels must be real numbers; got complex ones. Export the magnitude.")
-    return image
-
-
-def _as_volume(path: Path, image: sitk.Image, array: np.ndarray) -> Volume:
-    """Place an array [k, j, i] where the file says: the only way from LPS files into memory."""
+        raise VolumeFormatError("{path}: its voxels must be real numbers; got complex ones. Export the magnitude.", path=path)
     ijk_to_lps = np.eye(4)
     ijk_to_lps[:3, :3] = np.array(image.GetDirection()).reshape(3, 3) * np.array(image.GetSpacing())
     ijk_to_lps[:3, 3] = image.GetOrigin()
+    return StoredVolume(path, sitk.GetArrayFromImage(image), ijk_to_lps)
+
+
+def _as_volume(stored: StoredVolume, array: np.ndarray) -> Volume:
+    """Place an array [k, j, i] where the file says: the only way from LPS files into memory."""
     try:
-        return Volume(array, LPS_FROM_RAS @ ijk_to_lps)
+        return Volume(array, LPS_FROM_RAS @ stored.ijk_to_lps)
     except GeometryError as error:
-        raise VolumeFormatError(f"{path}: its place in space cannot be used. {error}") from error
+        raise VolumeFormatError("{path}: its place in space cannot be used. {problem}", path=stored.path, problem=error) from error
 
 
 def _as_image(path: Path, array: np.ndarray, ijk_to_reference: np.ndarray) -> sitk.Image:
@@ -178,7 +217,9 @@ def _as_image(path: Path, array: np.ndarray, ijk_to_reference: np.ndarray) -> si
     try:
         image = sitk.GetImageFromArray(array)
     except (TypeError, KeyError, RuntimeError) as error:
-        raise OutputError(f"Cannot write {path}: volume files cannot hold {array.dtype}. Convert the volume to another type.") from error
+        raise OutputError(
+            "Cannot write {path}: volume files cannot hold {kind}. Convert the volume to another type.", path=path, kind=array.dtype
+        ) from error
     image.SetSpacing(spacing.tolist())
     image.SetDirection((ijk_to_lps[:3, :3] / spacing).ravel().tolist())
     image.SetOrigin(ijk_to_lps[:3, 3].tolist())
@@ -190,10 +231,13 @@ def _as_labels(path: Path, array: np.ndarray) -> np.ndarray:
     if array.dtype.kind == "f":
         if not np.isfinite(array).all() or (array != np.rint(array)).any() or np.abs(array).max() >= 2**31:
             raise VolumeFormatError(
-                f"{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, "
-                "give them as --bone-probability."
+                "{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, "
+                "give them as --bone-probability.",
+                path=path,
             )
         array = array.astype(np.int32)
     if array.min() < 0:
-        raise VolumeFormatError(f"{path}: labels must not be negative; got {array.min()}. If this is a CT, segment its bone first.")
+        raise VolumeFormatError(
+            "{path}: labels must not be negative; got {least}. If this is a CT, segment its bone first.", path=path, least=array.min()
+        )
     return array

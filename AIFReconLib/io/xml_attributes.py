@@ -8,7 +8,11 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from ..errors import ConfigurationError
-from .text_values import one_line, parse_numbers, shorten
+from ..message import Message
+from .text_values import NotANumberError, one_line, parse_numbers, shorten
+
+LARGEST_INTEGER = 2**31 - 1
+"""As in Plus."""
 
 
 class Attributes:
@@ -27,9 +31,15 @@ class Attributes:
         self.element = element
         self.place = place
 
-    def failure(self, attribute: str, what: str) -> ConfigurationError:
-        """The error to raise for an attribute of this element."""
-        return ConfigurationError(f"{self._path}: {one_line(f'{self.place}@{attribute} {what}')}")
+    def failure(self, attribute: str, problem: str, /, **values: object) -> ConfigurationError:
+        """The error to raise for an attribute of this element: a sentence about it with its values, on one line."""
+        return ConfigurationError(
+            "{path}: {place}@{attribute} {problem}",
+            path=self._path,
+            place=one_line(self.place),
+            attribute=attribute,
+            problem=Message(problem, **values),
+        )
 
     def text(self, *names: str) -> str | None:
         """The first of `names` that is there (newer names first), without white space around it; None without any."""
@@ -53,10 +63,10 @@ class Attributes:
         name = self._present(names)
         try:
             numbers = parse_numbers(text)
-        except ValueError as error:
-            raise self.failure(name, f"must be {_spell(count)}; {error}. Correct it.") from error
+        except NotANumberError as error:
+            raise self.failure(name, "must be {numbers}; {problem}. Correct it.", numbers=_spell(count), problem=error) from error
         if len(numbers) != count or not all(math.isfinite(number) for number in numbers):
-            raise self.failure(name, f"must be {_spell(count)}; got {shorten(text)!r}. Correct it.")
+            raise self.failure(name, "must be {numbers}; got {text!r}. Correct it.", numbers=_spell(count), text=shorten(text))
         return tuple(numbers)
 
     def required_numbers(self, count: int, name: str) -> tuple[float, ...]:
@@ -75,13 +85,15 @@ class Attributes:
         if numbers is None:
             return None
         if any(number != int(number) for number in numbers):
-            raise self.failure(self._present(names), f"must be whole; got {shorten(self.text(*names))!r}. Correct it.")
+            raise self.failure(self._present(names), "must be whole; got {text!r}. Correct it.", text=shorten(self.text(*names)))
+        if max(map(abs, numbers)) > LARGEST_INTEGER:
+            raise self.failure(self._present(names), "must be of 32 bits; got {text!r}. Correct it.", text=shorten(self.text(*names)))
         return tuple(int(number) for number in numbers)
 
     def positive(self, numbers: tuple[float, ...] | None, name: str) -> tuple[float, ...] | None:
         """The same numbers, each of which must be above 0."""
         if numbers is not None and min(numbers) <= 0:
-            raise self.failure(name, f"must be positive; got {' '.join(f'{number:g}' for number in numbers)}. Correct it.")
+            raise self.failure(name, "must be positive; got {numbers}. Correct it.", numbers=" ".join(f"{number:g}" for number in numbers))
         return numbers
 
     def word(self, name: str, choices: Sequence[str]) -> str | None:
@@ -90,7 +102,7 @@ class Attributes:
         if text is None:
             return None
         if text.upper() not in choices:
-            raise self.failure(name, f"must be {' or '.join(choices)}; got {shorten(text)!r}. Correct it.")
+            raise self.failure(name, "must be {choices}; got {text!r}. Correct it.", choices=" or ".join(choices), text=shorten(text))
         return text.upper()
 
     def switch(self, name: str) -> bool:
@@ -101,5 +113,5 @@ class Attributes:
         return next(name for name in names if self.element.get(name, "").strip())
 
 
-def _spell(count: int) -> str:
-    return "a finite number" if count == 1 else f"{count} finite numbers"
+def _spell(count: int) -> Message:
+    return Message("a finite number") if count == 1 else Message("{count} finite numbers", count=count)

@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
 from ..errors import ConfigurationError
-from .metafile import require_regular_file
+from .small_files import read_bytes
 
 MAXIMUM_BYTES = 16 * 2**20
 MAXIMUM_DEPTH = 64
@@ -22,14 +22,11 @@ def parse_xml(path: Path) -> Element:
         When the file cannot be read, is not well-formed, too large or nested too deeply, or declares a document type (that is
         where entities are defined that grow without bound or fetch other files).
     """
-    require_regular_file(path, ConfigurationError)
-    try:
-        with open(path, "rb") as file:
-            text = file.read(MAXIMUM_BYTES + 1)
-    except OSError as error:
-        raise ConfigurationError(f"{path}: the file cannot be read ({error.strerror}). Check its permissions.") from error
+    text = read_bytes(path, MAXIMUM_BYTES + 1, ConfigurationError)
     if len(text) > MAXIMUM_BYTES:
-        raise ConfigurationError(f"{path}: the file is larger than {MAXIMUM_BYTES} bytes. Give a Plus configuration file.")
+        raise ConfigurationError(
+            "{path}: the file is larger than {maximum} bytes. Give a Plus configuration file.", path=path, maximum=MAXIMUM_BYTES
+        )
 
     builder = TreeBuilder()
     depth = 0
@@ -38,7 +35,9 @@ def parse_xml(path: Path) -> Element:
         nonlocal depth
         depth += 1
         if depth > MAXIMUM_DEPTH:
-            raise ConfigurationError(f"{path}: elements are nested more than {MAXIMUM_DEPTH} deep. Give a Plus configuration file.")
+            raise ConfigurationError(
+                "{path}: elements are nested more than {maximum} deep. Give a Plus configuration file.", path=path, maximum=MAXIMUM_DEPTH
+            )
         builder.start(tag, attributes)
 
     def end(tag: str) -> None:
@@ -47,7 +46,7 @@ def parse_xml(path: Path) -> Element:
         builder.end(tag)
 
     def refuse_doctype(*_) -> None:
-        raise ConfigurationError(f"{path}: a DOCTYPE declaration is not allowed in a configuration. Remove it.")
+        raise ConfigurationError("{path}: a DOCTYPE declaration is not allowed in a configuration. Remove it.", path=path)
 
     parser = expat.ParserCreate()
     parser.StartElementHandler = start
@@ -57,10 +56,12 @@ def parse_xml(path: Path) -> Element:
         parser.Parse(text, True)
     except expat.ExpatError as error:
         raise ConfigurationError(
-            f"{path}: this is not well-formed XML ({error}). Correct it, or give a Plus configuration file."
+            "{path}: this is not well-formed XML ({problem}). Correct it, or give a Plus configuration file.", path=path, problem=error
         ) from error
     except (LookupError, ValueError) as error:
         if isinstance(error, ConfigurationError):
             raise
-        raise ConfigurationError(f"{path}: its text encoding is not supported ({error}). Save it as UTF-8.") from error
+        raise ConfigurationError(
+            "{path}: its text encoding is not supported ({problem}). Save it as UTF-8.", path=path, problem=error
+        ) from error
     return builder.close()

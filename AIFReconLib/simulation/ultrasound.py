@@ -6,9 +6,9 @@ reverberation between face and skin; the point spread; attenuation, time gain an
 
 References
 ----------
-Burger et al. (2013), Real-time GPU-based ultrasound simulation using deformable mesh models, IEEE TMI 32:609-618,
-doi:10.1109/TMI.2012.2234474 (ray-based echo and shadow). Szabo (2014), Diagnostic Ultrasound Imaging, chapters 6 to 9 (beams, speckle,
-log compression). Jain and Taylor (2004), Understanding bone responses in B-mode ultrasound images, doi:10.1117/12.535984 (bone echo,
+Bürger et al. (2013), Real-time GPU-based ultrasound simulation using deformable mesh models, IEEE TMI 32:609-618,
+doi:10.1109/TMI.2012.2234474 (ray-based echo and shadow). Szabo (2014), Diagnostic Ultrasound Imaging (beams, speckle, log
+compression). Jain and Taylor (2004), Understanding bone responses in B-mode ultrasound images, doi:10.1117/12.535984 (bone echo,
 its thickness by beam width).
 """
 
@@ -124,7 +124,8 @@ def specular_echo(cosine, effects: UltrasoundEffects) -> np.ndarray:
     Notes
     -----
     A rough surface reflects as its facets do that face the probe. With normally distributed slopes of root mean square m, their share
-    is exp(-tan^2 a / (2 m^2)) (Beckmann and Spizzichino 1963); m = 0.38.
+    is exp(-tan^2 a / (2 m^2)), the limit of a very rough surface in Beckmann and Spizzichino (1963), The scattering of electromagnetic
+    waves from rough surfaces; m = 0.38.
     """
     cosine = np.clip(cosine, 0.0, 1.0)
     tangent_squared = 1.0 / np.maximum(cosine, 1e-3) ** 2 - 1.0

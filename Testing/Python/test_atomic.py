@@ -82,7 +82,9 @@ def test_a_companion_that_was_not_written_is_left_out(tmp_path):
         (errno.ENOSPC, "the disk is full. Free some space"),
         (errno.EACCES, "no permission"),
         (errno.EROFS, "read-only"),
-        (errno.EIO, "Choose another path"),
+        (errno.EIO, "the disk does not answer"),
+        (errno.EMFILE, "too many files are open"),
+        (errno.EBUSY, "Choose another path"),
     ],
 )
 def test_a_system_error_becomes_an_output_error_and_leaves_nothing(tmp_path, code, expected):

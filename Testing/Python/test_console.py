@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import io
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
 
 from AIFReconLib import console
-from AIFReconLib.console import ProgressBar, columns
+from AIFReconLib.console import ProgressBar, columns, program
 
 
 class Terminal(io.StringIO):
@@ -48,3 +53,30 @@ def test_columns_are_aligned():
 
 def test_no_rows_are_no_lines():
     assert columns([]) == ""
+
+
+def test_a_program_on_the_path_is_called_by_its_name(monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["/somewhere/bin/aifrecon"])
+    monkeypatch.setattr(shutil, "which", lambda name: "/somewhere/bin/" + name)
+    assert program() == "aifrecon"
+
+
+def test_a_program_elsewhere_is_called_as_it_was(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", [str(tmp_path / ".venv" / "bin" / "aifrecon")])
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    assert program() == str(Path(".venv") / "bin" / "aifrecon")
+
+
+def test_a_module_is_called_with_the_python_that_runs_it(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", [str(Path(console.__file__).parent / "__main__.py"), "demo"])
+    monkeypatch.setattr(sys, "executable", str(tmp_path / ".venv" / "bin" / "python"))
+    assert program() == f"{Path('.venv') / 'bin' / 'python'} -m AIFReconLib"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="quotes of another kind there")
+def test_a_path_with_spaces_is_quoted(monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["/my programs/aifrecon"])
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    assert program() == "'/my programs/aifrecon'"

@@ -63,6 +63,19 @@ def test_origin_and_size_follow_igsio(poses, spacing):
     assert (np.abs(np.array(grid.size) - 1 - voxels) <= 0.5 + 1e-5).all()
 
 
+def test_a_fitted_spacing_ends_with_the_last_pixel():
+    pose = rigid((np.pi / 2, 0, 0), (4, 5, 6)) @ scaled(0.3, 0.3, 1)
+    grid = grid_around_sweep(pose[None], (11, 10), FULL, (1.0, 1.0, 0.8), fits_spacing=True)
+    # 9 rows of 0.3 mm: 3 whole voxels of 0.8 mm and a bit, so each grows to a third
+    np.testing.assert_allclose(grid.spacing, (1.0, 1.0, 0.9))
+    assert grid.size[2] == 4
+
+
+def test_a_box_thinner_than_a_voxel_keeps_its_spacing():
+    grid = grid_around_sweep(np.eye(4)[None], (11, 10), FULL, (1.0, 1.0, 0.8), fits_spacing=True)
+    assert grid.spacing[2] == 0.8
+
+
 def test_the_corners_of_a_plain_sweep_are_its_first_and_last_pixel():
     poses = np.array([rigid((0, 0, 0), (10, 20, z)) @ scaled(0.5, 0.25, 1) for z in (5.0, 8.0)])
     grid = grid_around_sweep(poses, (11, 9), FULL, (0.5, 0.5, 0.5))

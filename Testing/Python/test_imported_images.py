@@ -253,15 +253,18 @@ def test_a_video_that_is_none_is_named(tmp_path):
         open_images([tmp_path / "a.mp4"])
 
 
-@pytest.mark.parametrize(("name", "package"), [("a.png", "PIL"), ("a.dcm", "pydicom"), ("a.mp4", "imageio_ffmpeg")])
-def test_a_package_that_is_missing_is_named_with_the_way_to_get_it(tmp_path, monkeypatch, name, package):
+@pytest.mark.parametrize(
+    ("name", "package", "distribution"),
+    [("a.png", "PIL", "Pillow"), ("a.dcm", "pydicom", "pydicom"), ("a.mp4", "imageio_ffmpeg", "imageio-ffmpeg")],
+)
+def test_a_package_that_is_missing_is_named_with_the_way_to_get_it(tmp_path, monkeypatch, name, package, distribution):
     import sys
 
     monkeypatch.setitem(sys.modules, package, None)
     for module in [module for module in sys.modules if module.startswith(f"{package}.")]:
         monkeypatch.setitem(sys.modules, module, None)
     (tmp_path / name).write_bytes(b"x")
-    with pytest.raises(FileFormatError, match=rf"without the Python package {package}.*pip install aifrecon\[import\]"):
+    with pytest.raises(FileFormatError, match=rf"without the Python package {distribution}\. .*pip install {distribution}\.$"):
         open_images([tmp_path / name])
 
 

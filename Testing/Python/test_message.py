@@ -6,7 +6,7 @@ import pytest
 
 from AIFReconLib import errors
 from AIFReconLib.errors import AIFReconError, OutputError, SettingsError
-from AIFReconLib.message import Message, translated
+from AIFReconLib.message import Message, listed, said, translated
 
 GERMAN = {
     "frame {number} is missing": "Bild {number} fehlt",
@@ -63,3 +63,33 @@ def test_every_error_keeps_its_template_through_a_process_boundary(kind):
 def test_an_error_made_of_another_message_keeps_it():
     error = OutputError(SettingsError("frame {number} is missing", number=3).args[0])
     assert translated(error, german) == "Bild 3 fehlt"
+
+
+@pytest.mark.parametrize(
+    "wrong", ["Bild {nummer} fehlt", "Bild fehlt", "Bild {number fehlt", "Bild {number:d} fehlt", "Bild {number!r} fehlt"]
+)
+def test_a_translation_with_other_placeholders_is_not_used(wrong):
+    assert Message("frame {number} is missing", number=3).translated(lambda template: wrong) == "frame 3 is missing"
+
+
+def test_placeholders_may_change_places():
+    swapped = {"{first} before {last}": "{last} nach {first}"}.get
+    assert Message("{first} before {last}", first=1, last=2).translated(swapped) == "2 nach 1"
+
+
+def test_several_messages_are_translated_one_by_one():
+    items = listed([Message("frame {number} is missing", number=3), "a.mha", Message("frame {number} is missing", number=4)], "; ")
+    assert items == "frame 3 is missing; a.mha; frame 4 is missing"
+    assert items.translated(german) == "Bild 3 fehlt; a.mha; Bild 4 fehlt"
+
+
+def test_nothing_listed_says_nothing():
+    assert listed([]) == ""
+
+
+def test_what_an_error_says_is_the_message_that_it_was_raised_with():
+    assert said(SettingsError("frame {number} is missing", number=3)).template == "frame {number} is missing"
+
+
+def test_what_another_error_says_is_its_text():
+    assert said(ValueError("no number")) == "no number"

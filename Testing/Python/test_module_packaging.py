@@ -123,9 +123,9 @@ def test_a_node_selector_is_given_the_scene(name):
     assert name in receivers
 
 
-def test_every_input_is_in_the_tab_order_from_top_to_bottom():
-    inputs = [name for name, widget in WIDGETS.items() if widget.get("class") not in PASSIVE]
-    assert [stop.text for stop in UI.iter("tabstop")] == inputs
+def test_every_input_and_section_is_in_the_tab_order_from_top_to_bottom():
+    stops = [name for name, widget in WIDGETS.items() if widget.get("class") not in PASSIVE or "Collapsible" in widget.get("class")]
+    assert [stop.text for stop in UI.iter("tabstop")] == stops
 
 
 def test_every_bound_widget_names_a_parameter():
@@ -143,7 +143,7 @@ def test_no_parameter_is_bound_twice():
 
 def test_every_option_that_a_message_of_the_library_names_has_a_name_in_the_panel_or_no_place_there():
     """`panelWords` must know each option of the command line that the library's messages name."""
-    commandLineAlone = {"--calibration", "--clip-px", "--image-to-reference", "--reference", "--time-offset", "--transform-sequence"}
+    commandLineAlone = {"--calibration", "--image-to-reference", "--reference", "--transform-sequence"}
     files = [REPOSITORY / "AIFReconLib" / f"{name}.py" for name in WITHIN_A_RECONSTRUCTION]
     texts = [node.value for path in files for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.Constant)]
     named = {option for text in texts if isinstance(text, str) for option in re.findall(r"--[a-z][a-z-]+", text)}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from AIFReconLib.errors import OperationCanceled
+from AIFReconLib.message import translated
 from AIFReconLib.progress import part, report
 
 
@@ -47,13 +48,16 @@ def test_any_other_answer_goes_on(answer):
     assert report(Listener(answer=answer), 0.5, "Working") is None
 
 
-@pytest.mark.parametrize(
-    ("message", "words"), [("Filling holes", "Canceled while filling holes."), ("CT is read", "Canceled while CT is read.")]
-)
-def test_the_error_says_what_was_being_done(message, words):
+def test_the_error_says_what_was_being_done():
     with pytest.raises(OperationCanceled) as caught:
-        report(Listener(stop_after=1), 0.5, message)
-    assert str(caught.value) == words
+        report(Listener(stop_after=1), 0.5, "Filling holes")
+    assert str(caught.value) == "Canceled in this step: Filling holes."
+
+
+def test_what_the_listener_hears_can_be_translated():
+    listener = Listener()
+    report(listener, 0.25, "Working")
+    assert translated(listener.calls[0][1], {"Working": "Es wird gearbeitet"}.get) == "Es wird gearbeitet"
 
 
 def test_a_part_of_nothing_is_nothing():

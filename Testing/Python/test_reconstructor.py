@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,7 +14,7 @@ from sweeps import image_pose, oblique_frames, rigid, sphere_bone, turned_grid
 from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
-from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.compounding.reconstructor import FrameCounts, Reconstructor
 from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMemoryError, SettingsError
 from AIFReconLib.frames import TrackedFrame
 from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
@@ -300,3 +302,13 @@ def test_memory_per_voxel_stays_within_the_promised_32_bytes(method):
     from AIFReconLib.compounding.state import bytes_per_voxel
 
     assert bytes_per_voxel(method, has_bone=True, best_cosine=True) <= 32
+
+
+def test_frames_that_are_skipped_for_hours_take_little_memory():
+    counts = FrameCounts()
+    tracemalloc.start()
+    for number in range(1000, 51_000):
+        counts.skip("ProbeToTracker OUT_OF_VIEW", number)
+    size, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert size < 10 * 50_000

@@ -10,8 +10,10 @@ from geometry_strategies import numbers
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion, extreme_pixels
+from AIFReconLib.fan_detection import FanDetection
+from AIFReconLib.region import ClipRectangle, Fan, ImageRegion, chosen_region, extreme_pixels
 
 
 def kept_by_loop(columns: int, rows: int, clip=None, fan=None) -> np.ndarray:
@@ -161,3 +163,42 @@ def test_extreme_pixels_reach_as_far_as_all_pixels_in_every_direction(rows, colu
 def test_extreme_pixels_are_pixels_of_the_region():
     mask = Fan((10.0, -3.0), (-30, 40), (5, 15)).mask(25, 20)
     assert all(mask[int(row), int(column)] for column, row in extreme_pixels(mask))
+
+
+CLIP, OTHER_CLIP = ClipRectangle((1.0, 2.0), (10.0, 8.0)), ClipRectangle((0.0, 0.0), (5.0, 5.0))
+FAN = Fan((20.0, -10.0), (-30.0, 30.0), (12.0, 30.0))
+ANGLES, RADII = (-20.0, 15.0), (10.0, 25.0)
+
+
+def test_where_nothing_is_asked_for_no_region_is_chosen():
+    assert chosen_region(ImageRegion(CLIP, FAN)) is None
+
+
+def test_a_clip_rectangle_that_is_asked_for_keeps_the_configured_fan():
+    assert chosen_region(ImageRegion(OTHER_CLIP, FAN), CLIP) == ImageRegion(CLIP, FAN)
+
+
+def test_a_fan_that_is_asked_for_keeps_the_configured_clip_rectangle_and_ends_the_detection():
+    configured = ImageRegion(CLIP, FAN, FanDetection())
+    assert chosen_region(configured, None, ANGLES, RADII) == ImageRegion(CLIP, Fan(FAN.apex_px, ANGLES, RADII))
+
+
+@pytest.mark.parametrize(
+    ("apex", "configured", "expected"),
+    [((1.0, 2.0), FAN, (1.0, 2.0)), (None, FAN, FAN.apex_px), (None, None, (7.0, 8.0))],
+    ids=["given", "configured", "of the probe"],
+)
+def test_a_fan_stands_about_the_nearest_known_apex(apex, configured, expected):
+    region = chosen_region(ImageRegion(None, configured), None, ANGLES, RADII, apex, ProbeGeometry("sector", (7.0, 8.0)))
+    assert region.fan.apex_px == expected
+
+
+def test_a_fan_without_an_apex_is_refused():
+    with pytest.raises(SettingsError, match="apex"):
+        chosen_region(None, None, ANGLES, RADII, None, ProbeGeometry("linear"))
+
+
+@pytest.mark.parametrize("given", [(ANGLES, None), (None, RADII)])
+def test_half_a_fan_is_refused(given):
+    with pytest.raises(SettingsError, match="both"):
+        chosen_region(None, None, *given)

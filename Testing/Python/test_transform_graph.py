@@ -43,6 +43,11 @@ def graph() -> TransformGraph:
         ("ProbeToT", "Probe", "T"),
         ("Probe2ToTracker1", "Probe2", "Tracker1"),
         ("CTToRAS", "CT", "RAS"),
+        ("ImageTo3DProbe", "Image", "3DProbe"),
+        ("ProbeTo9", "Probe", "9"),
+        ("3DProbeTo_tracker", "3DProbe", "_tracker"),
+        ("imageToReference", "Image", "Reference"),
+        ("probeTo3dTracker", "Probe", "3dTracker"),
     ],
 )
 def test_a_name_splits_at_its_to(text, source, target):
@@ -51,7 +56,20 @@ def test_a_name_splits_at_its_to(text, source, target):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "To", "Probe", "ToTracker", "ProbeTo", "Probetotracker", "ProbeTotracker", "AToBToC", "Transform", "ProbeToTransform", "ProbeTo9"],
+    [
+        "",
+        "To",
+        "Probe",
+        "ToTracker",
+        "ProbeTo",
+        "Probetotracker",
+        "ProbeTotracker",
+        "AToBToC",
+        "Transform",
+        "ProbeToTransform",
+        "ToAToB",
+        "GoTo Transform",
+    ],
 )
 def test_a_name_that_does_not_say_from_and_to_is_refused(text):
     with pytest.raises(TransformError, match="FromToTo"):

@@ -223,6 +223,7 @@ def test_the_length_of_a_nifti_2_file_is_checked_in_either_byte_order(tmp_path, 
 
     header = bytearray(544)
     struct.pack_into(order + "i", header, 0, 540)
+    header[4:12] = b"n+2\0\r\n\x1a\n"
     struct.pack_into(order + "hh", header, 12, 2, 8)
     struct.pack_into(order + "8q", header, 16, 3, 4, 3, 2, 1, 1, 1, 1)
     struct.pack_into(order + "q", header, 168, 544)

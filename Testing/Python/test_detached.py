@@ -1,0 +1,100 @@
+"""A header and its data file in the place of older ones: whatever fails in between, the header names data that fit it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+
+import pytest
+
+from AIFReconLib.errors import OutputError
+from AIFReconLib.io.atomic import atomic_outputs
+from AIFReconLib.io.detached import named_data_file
+
+STEPS = 8
+"""More renames, links and removals than a replacement takes."""
+
+
+def write_pair(folder, version: str) -> None:
+    """A header that tells its version, and data that tell it too."""
+    with atomic_outputs(folder / "a.raw", folder / "a.mhd") as (data, header):
+        data.write_text(version, encoding="utf-8")
+        header.write_text(f"Version = {version}\nElementDataFile = a.raw\n", encoding="utf-8")
+
+
+def read_pair(folder) -> tuple[str, str]:
+    """The version in the header, and the version in the data file that the header names."""
+    header = (folder / "a.mhd").read_text("utf-8")
+    return header.split("Version = ")[1].split("\n")[0], (folder / named_data_file(folder / "a.mhd")).read_text("utf-8")
+
+
+@pytest.fixture
+def older(tmp_path):
+    write_pair(tmp_path, "old")
+    return tmp_path
+
+
+def stop_at(monkeypatch, step: int, exception: BaseException) -> None:
+    """Let the rename, link or removal with this number fail, and all that follow, as when the program ends there."""
+    done = 0
+
+    def failing(function):
+        def call(*arguments, **options):
+            nonlocal done
+            done += 1
+            if done > step:
+                raise exception
+            return function(*arguments, **options)
+
+        return call
+
+    for name in ("replace", "link", "unlink"):
+        monkeypatch.setattr(os, name, failing(getattr(os, name)))
+
+
+@pytest.mark.parametrize("exception", [KeyboardInterrupt(), OSError(5, "no answer")], ids=["Ctrl-C", "a failing disk"])
+@pytest.mark.parametrize("step", range(STEPS))
+def test_wherever_it_ends_the_header_names_data_of_its_own_version(older, step, exception):
+    with pytest.MonkeyPatch.context() as patched:
+        stop_at(patched, step, exception)
+        with contextlib.suppress(KeyboardInterrupt, OutputError):
+            write_pair(older, "new")
+    assert read_pair(older) in (("old", "old"), ("new", "new"))
+
+
+@pytest.mark.parametrize("step", range(STEPS))
+def test_the_next_pair_has_its_usual_names_and_nothing_else_is_left(older, step):
+    with pytest.MonkeyPatch.context() as patched:
+        stop_at(patched, step, KeyboardInterrupt())
+        with contextlib.suppress(KeyboardInterrupt):
+            write_pair(older, "new")
+    write_pair(older, "newest")
+    assert read_pair(older) == ("newest", "newest")
+    assert {path.name for path in older.iterdir()} == {"a.raw", "a.mhd"}
+
+
+def test_where_there_are_no_links_the_data_are_copied(older, monkeypatch):
+    def no_links(*_):
+        raise OSError(1, "not permitted")
+
+    monkeypatch.setattr(os, "link", no_links)
+    write_pair(older, "new")
+    assert read_pair(older) == ("new", "new")
+    assert {path.name for path in older.iterdir()} == {"a.raw", "a.mhd"}
+
+
+def test_a_failure_before_the_switch_leaves_no_data_file_behind(older, monkeypatch):
+    stop_at(monkeypatch, 1, OSError(28, "full"))
+    with pytest.raises(OutputError, match="disk is full"):
+        write_pair(older, "new")
+    monkeypatch.undo()
+    assert read_pair(older) == ("old", "old")
+
+
+def test_the_name_of_the_data_file_may_have_any_letters(tmp_path):
+    (tmp_path / "a.mhd").write_bytes("NDims = 3\nElementDataFile = \\1 ä%s.raw\n".encode())
+    assert named_data_file(tmp_path / "a.mhd") == "\\1 ä%s.raw"
+
+
+def test_a_header_that_is_not_there_names_nothing(tmp_path):
+    assert named_data_file(tmp_path / "a.mhd") is None

@@ -1,0 +1,190 @@
+"""MetaImage and NRRD volumes lie where SimpleITK puts them, voxel for voxel, and headers made to mislead it do not mislead us."""
+
+from __future__ import annotations
+
+import gzip
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import SimpleITK as sitk
+from volume_samples import refusal
+
+from AIFReconLib.errors import InsufficientMemoryError
+from AIFReconLib.io import metafile_volumes
+from AIFReconLib.io.metafile_volumes import read_metafile_volume
+from AIFReconLib.io.volume_files import VolumeFormatError, read_metafile, read_volume
+from AIFReconLib.transforms import LPS_FROM_RAS
+
+DATA = bytes(range(96))
+
+
+def nrrd(path: Path, payload: bytes = DATA, **changes: str | None) -> Path:
+    header = {
+        "type": "short",
+        "dimension": "3",
+        "space": "left-posterior-superior",
+        "space dimension": None,
+        "sizes": "4 3 4",
+        "space directions": "(0,0.5,0) (0,0,-1) (2,0,0)",
+        "kinds": "domain domain domain",
+        "encoding": "raw",
+        "endian": "little",
+        "space origin": "(10,-20.5,3e1)",
+        **{key.replace("_", " "): value for key, value in changes.items()},
+    }
+    lines = "".join(f"{key}: {value}\n" for key, value in header.items() if value is not None)
+    path.write_bytes(b"NRRD0005\n" + lines.encode() + b"\n" + payload)
+    return path
+
+
+def metaimage(path: Path, payload: bytes = DATA, first: str = "", **changes: str | None) -> Path:
+    header = {
+        "ObjectType": "Image",
+        "NDims": "3",
+        "BinaryData": "True",
+        "BinaryDataByteOrderMSB": "False",
+        "CompressedData": "False",
+        "TransformMatrix": "0 1 0 0 0 -1 1 0 0",
+        "Offset": "10 -20.5 3e1",
+        "ElementSpacing": "0.5 1 2",
+        "DimSize": "4 3 4",
+        "ElementType": "MET_SHORT",
+        **changes,
+        "ElementDataFile": "LOCAL",
+    }
+    lines = "".join(f"{key} = {value}\n" for key, value in header.items() if value is not None)
+    path.write_bytes((first + lines).encode() + payload)
+    return path
+
+
+def assert_as_simpleitk_reads_it(path: Path) -> None:
+    stored = read_metafile_volume(read_metafile(path, VolumeFormatError))
+    image = sitk.ReadImage(str(path))
+    np.testing.assert_array_equal(stored.array, sitk.GetArrayFromImage(image))
+    assert stored.array.dtype == sitk.GetArrayFromImage(image).dtype
+    directions = np.array(image.GetDirection()).reshape(3, 3) * image.GetSpacing()
+    np.testing.assert_allclose(stored.ijk_to_lps[:3, :3], directions, atol=1e-12)
+    np.testing.assert_allclose(stored.ijk_to_lps[:3, 3], image.GetOrigin(), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"space": "right-anterior-superior"},
+        {"space": "RAS"},
+        {"space": "left-anterior-superior"},
+        {"space": "scanner-xyz"},
+        {"space": None, "space_dimension": "3"},
+        {"space": None, "space_directions": None, "space_origin": None},
+        {"space": None, "space_directions": None, "space_origin": None, "spacings": "0.5 1 2", "kinds": None},
+        {"space_origin": None},
+        {"kinds": "space space space"},
+        {"kinds": None},
+        {"endian": "big"},
+        {"encoding": "gzip"},
+        {"type": "unsigned char", "sizes": "4 6 4", "endian": None},
+        {"type": "double", "sizes": "1 3 4"},
+        {"type": "int64", "sizes": "1 3 4"},
+        {"dimension": "4", "sizes": "2 2 3 4", "kinds": "list domain domain domain", "space_directions": "none (1,0,0) (0,1,0) (0,0,1)"},
+        {"dimension": "4", "sizes": "3 2 2 4", "kinds": "vector domain domain domain", "space_directions": "none (1,0,0) (0,1,0) (0,0,1)"},
+        {"dimension": "4", "sizes": "2 3 4 2", "kinds": "domain domain domain list", "space_directions": "(1,0,0) (0,1,0) (0,0,1) none"},
+    ],
+    ids=lambda changes: " ".join(f"{key}={value}" for key, value in changes.items()) or "plain",
+)
+def test_an_nrrd_volume_is_read_as_simpleitk_reads_it(tmp_path, changes):
+    assert_as_simpleitk_reads_it(
+        nrrd(tmp_path / "ct.nrrd", gzip.compress(DATA, mtime=0) if changes.get("encoding") == "gzip" else DATA, **changes)
+    )
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"TransformMatrix": None, "Rotation": "0 1 0 1 0 0 0 0 1"},
+        {"TransformMatrix": None, "Offset": None, "Position": "1 2 3"},
+        {"ElementSpacing": None},
+        {"ElementSpacing": None, "ElementSize": "3 2 1"},
+        {"BinaryDataByteOrderMSB": "True"},
+        {"CompressedData": "True", "CompressedDataSize": "104"},
+        {"ElementType": "MET_FLOAT", "DimSize": "2 3 4"},
+        {"ElementNumberOfChannels": "2", "DimSize": "2 3 4"},
+        {"AnatomicalOrientation": "RAI", "CenterOfRotation": "5 5 5"},
+    ],
+    ids=lambda changes: " ".join(f"{key}={value}" for key, value in changes.items()) or "plain",
+)
+def test_a_metaimage_volume_is_read_as_simpleitk_reads_it(tmp_path, changes):
+    payload = DATA
+    if "CompressedData" in changes:
+        payload = zlib.compress(DATA)
+        changes = changes | {"CompressedDataSize": str(len(payload))}
+    assert_as_simpleitk_reads_it(metaimage(tmp_path / "ct.mha", payload, **changes))
+
+
+def test_the_place_is_brought_from_lps_to_ras(tmp_path):
+    volume = read_volume(nrrd(tmp_path / "ct.nrrd"))
+    np.testing.assert_array_equal(volume.grid.origin, (-10, 20.5, 30))
+    np.testing.assert_array_equal((LPS_FROM_RAS @ volume.ijk_to_reference)[:3, 0], (0, 0.5, 0))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "HeaderSize: 3 = 2\n",
+        "DimSize: 4 3 1 = 2\n",
+        "DimSize: 40000 30000 1000 = 2\n",
+        "ElementDataFile:secret.raw = x\n",
+        "ElementDataFile : LIST = x\n",
+        "ElementSpacing: 9 9 9 = 1\n",
+    ],
+)
+def test_a_line_that_itk_takes_for_another_entry_changes_nothing(tmp_path, line):
+    """MetaIO ends a key at a colon too, so it finds entries where this library finds none."""
+    (tmp_path / "secret.raw").write_bytes(b"\xff" * 96)
+    volume = read_volume(metaimage(tmp_path / "ct.mha", first=line))
+    np.testing.assert_array_equal(volume.array.ravel(), np.frombuffer(DATA, "<i2"))
+    np.testing.assert_allclose(volume.grid.spacing, (0.5, 1, 2))
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"space": "left-posterior-superior-time"}, "space must be"),
+        ({"space_directions": "(1,0,0) (0,1,0)"}, "space directions must be a vector"),
+        ({"space_directions": "(1,0,0) (0,1,0) none"}, "space directions must be a vector"),
+        ({"space_directions": "(1,0,0) (0,1,0) (0,0)"}, "space directions must be 3 finite numbers"),
+        ({"space_directions": "(1,0,0) (0,1,0) (0,0,nan)"}, "space directions must be 3 finite numbers"),
+        ({"space_origin": "1 2 3"}, "space origin must be 3 numbers"),
+        ({"space_directions": None}, "no space directions"),
+        ({"space_directions": None, "space_origin": None, "spacings": "1 1"}, "spacings must be 3 finite numbers"),
+        ({"space_directions": None, "space_origin": None, "spacings": "1 1 0"}, "spacings must be positive"),
+        ({"kinds": "domain domain list"}, "it must be a 3D volume; got 2 axes"),
+        ({"dimension": "4", "sizes": "4 3 2 2", "kinds": "domain domain domain time"}, "got axes of the kinds"),
+    ],
+)
+def test_a_place_that_cannot_be_told_is_refused(tmp_path, changes, expected):
+    assert expected in refusal(nrrd(tmp_path / "ct.nrrd", **changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"ElementSpacing": "1 1"}, "ElementSpacing must be 3 finite numbers"),
+        ({"ElementSpacing": "1 -1 1"}, "ElementSpacing must be positive"),
+        ({"TransformMatrix": "1 0 0 0 1 0"}, "TransformMatrix must be 9 finite numbers"),
+        ({"Offset": "1 2 nowhere"}, "Offset must be 3 finite numbers"),
+        ({"NDims": "2", "DimSize": "12 4"}, "it must be a 3D volume; got 2 axes"),
+    ],
+)
+def test_a_metaimage_without_a_usable_place_is_refused(tmp_path, changes, expected):
+    assert expected in refusal(metaimage(tmp_path / "ct.mha", **changes))
+
+
+def test_voxels_that_do_not_fit_into_memory_are_refused_before_they_are_read(tmp_path, monkeypatch):
+    path = nrrd(tmp_path / "ct.nrrd")
+    monkeypatch.setattr(metafile_volumes, "available_memory", lambda: 50)
+    with pytest.raises(InsufficientMemoryError, match=r"ct.nrrd: its voxels need"):
+        read_volume(path)

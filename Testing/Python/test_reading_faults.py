@@ -1,0 +1,213 @@
+"""Files that fail, are cut or are replaced while they are read: one of the two files as a whole, or an error that says why not."""
+
+from __future__ import annotations
+
+import errno
+import mmap
+import os
+import shutil
+import tempfile
+
+import numpy as np
+import pytest
+import SimpleITK as sitk
+from files import tracked_sequence
+from live_messages import tracked as tracked_messages
+
+from AIFReconLib.errors import FileFormatError, OutputError, SequenceFormatError, VolumeFormatError
+from AIFReconLib.io import small_files
+from AIFReconLib.io.imported_images import open_images
+from AIFReconLib.io.metafile import Metafile
+from AIFReconLib.io.pose_files import read_poses
+from AIFReconLib.io.pose_rows import PoseFormat
+from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.sequence_writer import write_sequence
+from AIFReconLib.io.small_files import read_bytes
+from AIFReconLib.io.transform_files import write_transform
+from AIFReconLib.io.volume_files import read_volume
+from AIFReconLib.live.recording import Recorder
+from AIFReconLib.live.synchronizer import Synchronizer
+from AIFReconLib.volume import Volume
+
+FRAMES = np.random.default_rng(0).integers(0, 256, (6, 30, 40), dtype=np.uint8)
+
+
+def fail(*_, **_options):
+    raise OSError(errno.EIO, "Input/output error")
+
+
+@pytest.fixture
+def array_file(tmp_path):
+    np.save(tmp_path / "a.npy", FRAMES)
+    return tmp_path / "a.npy"
+
+
+def test_an_array_that_is_cut_after_it_was_opened_is_refused_frame_by_frame(array_file):
+    stack = open_images([array_file]).stack
+    os.truncate(array_file, array_file.stat().st_size // 2)
+    with pytest.raises(FileFormatError, match="has changed since it was opened"):
+        stack[5]
+
+
+def test_an_array_that_vanishes_is_named(array_file):
+    stack = open_images([array_file]).stack
+    array_file.unlink()
+    with pytest.raises(FileFormatError, match="frame 5 cannot be read"):
+        stack[5]
+
+
+def test_an_array_in_fortran_order_gives_the_same_frames(tmp_path):
+    np.save(tmp_path / "a.npy", np.asfortranarray(FRAMES))
+    np.testing.assert_array_equal(open_images([tmp_path / "a.npy"]).stack[3], FRAMES[3])
+
+
+def test_an_archive_of_arrays_is_refused(tmp_path):
+    with open(tmp_path / "a.npy", "wb") as file:
+        np.savez(file, a=FRAMES)
+    with pytest.raises(FileFormatError, match="archive of arrays"):
+        open_images([tmp_path / "a.npy"])
+
+
+@pytest.mark.parametrize("suffix", [".bmp", ".tif"])
+def test_pictures_are_not_mapped_into_memory(tmp_path, monkeypatch, suffix):
+    image = pytest.importorskip("PIL.Image")
+    image.fromarray(FRAMES[0]).save(tmp_path / f"p{suffix}")
+    monkeypatch.setattr(mmap, "mmap", fail)
+    np.testing.assert_array_equal(open_images([tmp_path / f"p{suffix}"]).stack[0], FRAMES[0])
+
+
+def test_pages_of_two_pictures_are_not_mixed(tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    pages = [image.fromarray(frame) for frame in FRAMES]
+    pages[0].save(tmp_path / "p.tif", save_all=True, append_images=pages[1:])
+    stack = open_images([tmp_path / "p.tif"]).stack
+    pages[5].save(tmp_path / "p.tif", save_all=True, append_images=pages[:5])
+    with pytest.raises(FileFormatError, match="has changed since it was opened"):
+        stack[3]
+
+
+@pytest.mark.parametrize("compress", [False, True])
+def test_a_sequence_that_grows_while_a_frame_is_read_is_refused(tmp_path, monkeypatch, compress):
+    write_sequence(tracked_sequence(), tmp_path / "s.mha", compress=compress)
+    images = read_sequence(tmp_path / "s.mha").images
+    check, calls = Metafile.require_unchanged, []
+
+    def grow_after_the_first(self, file):
+        check(self, file)
+        if not calls:
+            calls.append(1)
+            with open(tmp_path / "s.mha", "ab") as more:
+                more.write(b"more")
+
+    monkeypatch.setattr(Metafile, "require_unchanged", grow_after_the_first)
+    with pytest.raises(SequenceFormatError, match="has changed since it was opened"):
+        images[0]
+
+
+def test_a_disk_that_goes_away_shows_as_an_error_of_the_file_even_when_it_is_closed(tmp_path, monkeypatch):
+    write_sequence(tracked_sequence(), tmp_path / "s.mha", compress=False)
+    images = read_sequence(tmp_path / "s.mha").images
+    monkeypatch.setattr(Metafile, "require_unchanged", fail)
+    with pytest.raises(SequenceFormatError, match=r"cannot be read \(Input/output error\)"):
+        images[0]
+
+
+@pytest.mark.parametrize("suffix", [".nii", ".nii.gz"])
+def test_a_volume_that_the_disk_does_not_give_is_no_volume_of_zeros(tmp_path, monkeypatch, suffix):
+    Volume(np.ones((3, 4, 5), np.uint8), np.eye(4)).write(tmp_path / f"v{suffix}")
+    monkeypatch.setattr(shutil, "copyfile", fail)
+    with pytest.raises(VolumeFormatError, match="Input/output error"):
+        read_volume(tmp_path / f"v{suffix}")
+
+
+def test_a_volume_that_is_written_to_while_it_is_copied_is_refused(tmp_path, monkeypatch):
+    Volume(np.ones((3, 4, 5), np.uint8), np.eye(4)).write(tmp_path / "v.nii")
+    copyfile = shutil.copyfile
+
+    def meanwhile(source, target):
+        copyfile(source, target)
+        with open(source, "ab") as file:
+            file.write(b"\0")
+
+    monkeypatch.setattr(shutil, "copyfile", meanwhile)
+    with pytest.raises(VolumeFormatError, match="changed while it was read"):
+        read_volume(tmp_path / "v.nii")
+
+
+def test_a_table_that_ends_before_its_length_is_not_taken_for_a_shorter_one(tmp_path, monkeypatch):
+    (tmp_path / "p.csv").write_text("x,y,z,qw,qx,qy,qz\n" + "1,2,3,1,0,0,0\n" * 9, encoding="utf-8")
+    status = os.stat_result([*os.stat(tmp_path / "p.csv")[:6], 10_000, 0, 0, 0])
+    monkeypatch.setattr(small_files.os, "fstat", lambda _: status)
+    with pytest.raises(FileFormatError, match="changed while it was read"):
+        read_poses(tmp_path / "p.csv", PoseFormat())
+
+
+def test_of_a_long_file_no_more_than_the_limit_is_read(tmp_path):
+    (tmp_path / "a").write_bytes(b"x" * 100)
+    assert read_bytes(tmp_path / "a", 10, FileFormatError) == b"x" * 10
+
+
+@pytest.mark.parametrize("content", ["", "#Insight Transform File V1.0\n"])
+def test_a_transform_that_came_out_incomplete_does_not_get_its_name(tmp_path, monkeypatch, content):
+    def write(_transform, name):
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(content)
+
+    monkeypatch.setattr(sitk, "WriteTransform", write)
+    with pytest.raises(OutputError, match="came out incomplete"):
+        write_transform(np.eye(4), tmp_path / "t.tfm")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_transform_that_came_out_different_does_not_get_its_name(tmp_path, monkeypatch):
+    write_original = sitk.WriteTransform
+    monkeypatch.setattr(sitk, "WriteTransform", lambda _, name: write_original(sitk.TranslationTransform(3, (1, 2, 3)), name))
+    with pytest.raises(OutputError, match="came out different"):
+        write_transform(np.eye(4), tmp_path / "t.tfm")
+
+
+def test_a_recording_needs_no_folder_for_temporary_files(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "missing"))
+    synchronizer = Synchronizer()
+    frames = [frame for message in tracked_messages(1.0) for frame in synchronizer.feed(message)] + synchronizer.flush()
+    recorder = Recorder(tmp_path / "scan.mha")
+    for frame in frames:
+        recorder.append(frame)
+    assert recorder.failure is None
+    assert recorder.finish() == tmp_path / "scan.mha"
+
+
+def test_a_recording_over_an_older_pair_replaces_both(tmp_path):
+    for version in (1.0, 2.0):
+        synchronizer = Synchronizer()
+        frames = [frame for message in tracked_messages(version) for frame in synchronizer.feed(message)] + synchronizer.flush()
+        recorder = Recorder(tmp_path / "scan.mhd")
+        for frame in frames:
+            recorder.append(frame)
+        recorder.finish()
+    assert read_sequence(tmp_path / "scan.mhd").records[0].timestamp == 2.0
+    assert {path.name for path in tmp_path.iterdir()} == {"scan.mhd", "scan.raw"}
+
+
+class TestKeptCodeOfKernels:
+    @pytest.fixture
+    def kernel(self):
+        pytest.importorskip("numba")
+        from AIFReconLib.numba_compile import compiled
+
+        def double(x):
+            return 2 * x
+
+        return compiled(double)
+
+    @pytest.mark.parametrize("step", ["load_overload", "save_overload"])
+    def test_a_cache_that_fails_costs_time_and_nothing_else(self, kernel, monkeypatch, step):
+        monkeypatch.setattr(kernel._cache._cache, step, fail)
+        assert kernel(21) == 42
+
+    def test_a_damaged_cache_is_emptied(self, kernel, monkeypatch):
+        emptied = []
+        monkeypatch.setattr(kernel._cache._cache, "load_overload", fail)
+        monkeypatch.setattr(kernel._cache._cache, "flush", lambda: emptied.append(True))
+        kernel(21)
+        assert emptied == [True]

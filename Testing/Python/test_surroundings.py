@@ -1,0 +1,258 @@
+"""Commands whose surroundings are not as they should be: signals, streams, locales, limits on threads and memory, odd names."""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from files import refused, tracked_sequence
+
+from AIFReconLib import __main__ as entry
+from AIFReconLib import cli
+from AIFReconLib.cli import main
+from AIFReconLib.commands import evaluate as evaluate_command
+from AIFReconLib.commands.live import StatusLine
+from AIFReconLib.console import ProgressBar
+from AIFReconLib.errors import OutputError
+from AIFReconLib.io.sequence_writer import write_sequence
+from AIFReconLib.io.volume_files import check_volume_path, read_volume
+from AIFReconLib.live.recording import Recorder
+from AIFReconLib.orderly_end import orderly_end
+from AIFReconLib.read_ahead import read_ahead
+from AIFReconLib.threads import in_parts
+from AIFReconLib.volume import Volume
+
+posix = pytest.mark.skipif(os.name == "nt", reason="POSIX")
+
+
+def run(arguments, shell="", **environment):
+    """A command in a process of its own, called by a shell where it is to lack a stream."""
+    command = [sys.executable, "-m", "AIFReconLib", *map(str, arguments)]
+    if shell:
+        command = ["sh", "-c", '"$@" ' + shell, "sh", *command]
+    return subprocess.run(command, capture_output=True, check=False, env={**os.environ, **environment}, timeout=120)
+
+
+# ---- streams
+
+
+@posix
+@pytest.mark.parametrize("shell", [">&-", "2>&-", "<&- >&- 2>&-"], ids=["stdout", "stderr", "all three"])
+def test_a_closed_stream_does_not_matter(patient, results, shell):
+    assert run([*patient.reconstruct, "--output", results / "v.nrrd"], shell).returncode == 0
+    assert [path.name for path in results.iterdir()] == ["v.nrrd"]
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no /dev/full")
+def test_a_result_that_cannot_be_printed_is_said_in_one_line(patient):
+    done = run(["info", patient.sweep], ">/dev/full")
+    assert done.returncode == 2
+    assert done.stderr.decode().count("\n") == 1
+    assert b"The result cannot be printed" in done.stderr
+
+
+def test_a_name_that_the_terminal_cannot_spell_is_shown_with_escapes(patient, results):
+    done = run([*patient.reconstruct, "--output", results / "vé.nrrd"], PYTHONIOENCODING="ascii")
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert rb"v\xe9.nrrd" in done.stdout
+
+
+class Gone(io.StringIO):
+    """A terminal that was closed."""
+
+    def write(self, _text):
+        raise OSError(errno.EIO, "Input/output error")
+
+    def isatty(self):
+        return True
+
+
+def test_a_progress_bar_on_a_terminal_that_is_gone_does_not_stop_the_work():
+    with ProgressBar(Gone()) as progress:
+        assert progress(1.0, "Writing")
+
+
+def test_a_status_line_on_a_terminal_that_is_gone_does_not_stop_the_scan():
+    line = StatusLine(Gone())
+    line.say("Connected.")
+    line._draw("30 frames/s")
+    line.clear()
+    assert line._width == 0
+
+
+def test_files_are_written_before_anything_is_printed(patient, results, monkeypatch, tmp_path):
+    def gone(*_, **_options):
+        raise BrokenPipeError
+
+    assert main([*patient.reconstruct, *patient.bone, "--method", "average", "--output", str(tmp_path / "v.nrrd")]) == 0
+    monkeypatch.setattr(evaluate_command, "print", gone, raising=False)
+    arguments = ["evaluate", tmp_path / "v.nrrd", "--bone", patient.labels, "--bone-transform", patient.transform]
+    assert main([*map(str, arguments), "--csv", str(results / "m.csv")]) == 0
+    assert (results / "m.csv").stat().st_size > 0
+
+
+# ---- signals
+
+
+@posix
+@pytest.mark.parametrize("number", ["SIGTERM", "SIGHUP"])
+def test_a_signal_to_end_works_like_ctrl_c(number):
+    before = signal.getsignal(getattr(signal, number))
+    with orderly_end() as end:
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(getattr(signal, number))
+        assert end.exit_code == 128 + getattr(signal, number)
+    assert signal.getsignal(getattr(signal, number)) == before
+
+
+@posix
+def test_a_signal_that_the_caller_ignores_stays_ignored():
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup does
+    try:
+        with orderly_end():
+            os.kill(os.getpid(), signal.SIGHUP)
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+@posix
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_where_it_would_be_swallowed_comes_again(number):
+    words = {"signal": signal, "time": time, "number": number}
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        exec(compile("def called_back():\n    signal.raise_signal(number)", "llvmlite/callback.py", "exec"), words)
+        with orderly_end() as end, pytest.raises(KeyboardInterrupt):
+            exec("called_back()\ncalled = True\ntime.sleep(5)", words)
+        assert words["called"]
+        assert end.exit_code == 128 + number
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_ctrl_c_has_its_usual_exit_code():
+    with orderly_end() as end:
+        assert end.exit_code == 130
+
+
+@posix
+def test_a_command_that_is_told_to_end_says_so_and_leaves_nothing(patient, results, monkeypatch, capsys):
+    def told(*_, **_options):
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(5)
+
+    monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct", told)
+    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 143
+    assert capsys.readouterr().err == "aifrecon: Interrupted. No file is left half-written.\n"
+    assert list(results.iterdir()) == []
+
+
+# ---- limits
+
+
+def no_threads(*_):
+    raise RuntimeError("can't start new thread")
+
+
+def test_without_threads_all_parts_are_done_all_the_same(monkeypatch):
+    monkeypatch.setattr(threading.Thread, "start", no_threads)
+    done = []
+    in_parts(done.append, 5, 3)
+    assert done == [0, 1, 2, 3, 4]
+
+
+def test_without_threads_nothing_is_read_ahead_and_everything_read(monkeypatch):
+    monkeypatch.setattr(threading.Thread, "start", no_threads)
+    with read_ahead(range(5)) as items:
+        assert list(items) == [0, 1, 2, 3, 4]
+
+
+def test_a_command_that_needs_threads_says_that_there_are_none(patient, monkeypatch, capsys, results):
+    monkeypatch.setattr(threading.Thread, "start", no_threads)
+    assert "no more threads" in refused(["replay", patient.sweep, "--config", patient.config, "--port", "0"], capsys, results)
+
+
+def test_too_little_memory_to_start_is_said_before_the_libraries_fail(monkeypatch, capsys):
+    monkeypatch.setattr(entry, "_address_space", lambda: 100 * 2**20)
+    assert entry.main() == 2
+    assert "may use 100 MiB of address space" in capsys.readouterr().err
+
+
+def test_a_library_that_cannot_be_loaded_is_one_line(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "AIFReconLib.cli", None)
+    assert entry.main() == 2
+    assert capsys.readouterr().err.startswith("aifrecon: A library cannot be loaded")
+
+
+def test_ctrl_c_while_the_libraries_load_is_one_line(monkeypatch, capsys):
+    class Interrupting:
+        def find_spec(self, name, *_):
+            if name == "AIFReconLib.cli":
+                raise KeyboardInterrupt
+
+    monkeypatch.delitem(sys.modules, "AIFReconLib.cli")
+    monkeypatch.delattr("AIFReconLib.cli")
+    monkeypatch.setattr(sys, "meta_path", [Interrupting(), *sys.meta_path])
+    assert entry.main() == 130
+    assert capsys.readouterr().err == "aifrecon: Interrupted. No file is left half-written.\n"
+
+
+def test_running_out_of_memory_is_one_line_with_a_remedy(patient, results, monkeypatch, capsys):
+    def exhausted(*_, **_options):
+        raise MemoryError
+
+    monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct", exhausted)
+    assert "larger --spacing" in refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
+
+
+# ---- names
+
+
+@posix
+@pytest.mark.parametrize("option", ["--output", "--grid-like"])
+def test_a_link_that_leads_to_itself_is_no_traceback(patient, results, tmp_path, capsys, option):
+    (tmp_path / "loop.nrrd").symlink_to(tmp_path / "loop.nrrd")
+    arguments = [*patient.reconstruct, "--output", str(results / "v.nrrd"), option, str(tmp_path / "loop.nrrd")]
+    code = main(arguments)
+    assert code == (0 if option == "--output" else 2)
+    assert capsys.readouterr().err.count("\n") == (code == 2)
+
+
+@pytest.mark.parametrize("suffix", [".nrrd", ".mha", ".mhd", ".nii", ".nii.gz"])
+@pytest.mark.parametrize("name", ["ünïcode 脊椎", "with space", "quote'", "brace{0}"])
+def test_a_volume_goes_into_a_folder_of_any_name(tmp_path, name, suffix):
+    folder = tmp_path / f"{name} %s"
+    folder.mkdir()
+    path = folder / f"{name}{suffix}"
+    array = np.arange(24, dtype=np.uint8).reshape(2, 3, 4)
+    Volume(array, np.eye(4)).write(path)
+    np.testing.assert_array_equal(read_volume(path).array, array)
+
+
+@pytest.mark.parametrize(
+    "write", [check_volume_path, Recorder, lambda path: write_sequence(tracked_sequence(), path)], ids=["volume", "recording", "sequence"]
+)
+def test_a_data_file_whose_name_others_take_for_a_pattern_is_refused(tmp_path, write):
+    with pytest.raises(OutputError, match="percent sign"):
+        write(tmp_path / "50%.mhd")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such names")
+def test_a_name_that_is_no_text_is_refused_where_simpleitk_would_end_the_program(patient, results, capsys):
+    path = os.fsdecode(os.fsencode(results) + b"/\xff.nrrd")
+    assert "not text in UTF-8" in refused([*patient.reconstruct, "--output", path], capsys, results)
+
+
+def test_the_command_that_is_installed_is_the_one_that_is_tested():
+    project = (Path(cli.__file__).parents[1] / "pyproject.toml").read_text("utf-8")
+    assert 'aifrecon = "AIFReconLib.__main__:main"' in project

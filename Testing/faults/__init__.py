@@ -1,0 +1,1 @@
+"""Faults made on purpose, and what becomes of the files: `make faults`. docs/reliability.md has the results."""
