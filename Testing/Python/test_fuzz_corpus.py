@@ -18,7 +18,7 @@ if str(TESTING) not in sys.path:
 from fuzz import target as fuzz_target  # noqa: E402
 from fuzz.mutation import LARGEST, mutate  # noqa: E402
 from fuzz.registry import TARGETS  # noqa: E402
-from fuzz.target import Finding, Target, check  # noqa: E402
+from fuzz.target import LONGEST_MESSAGE, Finding, Target, check  # noqa: E402
 
 from AIFReconLib.errors import FileFormatError  # noqa: E402
 
@@ -92,7 +92,7 @@ def raising(error):
         (AssertionError(), "AssertionError at"),
         (FileFormatError("two\nlines"), "message of"),
         (FileFormatError(""), "message of"),
-        (FileFormatError("long " * 1000), "message of"),
+        (FileFormatError("long " * LONGEST_MESSAGE), "message of"),
         (FileFormatError("\x1b[2J"), "message of"),
         (UserWarning("numpy says"), "UserWarning at"),
     ],
@@ -122,7 +122,8 @@ def test_what_takes_too_long_is_found(folder, monkeypatch):
 
 def test_what_takes_too_much_memory_is_found(folder, monkeypatch):
     monkeypatch.setattr(fuzz_target, "QUICK", 0.0)
-    monkeypatch.setattr(fuzz_target, "peak_memory", lambda: fuzz_target._highest + 2**30)
+    seen = iter((2**30, 2**31))
+    monkeypatch.setattr(fuzz_target, "peak_memory", lambda: next(seen))
     with pytest.raises(Finding, match="memory"):
         check(reader(lambda path: None), b"", folder)
 

@@ -80,7 +80,7 @@ def check(target: Target, data: bytes, folder: Path) -> bool:
     """
     path = folder / target.file_name
     path.write_bytes(target.wrap(data))
-    begin = time.monotonic()
+    begin, before = time.monotonic(), peak_memory()
     accepted = True
     try:
         target.read(path)
@@ -90,21 +90,23 @@ def check(target: Target, data: bytes, folder: Path) -> bool:
     except Exception as error:
         raise Finding(_kind(error), "".join(traceback.format_exception(error))) from None
     if time.monotonic() - begin > QUICK:
-        _check_cost(target, path)
+        _check_cost(target, path, before)
     return accepted
 
 
-def _check_cost(target: Target, path: Path) -> None:
-    """Read an input again that was not quick, and raise a finding if it costs too much. (Asking the system for each would cost more.)"""
-    global _highest
-    begin, before = time.process_time(), _highest
+def _check_cost(target: Target, path: Path, before: int) -> None:
+    """Read an input again that was not quick, now that all is loaded, and raise a finding if it costs too much.
+
+    `before` is what the process had held at most before it was read first, in bytes.
+    """
+    begin = time.process_time()
     with contextlib.suppress(*target.errors):
         target.read(path)
-    took, _highest = time.process_time() - begin, peak_memory()
+    took, growth = time.process_time() - begin, peak_memory() - before
     if took > SLOWEST:
         raise Finding("slow", f"{took:.1f} s")
-    if _highest - before > LARGEST_GROWTH:
-        raise Finding("memory", f"{(_highest - before) / 2**20:.0f} MB")
+    if growth > LARGEST_GROWTH:
+        raise Finding("memory", f"{growth / 2**20:.0f} MB")
 
 
 def _check_message(message: str, error: Exception) -> None:
@@ -131,7 +133,3 @@ def peak_memory() -> int:
     except ImportError:
         return 0
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
-
-
-_highest = peak_memory()
-"""What it was when last asked for."""
