@@ -54,14 +54,16 @@ def inverse_distance(values, known, holes, kind: HoleFilling, **_) -> tuple[np.n
 def nearest_cube(values, known, holes, kind: HoleFilling, **_) -> tuple[np.ndarray, np.ndarray]:
     """The mean of the known voxels of the first cube (sides 3, 5, ... size) with any; it must have enough of them."""
     found, result = np.zeros(len(holes), dtype=bool), np.zeros(len(holes))
+    known_values = np.where(known, values, 0).astype(np.float64)
     left = np.arange(len(holes))
     for reach in range(1, kind.reach + 1):
-        some, means = _averaged(values, known, holes[left], 2 * reach + 1, 0.0, _box_sum_of(np.ones(2 * reach + 1)))
-        if some.any():
-            here = left[some]
-            enough = _known_around(known, holes[here], reach) / kind.size**3 > kind.known_ratio
-            found[here[enough]], result[here[enough]] = True, means[enough]
-            left = left[~some]
+        number = _known_around(known, holes[left], reach)
+        # None is never enough
+        enough = number / kind.size**3 > kind.known_ratio
+        here, left, number = left[enough], left[number == 0], number[enough]
+        if here.size:
+            total = _box_sum_of(np.ones(2 * reach + 1))(known_values)[tuple(holes[here].T)]
+            found[here], result[here] = True, total / number
         if not left.size:
             break
     return found, result[found]

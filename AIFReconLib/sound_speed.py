@@ -71,8 +71,8 @@ class DepthScale:
         offset = pixels - apex
         radius = np.hypot(offset[0] * self.spacing[0], offset[1] * self.spacing[1])
         # At the apex itself there is no direction to move in
-        stretch = np.divide(self.face + self.factor * (radius - self.face), radius, out=np.ones_like(radius), where=radius > 0)
-        return apex + stretch * offset
+        farther = np.divide(self.face + self.factor * (radius - self.face), radius, out=np.ones_like(radius), where=radius > 0)
+        return apex + farther * offset
 
 
 def depth_scale(

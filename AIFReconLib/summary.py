@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .holes import FILLED, MEASURED
 from .message import Message
 from .poses import describe_frames
 
@@ -23,8 +24,8 @@ def summary_lines(result: Reconstruction, frames: int, seconds: float | None = N
         How long it took.
     """
     grid = result.grid
-    measured = int((result.mask.array == 1).sum())
-    filled = int((result.mask.array == 2).sum())
+    measured = int((result.mask.array == MEASURED).sum())
+    filled = int((result.mask.array == FILLED).sum())
     size = " x ".join(str(n) for n in grid.size)
     spacing = " x ".join(f"{s:.3g}" for s in grid.spacing)
     done = Message(

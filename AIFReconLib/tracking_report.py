@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .frames import TrackedSequence
+from .holes import FILLED, MEASURED
 from .message import Message, listed
 from .offset_estimate import corner_track
 from .pose_tracks import LONGEST_GAP
@@ -158,7 +159,7 @@ def tracking_report(sequence: TrackedSequence, poses: SweepPoses, result: Recons
     if result is not None:
         used, skipped = result.frames_inserted, dict(result.skipped)
         mask = result.mask.array
-        coverage = Coverage(int(mask.size), int((mask == 1).sum()), int((mask == 2).sum()))
+        coverage = Coverage(int(mask.size), int((mask == MEASURED).sum()), int((mask == FILLED).sum()))
     numbers = np.array([n for n in time_order(sequence) if poses.problems[n] is None], dtype=np.int64)
     facts: dict = {}
     if len(numbers) > 1:

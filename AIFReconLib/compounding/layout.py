@@ -112,6 +112,11 @@ class PixelLayout:
         numbers.flags.writeable = False
         return numbers
 
+    def has_any(self, kept: np.ndarray) -> bool:
+        """Whether any of the pixels that count is among those `kept`, (rows, columns) bool of the whole image."""
+        top, bottom, left, right = self.window
+        return bool((kept[top:bottom, left:right] & self.mask).any())
+
     def values(self, image: np.ndarray) -> np.ndarray:
         """The pixels that count, (n,) float32, of an image (rows, columns)."""
         top, bottom, left, right = self.window

@@ -29,7 +29,7 @@ from .evidence import ScanLines
 from .fixed_point import in_fixed_point
 from .layout import PixelLayout
 from .numpy_engine import NumpyEngine
-from .splat_engine import SplatEngine, check_shares, uses_shares
+from .splat_engine import SplatEngine, check_shares, compiled_spread, uses_shares
 from .state import VoxelState, bytes_per_voxel
 
 
@@ -202,10 +202,10 @@ class Reconstructor:
         Raises
         ------
         GeometryError
-            When the size or pixel type of an image differs from that of the first. The frames before it have entered.
+            When an image is not one of gray pixels, or its size or pixel type differs from that of the first. The frames before it have
+            entered.
         """
-        if self._state is None:
-            raise RuntimeError("finish() was called: this reconstructor takes no more frames. Make a new one.")
+        self._require_unfinished()
         if isinstance(frames, TrackedFrame):
             frames = (frames,)
         try:
@@ -217,7 +217,9 @@ class Reconstructor:
     @property
     def engine(self) -> str:
         """Name of the engine that does the arithmetic: "numpy" or "numba"."""
-        return SplatEngine.name if self._shares else self._engine_class.name
+        if self._shares:
+            return "numpy" if compiled_spread(self.settings) is None else "numba"
+        return self._engine_class.name
 
     def reconstruction(self, progress: Progress | None = None) -> Reconstruction:
         """The volume as it is now, holes filled; more frames may follow."""
@@ -225,13 +227,19 @@ class Reconstructor:
 
     def capture(self) -> Callable[[Progress | None], Reconstruction]:
         """Copy the voxels as they are now; the answer makes a volume of them, once, while more frames may already enter."""
+        self._require_unfinished()
         return partial(self._result, self._state.copy(), self.counts.copy(), tuple(self._notes))
 
     def finish(self, progress: Progress | None = None) -> Reconstruction:
         """The final volume. No frame can follow: the bone map is released and the state handed over, which saves the memory of both."""
+        self._require_unfinished()
         state, self._state = self._state, None
         self._bone = self._engine = self._batch = None
         return self._result(state, self.counts.copy(), tuple(self._notes), progress)
+
+    def _require_unfinished(self) -> None:
+        if self._state is None:
+            raise RuntimeError("finish() was called: this reconstructor has handed over its volume. Make a new one.")
 
     def _result(self, state: VoxelState, counts: FrameCounts, notes: tuple[str, ...], progress: Progress | None) -> Reconstruction:
         """The volumes of a state that is not used any more."""
@@ -274,18 +282,18 @@ class Reconstructor:
             return
         image, pose = frame.image, frame.image_to_reference
         if self._engine is None:
-            self._start(image)
+            self._start(frame)
         self._check_like_first(frame)
-        kept = self._filter.kept(image)
-        if kept is not None and not kept.any():
-            self.counts.skip(Message("nothing bright enough in the image"), frame.number)
-            return
         spacing = pixel_spacing(pose)
         size = image.shape[1], image.shape[0]
         if self._layout is None or not self._layout.fits(size, spacing):
             self._compute()
             self._layout = self._lay_out(size, spacing)
             self._scan_lines = ScanLines(self._layout, self._probe) if self.method == "weighted" else None
+        kept = self._filter.kept(image)
+        if kept is not None and not self._layout.has_any(kept):
+            self.counts.skip(Message("nothing bright enough in the image"), frame.number)
+            return
         axes = tuple(axis.astype(np.float32) for axis in image_plane_axes(pose))
         image_to_ijk = self.grid.reference_to_ijk @ pose if self._stretch is None else self.grid.reference_to_ijk @ pose @ self._stretch
         self._batch.add(image, in_fixed_point(image_to_ijk) if self._fixed_point else image_to_ijk, axes, frame.number, kept)
@@ -324,7 +332,15 @@ class Reconstructor:
         problem = why_not_an_image_pose(frame.image_to_reference)
         return Message("image pose {problem}", problem=problem) if problem else None
 
-    def _start(self, image: np.ndarray) -> None:
+    def _start(self, frame: TrackedFrame) -> None:
+        image = frame.image
+        if image.ndim != 2 or not image.size or image.dtype.kind not in "biuf":
+            raise GeometryError(
+                "Input images must be gray, rows x columns of numbers; got {shape} {kind} in frame {number}.",
+                shape=image.shape,
+                kind=image.dtype,
+                number=frame.number,
+            )
         self._image_type = image.dtype
         self._image_shape = image.shape
         eight_bit = image.dtype == np.uint8

@@ -5,6 +5,8 @@ For average, latest and maximum; compiled where numba is installed, with the sam
 
 from __future__ import annotations
 
+from types import ModuleType
+
 import numpy as np
 
 from ..errors import SettingsError
@@ -31,6 +33,12 @@ PIXELS_AT_ONCE = 65_536
 def uses_shares(settings: ReconstructionSettings, importance: np.ndarray | None) -> bool:
     """Whether a reconstruction is this engine's."""
     return settings.interpolation == "linear" or importance is not None
+
+
+def compiled_spread(settings: ReconstructionSettings) -> ModuleType | None:
+    """The compiled loop of linear interpolation; None where it is not wanted, has nothing to do, or is not there."""
+    wanted = settings.interpolation == "linear" and settings.engine != "numpy"
+    return optional_module("AIFReconLib.compounding.numba_splat") if wanted else None
 
 
 def check_shares(method: str, settings: ReconstructionSettings, importance: np.ndarray | None) -> None:
@@ -63,7 +71,6 @@ class SplatEngine:
         Weight of each pixel of an image; those of 0 do not enter.
     """
 
-    name = "numpy"
     frames_at_once = 1
 
     def __init__(
@@ -73,7 +80,7 @@ class SplatEngine:
         self._grid_size = grid_size
         self._linear = settings.interpolation == "linear"
         self._importance = importance
-        self._compiled = None if settings.engine == "numpy" else optional_module("AIFReconLib.compounding.numba_splat")
+        self._compiled = compiled_spread(settings)
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: None = None) -> list[int]:
         """Put frames into the volume; returns how many pixels entered of each. `scan_lines` is not looked at.

@@ -6,8 +6,8 @@ import threading
 import time
 from collections import deque
 
-from ..message import Message as Text
-from .messages import ImageMessage, Message, StatusMessage, StreamEvent, TransformMessage
+from ..message import Message
+from .messages import ImageMessage, StatusMessage, StreamEvent, StreamMessage, TransformMessage
 
 REPORT_INTERVAL = 1.0
 """Shortest time between two events that report dropped messages, s."""
@@ -28,7 +28,7 @@ class MessageQueue:
         self._limit = limit
         self._byte_limit = byte_limit
         self._changed = threading.Condition()
-        self._messages: deque[Message] = deque()
+        self._messages: deque[StreamMessage] = deque()
         self._bytes = 0
         self._dropped = 0
         self._dropped_images = 0
@@ -62,7 +62,7 @@ class MessageQueue:
             self._open = False
             self._changed.notify_all()
 
-    def put(self, message: Message) -> bool:
+    def put(self, message: StreamMessage) -> bool:
         """Add a message; once closed it is not taken, and the answer is False."""
         with self._changed:
             if not self._open:
@@ -74,7 +74,7 @@ class MessageQueue:
             self._changed.notify()
             return True
 
-    def get(self, timeout: float | None) -> Message | None:
+    def get(self, timeout: float | None) -> StreamMessage | None:
         """The oldest message; None if there is none within `timeout` s (None: without limit) or the queue is closed."""
         with self._changed:
             self._changed.wait_for(lambda: self._messages or not self._open, timeout)
@@ -83,7 +83,9 @@ class MessageQueue:
             now = time.monotonic()
             if self._dropped > self._reported and now - self._report_time >= REPORT_INTERVAL:
                 count, self._reported, self._report_time = self._dropped - self._reported, self._dropped, now
-                detail = Text("{count} messages were left out, the oldest first: they arrive faster than they are worked on.", count=count)
+                detail = Message(
+                    "{count} messages were left out, the oldest first: they arrive faster than they are worked on.", count=count
+                )
                 return StreamEvent("dropped", detail, now)
             message = self._messages.popleft()
             self._bytes -= _size(message)
@@ -99,7 +101,7 @@ class MessageQueue:
         self._dropped_images += isinstance(message, ImageMessage)
 
 
-def _size(message: Message) -> int:
+def _size(message: StreamMessage) -> int:
     """Bytes of pixels and texts, which may both be large."""
     pixels = message.image.nbytes if isinstance(message, ImageMessage) else 0
     if isinstance(message, ImageMessage | TransformMessage):

@@ -125,4 +125,4 @@ class StreamEvent:
     received: float = 0.0
 
 
-Message = ImageMessage | TransformMessage | StatusMessage | StreamEvent
+StreamMessage = ImageMessage | TransformMessage | StatusMessage | StreamEvent

@@ -11,16 +11,16 @@ import threading
 import time
 
 from ..errors import LiveConnectionError, LiveMessageError, SettingsError
-from ..message import Message as Text
+from ..message import Message
 from .connection import check_port, open_connection
 from .decoding import USED_TYPES, codec, decode
 from .encoding import encode_status_request
 from .framing import SIZE_LIMIT, Damage, Frame, Framer, Recovery
 from .message_queue import MessageQueue
-from .messages import EventKind, Message, StreamEvent
+from .messages import EventKind, StreamEvent, StreamMessage
 from .statistics import Counters, StreamStatistics
 
-CONNECTING, CONNECTED, WAITING, STOPPED = Text("connecting"), Text("connected"), Text("waiting to reconnect"), Text("stopped")
+CONNECTING, CONNECTED, WAITING, STOPPED = Message("connecting"), Message("connected"), Message("waiting to reconnect"), Message("stopped")
 
 CHUNK = 2**18
 """Bytes asked of the operating system at a time."""
@@ -145,7 +145,7 @@ class OpenIGTLinkClient:
 
     # ---- what was received
 
-    def get(self, timeout: float | None = None) -> Message | None:
+    def get(self, timeout: float | None = None) -> StreamMessage | None:
         """The next message or event in order of arrival; None if there is none within `timeout` s, or the client is stopped and empty."""
         return self._queue.get(timeout)
 
@@ -224,24 +224,24 @@ class _Run:
                 break
             self.last_error, self.state = reason, WAITING
             self.attempted.set()
-            self._emit("disconnected", Text("{reason} Connecting again in {seconds:g} s.", reason=reason, seconds=delay))
+            self._emit("disconnected", Message("{reason} Connecting again in {seconds:g} s.", reason=reason, seconds=delay))
             self.stopping.wait(delay)
 
-    def _serve(self, connection: socket.socket) -> tuple[Text, bool]:
+    def _serve(self, connection: socket.socket) -> tuple[Message, bool]:
         """Receive until the connection ends; returns why, and whether a message came."""
         with self._lock:
             self._counters.connections += 1
         self.last_error, self.state = None, CONNECTED
         self.attempted.set()
-        self._emit("connected", Text("Connected to {host}, port {port}.", host=self._client.host, port=self._client.port))
+        self._emit("connected", Message("Connected to {host}, port {port}.", host=self._client.host, port=self._client.port))
         framer, before = Framer(self._client._size_limit), self._counters.last_message
         skipped = self._counters.skipped_bytes
         try:
             connection.sendall(encode_status_request())
             reason = self._receive_all(connection, framer, skipped)
         except OSError as error:
-            cause = error.strerror or Text("the network failed")
-            reason = _ended(Text("The connection was lost ({reason})", reason=cause), framer)
+            cause = error.strerror or Message("the network failed")
+            reason = _ended(Message("The connection was lost ({reason})", reason=cause), framer)
         # A message that will never come to its end may have swallowed whole ones
         while parts := framer.look_inside():
             self._take_all(parts, time.monotonic())
@@ -249,7 +249,7 @@ class _Run:
             self._counters.skipped_bytes = skipped + framer.skipped
         return reason, self._counters.last_message != before
 
-    def _receive_all(self, connection: socket.socket, framer: Framer, skipped: int) -> Text:
+    def _receive_all(self, connection: socket.socket, framer: Framer, skipped: int) -> Message:
         """Receive until the stream ends or the client is stopped, and say which; `skipped` bytes were lost on earlier connections."""
         buffer = bytearray(CHUNK)
         view = memoryview(buffer)
@@ -258,7 +258,7 @@ class _Run:
             size = _receive(connection, buffer)
             now = time.monotonic()
             if size == 0:
-                return _ended(Text("The server closed the connection"), framer)
+                return _ended(Message("The server closed the connection"), framer)
             parts = framer.feed(view[:size]) if size else []
             if now - last > self._client._stall_after and not parts:
                 seen = _seen(framer)
@@ -266,7 +266,7 @@ class _Run:
                 parts = framer.look_inside()
                 if not stalled and not parts:
                     stalled = True
-                    detail = Text(
+                    detail = Message(
                         "For {seconds:.1f} s {seen}. Waiting; check {host}, and the network.",
                         seconds=now - last,
                         seen=seen,
@@ -278,7 +278,7 @@ class _Run:
             with self._lock:
                 self._counters.received_bytes += size or 0
                 self._counters.skipped_bytes = skipped + framer.skipped
-        return Text("The client was stopped.")
+        return Message("The client was stopped.")
 
     def _take_all(self, parts: list[Frame | Damage | Recovery], now: float) -> bool:
         """Take parts of the stream; whether there is a message among them."""
@@ -292,11 +292,11 @@ class _Run:
             with self._lock:
                 self._counters.bad_crc += part.kind == "checksum"
                 self._counters.refused_sizes += part.kind == "size"
-            self._emit("refused", Text("{problem}. It is left out; looking for the next message.", problem=part.detail), part.kind)
+            self._emit("refused", Message("{problem}. It is left out; looking for the next message.", problem=part.detail), part.kind)
         elif isinstance(part, Recovery):
             with self._lock:
                 self._counters.resyncs += 1
-            detail = Text("{count} bytes that belong to no message were skipped; the stream is in order again.", count=part.skipped)
+            detail = Message("{count} bytes that belong to no message were skipped; the stream is in order again.", count=part.skipped)
             self._emit("resynchronized", detail, "in order")
         else:
             header = part.header
@@ -310,7 +310,7 @@ class _Run:
                     self._counters.refused += 1
                 self._emit("refused", error.args[0], "contents")
 
-    def _emit(self, kind: EventKind, detail: Text, trouble: str | None = None) -> None:
+    def _emit(self, kind: EventKind, detail: Message, trouble: str | None = None) -> None:
         """Queue an event; those about the same trouble at most once in a while, because counters tell the rest."""
         now = time.monotonic()
         if trouble is not None:
@@ -319,7 +319,7 @@ class _Run:
             self._event_times[trouble] = now
         self._queue_up(StreamEvent(kind, detail, now))
 
-    def _queue_up(self, message: Message) -> None:
+    def _queue_up(self, message: StreamMessage) -> None:
         if self.stopping.is_set() or not self._queue.put(message):
             with self._lock:
                 self._counters.discard(message)
@@ -335,15 +335,15 @@ def _receive(connection: socket.socket, buffer: bytearray) -> int | None:
         return None
 
 
-def _seen(framer: Framer) -> Text:
+def _seen(framer: Framer) -> Message:
     """What arrives of a stream from which no message comes."""
     if framer.searching:
-        return Text("only bytes that are no message arrive")
+        return Message("only bytes that are no message arrive")
     pending = framer.describe_pending()
-    return Text("nothing arrived in the middle of {message}", message=pending) if pending else Text("nothing arrived")
+    return Message("nothing arrived in the middle of {message}", message=pending) if pending else Message("nothing arrived")
 
 
-def _ended(how: Text, framer: Framer) -> Text:
+def _ended(how: Message, framer: Framer) -> Message:
     """How a connection ended, and in the middle of what."""
     pending = framer.describe_pending()
-    return Text("{ended} in the middle of {message}.", ended=how, message=pending) if pending else Text("{ended}.", ended=how)
+    return Message("{ended} in the middle of {message}.", ended=how, message=pending) if pending else Message("{ended}.", ended=how)

@@ -25,10 +25,9 @@ from ..errors import AIFReconError, OutputError
 from ..frames import TrackedSequence
 from ..io.atomic import atomic_outputs, check_writable
 from ..io.metafile import UNFINISHED
-from ..io.metaimage_pair import check_pair_name
 from ..io.sequence_fields import frame_entries
 from ..io.sequence_files import read_sequence
-from ..io.sequence_writer import SUFFIXES, write_sequence
+from ..io.sequence_writer import check_sequence_name, write_sequence
 from ..io.workspace import workspace
 from ..message import Message
 from ..progress import Progress
@@ -67,14 +66,7 @@ class Recorder:
 
     def __init__(self, path: str | Path):
         self.path = Path(path)
-        if self.path.suffix.lower() not in SUFFIXES:
-            raise OutputError(
-                "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.",
-                path=self.path,
-                suffixes=", ".join(SUFFIXES),
-            )
-        if self.path.suffix.lower() == ".mhd":
-            check_pair_name(self.path)
+        check_sequence_name(self.path)
         check_writable(self.path)
         stem = self.path.name[: -len(self.path.suffix)]
         self.header_path, self._pixels_path, self._fields_path = (
@@ -110,10 +102,10 @@ class Recorder:
             self._append(frame)
             if time.monotonic() - self._refreshed >= max(REFRESH, REFRESH_SHARE * self._cost):
                 self.refresh()
-        except OSError as error:
-            self._fail(error)
         except AIFReconError as error:
             self._stop(error.args[0])
+        except OSError as error:
+            self._fail(error)
 
     def refresh(self) -> None:
         """List every frame that was appended in the header on the disk."""
@@ -255,9 +247,12 @@ class Recorder:
         self._stop(Message("{cause}.", cause=cause))
 
     def _stop(self, cause: Message) -> None:
-        self.failure = Message(
-            "Recording stopped: {cause} {count} frames are kept in {path}.", cause=cause, count=self.frames, path=self.header_path
-        )
+        if self.frames:
+            self.failure = Message(
+                "Recording stopped: {cause} {count} frames are kept in {path}.", cause=cause, count=self.frames, path=self.header_path
+            )
+        else:
+            self.failure = Message("Recording stopped: {cause} No frame was recorded.", cause=cause)
         self.close()
 
     def _remove(self) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from ..errors import LiveConnectionError, SettingsError
 from ..frames import TrackedSequence
+from ..orderly_end import pause
 from .connection import POLL, check_port
 from .encoding import encode_status
 from .replay_frames import ReplayFrames
@@ -163,7 +164,7 @@ class ReplayServer:
         AIFReconError
             When the recording turned out to be damaged.
         """
-        while not self._stopping.wait(POLL):
+        while not pause(POLL, unless=self._stopping):
             pass
         if self._error is not None:
             raise self._error

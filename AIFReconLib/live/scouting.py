@@ -104,7 +104,7 @@ class ScoutedFrames:
         grid = grid_around_sweep(poses, (columns, rows), imaging.region, spacing, bytes_per_voxel, scale, fits_spacing)
         more = np.ceil(margin / grid.spacing).astype(int)
         size = tuple(int(n) for n in np.array(grid.size) + 2 * more)
-        return VoxelGrid.from_spacing(grid.origin - more * grid.spacing, size, spacing)
+        return VoxelGrid.from_spacing(grid.origin - more * grid.spacing, size, grid.spacing)
 
 
 class _Images:

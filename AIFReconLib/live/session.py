@@ -15,8 +15,7 @@ from ..compounding.state import bytes_per_voxel
 from ..configured import configured_parts, resolve_settings
 from ..errors import AIFReconError, BeamGeometryError, OutputError, SettingsError
 from ..frames import TrackedSequence
-from ..message import Message as Text
-from ..message import said
+from ..message import Message, said
 from ..progress import Progress, part
 from ..reconstruction import Imaging, configured_region, resolve_imaging
 from ..region import ImageRegion
@@ -24,7 +23,7 @@ from ..settings import ReconstructionSettings
 from ..sound_speed import depth_factor
 from ..volume import VoxelGrid
 from .insertion import Inserter
-from .messages import Message, StreamEvent
+from .messages import StreamEvent, StreamMessage
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
 from .session_statistics import NO_IMAGES, LiveStatistics, Meter, tracking_words
@@ -45,8 +44,8 @@ SILENCE = 1.0
 TROUBLE_SHOWN = 10.0
 """s that an event of a stream that goes on is told."""
 
-WHILE_PAUSED = Text("paused")
-LEFT_OUT = Text("left out by --skip")
+WHILE_PAUSED = Message("paused")
+LEFT_OUT = Message("left out by --skip")
 
 
 class LiveSession:
@@ -237,7 +236,7 @@ class LiveSession:
             except OutputError as error:
                 self._unfinished = error.args[0]
             except AIFReconError as error:
-                self._unfinished = Text(
+                self._unfinished = Message(
                     "{problem} The recording is kept in {path} and its .raw file.", problem=error, path=self.recorder.header_path
                 )
 
@@ -336,7 +335,7 @@ class LiveSession:
         deadline = self._synchronizer.deadline
         return POLL if deadline is None else min(max(deadline - time.monotonic(), 0.0), POLL)
 
-    def _note(self, message: Message | None) -> None:
+    def _note(self, message: StreamMessage | None) -> None:
         if isinstance(message, StreamEvent):
             self._trouble = ("", 0.0) if message.kind == "connected" else (message.detail, time.monotonic())
 

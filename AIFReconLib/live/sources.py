@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from ..message import Message as Text
+from ..message import Message
 from .message_queue import MessageQueue
-from .messages import ImageMessage, Message, StreamEvent
+from .messages import ImageMessage, StreamEvent, StreamMessage
 
-CONNECTED = Text("connected")
+CONNECTED = Message("connected")
 """The state of a source that can give messages."""
 
-ENDED = Text("stopped")
+ENDED = Message("stopped")
 """The state of a source from which nothing more will come once `get` answers None."""
 
 
@@ -44,7 +44,7 @@ class MessageSource(Protocol):
         """Receive no more. What was received can still be taken."""
         ...
 
-    def get(self, timeout: float | None = None) -> Message | None:
+    def get(self, timeout: float | None = None) -> StreamMessage | None:
         """The next message in order of arrival; None if there is none within `timeout` s, or the source has ended and is empty."""
         ...
 
@@ -96,13 +96,13 @@ class QueueSource:
         self._open = False
         self._queue.close()
 
-    def put(self, message: Message) -> None:
+    def put(self, message: StreamMessage) -> None:
         """Add a message; does nothing after `stop`."""
         if not isinstance(message, StreamEvent) and message.device not in self._devices:
             self._devices[message.device] = ("IMAGE" if isinstance(message, ImageMessage) else "TRANSFORM",)
         self._queue.put(message)
 
-    def get(self, timeout: float | None = None) -> Message | None:
+    def get(self, timeout: float | None = None) -> StreamMessage | None:
         """The oldest message; None if there is none within `timeout` s, or the source is stopped and empty."""
         return self._queue.get(timeout)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
-from .messages import ImageMessage, Message, StreamEvent
+from .messages import ImageMessage, StreamEvent, StreamMessage
 
 DEVICES = 1000
 """Devices that are listed by name; a server that makes up ever new names must not fill the memory."""
@@ -86,7 +86,7 @@ class Counters:
             self.unused[self._key(self.unused, kind, OTHERS)] += 1
         self.last_message = now
 
-    def discard(self, message: Message) -> None:
+    def discard(self, message: StreamMessage) -> None:
         """Count a message that came too late to be queued."""
         self.discarded += not isinstance(message, StreamEvent)
         self.discarded_images += isinstance(message, ImageMessage)

@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import SettingsError
 from ..frames import FrameRecord, TrackedFrame
 from ..transform_graph import TransformName, TransformSample, TransformStatus
-from .messages import ImageMessage, Message, StreamEvent, TransformMessage
+from .messages import ImageMessage, StreamEvent, StreamMessage, TransformMessage
 from .placement import Placement, metadata_transforms, stream_name
 from .pose_history import MISSING, Answer, PoseHistory
 
@@ -138,7 +138,7 @@ class Synchronizer:
         """When the oldest waiting image has waited long enough, s of `time.monotonic`; None when none waits."""
         return self._waiting[0].message.received + self.settings.patience if self._waiting else None
 
-    def feed(self, message: Message) -> list[LiveFrame]:
+    def feed(self, message: StreamMessage) -> list[LiveFrame]:
         """Take one message; the answer is the frames that it decides, often none.
 
         Parameters

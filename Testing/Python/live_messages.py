@@ -9,7 +9,7 @@ import numpy as np
 from sweeps import image_pose, rigid
 
 from AIFReconLib.frames import TrackedSequence
-from AIFReconLib.live.messages import ImageMessage, Message, TransformMessage
+from AIFReconLib.live.messages import ImageMessage, StreamMessage, TransformMessage
 from AIFReconLib.transform_graph import TransformStatus
 
 REFERENCE_TO_TRACKER = rigid((0.0, 40.0, 10.0), (100.0, 50.0, -900.0))
@@ -30,9 +30,9 @@ def transform(time: float, name: str, matrix=None, status=TransformStatus.OK, *,
     return TransformMessage(name, time, matrix, status, {}, time if received is None else received, version)
 
 
-def tracked(time: float, *, probe=True, reference=True, version=1, **options) -> list[Message]:
+def tracked(time: float, *, probe=True, reference=True, version=1, **options) -> list[StreamMessage]:
     """One frame of a server that sends valid transforms only: image first, then its tools and its own transform."""
-    messages: list[Message] = [image(time, version=version, **options)]
+    messages: list[StreamMessage] = [image(time, version=version, **options)]
     if probe:
         messages.append(transform(time, "ProbeToTracker", version=version))
     if reference:
@@ -51,7 +51,7 @@ def metadata(**statuses: str) -> dict[str, str]:
     return told
 
 
-def streamed(sequence: TrackedSequence, device: str = "Image") -> Iterator[Message]:
+def streamed(sequence: TrackedSequence, device: str = "Image") -> Iterator[StreamMessage]:
     """A recording as a server without an image pose sends it now: the image, then each of its transforms."""
     for pixels, record in zip(sequence.images, sequence.records, strict=True):
         received = monotonic()

@@ -20,6 +20,7 @@ from AIFReconLib.errors import SettingsError
 from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
 from AIFReconLib.threads import optional_module
+from AIFReconLib.volume import VoxelGrid
 
 HAS_NUMBA = optional_module("AIFReconLib.compounding.numba_engine") is not None
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="numba is not installed")
@@ -27,10 +28,10 @@ REGIONS = (ImageRegion(), ImageRegion(ClipRectangle((2, 1), (28, 22)), Fan((16.0
 PROBES = (ProbeGeometry("sector", (16.0, -6.0)), ProbeGeometry("linear"))
 
 
-def state_after(engine, method, frames, grid, *, probe=PROBES[0], region=REGIONS[0], threads=None, chunk=None):
+def state_after(engine, method, frames, grid, *, probe=PROBES[0], region=REGIONS[0], threads=None, chunk=None, maximum=None):
     """Values, score, hits and best cosine after these frames, given all at once or in chunks."""
     bone = sphere_bone()
-    wanted = ReconstructionSettings(method=method, engine=engine, output_type="float32", best_cosine=True)
+    wanted = ReconstructionSettings(method=method, engine=engine, output_type="float32", best_cosine=True, intensity_maximum=maximum)
     reconstructor = Reconstructor(grid, wanted, bone, probe=probe, region=region, threads=threads)
     for start in range(0, len(frames), chunk or len(frames)):
         reconstructor.insert(frames[start : start + (chunk or len(frames))])
@@ -98,6 +99,27 @@ def test_evidence_follows_a_pixel_spacing_that_changes_within_the_sweep():
     frames[3:] = [replace(f, image_to_reference=f.image_to_reference @ np.diag([1.3, 1.6, 1.0, 1.0])) for f in frames[3:]]
     plain = state_after("numpy", "weighted", frames, turned_grid(), probe=PROBES[0])
     assert_same(state_after("numba", "weighted", frames, turned_grid(), probe=PROBES[0], threads=2), plain)
+
+
+@needs_numba
+@pytest.mark.parametrize("probe", PROBES)
+def test_evidence_of_pixels_that_are_no_whole_numbers_is_the_same(probe):
+    frames = [replace(f, image=f.image.astype(np.float32) * np.float32(1.1) + np.float32(0.013)) for f in shadowed_frames()]
+    plain = state_after("numpy", "weighted", frames, turned_grid(), probe=probe, maximum=280.0)
+    assert_same(state_after("numba", "weighted", frames, turned_grid(), probe=probe, maximum=280.0), plain)
+
+
+@needs_numba
+@pytest.mark.parametrize("tilt", [-1e-17, 1e-17, 2e-17])
+def test_rows_that_rounding_alone_takes_out_of_the_volume_leave_it_at_the_same_pixel(tilt):
+    frames = oblique_frames(count=3)
+    for frame, height in zip(frames, (np.nextafter(2.5, 0), 2.5, np.nextafter(2.5, 3)), strict=True):
+        frame.image_to_reference[:] = np.diag([0.5, 0.5, 0.5, 1.0])
+        frame.image_to_reference[2, [0, 3]] = tilt, height
+    grid = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (20, 20, 3), 1.0)
+    plain = state_after("numpy", "average", frames, grid)
+    assert 0 < plain[2].sum() < 3 * frames[0].image.size
+    assert_same(state_after("numba", "average", frames, grid, threads=2), plain)
 
 
 @needs_numba

@@ -73,6 +73,13 @@ def reconstructed(frames, grid, method, engine="auto", region=REGION, importance
     return reconstructor.finish()
 
 
+@pytest.mark.parametrize(("interpolation", "name"), [("linear", "numba"), ("nearest", "numpy")])
+def test_the_engine_named_is_the_one_that_computes(interpolation, name, engine):
+    settings = ReconstructionSettings(method="average", interpolation=interpolation, engine=engine)
+    reconstructor = Reconstructor(turned_grid(), settings, importance=np.ones((26, 34)))
+    assert reconstructor.engine == (name if engine == "numba" else "numpy")
+
+
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("dtype", [np.uint8, np.float32])
 def test_linear_interpolation_equals_the_loop_over_corners(method, dtype, engine):

@@ -8,11 +8,18 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 from files import COLUMNS, IMAGE_TO_PROBE, ROWS, tracked_sequence
+from sweeps import oblique_frames
 
 from AIFReconLib.cli import main
+from AIFReconLib.extent import grid_around_sweep
 from AIFReconLib.io.plus_config import read_plus_configuration
 from AIFReconLib.io.volume_files import read_volume
 from AIFReconLib.live.replay import ReplayServer
+from AIFReconLib.live.scouting import ScoutedFrames
+from AIFReconLib.live.synchronizer import LiveFrame
+from AIFReconLib.reconstruction import Imaging
+from AIFReconLib.region import ImageRegion
+from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.volume import Volume, VoxelGrid
 
 FRAMES = 10
@@ -134,6 +141,22 @@ def test_a_scouted_box_holds_pixels_that_sound_was_slower_to(scan, configuration
     usual, slow = (same(*scan(configuration(), "--speed-of-sound", speed, where=scouting)) for speed in ("1540", "2400"))
     assert np.prod(slow[""].grid.size) > np.prod(usual[""].grid.size)
     assert slow["-hits"].array.sum() == usual["-hits"].array.sum()
+
+
+@pytest.mark.parametrize("margin", [0.0, 3.0])
+def test_a_scouted_box_has_the_spacing_along_z_that_fits(margin):
+    frames = oblique_frames(count=6)
+    scouted = ScoutedFrames()
+    for frame in frames:
+        scouted.add(LiveFrame(frame.image, frame.image_to_reference, number=frame.number), 0)
+    poses = np.stack([frame.image_to_reference for frame in frames])
+    offline = grid_around_sweep(poses, (34, 26), ImageRegion(), (1.0, 1.0, 1.0), fits_spacing=True)
+    grid = scouted.grid(Imaging(ImageRegion(), None), ReconstructionSettings(spacing=1.0), 1, margin, fits_spacing=True)
+    assert offline.spacing[2] > 1.0
+    np.testing.assert_array_equal(grid.spacing, offline.spacing)
+    more = np.ceil(margin / offline.spacing)
+    np.testing.assert_array_equal(grid.size, offline.size + 2 * more)
+    np.testing.assert_allclose(grid.origin, offline.origin - more * offline.spacing)
 
 
 def test_an_importance_mask_that_is_not_there_is_refused_before_the_scan(configuration, tmp_path, capsys):

@@ -17,6 +17,7 @@ from sweeps import image_pose
 
 from AIFReconLib.errors import OutputError, SequenceFormatError
 from AIFReconLib.frames import FrameRecord
+from AIFReconLib.io import atomic
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.live import recording
 from AIFReconLib.live.recording import Recorder
@@ -217,6 +218,18 @@ def test_what_was_recorded_before_the_disk_was_full_can_be_read(writes, tmp_path
     full_after(monkeypatch, writes)
     record(tmp_path / "scan.mha", frames()).finish()
     np.testing.assert_array_equal(np.asarray(read_sequence(tmp_path / "scan.mha").images), [SMALL, SMALL + 1, SMALL + 2])
+
+
+def test_a_recording_that_cannot_begin_says_why_in_sentences_that_can_be_translated(tmp_path, monkeypatch, record):
+    def full(path):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(atomic, "flush_to_disk", full)
+    recorder = record(tmp_path / "scan.mha", frames())
+    cause = recorder.failure.values["cause"]
+    assert str(cause).endswith("the disk is full. Free some space, or choose a folder on another disk.")
+    assert recorder.failure == f"Recording stopped: {cause} No frame was recorded."
+    assert set(cause.values) == {"path", "problem"}
 
 
 def test_a_recording_that_cannot_be_copied_stays_where_it_is(tmp_path, monkeypatch, record):

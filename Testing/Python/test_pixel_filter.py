@@ -12,7 +12,7 @@ from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.fan_detection import FanDetection
 from AIFReconLib.pixel_filter import PixelFilter
-from AIFReconLib.region import Fan, ImageRegion
+from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
 from AIFReconLib.threads import optional_module
 
@@ -49,6 +49,15 @@ def test_rejected_pixels_are_as_if_they_were_not_numbers(method, dtype, engine):
     np.testing.assert_allclose(ours.intensity.array, theirs.intensity.array, atol=0.51)
 
 
+def test_pixels_that_are_not_numbers_let_no_dark_pixel_in(engine):
+    frame = oblique_frames(seed=4, count=1, dtype=np.float32)[0]
+    dark = frame.image < 100
+    frame.image[::4] = np.nan
+    without = replace(frame, image=np.where(dark, np.nan, frame.image))
+    ours, theirs = reconstructed([frame], engine=engine, rejection=100), reconstructed([without], engine=engine)
+    np.testing.assert_array_equal(ours.hits.array, theirs.hits.array)
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_a_threshold_of_zero_rejects_nothing(method):
     frames = oblique_frames(seed=4, count=2)
@@ -71,6 +80,16 @@ def test_a_frame_of_dark_pixels_is_counted_as_skipped():
     frames = oblique_frames(seed=4, count=2)
     dark = replace(frames[0], image=np.zeros_like(frames[0].image))
     assert reconstructed([dark, frames[1]], rejection=20).skipped == {"nothing bright enough in the image": [0]}
+
+
+@pytest.mark.parametrize("engine", ["numpy", "auto"])
+def test_bright_pixels_beside_the_ultrasound_do_not_make_a_dark_frame_count_as_outside(engine):
+    frame = oblique_frames(seed=4, count=1)[0]
+    image = np.zeros_like(frame.image)
+    image[:3] = 255
+    region = ImageRegion(ClipRectangle((0, 5), (33, 20)))
+    result = reconstructed([replace(frame, image=image)], engine=engine, rejection=20, region=region)
+    assert result.skipped == {"nothing bright enough in the image": [0]}
 
 
 def lit(first, last, level=120):

@@ -264,6 +264,26 @@ def test_images_of_another_size_are_refused_with_the_frame_number():
         reconstructor.insert(TrackedFrame(frames[1].image[:-1], frames[1].image_to_reference, number=1))
 
 
+@pytest.mark.parametrize(
+    ("shape", "dtype", "said"),
+    [((4, 5, 3), np.uint8, "4, 5, 3"), ((0, 5), np.uint8, "0, 5"), ((4, 5), np.complex64, "complex64")],
+    ids=["color", "empty", "complex"],
+)
+@pytest.mark.parametrize("engine", ["numpy", "auto"])
+def test_an_image_that_is_not_one_of_gray_pixels_is_refused_with_the_frame_number(shape, dtype, said, engine):
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(engine=engine))
+    with pytest.raises(GeometryError, match=rf"must be gray.*{said}.*frame 3"):
+        reconstructor.insert(TrackedFrame(np.zeros(shape, dtype), np.eye(4), number=3))
+
+
+@pytest.mark.parametrize("what", ["insert", "reconstruction", "finish"])
+def test_a_finished_reconstructor_says_that_it_is_used_up(what):
+    reconstructor = Reconstructor(turned_grid())
+    reconstructor.finish()
+    with pytest.raises(RuntimeError, match=r"finish\(\) was called"):
+        getattr(reconstructor, what)(*oblique_frames(count=1) if what == "insert" else ())
+
+
 @pytest.mark.parametrize("method", BONE_METHODS)
 def test_methods_that_weight_by_incidence_ask_for_bone(method):
     with pytest.raises(SettingsError, match=f"{method} needs to know where bone is"):
@@ -290,6 +310,33 @@ def test_a_volume_that_does_not_fit_is_refused_before_anything_is_allocated():
 def test_a_reconstruction_may_be_looked_at_while_frames_go_on_coming():
     frames, grid = oblique_frames(count=4), turned_grid()
     looked_at, straight = (Reconstructor(grid, ReconstructionSettings(hole_limit=2.0)) for _ in range(2))
+    for frame in frames:
+        looked_at.insert(frame)
+        looked_at.reconstruction()
+    straight.insert(frames)
+    np.testing.assert_array_equal(looked_at.finish().intensity.array, straight.finish().intensity.array)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_what_was_captured_does_not_change_while_frames_go_on_coming(method):
+    frames = oblique_frames(count=6)
+    frames[2:] = [TrackedFrame(f.image, f.image_to_reference, status="ProbeToTracker OUT_OF_VIEW") for f in frames[2:4]] + frames[4:]
+    bone = sphere_bone() if method in BONE_METHODS else None
+    ours, then = (Reconstructor(turned_grid(), ReconstructionSettings(method=method), bone, probe=SECTOR) for _ in range(2))
+    ours.insert(frames[:3])
+    make = ours.capture()
+    ours.insert(frames[3:])
+    then.insert(frames[:3])
+    captured, expected = make(None), then.finish()
+    for part in ("intensity", "score", "hits", "mask"):
+        np.testing.assert_array_equal(getattr(captured, part).array, getattr(expected, part).array)
+    assert (captured.frames_inserted, captured.skipped) == (expected.frames_inserted, expected.skipped)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_volume_made_of_what_was_captured_leaves_the_rest_as_it_was(method):
+    frames, bone = oblique_frames(count=4), sphere_bone() if method in BONE_METHODS else None
+    looked_at, straight = (Reconstructor(turned_grid(), ReconstructionSettings(method=method), bone, probe=SECTOR) for _ in range(2))
     for frame in frames:
         looked_at.insert(frame)
         looked_at.reconstruction()
