@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from ..console import ProgressBar
-from ..errors import OutputError, SettingsError, TransformError
+from ..errors import SettingsError, TransformError
 from ..frames import TrackedSequence
 from ..io.calibration_files import read_calibration
-from ..io.sequence_writer import SUFFIXES, write_sequence
+from ..io.sequence_writer import SUFFIXES, check_sequence_name, write_sequence
 from ..sequence_edits import crop, recalibrate, rename, select_frames, with_configured_transforms
 from ..transform_graph import TransformName
 from .options import refuse_to_overwrite
@@ -66,12 +66,7 @@ def add_to(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Read, change, write, and say what was done."""
-    if arguments.output.suffix.lower() not in SUFFIXES:
-        raise OutputError(
-            "Cannot write {output}: its suffix must be one of {suffixes}. Choose another name.",
-            output=arguments.output,
-            suffixes=", ".join(SUFFIXES),
-        )
+    check_sequence_name(arguments.output)
     calibrations = [_named_file(text) for text in (arguments.calibration, arguments.wrong_calibration) if text]
     refuse_to_overwrite([arguments.output], [*sequence_inputs(arguments), *(path for _, path in calibrations)])
     sequence = changed(sequence_from(arguments), arguments)

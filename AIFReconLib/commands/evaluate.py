@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
@@ -21,7 +20,7 @@ from ..io.sequence_files import read_sequence
 from ..io.volume_files import read_labels, read_transform, read_volume
 from ..progress import part
 from ..volume import Volume
-from .options import add_imaging_options, imaging_from, refuse_to_overwrite
+from .options import add_imaging_options, imaging_from, real_path, refuse_to_overwrite
 from .reconstruct import add_tracking_options
 
 EXAMPLE = """examples:
@@ -43,7 +42,12 @@ def add_to(commands) -> None:
     )
     parser.add_argument("volumes", type=Path, nargs="+", metavar="VOLUME", help="reconstructed volumes, one row each")
     parser.add_argument(
-        "--bone", type=Path, required=True, metavar="LABELS", help="true segmentation; any label above 0 is bone, one label per vertebra"
+        "--bone",
+        "--bone-labels",
+        type=Path,
+        required=True,
+        metavar="LABELS",
+        help="true segmentation; any label above 0 is bone, one label per vertebra",
     )
     parser.add_argument(
         "--bone-transform", type=Path, metavar="FILE", help="transform CT -> Reference as Slicer saves it; default: none needed"
@@ -128,18 +132,14 @@ def run(arguments: argparse.Namespace) -> None:
 def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
     """Paths by short names that tell them apart: the file's, with as many of its folders as that takes."""
     named: dict[str, Path] = {}
-    full = [(path, _real(path).parts[1:]) for path in paths]
+    full = [(path, real_path(path).parts[1:]) for path in paths]
     for path, parts in full:
         same = [other for _, other in full if other != parts]
         length = next((n for n in range(1, len(parts)) if all(other[-n:] != parts[-n:] for other in same)), len(parts))
         name = "/".join(parts[-length:])
-        copy = sum(other == path or _real(other) == _real(path) for other in named.values())
+        copy = sum(other == path or real_path(other) == real_path(path) for other in named.values())
         named[f"{name} ({copy + 1})" if copy else name] = path
     return named
-
-
-def _real(path: Path) -> Path:
-    return Path(os.path.realpath(path))
 
 
 def _beams(arguments: argparse.Namespace) -> SweepBeams:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..console import ProgressBar, program
-from ..errors import AIFReconError, OutputError
+from ..errors import AIFReconError
 from ..frames import TrackedSequence
 from ..importing import IMAGE_FRAME, ImportSettings, import_sequence
 from ..io.atomic import check_writable, write_text
@@ -16,7 +16,7 @@ from ..io.calibration_files import read_calibration
 from ..io.imported_images import open_images
 from ..io.pose_files import read_poses
 from ..io.pose_rows import ANGLE_UNITS, LENGTH_UNITS, QUATERNION_ORDERS, PoseFormat
-from ..io.sequence_writer import SUFFIXES, write_sequence
+from ..io.sequence_writer import SUFFIXES, check_sequence_name, write_sequence
 from ..poses import SweepPoses, sweep_poses
 from ..sweep_drawing import draw_sweep
 from ..tracking_report import tracking_report
@@ -74,12 +74,7 @@ def add_to(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Read, pair, write, draw, and say how everything was understood."""
-    if arguments.output.suffix.lower() not in SUFFIXES:
-        raise OutputError(
-            "Cannot write {output}: its suffix must be one of {suffixes}. Choose another name.",
-            output=arguments.output,
-            suffixes=", ".join(SUFFIXES),
-        )
+    check_sequence_name(arguments.output)
     drawing = arguments.drawing or arguments.output.with_name(arguments.output.name.split(".")[0] + "-sweep.svg")
     settings, calibration_path = settings_from(arguments)
     refuse_to_overwrite([arguments.output, drawing], [*arguments.images, arguments.poses, calibration_path])

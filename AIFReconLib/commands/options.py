@@ -182,11 +182,11 @@ def _probe(kind: str, apex: tuple[float, float] | None, sequence: TrackedSequenc
 
 def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -> None:
     """Stop before work begins when an output is an input, or two outputs are one file; the data files beside .mhd headers count too."""
-    seen = {file: "an input" for path in inputs if path is not None for file in [_real(path), *data_files(path)]}
+    seen = {file: "an input" for path in inputs if path is not None for file in [real_path(path), *data_files(path)]}
     for path in outputs:
         if path is None:
             continue
-        for file in dict.fromkeys([_real(path), *_companions(path)]):
+        for file in dict.fromkeys([real_path(path), *_companions(path)]):
             if file in seen:
                 raise OutputError(
                     "{path} would overwrite {other} ({file}). Choose another name.", path=path, other=seen[file], file=file.name
@@ -194,11 +194,11 @@ def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -
             seen[file] = "another output"
 
 
-def _real(path: Path) -> Path:
+def real_path(path: Path) -> Path:
     """The path without links; one that leads in a circle stays as it is."""
     return Path(os.path.realpath(path))
 
 
 def _companions(path: Path) -> list[Path]:
     """What is written beside `path`: a .mhd header has its voxels in a .raw or .zraw file."""
-    return [_real(path).with_suffix(suffix) for suffix in (".raw", ".zraw")] if path.suffix.lower() == ".mhd" else []
+    return [real_path(path).with_suffix(suffix) for suffix in (".raw", ".zraw")] if path.suffix.lower() == ".mhd" else []

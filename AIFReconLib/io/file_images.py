@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import operator
-
 import numpy as np
 
+from .images_on_demand import ImagesOnDemand
 from .metafile import RAW, Metafile
 from .payload import Inflater, PayloadError
 
@@ -20,7 +19,7 @@ _SPACE_KINDS = frozenset(("domain", "space"))
 _TIME_KINDS = frozenset(("list", "time"))
 
 
-class FileImages:
+class FileImages(ImagesOnDemand):
     """Images in a sequence file, an `ImageStack` (frames, rows, columns).
 
     Parameters
@@ -45,26 +44,9 @@ class FileImages:
         self._stream: Inflater | None = None
         self._last: tuple[int, bytes] | None = None
 
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __getitem__(self, index: int) -> np.ndarray:
-        index = operator.index(index)
-        if not -len(self) <= index < len(self):
-            raise IndexError(f"Input frame must be below {len(self)}; got {index}.")
-        return self._to_image(self._read(index % len(self)))
-
-    def __array__(self, dtype=None, copy=None) -> np.ndarray:
-        if copy is False:
-            raise ValueError("Images in a file cannot become an array without a copy.")
-        array = np.empty(self.shape, self.dtype if dtype is None else dtype)
-        for index in range(len(self)):
-            array[index] = self[index]
-        return array
-
-    def _to_image(self, data: bytes) -> np.ndarray:
+    def _image(self, index: int) -> np.ndarray:
         _, rows, columns = self.shape
-        image = np.frombuffer(data, self._metafile.dtype)
+        image = np.frombuffer(self._read(index), self._metafile.dtype)
         if self._metafile.channels > 1:
             image = luminance(image.reshape(rows, columns, self._metafile.channels))
         return np.array(image.reshape(rows, columns)[self._flips], dtype=self.dtype, order="C")

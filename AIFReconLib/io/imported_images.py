@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import operator
 import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -16,6 +15,7 @@ from ..errors import AIFReconError, FileFormatError
 from ..frames import ImageStack
 from ..message import Message
 from .file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES, luminance
+from .images_on_demand import ImagesOnDemand
 from .metafile import require_regular_file
 from .text_values import one_line
 
@@ -52,7 +52,7 @@ class ImportedImages:
     spacing: tuple[float, float] | None = None
 
 
-class DecodedImages:
+class DecodedImages(ImagesOnDemand):
     """An `ImageStack` over a function that decodes one frame.
 
     Parameters
@@ -83,18 +83,12 @@ class DecodedImages:
                 bytes=first.nbytes,
             )
 
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __getitem__(self, index: int) -> np.ndarray:
-        index = operator.index(index)
-        if not -len(self) <= index < len(self):
-            raise IndexError(f"Input frame must be below {len(self)}; got {index}.")
-        image = self._gray(index % len(self))
+    def _image(self, index: int) -> np.ndarray:
+        image = self._gray(index)
         if image.shape != self.shape[1:] or image.dtype != self.dtype:
             raise FileFormatError(
                 "{where}: every frame must have {expected} as the first; got {found}. Export all frames alike.",
-                where=self._where(index % len(self)),
+                where=self._where(index),
                 expected=_words(self.shape[1:], self.dtype),
                 found=_words(image.shape, image.dtype),
             )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import operator
 import tempfile
 import weakref
 from typing import BinaryIO
@@ -12,6 +11,7 @@ from typing import BinaryIO
 import numpy as np
 
 from .file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES, luminance
+from .images_on_demand import ImagesOnDemand
 from .metafile import RAW, Metafile
 from .payload import Inflater, PayloadError
 
@@ -19,7 +19,7 @@ _PIECE = 2**23
 """Bytes that are turned over at a time."""
 
 
-class InterleavedImages:
+class InterleavedImages(ImagesOnDemand):
     """Images in such a file, an `ImageStack` (frames, rows, columns) in MF orientation.
 
     Parameters
@@ -57,29 +57,18 @@ class InterleavedImages:
         self._frame_bytes = metafile.pixel_bytes // frames
         self._sorted: BinaryIO | None = None
 
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __getitem__(self, index: int) -> np.ndarray:
-        index = operator.index(index)
-        if not -len(self) <= index < len(self):
-            raise IndexError(f"Input frame must be below {len(self)}; got {index}.")
+    def _image(self, index: int) -> np.ndarray:
         if self._sorted is None:
             self._sorted = self._sort()
         metafile, (_, rows, columns) = self._metafile, self.shape
         try:
-            self._sorted.seek(index % len(self) * self._frame_bytes)
+            self._sorted.seek(index * self._frame_bytes)
             data = self._sorted.read(self._frame_bytes)
         except OSError as error:
             raise metafile.failure("its sorted copy cannot be read ({reason}). Read the file again.", reason=error.strerror) from error
         image = np.frombuffer(data, metafile.dtype).reshape(rows, columns, metafile.channels)
         image = luminance(image) if metafile.channels > 1 else image[..., 0]
         return np.array(image[self._flips], dtype=self.dtype, order="C")
-
-    def __array__(self, dtype=None, copy=None) -> np.ndarray:
-        if copy is False:
-            raise ValueError("Images in a file cannot become an array without a copy.")
-        return np.stack([self[index] for index in range(len(self))]).astype(self.dtype if dtype is None else dtype, copy=False)
 
     def _sort(self) -> BinaryIO:
         """A temporary file that holds frame after frame; it goes away with this object."""

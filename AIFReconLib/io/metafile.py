@@ -164,7 +164,8 @@ def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
     suffix = path.suffix.lower()
     if suffix not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
         raise error(
-            "{path}: its suffix must be one of {suffixes}. Give a MetaImage or NRRD file.",
+            "{path}: its suffix must be one of {suffixes}. Give a MetaImage or NRRD file; aifrecon import makes one of pictures, DICOM "
+            "or video.",
             path=path,
             suffixes=", ".join(METAIMAGE_SUFFIXES + NRRD_SUFFIXES),
         )

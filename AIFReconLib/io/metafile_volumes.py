@@ -133,7 +133,9 @@ def _nrrd_place(metafile: Metafile, space: list[int]) -> np.ndarray:
     directions = entries.get("space directions")
     if directions is None:
         if {"space origin", "axis mins", "axis maxs"} & set(entries):
-            raise metafile.failure("it has a place but no space directions, so it cannot be told. Save the volume from Slicer again.")
+            raise metafile.failure(
+                "it has a place but no space directions, so which way it lies is not known. Save the volume from Slicer again."
+            )
         return _placed(np.diag(_spacings(metafile, axes)), np.zeros(3))
     vectors = re.findall(r"none|\([^()]*\)", directions)
     rest = re.sub(r"none|\([^()]*\)", "", directions)

@@ -68,13 +68,8 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
     of `TransformStatus`, and numbers with every digit they need to read back equal.
     """
     path = Path(path)
+    check_sequence_name(path)
     suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise OutputError(
-            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.", path=path, suffixes=", ".join(SUFFIXES)
-        )
-    if suffix == ".mhd":
-        check_pair_name(path)
     code = _pixel_code(sequence.images)
     entries = [
         *_checked(header_entries(sequence.fields, sequence.transforms), reserved=suffix != ".nrrd"),
@@ -92,6 +87,21 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
         _write_metaimage(path, sequence, code, entries, compress, write_pixels)
     else:
         _write_nrrd(path, sequence, code, entries, compress, write_pixels)
+
+
+def check_sequence_name(path: Path) -> None:
+    """Return if a sequence can have this name; to be asked before long work.
+
+    Raises
+    ------
+    OutputError
+    """
+    if path.suffix.lower() not in SUFFIXES:
+        raise OutputError(
+            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.", path=path, suffixes=", ".join(SUFFIXES)
+        )
+    if path.suffix.lower() == ".mhd":
+        check_pair_name(path)
 
 
 def _write_metaimage(path: Path, sequence, code: str, entries: Entries, compress: bool, write_pixels: Callable) -> None:

@@ -29,6 +29,9 @@ _KINDS = {
 }
 """By ITK's name: an object of that kind, how many parameters it has, and how many fixed ones."""
 
+_FAR = 2.0**20
+"""mm from the origin to the points whose images are asked for: not much less than any translation, which would cost digits."""
+
 
 class TransformPartError(AIFReconError, ValueError):
     """What is wrong with a transform, as the predicate of "the transform ..."."""
@@ -99,13 +102,13 @@ def _matrix(part: TransformPart) -> np.ndarray:
             transform.SetFixedParameters(part.fixed)
         if part.parameters:
             transform.SetParameters(part.parameters)
-        # An affine map is known from the images of the origin and the unit points; this holds for every linear kind
-        origin, *ends = (transform.TransformPoint(point) for point in ((0.0, 0.0, 0.0), *np.eye(3).tolist()))
+        # An affine map is known from the images of the origin and a point on each axis; this holds for every linear kind
+        origin, *ends = (transform.TransformPoint(point) for point in ((0.0, 0.0, 0.0), *(_FAR * np.eye(3)).tolist()))
     except RuntimeError:
         raise TransformPartError(
             "of kind {kind} has numbers that ITK does not take. Save the transform from Slicer again.", kind=name
         ) from None
     matrix = np.eye(4)
     matrix[:3, 3] = origin
-    matrix[:3, :3] = np.subtract(ends, origin).T
+    matrix[:3, :3] = np.subtract(ends, origin).T / _FAR
     return matrix

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .text_values import parse_numbers, shorten
+from .text_values import NotANumberError, parse_numbers, shorten
 from .transform_parts import TransformPart, TransformPartError
 
 MAGIC = "#Insight Transform File"
@@ -34,7 +34,7 @@ def read_transform_text(text: str) -> list[TransformPart]:
 def _numbers(block: dict[str, str], key: str) -> tuple[float, ...]:
     try:
         return tuple(parse_numbers(block.get(key, "")))
-    except ValueError as error:
+    except NotANumberError as error:
         raise TransformPartError(
-            "has {key} that must be numbers; {problem}. Save the transform from Slicer again.", key=key, problem=str(error)
+            "has {key} that must be numbers; {problem}. Save the transform from Slicer again.", key=key, problem=error
         ) from None

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import struct
+import sys
+import zlib
+from pathlib import Path
+
 import numpy as np
 import pytest
 import SimpleITK as sitk
@@ -10,6 +16,12 @@ from volume_samples import noise_volume, oblique_matrix, refusal
 from AIFReconLib.errors import GeometryError, OutputError, TransformFileError
 from AIFReconLib.io.volume_files import read_transform, read_volume, write_transform, write_volume
 from AIFReconLib.transforms import transform_points
+
+TESTING = Path(__file__).resolve().parents[1]
+if str(TESTING) not in sys.path:
+    sys.path.insert(0, str(TESTING))
+
+from fuzz.hdf5_samples import COMPRESSED_HDF5, OLDER_HDF5  # noqa: E402
 
 
 def lps_matrix(transform: sitk.Transform) -> np.ndarray:
@@ -64,10 +76,59 @@ def test_every_linear_kind_is_read(tmp_path, suffix, transform):
     np.testing.assert_allclose(read_transform(path), flip @ np.linalg.inv(lps_matrix(transform)) @ flip, atol=1e-9)
 
 
+@pytest.mark.parametrize("content", [OLDER_HDF5, COMPRESSED_HDF5], ids=["older", "compressed"])
+def test_hdf5_of_other_programs_is_read_as_simpleitk_reads_it(tmp_path, content):
+    path = tmp_path / "move.h5"
+    path.write_bytes(content)
+    flip = np.diag([-1.0, -1.0, 1.0, 1.0])
+    np.testing.assert_allclose(read_transform(path), flip @ np.linalg.inv(lps_matrix(sitk.ReadTransform(str(path)))) @ flip, atol=1e-9)
+
+
+def test_a_chunk_that_hdf5_did_not_compress_is_read(tmp_path):
+    """HDF5 leaves the compression out where it makes a chunk longer, and says so in the chunk's key."""
+    (tmp_path / "move.h5").write_bytes(COMPRESSED_HDF5)
+    expected = read_transform(tmp_path / "move.h5")
+    data, place = bytearray(COMPRESSED_HDF5), -1
+    while (place := data.find(b"TREE\x01", place + 1)) >= 0:
+        length, *_, start = struct.unpack_from("<IIQQQ", data, place + 24)
+        numbers = zlib.decompress(data[start : start + length])
+        struct.pack_into("<IIQQQ", data, place + 24, len(numbers), 1, 0, 0, len(data))
+        data += numbers
+    (tmp_path / "move.h5").write_bytes(data)
+    np.testing.assert_array_equal(read_transform(tmp_path / "move.h5"), expected)
+
+
+def test_more_transforms_in_hdf5_than_its_plain_groups_hold_are_refused(tmp_path):
+    sitk.WriteTransform(sitk.CompositeTransform([sitk.AffineTransform(3)] * 9), str(tmp_path / "move.h5"))
+    assert "a layout of HDF5 that is not read here" in refusal(tmp_path / "move.h5", read_transform, TransformFileError)
+
+
+@pytest.mark.parametrize("content", [OLDER_HDF5, COMPRESSED_HDF5], ids=["older", "compressed"])
+def test_damaged_hdf5_is_refused_or_gives_a_matrix(tmp_path, content):
+    path = tmp_path / "move.h5"
+    used = [place for place, value in enumerate(content) if value and place > 8]
+    random = np.random.default_rng(0)
+    for _ in range(300):
+        damaged = bytearray(content)
+        for place in random.choice(used, 3):
+            damaged[place] = random.integers(256)
+        path.write_bytes(damaged)
+        with contextlib.suppress(TransformFileError):
+            assert read_transform(path).shape == (4, 4)
+
+
 @pytest.mark.parametrize("suffix", [".tfm", ".txt", ".h5"])
 def test_a_written_transform_reads_back(tmp_path, suffix):
     write_transform(oblique_matrix(), tmp_path / f"move{suffix}")
     np.testing.assert_allclose(read_transform(tmp_path / f"move{suffix}"), oblique_matrix(), atol=1e-12)
+
+
+@pytest.mark.parametrize("suffix", [".tfm", ".h5"])
+def test_a_transform_over_a_kilometer_is_written(tmp_path, suffix):
+    far = oblique_matrix(spacing=(0.1, 1, 10))
+    far[:3, 3] = (1e6, -2e6, 0.123)
+    write_transform(far, tmp_path / f"move{suffix}")
+    np.testing.assert_allclose(read_transform(tmp_path / f"move{suffix}"), far, atol=1e-6)
 
 
 def test_a_ct_placed_by_its_transform_lies_where_slicer_shows_it(tmp_path):
