@@ -111,7 +111,7 @@ class ReconstructionSettings:
     skip: int | None = parameter(None, "use every N-th frame (default: the configuration's, else every one)", minimum=1, whole=True)
     engine: str = parameter(
         "auto",
-        "who does the arithmetic; every engine gives the same voxels (auto: numba where it is installed, which is many times as fast)",
+        "what computes the volume; every engine gives the same voxels (auto: numba where it is installed, which is many times as fast)",
         choices=ENGINES,
     )
     output_type: str | None = parameter(

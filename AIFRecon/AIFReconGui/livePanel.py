@@ -1,7 +1,5 @@
 """The Live section of the panel: starts and stops a scan, and says in large letters whether the probe is seen."""
 
-import html
-
 import qt
 import slicer
 from AIFReconScene.panelWords import errorsInPanelWords, inPanelWords
@@ -187,7 +185,7 @@ class LivePanel:
             self._parameterNode.output = live.volumeNode
 
     def _showState(self, word: str, color: str) -> None:
-        self._ui.liveStateLabel.text = html.escape(word)
+        self._ui.liveStateLabel.text = word
         self._ui.liveStateLabel.styleSheet = (
             f"QLabel {{ background-color: {color}; color: white; font-size: 26px; font-weight: bold; padding: 10px; border-radius: 4px; }}"
         )
@@ -200,7 +198,7 @@ class LivePanel:
 def _describe(statistics) -> str:
     """Rate, latency and where the frames went, in a line or two."""
     unknown = statistics.latency_p50 != statistics.latency_p50
-    latency = _("no latency yet") if unknown else _("{latency:.0f} ms").format(latency=1000 * statistics.latency_p50)
+    latency = _("no latency yet") if unknown else _("latency {latency:.0f} ms").format(latency=1000 * statistics.latency_p50)
     first = _("{rate:.0f} frames/s, {latency}; {connection}").format(
         rate=statistics.frame_rate, latency=latency, connection=inPanelWords(statistics.connection)
     )

@@ -33,6 +33,9 @@ from AIFReconLib.time_offset import LARGEST_OFFSET
 FARTHEST = 100000.0
 """Pixels: as far as a place may lie from the image's corner."""
 
+SMALLEST_WEIGHT_FLOOR = 0.001
+"""The library takes less; the panel shows three digits."""
+
 
 def _within(name: str) -> WithinRange:
     """The range that the library gives a parameter."""
@@ -41,9 +44,10 @@ def _within(name: str) -> WithinRange:
 
 @parameterNodeWrapper
 class AIFReconParameterNode:
-    """Every choice of the panel, saved with the scene. Ranges and defaults are those of AIFReconLib.settings.
+    """Every choice of the panel, saved with the scene.
 
-    Where the library's default is "not given", 0 or an automatic choice stands for it.
+    Ranges and defaults are those of AIFReconLib.settings, but for `SMALLEST_WEIGHT_FLOOR`. Where the library's default is "not given",
+    0 or an automatic choice stands for it.
     """
 
     sweep: vtkMRMLSequenceBrowserNode | None
@@ -83,7 +87,9 @@ class AIFReconParameterNode:
     engine: Engine = Engine(PARAMETERS["engine"]["default"])
     outputType: OutputType = OutputType.AUTOMATIC
     boneGain: Annotated[float, _within("bone_gain")] = PARAMETERS["bone_gain"]["default"]
-    weightFloor: Annotated[float, _within("weight_floor")] = PARAMETERS["weight_floor"]["default"]
+    weightFloor: Annotated[float, WithinRange(SMALLEST_WEIGHT_FLOOR, PARAMETERS["weight_floor"]["maximum"])] = PARAMETERS["weight_floor"][
+        "default"
+    ]
     probe: ProbeShape = ProbeShape.AUTOMATIC
     apexColumn: Annotated[float, WithinRange(-FARTHEST, FARTHEST)] = 0.0
     apexRow: Annotated[float, WithinRange(-FARTHEST, FARTHEST)] = 0.0

@@ -102,7 +102,7 @@ def _volumes(results: dict, inputs) -> dict:
     try:
         for method, result in results.items():
             given = {"intensity": earlier.get(method)}
-            volumes[method] = outputNodes(result, inputs.sweep.GetName(), nodes=given, inputs=inputs.nodes())["intensity"]
+            volumes[method] = outputNodes(result, _nameOf(inputs), nodes=given, inputs=inputs.nodes())["intensity"]
     except Exception:
         removeNodes([node for method, node in volumes.items() if node is not earlier.get(method)], scene)
         raise
@@ -110,6 +110,11 @@ def _volumes(results: dict, inputs) -> dict:
         for node in volumes.values():
             node.SetNodeReferenceID(COMPARED_ROLE, inputs.sweep.GetID())
     return volumes
+
+
+def _nameOf(inputs) -> str:
+    """What a comparison is called, so that its volumes are told from reconstructions of the same sweep."""
+    return f"{inputs.sweep.GetName()} comparison"
 
 
 def _earlier(className: str, inputs) -> list:
@@ -125,12 +130,11 @@ def _table(metrics: dict, inputs):
     from .panelWords import inPanelWords
     from .volumeNodes import COMPARED_ROLE, giveName, intoFolder
 
-    sweepName = inputs.sweep.GetName()
     node = next(iter(_earlier("vtkMRMLTableNode", inputs)), None)
     if node is None:
         node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTableNode")
-        giveName(node, f"{sweepName} bone metrics", slicer.mrmlScene)
+        giveName(node, f"{inputs.sweep.GetName()} bone metrics", slicer.mrmlScene)
         node.SetNodeReferenceID(COMPARED_ROLE, inputs.sweep.GetID())
     updateMetricsTable(node, metrics, inPanelWords)
-    intoFolder([node], sweepName, slicer.mrmlScene)
+    intoFolder([node], _nameOf(inputs), slicer.mrmlScene)
     return node

@@ -4,7 +4,7 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.settings import BONE_METHODS, DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE
 
-from .parameters import PARAMETERS, HoleFilling, Interpolation
+from .parameters import PARAMETERS, HoleFilling, Interpolation, fileFrom
 
 
 def contradiction(parameters, hasBone: bool) -> str:
@@ -16,8 +16,18 @@ def contradiction(parameters, hasBone: bool) -> str:
     hasBone : bool
         Whether the method is told where bone is.
     """
-    checks = (_ofSpeed, _ofHoles, _ofFan, lambda parameters: _ofPixels(parameters, _methodOf(parameters, hasBone)))
-    return next((said for said in (check(parameters) for check in checks) if said), "")
+    return (
+        _ofSpeed(parameters, hasBone) or _ofHoles(parameters) or _ofFan(parameters) or _ofPixels(parameters, _methodOf(parameters, hasBone))
+    )
+
+
+def comparisonContradiction(parameters) -> str:
+    """The first choice that only some of the compared methods can do, in a sentence; empty where there is none."""
+    if parameters.interpolation == Interpolation.LINEAR:
+        return _("Linear interpolation does not go with every method: choose nearest to compare them.")
+    if fileFrom(parameters.importanceMaskPath) is not None:
+        return _("An importance mask does not go with every method: leave the mask out to compare them.")
+    return ""
 
 
 def _methodOf(parameters, hasBone: bool) -> str:
@@ -25,13 +35,13 @@ def _methodOf(parameters, hasBone: bool) -> str:
     return parameters.method.value or (DEFAULT_METHOD_WITH_BONE if hasBone else DEFAULT_METHOD_WITHOUT_BONE)
 
 
-def _ofSpeed(parameters) -> str:
+def _ofSpeed(parameters, hasBone: bool) -> str:
     rule = PARAMETERS["speed_of_sound"]
     if 0 < parameters.speedOfSound < rule["minimum"]:
         return _("The speed of sound must be off, or {low:g} to {high:g} m/s; it is {speed:g}.").format(
             low=rule["minimum"], high=rule["maximum"], speed=parameters.speedOfSound
         )
-    if parameters.speedOfSound and parameters.boneFromSweep and parameters.bone is None:
+    if parameters.speedOfSound and hasBone and parameters.bone is None:
         return _("Bone is looked for at the depths that the images show: leave the speed of sound off, or select bone of the CT.")
     return ""
 
@@ -54,8 +64,8 @@ def _ofPixels(parameters, method: str) -> str:
     if parameters.interpolation == Interpolation.LINEAR and (method in BONE_METHODS or parameters.bestCosine):
         wish = method if method in BONE_METHODS else _("the best cosine")
         return _("Linear interpolation does not go with {wish}: choose nearest, or another method.").format(wish=wish)
-    mask = parameters.importanceMaskPath
-    if str(mask) in ("", "."):
+    mask = fileFrom(parameters.importanceMaskPath)
+    if mask is None:
         return ""
     if not mask.is_file():
         return _("There is no file {path}.").format(path=mask)

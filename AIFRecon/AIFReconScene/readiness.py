@@ -5,9 +5,9 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.settings import BONE_METHODS
 
-from .contradictions import contradiction
+from .contradictions import comparisonContradiction, contradiction
 from .panelWords import inPanelWords
-from .parameters import LiveSource, Region
+from .parameters import LiveSource, Region, fileFrom
 from .sceneNodes import proxiesOf
 
 
@@ -24,12 +24,12 @@ def chooseDefaults(parameters) -> None:
 
 def whyNotLoad(parameters) -> str:
     """What is missing before a recording can be read."""
-    recording, configuration = parameters.recordingPath, parameters.configurationPath
-    if str(recording) in ("", "."):
+    recording, configuration = fileFrom(parameters.recordingPath), fileFrom(parameters.configurationPath)
+    if recording is None:
         return _("Choose a recording first.")
     if not recording.is_file():
         return _("There is no file {path}.").format(path=recording)
-    if str(configuration) not in ("", ".") and not configuration.is_file():
+    if configuration is not None and not configuration.is_file():
         return _("There is no file {path}.").format(path=configuration)
     return ""
 
@@ -73,7 +73,7 @@ def whyNotCompare(parameters, sweep=None) -> str:
     """What is missing before the methods can be compared."""
     if parameters.sweep is not None and parameters.bone is None and not parameters.boneFromSweep:
         return _("Select bone: the methods differ in what they make of it.")
-    return whyNotReconstruct(parameters, sweep)
+    return whyNotReconstruct(parameters, sweep) or comparisonContradiction(parameters)
 
 
 def describeBone(parameters) -> str:

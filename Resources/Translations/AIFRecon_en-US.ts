@@ -918,6 +918,11 @@
     </message>
     <message>
         <location filename="../../AIFRecon/Resources/UI/AIFRecon.ui"/>
+        <source>What computes the volume; every engine gives the same voxels</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/Resources/UI/AIFRecon.ui"/>
         <source>What the file does not say, or says wrongly. Counts when the recording is loaded.</source>
         <translation type="unfinished"></translation>
     </message>
@@ -964,11 +969,6 @@
     <message>
         <location filename="../../AIFRecon/Resources/UI/AIFRecon.ui"/>
         <source>Which sequence of the sweep holds the ultrasound images. Leave open where there is only one.</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
-        <location filename="../../AIFRecon/Resources/UI/AIFRecon.ui"/>
-        <source>Who does the arithmetic; every engine gives the same voxels</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -1114,6 +1114,11 @@
     </message>
     <message>
         <location filename="../../AIFRecon/AIFReconGui/livePanel.py"/>
+        <source>latency {latency:.0f} ms</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconGui/livePanel.py"/>
         <source>no latency yet</source>
         <translation type="unfinished"></translation>
     </message>
@@ -1125,11 +1130,6 @@
     <message>
         <location filename="../../AIFRecon/AIFReconGui/livePanel.py"/>
         <source>{inserted} of {received} frames inserted</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
-        <location filename="../../AIFRecon/AIFReconGui/livePanel.py"/>
-        <source>{latency:.0f} ms</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -1346,7 +1346,6 @@
         <location filename="../../AIFReconLib/io/sequence_writer.py"/>
         <location filename="../../AIFReconLib/io/transform_files.py"/>
         <location filename="../../AIFReconLib/io/volume_files.py"/>
-        <location filename="../../AIFReconLib/live/recording.py"/>
         <source>Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.</source>
         <translation type="unfinished"></translation>
     </message>
@@ -1702,6 +1701,11 @@
     <message>
         <location filename="../../AIFReconLib/io/imported_images.py"/>
         <source>Input images must be at least one file. Name pictures, a folder, a video or a .npy file.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFReconLib/compounding/reconstructor.py"/>
+        <source>Input images must be gray, rows x columns of numbers; got {shape} {kind} in frame {number}.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -2252,6 +2256,11 @@
     </message>
     <message>
         <location filename="../../AIFReconLib/live/recording.py"/>
+        <source>Recording stopped: {cause} No frame was recorded.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFReconLib/live/recording.py"/>
         <source>Recording stopped: {cause} {count} frames are kept in {path}.</source>
         <translation type="unfinished"></translation>
     </message>
@@ -2467,7 +2476,7 @@
     </message>
     <message>
         <location filename="../../AIFReconLib/transform_graph.py"/>
-        <source>Two paths lead from {source} to {target}: {one}; and {other}. Remove one of them, or name the recorded transform to use with --image-to-reference.</source>
+        <source>Two paths lead from {source} to {target}: {one}; and {other}. Remove one of them, or take the recorded one with --image-to-reference {source}To{target}.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -2810,11 +2819,6 @@
         <translation type="unfinished"></translation>
     </message>
     <message>
-        <location filename="../../AIFReconLib/io/transform_hdf5.py"/>
-        <source>is in a layout of HDF5 that is not read here. Save it from Slicer as .tfm.</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
         <location filename="../../AIFReconLib/io/plus_reconstruction.py"/>
         <source>is missing, and OutputExtent counts voxels. Add it to the element.</source>
         <translation type="unfinished"></translation>
@@ -2856,7 +2860,7 @@
     </message>
     <message>
         <location filename="../../AIFReconLib/io/metafile_volumes.py"/>
-        <source>it has a place but no space directions, so it cannot be told. Save the volume from Slicer again.</source>
+        <source>it has a place but no space directions, so which way it lies is not known. Save the volume from Slicer again.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -2881,7 +2885,6 @@
     </message>
     <message>
         <location filename="../../AIFReconLib/io/metafile_volumes.py"/>
-        <location filename="../../AIFReconLib/io/volume_files.py"/>
         <source>it must be a 3D volume; got {axes} axes in space. If it is a sequence of frames, give it as a sequence.</source>
         <translation type="unfinished"></translation>
     </message>
@@ -3975,7 +3978,7 @@
     </message>
     <message>
         <location filename="../../AIFReconLib/io/metafile.py"/>
-        <source>{path}: its suffix must be one of {suffixes}. Give a MetaImage or NRRD file.</source>
+        <source>{path}: its suffix must be one of {suffixes}. Give a MetaImage or NRRD file; aifrecon import makes one of pictures, DICOM or video.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -4458,6 +4461,11 @@
     <name>AIFReconScene.contradictions</name>
     <message>
         <location filename="../../AIFRecon/AIFReconScene/contradictions.py"/>
+        <source>An importance mask does not go with every method: leave the mask out to compare them.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconScene/contradictions.py"/>
         <source>An importance mask weights an average: choose method average, or no mask.</source>
         <translation type="unfinished"></translation>
     </message>
@@ -4469,6 +4477,11 @@
     <message>
         <location filename="../../AIFRecon/AIFReconScene/contradictions.py"/>
         <source>Holes are filled up to the hole limit: set it above 0 mm, or set “Hole filling” to automatic.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconScene/contradictions.py"/>
+        <source>Linear interpolation does not go with every method: choose nearest to compare them.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>

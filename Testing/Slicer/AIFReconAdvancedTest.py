@@ -183,12 +183,45 @@ class AIFReconAdvancedTest(unittest.TestCase):
         self.ui.speedOfSoundSpinBox.value = 1450.0
         self.assertRefused("speed of sound")
 
+    def test_methods_are_not_compared_with_what_only_some_of_them_can_do(self):
+        self.addBone()
+        self.choose(self.ui.methodComboBox, "average")
+        self.assertTrue(self.ui.compareButton.enabled, self.ui.compareButton.toolTip)
+        self.choose(self.ui.interpolationComboBox, "linear")
+        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
+        self.assertFalse(self.ui.compareButton.enabled)
+        self.assertIn("choose nearest to compare", self.ui.compareButton.toolTip)
+        self.choose(self.ui.interpolationComboBox, "nearest")
+        self.ui.importanceMaskPathLineEdit.currentPath = str(self.mask())
+        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
+        self.assertFalse(self.ui.compareButton.enabled)
+        self.assertIn("leave the mask out to compare", self.ui.compareButton.toolTip)
+
+    def test_a_live_scan_which_looks_for_no_bone_is_not_refused_for_doing_so(self):
+        from AIFReconScene.readiness import whyNotLive
+
+        self.parameters.boneFromSweep, self.parameters.speedOfSound = True, 1450.0
+        self.assertEqual(whyNotLive(self.parameters), "")
+
     def test_what_the_panel_refuses_the_library_refuses_too(self):
         from AIFReconLib.errors import SettingsError
 
         for settings in ({"holes": "gaussian"}, {"speed_of_sound": 300.0}):
             with self.subTest(settings=settings), self.assertRaises(SettingsError):
                 self.expected(settings)
+
+    # ---- digits
+
+    def test_the_weight_floor_is_shown_with_the_digits_that_matter(self):
+        self.assertEqual(self.ui.weightFloorSpinBox.value, 0.02)
+        self.assertLessEqual(len(self.ui.weightFloorSpinBox.text), len("0.020"))
+
+    def test_the_smallest_weight_floor_that_can_be_entered_reconstructs(self):
+        self.addBone()
+        self.ui.weightFloorSpinBox.value = 0.0
+        self.assertEqual(self.parameters.weightFloor, self.ui.weightFloorSpinBox.minimum)
+        self.assertGreater(self.parameters.weightFloor, 0.0)
+        self.applied()
 
     # ---- tracking report
 

@@ -226,7 +226,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
         table = slicer.util.getNodesByClass("vtkMRMLTableNode")[-1]
         self.assertEqual(view.GetTableNodeID(), table.GetID())
         hierarchy = slicer.mrmlScene.GetSubjectHierarchyNode()
-        self.assertEqual(hierarchy.GetItemName(hierarchy.GetItemParent(hierarchy.GetItemByDataNode(table))), "AIFRecon Sweep")
+        self.assertEqual(hierarchy.GetItemName(hierarchy.GetItemParent(hierarchy.GetItemByDataNode(table))), "AIFRecon Sweep comparison")
 
     def test_a_comparison_by_bone_probability_has_no_table_and_says_nothing_wrong(self):
         self.addInputs()

@@ -1,6 +1,7 @@
 """Self tests of the Live section: from a server and from the scene's nodes, with what is lost, paused, and closed meanwhile."""
 
 import pathlib
+import re
 import sys
 import time
 import unittest
@@ -99,6 +100,7 @@ class AIFReconLiveTest(unittest.TestCase):
         self.assertTrue(waitFor(lambda: slicer.util.arrayFromVolume(self.parameters.output).any()))
         self.assertIsNotNone(self.live._live.frameNode)
         self.assertIn("frames/s", self.ui.liveStatisticsLabel.text)
+        self.assertTrue(waitFor(lambda: re.search(r"latency \d+ ms", self.ui.liveStatisticsLabel.text)), self.ui.liveStatisticsLabel.text)
 
     def test_the_red_slice_lies_in_the_frame(self):
         self.serve(rate=20.0, loop=True)

@@ -108,6 +108,16 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertIn("11 of 12", self.ui.sweepStatusLabel.text)
         self.assertIn("OUT_OF_VIEW", self.ui.sweepStatusLabel.text)
 
+    def test_what_the_panel_says_is_shown_letter_by_letter(self):
+        import qt
+
+        said = "l'image <b>n'est pas</b> l\u00e0 & co"
+        self.widget._live._showState(said, "#000000")
+        self.assertEqual(self.ui.liveStateLabel.text, said)
+        for name in ("liveState", "liveStatistics", "sweepStatus", "boneStatus", "status"):
+            with self.subTest(label=name):
+                self.assertEqual(getattr(self.ui, f"{name}Label").textFormat, qt.Qt.PlainText)
+
     def test_loading_asks_for_a_file_that_is_there(self):
         self.parameters.recordingPath = pathlib.Path("missing.igs.mha")
         self.assertFalse(self.ui.loadButton.enabled)

@@ -3,7 +3,7 @@
 import unittest
 
 import slicer
-from AIFReconGui.parameterNode import AIFReconParameterNode
+from AIFReconGui.parameterNode import SMALLEST_WEIGHT_FLOOR, AIFReconParameterNode
 from AIFReconScene.parameters import PARAMETERS, SettingChoice, camelCase, settingsFrom
 
 from AIFRecon import AIFReconLogic
@@ -29,7 +29,8 @@ class AIFReconParametersTest(unittest.TestCase):
             value = getattr(self.parameters, camelCase(name))
             if isinstance(value, bool | SettingChoice) or rule["default"] is None:
                 continue
-            for limit, beyond in ((rule["minimum"], -1e-3), (rule["maximum"], 1e-3)):
+            lowest = SMALLEST_WEIGHT_FLOOR if name == "weight_floor" else rule["minimum"]
+            for limit, beyond in ((lowest, -1e-3), (rule["maximum"], 1e-3)):
                 with self.subTest(name=name, limit=limit):
                     setattr(self.parameters, camelCase(name), limit)
                     self.assertEqual(getattr(settingsFrom(self.parameters), name), limit)

@@ -117,7 +117,7 @@ class AIFReconWorkTest(unittest.TestCase):
         self.addInputs()
         self.pressAndCancel(self.ui.compareButton, "compare", 0.6)
         self.ui.compareButton.click()
-        self.assertEqual(self.made(), [f"Sweep {method}" for method in ("aif", "aif-compensated", "average", "weighted")])
+        self.assertEqual(self.made(), [f"Sweep comparison {method}" for method in ("aif", "aif-compensated", "average", "weighted")])
         self.assertEqual(self.made("vtkMRMLTableNode"), ["Sweep bone metrics"])
 
     # ---- again
@@ -134,24 +134,32 @@ class AIFReconWorkTest(unittest.TestCase):
     def test_a_compared_volume_that_the_user_has_renamed_is_kept(self):
         self.addInputs()
         self.ui.compareButton.click()
-        kept = slicer.util.getNode("Sweep aif")
+        kept = slicer.util.getNode("Sweep comparison aif")
         kept.SetName("The good one")
         self.parameters.spacing = 3.0
         self.ui.compareButton.click()
         self.assertEqual(kept.GetSpacing(), (2.0, 2.0, 2.0))
-        self.assertEqual(slicer.util.getNode("Sweep aif").GetSpacing(), (3.0, 3.0, 3.0))
+        self.assertEqual(slicer.util.getNode("Sweep comparison aif").GetSpacing(), (3.0, 3.0, 3.0))
 
     def test_a_comparison_does_not_write_over_a_reconstruction(self):
         from AIFReconScene.parameters import Method
 
         self.addInputs()
         self.ui.compareButton.click()
-        adopted = slicer.util.getNode("Sweep average")
+        adopted = slicer.util.getNode("Sweep comparison average")
         self.parameters.output, self.parameters.method = adopted, Method.AVERAGE
         self.ui.applyButton.click()
+        self.assertEqual(adopted.GetName(), "Sweep average")
         self.parameters.spacing = 3.0
         self.ui.compareButton.click()
         self.assertEqual(adopted.GetSpacing(), (2.0, 2.0, 2.0))
+
+    def test_a_comparison_s_volumes_are_told_from_the_reconstruction_by_their_names(self):
+        self.addInputs()
+        self.ui.applyButton.click()
+        self.ui.compareButton.click()
+        self.assertEqual(self.parameters.output.GetName(), "Sweep weighted")
+        self.assertEqual([name for name in self.made() if name.endswith("weighted")], ["Sweep comparison weighted", "Sweep weighted"])
 
     def test_comparisons_of_two_sweeps_stay_apart(self):
         self.addInputs()
