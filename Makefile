@@ -3,6 +3,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# The demo needs less than half of what the tests need
+DEMO_STAMP := $(VENV)/.installed-for-demo
 STAMP := $(VENV)/.installed
 DEMO_OUTPUT ?= demo-output
 STUDY_OUTPUT ?= study-output
@@ -13,41 +15,43 @@ FAULTS_SECONDS ?= 3600
 .PHONY: help setup demo test slicer-test screenshots translations figures lint format bench study soak fuzz faults clean
 
 help:
-	@echo "make demo    reconstruct a simulated lumbar scan and draw it, into $(DEMO_OUTPUT)/"
-	@echo "make test    lint, format check and all tests"
+	@echo "make demo         reconstruct a simulated lumbar scan and draw it, into $(DEMO_OUTPUT)/"
+	@echo "make test         lint, format check and all tests"
 	@echo "make slicer-test  only the self tests of the Slicer module, on real MRML nodes and Qt, without Slicer"
 	@echo "make translations every visible text of the module, for translators, into Resources/Translations/"
 	@echo "make screenshots  the module's panel and views as pictures, into Resources/Screenshots/"
-	@echo "make figures the pictures of docs/method.md, into docs/images/ (minutes)"
-	@echo "make setup   only install what the two above need, into $(VENV)/"
-	@echo "make lint    only lint and format check"
-	@echo "make format  reformat the code"
-	@echo "make bench   measure the speed of this machine"
-	@echo "make study   compare all methods on simulated patients, into $(STUDY_OUTPUT)/ (half an hour)"
-	@echo "make soak    an hour of live reconstruction from a server that fails at random, in simulated time (half an hour)"
-	@echo "make faults  kill, fill and cut whatever can be for FAULTS_SECONDS ($(FAULTS_SECONDS)); nothing may be lost (Linux, best as root)"
-	@echo "make fuzz    damage input on purpose for FUZZ_SECONDS ($(FUZZ_SECONDS)); only clear refusals may come out"
-	@echo "make clean   remove $(VENV)/ and everything that was built"
+	@echo "make figures      the pictures of docs/method.md, into docs/images/ (minutes)"
+	@echo "make setup        install what all of these need, into $(VENV)/"
+	@echo "make lint         only lint and format check"
+	@echo "make format       reformat the code"
+	@echo "make bench        measure the speed of this machine"
+	@echo "make study        compare all methods on simulated patients, into $(STUDY_OUTPUT)/ (half an hour)"
+	@echo "make soak         an hour of live reconstruction from a server that fails at random, in simulated time (half an hour)"
+	@echo "make faults       kill, fill and cut whatever can be for FAULTS_SECONDS ($(FAULTS_SECONDS)); nothing may be lost (Linux, best as root)"
+	@echo "make fuzz         damage input on purpose for FUZZ_SECONDS ($(FUZZ_SECONDS)); only clear refusals may come out"
+	@echo "make clean        remove $(VENV)/ and everything that was built"
 
 setup: $(STAMP)
 
 # A broken or half-made environment (an interrupted set-up, a Python that was upgraded, a folder that was moved) is made anew
 ifneq ($(shell $(BIN)/python -m pip --version >/dev/null 2>&1 && $(BIN)/python -c 'import AIFReconLib' >/dev/null 2>&1 && echo whole),whole)
-.PHONY: $(STAMP)
+.PHONY: $(DEMO_STAMP) $(STAMP)
 endif
 
 # Otherwise installed again only when pyproject.toml changes
-$(STAMP): pyproject.toml
+$(DEMO_STAMP): EXTRAS := figures,fast
+$(STAMP): EXTRAS := test,lint,figures
+$(DEMO_STAMP) $(STAMP): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' \
 	  || { echo "AIFRecon needs Python 3.10 or newer. Name one with: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 1; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null \
 	  || { echo "Python cannot make virtual environments here. Install them with: sudo apt install python3-venv" >&2; exit 1; }
-	@echo "Setting up $(VENV) (once; takes a minute)"
+	@echo "Setting up $(VENV) with $(EXTRAS) (once; a minute or more)"
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear $(VENV)
-	@PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet --use-pep517 --editable '.[test,lint,figures]'
-	@touch $(STAMP)
+	@PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet --use-pep517 --editable '.[$(EXTRAS)]'
+	@touch $(DEMO_STAMP) $@
 
-demo: setup
+demo: $(DEMO_STAMP)
 	@$(BIN)/python -m AIFReconLib demo --output "$(DEMO_OUTPUT)"
 
 test: lint

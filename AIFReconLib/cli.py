@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import difflib
 import errno
+import itertools
 import os
 import sys
+from collections.abc import Sequence
 from typing import NoReturn
 
 from . import __version__
@@ -27,17 +30,52 @@ SUCCESS, BAD_INPUT = 0, 2
 _OF_PRINTING = (errno.ENOSPC, errno.EIO)
 """Errors of a full disk or a terminal that is gone. Those of our files come as `OutputError`, and commands print last."""
 
+_INTERRUPTED = "Interrupted. No file is left half-written."
+
 _NO_MEMORY = (
     "There is not enough memory. End other programs, or use a larger --spacing, a smaller part of the image (--clip-px) or of the sweep."
 )
 
 
 class OneLineParser(argparse.ArgumentParser):
-    """Reports wrong arguments in one line, like every other error."""
+    """Reports wrong arguments in one line, like every other error, and says what may have been meant."""
+
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        self.register("type", float, _number)
+        self.register("type", int, _whole_number)
+
+    def parse_known_args(self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None):
+        """Look for mistyped options first; otherwise what is missing without them would be named instead."""
+        if args is not None and self._subparsers is None:
+            self._refuse_unknown(args)
+        return super().parse_known_args(args, namespace)
+
+    def _refuse_unknown(self, given: Sequence[str]) -> None:
+        known = list(self._option_string_actions)
+        for word in itertools.takewhile(lambda word: word != "--", given):
+            name = word.partition("=")[0]
+            if name.startswith("--") and " " not in name and not any(option.startswith(name) for option in known):
+                near = difflib.get_close_matches(name, known, n=1)
+                self.error(f"there is no option {name}{f', perhaps {near[0]} is meant' if near else ''}")
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and where help is, and exit."""
         self.exit(BAD_INPUT, f"{self.prog}: {one_line(shorten(message, LONGEST_QUOTE))}. See {self.prog} --help.\n")
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a number such as 0.5, without a unit; got {text!r}") from None
+
+
+def _whole_number(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a whole number; got {text!r}") from None
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -78,7 +116,7 @@ def main(argv: list[str] | None = None) -> int:
         with orderly_end(end):
             arguments.run(arguments)
     except (KeyboardInterrupt, OperationCanceled):
-        return _fail("Interrupted. No file is left half-written.", end.exit_code)
+        return _fail(_INTERRUPTED, end.exit_code)
     except AIFReconError as error:
         return _fail(str(error), BAD_INPUT)
     except MemoryError:
@@ -86,6 +124,9 @@ def main(argv: list[str] | None = None) -> int:
     except BrokenPipeError:
         pass  # whoever read the output has gone, as `head` does
     except RuntimeError as error:
+        # Of a lock that the interrupt kept from being taken, as in `orderly_end.pause`
+        if isinstance(error.__context__, KeyboardInterrupt):
+            return _fail(_INTERRUPTED, end.exit_code)
         # The interpreter has no class for a limit on threads
         if "start new thread" not in str(error):
             raise

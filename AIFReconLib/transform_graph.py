@@ -170,7 +170,7 @@ class TransformGraph:
             if other is not None:
                 raise TransformError(
                     "Two paths lead from {source} to {target}: {one}; and {other}. "
-                    "Remove one of them, or name the recorded transform to use with --image-to-reference.",
+                    "Remove one of them, or take the recorded one with --image-to-reference {source}To{target}.",
                     source=source,
                     target=target,
                     one=_spell(path),

@@ -24,6 +24,7 @@ from ..live.replay import PLUS_PORT
 from ..live.session import SCOUTING, LiveSession
 from ..live.session_statistics import LiveStatistics
 from ..live.synchronizer import SynchronizerSettings
+from ..orderly_end import pause
 from .options import (
     add_bone_options,
     add_imaging_options,
@@ -213,7 +214,7 @@ def _scan(session: LiveSession, arguments: argparse.Namespace) -> tuple[Reconstr
                     status.say(f"Connected. Move the probe over the whole region: the first {seconds} find the box.")
                     _scout(session, arguments, first_frame, status)
                     _use_scouted_grid(session, status)
-                while not session.finished.wait(POLL) and not _is_over(session, arguments, first_frame):
+                while not pause(POLL, unless=session.finished) and not _is_over(session, arguments, first_frame):
                     status.show(session)
             except KeyboardInterrupt:
                 interrupted = True
@@ -230,11 +231,11 @@ def _scan(session: LiveSession, arguments: argparse.Namespace) -> tuple[Reconstr
 def _wait_for_images(session: LiveSession, arguments: argparse.Namespace) -> None:
     """Return when there are images of the one device that is meant; else say what the server sends."""
     deadline = time.monotonic() + DEVICE_TIMEOUT
-    while session.latest is None and not session.finished.wait(POLL):
+    while session.latest is None and not pause(POLL, unless=session.finished):
         if time.monotonic() > deadline:
             raise _no_images(session, arguments)
     settled = time.monotonic() + SETTLING
-    while arguments.image is None and time.monotonic() < settled and not session.finished.wait(POLL):
+    while arguments.image is None and time.monotonic() < settled and not pause(POLL, unless=session.finished):
         images = [device for device, types in session.devices().items() if "IMAGE" in types]
         if len(images) > 1:
             raise LiveConnectionError(
@@ -260,7 +261,7 @@ def _no_images(session: LiveSession, arguments: argparse.Namespace) -> LiveConne
 def _scout(session: LiveSession, arguments: argparse.Namespace, first_frame: float, status: StatusLine) -> None:
     """Wait until the box can be found."""
     began = None
-    while not session.finished.wait(POLL) and not _is_over(session, arguments, first_frame):
+    while not pause(POLL, unless=session.finished) and not _is_over(session, arguments, first_frame):
         status.show(session)
         if began is None and session.scouted:
             began = time.monotonic()

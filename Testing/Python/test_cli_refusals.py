@@ -224,6 +224,29 @@ def test_wrong_options_are_one_line(options, patient, results, capsys):
     refused([*patient.reconstruct, *options, "--output", results / "v.nrrd"], capsys, results)
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--ouput", "v.nrrd"], "there is no option --ouput, perhaps --output is meant"),
+        (["--spacin=2", "--output", "v.nrrd", "--hole-limt", "2"], "there is no option --hole-limt, perhaps --hole-limit is meant"),
+        (["--qwxz", "--output", "v.nrrd"], "there is no option --qwxz. See"),
+        (["--spacing", "0,5", "--output", "v.nrrd"], "--spacing: must be a number such as 0.5, without a unit; got '0,5'"),
+        (["--skip", "1.5", "--output", "v.nrrd"], "--skip: must be a whole number; got '1.5'"),
+    ],
+    ids=lambda value: value[0] if isinstance(value, list) else "",
+)
+def test_a_slip_of_the_keyboard_is_named(options, said, patient, results, capsys):
+    assert said in refused([*patient.reconstruct, *options], capsys, results)
+
+
+def test_labels_are_called_as_in_the_reconstruction(patient, results, capsys):
+    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 0
+    assert (
+        main(["evaluate", str(results / "v.nrrd"), "--bone-labels", str(patient.labels), "--bone-transform", str(patient.transform)]) == 0
+    )
+    assert "CNR" in capsys.readouterr().out
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C cannot be sent to a child without a console")
 def test_ctrl_c_stops_with_130_and_leaves_no_partial_file(results):
     output = results / "demo"

@@ -26,7 +26,7 @@ from AIFReconLib.errors import OutputError
 from AIFReconLib.io.sequence_writer import write_sequence
 from AIFReconLib.io.volume_files import check_volume_path, read_volume
 from AIFReconLib.live.recording import Recorder
-from AIFReconLib.orderly_end import orderly_end
+from AIFReconLib.orderly_end import orderly_end, pause
 from AIFReconLib.read_ahead import read_ahead
 from AIFReconLib.threads import in_parts
 from AIFReconLib.volume import Volume
@@ -137,6 +137,53 @@ def test_a_signal_where_it_would_be_swallowed_comes_again(number):
         assert end.exit_code == 128 + number
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def interrupted_at(event: int, call) -> bool:
+    """Whether `call` had that many events of a trace; it is interrupted there, wherever a signal could come."""
+    left, before = event, sys.gettrace()
+
+    def trace(*_):
+        nonlocal left
+        left -= 1
+        if left == 0:
+            raise KeyboardInterrupt
+        return trace
+
+    sys.settrace(trace)
+    try:
+        call()
+    finally:
+        sys.settrace(before)
+    return left <= 0
+
+
+def test_an_interrupt_comes_out_of_a_pause_wherever_it_falls():
+    for event in range(1, 1000):
+        try:
+            assert not interrupted_at(event, lambda: pause(0.001, unless=threading.Event()))
+            break
+        except KeyboardInterrupt:
+            continue
+    assert 5 < event < 1000
+
+
+def test_a_pause_ends_where_there_is_nothing_to_wait_for():
+    done = threading.Event()
+    done.set()
+    assert pause(60, unless=done)
+
+
+def test_an_interrupt_that_a_lock_turns_into_another_error_is_one(patient, results, monkeypatch, capsys):
+    def waits(*_, **_options):
+        lock = threading.Lock()
+        with lock:
+            lock.release()  # as a wait does; the interrupt comes before it takes it again
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct", waits)
+    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 130
+    assert capsys.readouterr().err == "aifrecon: Interrupted. No file is left half-written.\n"
 
 
 def test_ctrl_c_has_its_usual_exit_code():

@@ -85,6 +85,16 @@ def test_a_recording_without_calibration(here, said):
     assert quoted("aifrecon: sweep.igs.mha: No transform leads") in said("reconstruct", "sweep.igs.mha", *OUTPUT)
 
 
+def test_a_recording_that_holds_image_poses_read_with_the_calibration(here, said):
+    sequence = read_sequence(here / "sweep.igs.mha")
+    pose = TransformSample(rigid(), TransformStatus.OK)
+    records = [replace(r, transforms={**r.transforms, TransformName("Image", "Reference"): pose}) for r in sequence.records]
+    write_sequence(replace(sequence, records=records, images=np.asarray(sequence.images)), here / "scan.mhd")
+    command = ["reconstruct", "scan.mhd", "--config", "PlusDeviceSet.xml", "--spacing", "2", *OUTPUT]
+    assert quoted("aifrecon: scan.mhd: Two paths lead") in said(*command)
+    assert "wrote made.nrrd" in said(*command, "--image-to-reference", "ImageToReference")
+
+
 def test_a_tool_that_was_never_seen(here, said):
     rewrite(here, blind)
     assert quoted("aifrecon: sweep.igs.mha: no frame can be placed") in said("reconstruct", *SWEEP, *OUTPUT)

@@ -14,6 +14,9 @@ from pathlib import Path
 
 SOURCE_VARIABLE = "AIFRECON_SLICER_SOURCE"
 
+QT_PACKAGES = "libegl1 libgl1 libxkbcommon0 libdbus-1-3 libfontconfig1 libglib2.0-0"
+"""Debian packages of the system libraries that Qt needs, which its wheel does not hold."""
+
 
 def missing() -> str:
     """Why the host cannot run here; "" where it can."""
@@ -24,7 +27,7 @@ def missing() -> str:
         importlib.import_module("PySide6.QtWidgets")
         importlib.import_module("PySide6.QtUiTools")
     except ImportError as error:
-        return f"Qt does not start here: {error}"
+        return f"Qt does not start here: {error}. On Debian: apt install {QT_PACKAGES}"
     return ""
 
 
@@ -47,7 +50,7 @@ class SlicerHost:
 
     def __init__(self, testing: bool = False):
         if reason := missing():
-            raise RuntimeError(f"The Slicer host cannot run: {reason}.")
+            raise RuntimeError(f"The Slicer host cannot run here: {reason}.")
         os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
         import slicer
 
