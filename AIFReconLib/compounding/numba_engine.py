@@ -6,8 +6,6 @@ a slab the frames follow each other in time, so that what they have in common is
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from ..bone import BoneOnGrid
@@ -23,9 +21,6 @@ from .state import VoxelState
 
 SLABS = 8
 """Slabs that a batch is cut into: what frames share of one fits into a core's cache, and threads end at about the same time."""
-
-WEIGHTED_FRAMES = 4
-"""Frames that `weighted` judges at a time: more evidence than of so few would not stay in the cache until it is used."""
 
 PLAIN_RULES = {"average": AVERAGE, "latest": LATEST, "maximum": MAXIMUM}
 
@@ -109,21 +104,14 @@ class NumbaEngine:
         entered = np.zeros((len(edges) - 1, len(images)), np.int64)
         judge = self._frame_judge(scan_lines, images) if self.state.method == "weighted" else None
 
-        def put(group: slice, part: int) -> None:
+        def put(part: int) -> None:
             slab = (axis, int(edges[part]), int(edges[part + 1]))
-            some = images[group], matrices[group], pieces, spans[group]
-            self._put(entered[part, group], *some, slab, axes[group], layout, () if judge is None else judge.evidence(group))
+            evidence = () if judge is None else judge.evidence(len(images))
+            self._put(entered[part], images, matrices, pieces, spans, slab, axes, layout, evidence)
 
-        size = len(images) if judge is None else WEIGHTED_FRAMES
-        groups = [slice(first, min(first + size, len(images))) for first in range(0, len(images), size)]
-        # A group of frames is judged while the one before it is put into the volume, so that threads wait for each other less often
-        for before, group in zip([None, *groups], [*groups, None], strict=True):
-            jobs = []
-            if judge is not None and group is not None:
-                jobs += [partial(judge.judge, images[frame], frame) for frame in range(group.start, group.stop)]
-            if before is not None:
-                jobs += [partial(put, before, part) for part in range(len(edges) - 1)]
-            in_parts(lambda number, jobs=jobs: jobs[number](), len(jobs), self.threads)
+        if judge is not None:
+            in_parts(lambda frame: judge.judge(images[frame], frame), len(images), self.threads)
+        in_parts(put, len(edges) - 1, self.threads)
         return [int(n) for n in entered.sum(axis=0)]
 
     def _put(self, entered, images, matrices, pieces, spans, slab, axes, layout: PixelLayout, evidence) -> None:
@@ -158,5 +146,5 @@ class NumbaEngine:
 
     def _frame_judge(self, scan_lines: ScanLines, images: np.ndarray) -> FrameJudge:
         if self._judge is None or self._judge.scan_lines is not scan_lines:
-            self._judge = FrameJudge(scan_lines, images.dtype, self._maximum, 2 * WEIGHTED_FRAMES)
+            self._judge = FrameJudge(scan_lines, images.dtype, self._maximum, BATCH_FRAMES)
         return self._judge

@@ -216,8 +216,8 @@ class FrameJudge:
         self._rooms: list[tuple[np.ndarray, ...]] = []
 
     def judge(self, image: np.ndarray, frame: int) -> None:
-        """Judge the image of a frame of this number. Threads may do so at the same time."""
-        lines, place = self.scan_lines, frame % len(self._reach)
+        """Judge the image that comes as number `frame` of those that are kept. Threads may do so at the same time."""
+        lines = self.scan_lines
         try:
             room = self._rooms.pop()
         except IndexError:
@@ -226,12 +226,10 @@ class FrameJudge:
             room = *read, np.empty(shape, np.float32), np.empty(shape, np.float32)
         where = lines.pixel_of_sample, lines.padded_sample_of_pixel, lines.lit, lines.first_lit
         lengths = lines.taps, lines.depth, lines.crest, lines.judged
-        results = self._reach[place], self._begins[place], self._onset[place]
-        self._onsets[place] = judge(image, *where, *lengths, self._scales, self._dtype == np.uint8, room, *results)
+        results = self._reach[frame], self._begins[frame], self._onset[frame]
+        self._onsets[frame] = judge(image, *where, *lengths, self._scales, self._dtype == np.uint8, room, *results)
         self._rooms.append(room)
 
-    def evidence(self, frames: slice) -> tuple[np.ndarray, ...]:
-        """Reach, pixels with an onset, and onset (see `judge`), (frames, n), and how many onsets, of frames of these numbers in a row."""
-        first = frames.start % len(self._reach)
-        there = slice(first, first + frames.stop - frames.start)
-        return self._reach[there], self._begins[there], self._onset[there], self._onsets[there]
+    def evidence(self, frames: int) -> tuple[np.ndarray, ...]:
+        """Reach, pixels with an onset, and onset (see `judge`), (frames, n), and how many onsets, of the first frames."""
+        return self._reach[:frames], self._begins[:frames], self._onset[:frames], self._onsets[:frames]
