@@ -45,6 +45,10 @@ LAST_ECHO = 0.9
 """Share of the brightest echo from `CREST` before it to the end of the line that a pixel must have to count as the shadow's source."""
 
 
+VECTOR = 16
+"""Scan lines that compiled code takes at a time."""
+
+
 @dataclass(frozen=True, eq=False)
 class FrameEvidence:
     """Evidence at the pixels of a layout.
@@ -86,6 +90,8 @@ class ScanLines:
         First line, and the one after the last, of unbroken runs of samples that have a pixel.
     first_lit : (samples + 1,) int64 array
         Number of the first run of each sample, and of all runs.
+    active : (samples, 2) int64 array
+        First line, and the one after the last, that a sample must be computed for: on no other does it matter to any pixel.
     judged : (lines,) int32 array
         First sample of each line at which no onset is looked for any more.
 
@@ -118,14 +124,37 @@ class ScanLines:
         number[layout.inside] = np.arange(layout.inside.size)
         self._number_of_sample = number[sampled].reshape(-1)
         inside = number[sampled] < layout.inside.size
-        self.pixel_of_sample = np.where(inside, (row + top) * layout.size[0] + (column + left), 0).astype(np.int32)
+        self.pixel_of_sample = np.where(inside, (row + top) * layout.size[0] + (column + left), 0).astype(np.int32, order="C")
         edges = np.diff(np.pad(inside, ((0, 0), (1, 1))).astype(np.int8), axis=1)
         self.lit = np.stack([np.nonzero(edges == 1)[1], np.nonzero(edges == -1)[1]], axis=1)
         self.first_lit = np.append(0, np.cumsum((edges == 1).sum(axis=1)))
+        self.active = self._active(inside)
         # Where a line leaves the pixels, its darkness is no shadow: nothing is judged within the last millimeters before
         ends = np.where(inside.any(axis=0), samples - inside[::-1].argmax(axis=0), 0)
         self.judged = (ends - max(self._samples(LEAST_SHADOW), self.depth)).astype(np.int32)
         self._is_judged = np.arange(samples)[:, None] < self.judged
+
+    def _active(self, inside: np.ndarray) -> np.ndarray:
+        """`active`, of the samples (samples, lines) that have a pixel.
+
+        Notes
+        -----
+        Outside of these lines brightness is 0. Each line counts from its deepest bright sample or pixel up to the last place before the
+        first, without a gap, because what is found there is handed on from sample to sample.
+        """
+        bright, wanted = inside.copy(), np.zeros(inside.size, dtype=bool)
+        bright[:, 1:] |= inside[:, :-1]
+        bright[:, :-1] |= inside[:, 1:]
+        wanted[self.sample_of_pixel] = True
+        smoothed = self.taps // 2 + 1
+        first, last = _first_and_last(bright)
+        first_wanted, last_wanted = _first_and_last(wanted.reshape(inside.shape))
+        first, last = np.minimum(first - smoothed, first_wanted) - self.crest, np.maximum(last + smoothed, last_wanted)
+        sample = np.arange(len(inside))[:, None]
+        starts, stops = _first_and_last(((first <= sample) & (sample <= last)).T)
+        # Whole vectors are the fastest; where there is nothing at all, nothing
+        starts, stops = starts // VECTOR * VECTOR, np.minimum(-(-(stops + 1) // VECTOR) * VECTOR, inside.shape[1])
+        return np.stack([np.minimum(starts, stops), stops], axis=1)
 
     def scales(self, full_scale: float) -> tuple[np.float32, ...]:
         """What brightness is multiplied with: 1 / taps, 1 / 3, 1 / reached, 1 / fall, the last echo, 1 / (1 - last echo), least reach."""
@@ -192,3 +221,9 @@ class ScanLines:
 
     def _samples(self, length: float) -> int:
         return round(length / self.step)
+
+
+def _first_and_last(marked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of each column of a bool array (n, m): its first and its last True; n and -1 where there is none."""
+    some = marked.any(axis=0)
+    return np.where(some, marked.argmax(axis=0), len(marked)), np.where(some, len(marked) - 1 - marked[::-1].argmax(axis=0), -1)

@@ -8,7 +8,6 @@ from ..numba_compile import compiled, inlined
 from .evidence import ScanLines
 
 ZERO, ONE, TWO = np.float32(0), np.float32(1), np.float32(2)
-LINES_AT_ONCE = 128
 TINY = np.float32(np.finfo(np.float32).tiny)
 
 
@@ -20,20 +19,21 @@ def limited(value):
 
 
 @inlined
-def read_lines(pixels, places, lit, first_lit, read):
-    """Read the pixels at flat `places` (samples, lines) within the runs `lit`; the rest of `read` stays dark.
+def copy(numbers, room):
+    """Copy flat arrays. An assignment of whole arrays would ask at every number whether it is to be spread."""
+    for n in range(room.size):
+        room[n] = numbers[n]
 
-    A part of the lines at a time, so that the rows of pixels which they cross stay in the cache from one sample to the next.
-    """
-    samples, count = places.shape
-    for low in range(0, count, LINES_AT_ONCE):
-        for sample in range(samples):
-            for run in range(first_lit[sample], first_lit[sample + 1]):
-                start, stop = max(lit[run, 0], low), min(lit[run, 1], low + LINES_AT_ONCE)
-                if start < stop:
-                    there, found = places[sample, start:stop], read[sample, start:stop]
-                    for line in range(there.size):
-                        found[line] = pixels[np.uint32(there[line])]
+
+@inlined
+def read_lines(pixels, places, lit, first_lit, read):
+    """Read the pixels at flat `places` (samples, lines) within the runs `lit`; the rest of `read` stays dark."""
+    for sample in range(places.shape[0]):
+        for run in range(first_lit[sample], first_lit[sample + 1]):
+            start, stop = lit[run, 0], lit[run, 1]
+            there, found = places[sample, start:stop], read[sample, start:stop]
+            for line in range(there.size):
+                found[line] = pixels[np.uint32(there[line])]
 
 
 @inlined
@@ -58,41 +58,40 @@ def slide_sum(total, new, old):
 
 
 @inlined
-def smooth_across(total, per_tap, per_line, along, across):
-    """The mean over three neighboring lines of `total`, sums along the lines, not below 0; `along` gets those along the lines."""
-    count = along.size
-    for line in range(count):
-        along[line] = total[line] * per_tap
-    before, here, after, inner = along[: max(count - 2, 0)], along[1 : count - 1], along[2:], across[1 : count - 1]
-    for line in range(inner.size):
-        bright = ((before[line] + here[line]) + after[line]) * per_line
-        inner[line] = bright if bright > ZERO else ZERO
-    # Beside the first and the last line lie others like them
-    last = count - 1
-    bright = ((along[0] + along[0]) + along[min(1, last)]) * per_line
-    across[0] = bright if bright > ZERO else ZERO
-    bright = ((along[max(last - 1, 0)] + along[last]) + along[last]) * per_line
-    across[last] = bright if bright > ZERO else ZERO
+def smooth_across(total, per_tap, per_line, deeper, bright, now):
+    """The mean over three neighboring lines of `total`, sums along the lines and of one more line on either side, not below 0.
+
+    And the largest brightness from here on, `now`, of that and `deeper`.
+    """
+    for line in range(bright.size):
+        mean = ((total[line] * per_tap + total[line + 1] * per_tap) + total[line + 2] * per_tap) * per_line
+        mean = mean if mean > ZERO else ZERO
+        bright[line] = mean
+        now[line] = mean if mean > deeper[line] else deeper[line]
 
 
 @inlined
-def largest_below(bright, deeper, per_reached, now, arrived):
-    """The largest brightness from here on, and the share of sound that arrives."""
-    for line in range(bright.size):
-        now[line] = bright[line] if bright[line] > deeper[line] else deeper[line]
-    for line in range(bright.size):
-        share = now[line] * per_reached
-        share = share if share < ONE else ONE
-        arrived[line] = share * share
+def share_arrived(now, per_reached):
+    """The share of sound that arrives."""
+    share = now * per_reached
+    share = share if share < ONE else ONE
+    return share * share
 
 
 @inlined
-def find_onset(bright, crest, now, later, later_arrived, per_fall, last_echo, per_echo, found):
+def write_reach(now, per_reached, least, reach):
+    """The reach, of the largest brightness from here on."""
+    for line in range(reach.size):
+        reach[line] = share_arrived(now[line], per_reached) + least
+
+
+@inlined
+def find_onset(bright, crest, now, later, per_fall, last_echo, per_echo, per_reached, found):
     """How surely a shadow begins at one sample of each line."""
-    for line in range(bright.size):
+    for line in range(found.size):
         floor = crest[line] if crest[line] > TINY else TINY
         echo = limited((bright[line] / floor - last_echo) * per_echo)
-        found[line] = (limited((now[line] - later[line]) * per_fall) * echo) * (ONE - later_arrived[line])
+        found[line] = (limited((now[line] - later[line]) * per_fall) * echo) * (ONE - share_arrived(later[line], per_reached))
 
 
 @inlined
@@ -123,13 +122,15 @@ def hand_out(sampled_reach, sampled_onset, samples, reach, begins, onset):
 
 
 @compiled
-def judge(image, pixel_of_sample, sample_of_pixel, lit, first_lit, taps, depth, crest, judged, scales, whole, room, reach, begins, onset):
+def judge(
+    image, pixel_of_sample, sample_of_pixel, lit, first_lit, active, taps, depth, crest, judged, scales, whole, room, reach, begins, onset
+):
     """Reach and onset of one frame.
 
     Parameters
     ----------
     image : (rows, columns) uint8 or float32 array, finite
-    pixel_of_sample, sample_of_pixel, lit, first_lit, taps, depth, crest, judged
+    pixel_of_sample, sample_of_pixel, lit, first_lit, active, taps, depth, crest, judged
         Of `ScanLines`, `sample_of_pixel` for padded rows.
     scales : tuple of 7 float32
         See `ScanLines.scales`.
@@ -156,42 +157,56 @@ def judge(image, pixel_of_sample, sample_of_pixel, lit, first_lit, taps, depth, 
     per_tap, per_line, per_reached, per_fall, last_echo, per_echo, least = scales
     samples, count = pixel_of_sample.shape
     half = taps // 2
-    total, along, judged_before = np.empty(count, np.float32), np.empty(count, np.float32), np.empty(count, np.float32)
-    judged_before[:] = judged
+    judged_before = judged.astype(np.float32)
     pixels, read, sampled_reach, sampled_onset = room
     # Memory is fast in a row and slow by leaps: so one pass brings the image near before it is read along the beams
-    pixels[:] = image.ravel()
+    copy(image.ravel(), pixels)
     read_lines(pixels, pixel_of_sample, lit, first_lit, read)
+    # Sums along the lines, with one more before the first and after the last, so that all have neighbors
+    total = np.zeros(count + 2, np.float32)
+    summed = False
     # An onset is found `crest` samples late, when what lies before it is known; above the first sample all is as there
     kept = depth + crest + 1
-    across, below, arrived = np.empty((kept, count), np.float32), np.zeros((kept, count), np.float32), np.empty((kept, count), np.float32)
+    bright, below = np.zeros((kept, count), np.float32), np.zeros((kept, count), np.float32)
     for sample in range(samples - 1, -crest - 1, -1):
-        if sample >= 0:
-            first_tap = taps if whole and sample < samples - 1 else 1
+        if sample >= 0 and active[sample, 0] < active[sample, 1]:
+            start, stop = active[sample, 0], active[sample, 1]
+            sums, top = total[start + 1 : stop + 1], max(sample - half, 0)
+            first_tap = taps if whole and summed else 1
             for tap in range(first_tap, taps, 2):
                 one, other = min(max(sample - half + tap, 0), samples - 1), min(max(sample - half + tap + 1, 0), samples - 1)
                 if tap == 1:
-                    sum_rows(read[max(sample - half, 0)], read[one], read[other], total)
+                    sum_rows(read[top, start:stop], read[one, start:stop], read[other, start:stop], sums)
                 else:
-                    add_two_rows(total, read[one], read[other])
+                    add_two_rows(sums, read[one, start:stop], read[other, start:stop])
             if taps == 1:
-                total[:] = read[sample, :count]
+                copy(read[sample, start:stop], sums)
             elif first_tap == taps:
-                slide_sum(total, read[max(sample - half, 0)], read[min(sample + half + 1, samples - 1)])
-            here = sample % kept
-            smooth_across(total, per_tap, per_line, along, across[here])
-            largest_below(across[here], below[(sample + 1) % kept], per_reached, below[here], arrived[here])
+                slide_sum(sums, read[top, start:stop], read[min(sample + half + 1, samples - 1), start:stop])
+            summed = True
+            total[0], total[count + 1] = total[1], total[count]
+            here, deeper = sample % kept, (sample + 1) % kept
+            smooth_across(
+                total[start : stop + 2], per_tap, per_line, below[deeper, start:stop], bright[here, start:stop], below[here, start:stop]
+            )
+            write_reach(below[here, start:stop], per_reached, least, sampled_reach[sample, start:stop])
         place = sample + crest
-        if place >= samples:
-            continue
-        now, later = place % kept, (place + depth) % kept
-        arrives, found = sampled_reach[place][:count], sampled_onset[place][:count]
-        for line in range(count):
-            arrives[line] = arrived[now][line] + least
         if place + depth < samples:
-            shallower, deeper = below[max(sample, 0) % kept], below[later]
-            find_onset(across[now], shallower, below[now], deeper, arrived[later], per_fall, last_echo, per_echo, found)
-            mark_onset(np.float32(place), judged_before, found, arrives)
+            start, stop = active[place, 0], active[place, 1]
+            now, later, shallower = place % kept, (place + depth) % kept, max(sample, 0) % kept
+            found = sampled_onset[place, start:stop]
+            find_onset(
+                bright[now, start:stop],
+                below[shallower, start:stop],
+                below[now, start:stop],
+                below[later, start:stop],
+                per_fall,
+                last_echo,
+                per_echo,
+                per_reached,
+                found,
+            )
+            mark_onset(np.float32(place), judged_before[start:stop], found, sampled_reach[place, start:stop])
     return hand_out(sampled_reach.ravel(), sampled_onset.ravel(), sample_of_pixel, reach, begins, onset)
 
 
@@ -224,7 +239,7 @@ class FrameJudge:
             shape = lines.shape[0], lines.padded
             read = np.empty(image.size, self._dtype), np.zeros(shape, self._dtype)
             room = *read, np.empty(shape, np.float32), np.empty(shape, np.float32)
-        where = lines.pixel_of_sample, lines.padded_sample_of_pixel, lines.lit, lines.first_lit
+        where = lines.pixel_of_sample, lines.padded_sample_of_pixel, lines.lit, lines.first_lit, lines.active
         lengths = lines.taps, lines.depth, lines.crest, lines.judged
         results = self._reach[frame], self._begins[frame], self._onset[frame]
         self._onsets[frame] = judge(image, *where, *lengths, self._scales, self._dtype == np.uint8, room, *results)

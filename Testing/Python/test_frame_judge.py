@@ -1,0 +1,93 @@
+"""The compiled judge of frames gives every pixel what `ScanLines.evidence` gives it, whatever the shape of the ultrasound."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from AIFReconLib.beams import ProbeGeometry
+from AIFReconLib.compounding.evidence import VECTOR, ScanLines
+from AIFReconLib.compounding.layout import PixelLayout
+from AIFReconLib.region import ImageRegion
+
+pytest.importorskip("numba", reason="numba is not installed")
+from AIFReconLib.compounding.numba_evidence import FrameJudge
+
+COLUMNS, ROWS = 70, 60
+PROBES = [ProbeGeometry("linear"), ProbeGeometry("sector", (35.0, -12.0)), ProbeGeometry("sector", (-20.0, -30.0))]
+
+
+def layout_of(mask, spacing):
+    """A layout of just these pixels."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    window = int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1
+    inside = np.flatnonzero(mask[window[0] : window[1], window[2] : window[3]])
+    return PixelLayout((COLUMNS, ROWS), spacing, window, inside, None, None)
+
+
+def patches(seed, count):
+    """A mask of some rectangles with holes between and in them."""
+    rng = np.random.default_rng(seed)
+    mask = np.zeros((ROWS, COLUMNS), bool)
+    for number in range(2 * count):
+        top, left = rng.integers(0, ROWS), rng.integers(0, COLUMNS)
+        mask[top : top + rng.integers(1, ROWS), left : left + rng.integers(1, 30)] = number < count or rng.random() < 0.3
+    mask[rng.integers(0, ROWS), rng.integers(0, COLUMNS)] = True
+    return mask
+
+
+def echoes(seed, dtype):
+    """Speckle, bright places, and darkness below some of them."""
+    rng = np.random.default_rng(seed)
+    image = rng.integers(0, 60, (ROWS, COLUMNS)).astype(float)
+    for column in range(0, COLUMNS, 7):
+        surface = rng.integers(0, ROWS)
+        image[surface : surface + 5, column : column + 6] = 240
+        image[surface + 5 :, column : column + 6] *= rng.choice([0.0, 0.0, 1.0])
+    return image.astype(dtype) if dtype == np.uint8 else (1.07 * image).astype(dtype)
+
+
+@settings(deadline=None)
+@given(
+    seed=st.integers(0, 10_000),
+    count=st.integers(1, 5),
+    probe=st.sampled_from(PROBES),
+    spacing=st.sampled_from([(0.3, 0.3), (0.25, 0.6), (2.0, 2.0), (0.12, 0.1)]),
+    dtype=st.sampled_from([np.uint8, np.float32]),
+)
+def test_every_pixel_gets_the_evidence_of_its_scan_line(seed, count, probe, spacing, dtype):
+    layout = layout_of(patches(seed, count), spacing)
+    lines = ScanLines(layout, probe)
+    judge = FrameJudge(lines, np.dtype(dtype), 255.0, 2)
+    for frame in range(2):
+        image = echoes(seed + frame, dtype)
+        expected = lines.evidence(layout.values(image), 255.0)
+        judge.judge(image, frame)
+        reach, begins, onset, onsets = (part[frame] for part in judge.evidence(2))
+        np.testing.assert_array_equal(reach, expected.reach)
+        found = np.zeros_like(reach)
+        found[begins[:onsets]] = onset[:onsets]
+        np.testing.assert_array_equal(found, expected.onset)
+
+
+@pytest.mark.parametrize("probe", PROBES)
+def test_lines_are_computed_only_where_they_can_matter(probe):
+    mask = np.zeros((ROWS, COLUMNS), bool)
+    mask[5:50, 40:46] = True
+    lines = ScanLines(layout_of(mask, (0.3, 0.3)), probe)
+    starts, stops = lines.active.T
+    assert (starts <= stops).all()
+    assert starts.min() >= 0
+    assert stops.max() <= lines.shape[1]
+    sample, line = np.divmod(lines.sample_of_pixel.astype(int), lines.shape[1])
+    assert (starts[sample] <= line).all()
+    assert (line < stops[sample]).all()
+    assert (starts % VECTOR == 0).all()
+
+
+def test_the_corners_of_a_sector_beyond_its_image_are_left_out():
+    probe = ProbeGeometry("sector", (160.0, -50.0))
+    lines = ScanLines(PixelLayout.build((320, 240), (0.4, 0.4), ImageRegion(), probe), probe)
+    assert np.diff(lines.active, axis=1).sum() < 0.8 * lines.shape[0] * lines.shape[1]
