@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from . import __version__
-from .benchmark_cases import COLUMNS, PROBE, ROWS, fan_sweep, half_empty, labels_of_size, recorded, slab_of_bone
+from .benchmark_cases import COLUMNS, PROBE, ROWS, TURN_DEG, fan_sweep, half_empty, labels_of_size, recorded, slab_of_bone
 from .benchmark_first import seconds_to_first_result
 from .benchmark_table import BenchmarkResult, Timing
 from .bone import BoneMap
@@ -38,6 +38,9 @@ VOXELS = 10_000_000
 """For hole filling and bone maps."""
 
 FILE_FRAMES = 60
+
+TURNED_METHODS = ("average", "aif-compensated", "weighted")
+"""Methods that are also timed on a sweep that lies across the grid, where caches serve worst."""
 
 RECORDINGS = (
     ("SpinePhantomFreehand.igs.mha", "SpinePhantom_NN_MEAN.xml"),
@@ -77,10 +80,10 @@ def benchmark(
     Everything is timed once per round, one after the other, so that a machine that slows down for a while slows down all.
     """
     timings: list[Timing] = []
-    for number, spacing in enumerate(spacings):
-        jobs = _reconstruction_jobs(frames, spacing)
-        share = 0.7 * number / len(spacings), 0.7 * (number + 1) / len(spacings)
-        timings += _measured(jobs, repeats, lambda f, share=share: report(progress, share[0] + (share[1] - share[0]) * f, "Reconstructing"))
+    sweeps = [(_reconstruction_jobs, spacing) for spacing in spacings] + [(_turned_jobs, spacings[0])]
+    for number, (jobs, spacing) in enumerate(sweeps):
+        start, part = 0.7 * number / len(sweeps), 0.7 / len(sweeps)
+        timings += _measured(jobs(frames, spacing), repeats, lambda f, s=start, p=part: report(progress, s + p * f, "Reconstructing"))
     busy = _busy()
     if voxels:
         report(progress, 0.7, "Holes and bone")
@@ -123,22 +126,46 @@ def _measured(jobs: list[Job], repeats: int, tell: Callable[[float], None]) -> l
 
 
 def _reconstruction_jobs(frames: int, spacing: float) -> list[Job]:
-    """The yardsticks, then every method with every engine."""
+    """The yardsticks, then every method with every engine, on a sweep along the grid."""
     sweep = fan_sweep(frames)
-    grid = grid_around_sweep(np.array([f.image_to_reference for f in sweep]), (COLUMNS, ROWS), ImageRegion(), (spacing,) * 3)
-    bone = slab_of_bone(grid)
-    jobs: list[Job] = []
-    loops = optional_module("AIFReconLib.numba_yardstick")
-    if loops is not None:
-        for method, work in loops.yardsticks(sweep, grid, bone, PROBE).items():
-            jobs.append((work, Timing(method, "yardstick", 1, spacing, 0.0), len(sweep)))
+    grid, bone = _around(sweep, spacing)
+    jobs = _yardstick_jobs(METHODS, sweep, grid, bone, spacing)
     for method in METHODS:
         few = sweep[::NUMPY_SHARE]
         jobs.append(_method_job(method, "numpy", 1, few, grid, bone, spacing))
-        if loops is not None:
-            for threads in sorted({1, min(2, usable_cores())}):
-                jobs.append(_method_job(method, "numba", threads, sweep, grid, bone, spacing))
+        for threads in _numba_threads():
+            jobs.append(_method_job(method, "numba", threads, sweep, grid, bone, spacing))
     return jobs
+
+
+def _turned_jobs(frames: int, spacing: float) -> list[Job]:
+    """The same of some methods, with numba on all of its threads, on a sweep across the grid."""
+    sweep = fan_sweep(frames, TURN_DEG)
+    grid, bone = _around(sweep, spacing)
+    jobs = _yardstick_jobs(TURNED_METHODS, sweep, grid, bone, spacing)
+    for threads in _numba_threads()[-1:]:
+        jobs += [_method_job(method, "numba", threads, sweep, grid, bone, spacing) for method in TURNED_METHODS]
+    return [(work, replace(row, what=f"{row.what}, turned {TURN_DEG:g} degrees"), count) for work, row, count in jobs]
+
+
+def _around(sweep: list[TrackedFrame], spacing: float) -> tuple[VoxelGrid, BoneMap]:
+    """A grid along the axes of Reference that holds the sweep, and bone in its middle."""
+    poses = np.array([f.image_to_reference for f in sweep])
+    grid = grid_around_sweep(poses, (COLUMNS, ROWS), ImageRegion(), (spacing,) * 3)
+    return grid, slab_of_bone(grid)
+
+
+def _numba_threads() -> list[int]:
+    """Numbers of threads to time numba with, rising; none without numba."""
+    return sorted({1, min(2, usable_cores())}) if optional_module("AIFReconLib.numba_yardstick") else []
+
+
+def _yardstick_jobs(methods: tuple[str, ...], sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float) -> list[Job]:
+    loops = optional_module("AIFReconLib.numba_yardstick")
+    if loops is None:
+        return []
+    works = loops.yardsticks(sweep, grid, bone, PROBE)
+    return [(works[method], Timing(method, "yardstick", 1, spacing, 0.0), len(sweep)) for method in methods]
 
 
 def _method_job(method: str, engine: str, threads: int, sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float) -> Job:
@@ -163,9 +190,8 @@ def _volume_jobs(voxels: int) -> list[Job]:
 
     million = f"{mask.size / 1e6:.0f} million voxels"
     jobs: list[Job] = [(fill("numpy", 1), Timing(f"hole filling, reach 2, {million}", "numpy", 1, 0.5, 0.0), 0)]
-    if optional_module("AIFReconLib.numba_holes") is not None:
-        for threads in sorted({1, min(2, usable_cores())}):
-            jobs.append((fill("numba", threads), Timing(f"hole filling, reach 2, {million}", "numba", threads, 0.5, 0.0), 0))
+    for threads in _numba_threads():
+        jobs.append((fill("numba", threads), Timing(f"hole filling, reach 2, {million}", "numba", threads, 0.5, 0.0), 0))
     cores, sampler = usable_cores(), "scipy" if optional_module("AIFReconLib.numba_bone") is None else "numba"
     jobs.append((lambda: BoneMap.from_labels(labels), Timing(f"bone map from labels, {million}", "scipy", cores, 0.5, 0.0), 0))
     jobs.append((lambda: bone.on_grid(turned), Timing(f"bone map onto a grid, {million}", sampler, cores, 0.5, 0.0), 0))
@@ -195,7 +221,7 @@ def _recording_jobs(data: Path) -> list[Job]:
     for recording, configuration in RECORDINGS:
         if not ((data / recording).is_file() and (data / configuration).is_file()):
             continue
-        for engine in ("numpy", "numba") if optional_module("AIFReconLib.numba_yardstick") else ("numpy",):
+        for engine in ("numpy", "numba") if _numba_threads() else ("numpy",):
 
             def work(recording=recording, configuration=configuration, engine=engine) -> None:
                 sequence = read_sequence(data / recording, config=data / configuration)
@@ -206,7 +232,7 @@ def _recording_jobs(data: Path) -> list[Job]:
 
 
 def _first_results() -> list[Timing]:
-    if optional_module("AIFReconLib.numba_yardstick") is None:
+    if not _numba_threads():
         return []
     compiling, kept = seconds_to_first_result()
     return [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from .beams import SECTOR, ProbeGeometry
 from .bone import BoneMap
@@ -14,12 +15,17 @@ COLUMNS, ROWS, PIXEL = 640, 480, 0.2
 """Size of the benchmark's images, and their pixel pitch in mm."""
 
 FAN_DEG = 30.0
+TURN_DEG = 25.0
+"""How far a sweep is turned about each axis of Reference that does not lie along the grid."""
+
 LIVE_FRAMES_PER_SECOND = 30.0
 PROBE = ProbeGeometry(SECTOR, (COLUMNS / 2, -100.0))
 
 
-def fan_sweep(frames: int) -> list[TrackedFrame]:
-    """Speckle images, turned step by step through 30 degrees about the x axis of Reference."""
+def fan_sweep(frames: int, turn_deg: float = 0.0) -> list[TrackedFrame]:
+    """Speckle images, turned step by step through 30 degrees about the x axis of Reference, then all about each of its axes."""
+    turned = np.eye(4)
+    turned[:3, :3] = Rotation.from_euler("xyz", [turn_deg] * 3, degrees=True).as_matrix()
     image = np.random.default_rng(1).integers(0, 256, (ROWS, COLUMNS), dtype=np.uint8)
     sweep = []
     for number, angle in enumerate(np.radians(np.linspace(-FAN_DEG / 2, FAN_DEG / 2, frames))):
@@ -28,7 +34,7 @@ def fan_sweep(frames: int) -> list[TrackedFrame]:
         pose[:3, 1] = 0.0, PIXEL * np.cos(angle), PIXEL * np.sin(angle)
         pose[:3, 2] = 0.0, -PIXEL * np.sin(angle), PIXEL * np.cos(angle)
         pose[0, 3] = -PIXEL * COLUMNS / 2
-        sweep.append(TrackedFrame(image, pose, number / LIVE_FRAMES_PER_SECOND, number=number))
+        sweep.append(TrackedFrame(image, turned @ pose, number / LIVE_FRAMES_PER_SECOND, number=number))
     return sweep
 
 
