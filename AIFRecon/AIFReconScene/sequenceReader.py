@@ -14,6 +14,7 @@ from .browserItems import BrowserItems
 from .sequenceNodes import IMAGE_STATUS_ATTRIBUTE, ORIENTATION_ATTRIBUTE, PROBLEM_ATTRIBUTE
 from .sweepImages import SweepImages, hasImage
 from .sweepPoses import FramePose, framePoses
+from .sweepStatus import checkRecorded
 
 IMAGE_TO_WORLD = TransformName("Image", "Reference")
 """What the poses are called in the sweep that is handed to the library: Reference is RAS world."""
@@ -107,6 +108,7 @@ def sweepSummary(browser, imageSequence=None, reference: str | None = None) -> S
     """
     frames = 0
     try:
+        checkRecorded(browser)
         items = BrowserItems(browser, imageSequence)
         frames = len(items)
         poses = framePoses(items, reference)

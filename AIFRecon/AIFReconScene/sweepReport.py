@@ -1,6 +1,6 @@
 """How well a sweep was tracked: the library's report, kept from the last reconstruction or made when it is asked for."""
 
-from .sweepStatus import sweepKey
+from .sweepStatus import checkRecorded, sweepKey
 
 
 class SweepReport:
@@ -30,10 +30,11 @@ class SweepReport:
         Raises
         ------
         AIFReconError
-            When the sweep cannot be read.
+            When the sweep cannot be read, or is still being recorded.
         """
         from .sequenceReader import sequenceFromBrowser
 
+        checkRecorded(parameters.sweep)
         if self._key != sweepKey(parameters.sweep, parameters.imageSequence):
             sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
             self._make(parameters.sweep, parameters.imageSequence, sequence)

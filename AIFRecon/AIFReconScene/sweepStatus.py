@@ -2,6 +2,7 @@
 
 import vtk
 
+from AIFReconLib.errors import AIFReconError
 from AIFReconLib.message import listed
 
 from .sceneNodes import nodesOfClass
@@ -32,8 +33,14 @@ class SweepStatus:
         return listed(summary.lines if summary is not None else (), "\n")
 
 
+def checkRecorded(browser) -> None:
+    """Raise an AIFReconError while a sweep is still being recorded: it would be looked through again for every frame that comes."""
+    if browser.GetRecordingActive():
+        raise AIFReconError("{name} is being recorded. Stop the recording to reconstruct it.", name=browser.GetName())
+
+
 def sweepKey(browser, imageSequence=None) -> tuple:
-    """What changes when a sweep gets other frames or another place, and not while it is replayed. No item is looked at.
+    """What changes when a sweep gets other frames or another place, and not while it is replayed or recorded. No item is looked at.
 
     Parameters
     ----------
@@ -41,6 +48,9 @@ def sweepKey(browser, imageSequence=None) -> tuple:
     imageSequence : vtkMRMLSequenceNode or None
         Default: the master.
     """
+    chosen = browser.GetID(), imageSequence.GetID() if imageSequence is not None else None
+    if browser.GetRecordingActive():
+        return *chosen, "recording"
     found = vtk.vtkCollection()
     browser.GetSynchronizedSequenceNodes(found, True)
     sequences = [found.GetItemAsObject(index) for index in range(found.GetNumberOfItems())]
@@ -56,7 +66,7 @@ def sweepKey(browser, imageSequence=None) -> tuple:
     replayed = {proxy.GetID() for proxy in proxies}
     placed = tuple((node.GetID(), node.GetTransformNodeID()) for node in (*proxies, *above.values()))
     moved = tuple((node.GetID(), node.GetName(), _matrixOf(node)) for node in above.values() if node.GetID() not in replayed)
-    return browser.GetID(), imageSequence.GetID() if imageSequence is not None else None, held, placed, moved
+    return *chosen, held, placed, moved
 
 
 def _matrixOf(transformNode) -> tuple | None:

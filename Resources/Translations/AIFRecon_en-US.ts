@@ -3728,6 +3728,11 @@
         <translation type="unfinished"></translation>
     </message>
     <message>
+        <location filename="../../AIFRecon/AIFReconScene/sweepStatus.py"/>
+        <source>{name} is being recorded. Stop the recording to reconstruct it.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../AIFReconLib/poses.py"/>
         <source>{name} is in the recording and in the configuration; the recording's is used.</source>
         <translation type="unfinished"></translation>

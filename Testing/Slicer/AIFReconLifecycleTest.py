@@ -116,6 +116,40 @@ class AIFReconLifecycleTest(unittest.TestCase):
         slicer.modules.sequences.logic().UpdateProxyNodesFromSequences(sweep)
         self.assertEqual(sweepKey(sweep), before)
 
+    def test_a_sweep_is_described_once_its_recording_has_ended(self):
+        from AIFReconScene import sequenceReader
+
+        self.addInputs()
+        sweep = self.parameters.sweep
+        images = sweep.GetMasterSequenceNode()
+        frames = images.GetNumberOfDataNodes()
+        looked = []
+        summary = sequenceReader.sweepSummary
+        sequenceReader.sweepSummary = lambda *sweepAndImages: looked.append(1) or summary(*sweepAndImages)
+        try:
+            sweep.SetRecordingActive(True)
+            self.assertFalse(self.ui.applyButton.enabled)
+            self.assertIn("Stop the recording", self.ui.applyButton.toolTip)
+            for number in range(3):
+                images.SetDataNodeAtValue(images.GetNthDataNode(0), str(100.0 + number))
+                sweep.Modified()
+            self.assertEqual(len(looked), 1)
+            sweep.SetRecordingActive(False)
+        finally:
+            sequenceReader.sweepSummary = summary
+        self.assertIn(f"of {frames + 3} frames", self.ui.sweepStatusLabel.text)
+        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
+
+    def test_the_report_waits_for_the_end_of_the_recording(self):
+        self.addInputs()
+        self.parameters.sweep.SetRecordingActive(True)
+        self.ui.reportCollapsibleButton.collapsed = False
+        self.assertIn("Stop the recording", self.ui.reportLabel.text)
+        self.assertFalse(self.ui.copyReportButton.enabled)
+        self.parameters.sweep.SetRecordingActive(False)
+        self.assertNotIn("Stop the recording", self.ui.reportLabel.text)
+        self.assertTrue(self.ui.copyReportButton.enabled)
+
     def test_the_probe_is_drawn_on_the_frame_that_is_shown(self):
         from AIFReconScene.parameters import ProbeShape
 
