@@ -66,7 +66,8 @@ def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
     Notes
     -----
     They are renamed in the order given: data first, the header that names it last, and in such a way that an older header never stands
-    beside newer data. A file that the block did not write is left out. A file keeps the permissions of the one that it replaces.
+    beside newer data. A file that the block did not write is left out, but for the last, without which nothing was written. A file keeps
+    the permissions of the one that it replaces.
     """
     targets = [_target(path) for path in paths]
     if len({target.parent for target in targets}) != 1:
@@ -76,6 +77,9 @@ def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
     with _output_errors(paths[-1]), workspace(targets[0].parent) as folder:
         temporaries = tuple(folder / target.name for target in targets)
         yield temporaries
+        if not temporaries[-1].exists():
+            # A library that swallows an interrupt, or a disk that loses a file, must not look like success
+            raise OutputError("Cannot write {path}: the file did not come about. Try again, or choose another folder.", path=paths[-1])
         written = [(temporary, target) for temporary, target in zip(temporaries, targets) if temporary.exists()]
         for temporary, target in written:
             flush_to_disk(temporary)

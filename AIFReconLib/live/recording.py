@@ -221,13 +221,13 @@ class Recorder:
         target = self.path.with_suffix(".raw")
         with open(self._pixels_path, "rb+") as file:
             file.truncate(self.frames * self._frame_bytes)
-        with atomic_outputs(target, self.path) as (temporary_data, temporary):
-            try:
+        try:
+            with atomic_outputs(target, self.path) as (temporary_data, temporary):
                 # Two names until the header is there: at no moment is the recording without one that fits
-                os.link(self._pixels_path, temporary_data)
-            except OSError:
-                return False
-            self._write_header(temporary.with_name("header.new"), temporary, target.name)
+                _give_second_name(self._pixels_path, temporary_data)
+                self._write_header(temporary.with_name("header.new"), temporary, target.name)
+        except _OneNameOnly:
+            return False
         return True
 
     def _copy(self, progress: Progress | None) -> None:
@@ -258,3 +258,14 @@ class Recorder:
     def _remove(self) -> None:
         for path in (self.header_path, self._pixels_path, self._fields_path):
             path.unlink(missing_ok=True)
+
+
+class _OneNameOnly(Exception):
+    """The file system does not give a file two names."""
+
+
+def _give_second_name(path: Path, other: Path) -> None:
+    try:
+        os.link(path, other)
+    except OSError as error:
+        raise _OneNameOnly from error

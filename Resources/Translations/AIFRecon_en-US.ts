@@ -1356,6 +1356,11 @@
     </message>
     <message>
         <location filename="../../AIFReconLib/io/atomic.py"/>
+        <source>Cannot write {path}: the file did not come about. Try again, or choose another folder.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFReconLib/io/atomic.py"/>
         <source>Cannot write {path}: the folder {folder} does not exist. Create it, or choose another path.</source>
         <translation type="unfinished"></translation>
     </message>

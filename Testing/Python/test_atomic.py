@@ -36,6 +36,7 @@ def test_the_temporary_file_has_the_same_name_and_so_the_same_suffixes(tmp_path,
     with atomic_output(tmp_path / name) as temporary:
         assert temporary.name == name
         assert temporary.parent.parent == tmp_path
+        temporary.touch()
 
 
 @pytest.mark.parametrize("exception", [RuntimeError, KeyboardInterrupt, SystemExit])
@@ -74,6 +75,14 @@ def test_a_companion_that_was_not_written_is_left_out(tmp_path):
     with atomic_outputs(tmp_path / "a.zraw", tmp_path / "a.mhd") as (_, header):
         header.touch()
     assert [path.name for path in tmp_path.iterdir()] == ["a.mhd"]
+
+
+def test_a_file_that_did_not_come_about_is_no_success(tmp_path):
+    write_text(tmp_path / "a.mhd", "old")
+    refused = pytest.raises(OutputError, match=r"a\.mhd: the file did not come about\. Try again")
+    with refused, atomic_outputs(tmp_path / "a.zraw", tmp_path / "a.mhd") as (data, _):
+        data.touch()
+    assert content_of(tmp_path) == {"a.mhd": "old"}
 
 
 @pytest.mark.parametrize(
