@@ -11,7 +11,7 @@ import numpy as np
 
 from ..beams import SECTOR, ProbeGeometry
 from ..bone import BoneMap, BoneOnGrid
-from ..errors import BeamGeometryError, GeometryError, SettingsError
+from ..errors import BeamGeometryError, SettingsError
 from ..frames import TrackedFrame
 from ..hole_kinds import HoleFilling, fill_as_asked
 from ..memory import require_memory
@@ -27,6 +27,7 @@ from .batch import FrameBatch
 from .engines import choose_engine
 from .evidence import ScanLines
 from .fixed_point import in_fixed_point
+from .image_kind import ImageKind
 from .layout import PixelLayout
 from .numpy_engine import NumpyEngine
 from .splat_engine import SplatEngine, check_shares, compiled_spread, uses_shares
@@ -191,7 +192,7 @@ class Reconstructor:
         self._scan_lines: ScanLines | None = None
         self._engine = None
         self._batch: FrameBatch | None = None
-        self._image_type: np.dtype | None = None
+        self._images: ImageKind | None = None
 
     def insert(self, frames: TrackedFrame | Iterable[TrackedFrame]) -> None:
         """Put a frame, or several in their order, into the volume.
@@ -283,7 +284,7 @@ class Reconstructor:
         image, pose = frame.image, frame.image_to_reference
         if self._engine is None:
             self._start(frame)
-        self._check_like_first(frame)
+        self._images.check(frame)
         spacing = pixel_spacing(pose)
         size = image.shape[1], image.shape[0]
         if self._layout is None or not self._layout.fits(size, spacing):
@@ -313,13 +314,20 @@ class Reconstructor:
         if not batch:
             return
         try:
-            for number, pixels in zip(batch.numbers, self._engine.insert(batch, self._layout, self._scan_lines), strict=True):
+            entered = self._engine.insert(batch, self._layout, self._scan_lines)
+            for place, (number, pixels) in enumerate(zip(batch.numbers, entered, strict=True)):
                 if pixels:
                     self.counts.inserted += 1
                 else:
-                    self.counts.skip(Message("outside the volume"), number)
+                    self.counts.skip(self._why_nothing_entered(batch.measured.get(place)), number)
         finally:
             batch.clear()
+
+    def _why_nothing_entered(self, measured: np.ndarray | None) -> Message:
+        """Of a frame of which these pixels, (rows, columns) bool, were measured; None: all."""
+        if measured is not None and not self._layout.has_any(measured):
+            return Message("no pixel in the image is a finite number")
+        return Message("outside the volume")
 
     @staticmethod
     def _why_not(frame: TrackedFrame) -> str | None:
@@ -333,56 +341,19 @@ class Reconstructor:
         return Message("image pose {problem}", problem=problem) if problem else None
 
     def _start(self, frame: TrackedFrame) -> None:
-        image = frame.image
-        if image.ndim != 2 or not image.size or image.dtype.kind not in "biuf":
-            raise GeometryError(
-                "Input images must be gray, rows x columns of numbers; got {shape} {kind} in frame {number}.",
-                shape=image.shape,
-                kind=image.dtype,
-                number=frame.number,
-            )
-        self._image_type = image.dtype
-        self._image_shape = image.shape
-        eight_bit = image.dtype == np.uint8
-        if self.method == "weighted" and not eight_bit and self.settings.intensity_maximum is None:
-            self._notes.append(
-                Message(
-                    "Warning: weighted judges brightness against the full gray scale, which {kind} images do not tell. "
-                    "Give their brightest value with --intensity-maximum.",
-                    kind=image.dtype.name,
-                )
-            )
-        if self.settings.output_type == "uint8" and not eight_bit:
-            self._notes.append(
-                Message(
-                    "Warning: {kind} images are written as uint8: values above 255 are cut off. Use --output-type float32.",
-                    kind=image.dtype.name,
-                )
-            )
-        maximum = self.settings.intensity_maximum
-        if maximum is None:
-            maximum = np.iinfo(image.dtype).max if image.dtype.kind in "iu" else np.inf
+        images = ImageKind.of(frame)
+        self._images = images
+        self._notes += images.warnings(self.method, self.settings)
         if self._shares:
             self._engine = SplatEngine(self._state, self.grid.size, self.settings, self._importance)
         else:
+            maximum = images.maximum(self.settings)
             self._engine = self._engine_class(self._state, self.grid.size, self.settings, maximum, self._bone, self._threads)
-        self._batch = FrameBatch(image.shape, image.dtype, self._engine.frames_at_once)
-
-    def _check_like_first(self, frame: TrackedFrame) -> None:
-        image = frame.image
-        if image.shape != self._image_shape or image.dtype != self._image_type:
-            raise GeometryError(
-                "Input images must all be alike; got {shape} {kind} in frame {number} after {first_shape} {first_type}.",
-                shape=image.shape,
-                kind=image.dtype,
-                number=frame.number,
-                first_shape=self._image_shape,
-                first_type=self._image_type,
-            )
+        self._batch = FrameBatch(images.shape, images.dtype, self._engine.frames_at_once)
 
     def _to_output_type(self, values: np.ndarray) -> np.ndarray:
-        wanted = self.settings.output_type or ("uint8" if self._image_type == np.uint8 else "float32")
-        if wanted == "float32":
+        wanted = self._images.output_type(self.settings) if self._images else self.settings.output_type
+        if wanted != "uint8":
             return values
         np.floor(np.clip(values, 0.0, 255.0, out=values) + np.float32(0.5), out=values)
         return values.astype(np.uint8)

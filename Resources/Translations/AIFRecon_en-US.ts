@@ -1699,7 +1699,7 @@
         <translation type="unfinished"></translation>
     </message>
     <message>
-        <location filename="../../AIFReconLib/compounding/reconstructor.py"/>
+        <location filename="../../AIFReconLib/compounding/image_kind.py"/>
         <source>Input images must all be alike; got {shape} {kind} in frame {number} after {first_shape} {first_type}.</source>
         <translation type="unfinished"></translation>
     </message>
@@ -1709,7 +1709,7 @@
         <translation type="unfinished"></translation>
     </message>
     <message>
-        <location filename="../../AIFReconLib/compounding/reconstructor.py"/>
+        <location filename="../../AIFReconLib/compounding/image_kind.py"/>
         <source>Input images must be gray, rows x columns of numbers; got {shape} {kind} in frame {number}.</source>
         <translation type="unfinished"></translation>
     </message>
@@ -2520,12 +2520,12 @@
         <translation type="unfinished"></translation>
     </message>
     <message>
-        <location filename="../../AIFReconLib/compounding/reconstructor.py"/>
+        <location filename="../../AIFReconLib/compounding/image_kind.py"/>
         <source>Warning: weighted judges brightness against the full gray scale, which {kind} images do not tell. Give their brightest value with --intensity-maximum.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
-        <location filename="../../AIFReconLib/compounding/reconstructor.py"/>
+        <location filename="../../AIFReconLib/compounding/image_kind.py"/>
         <source>Warning: {kind} images are written as uint8: values above 255 are cut off. Use --output-type float32.</source>
         <translation type="unfinished"></translation>
     </message>
@@ -3098,6 +3098,11 @@
     <message>
         <location filename="../../AIFReconLib/io/nrrd_header.py"/>
         <source>no other encoding is supported</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFReconLib/compounding/reconstructor.py"/>
+        <source>no pixel in the image is a finite number</source>
         <translation type="unfinished"></translation>
     </message>
     <message>

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -235,6 +236,17 @@ def test_pixels_that_are_not_finite_never_enter():
     reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method="average"))
     reconstructor.insert(frame)
     assert np.isfinite(reconstructor.finish().intensity.array).all()
+
+
+@pytest.mark.parametrize("interpolation", ["nearest", "linear"])
+def test_an_image_without_a_finite_pixel_is_counted_as_such(interpolation):
+    empty, good = oblique_frames(count=2, dtype=np.float32)
+    empty.image[:] = np.nan
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method="average", interpolation=interpolation))
+    reconstructor.insert([replace(empty, number=0), replace(good, number=1)])
+    result = reconstructor.finish()
+    assert result.frames_inserted == 1
+    assert result.skipped == {"no pixel in the image is a finite number": [0]}
 
 
 def test_frames_that_are_not_ok_are_counted_by_reason_and_change_nothing():
