@@ -190,10 +190,13 @@ class Inserter:
 
     def _warm_up(self) -> None:
         """Let the engine load and compile on a volume of a few voxels, so that the first frames of the scan need not wait for it."""
-        probe = ProbeGeometry(LINEAR)
+        image = np.ones((8, 8), np.uint8)
+        # Another engine takes pixels that count unequally
+        importance = None if self._parts.importance is None else image.astype(np.float32)
         with contextlib.suppress(Exception):  # what is wrong shows with the real volume, where it is reported
-            tiny = Reconstructor(VoxelGrid.from_spacing((0.0, 0.0, 0.0), (8, 8, 8), 1.0), self._settings, self._bone, probe=probe)
-            tiny.insert(TrackedFrame(np.ones((8, 8), np.uint8), np.eye(4)))
+            grid = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (8, 8, 8), 1.0)
+            tiny = Reconstructor(grid, self._settings, self._bone, probe=ProbeGeometry(LINEAR), importance=importance)
+            tiny.insert(TrackedFrame(image, np.eye(4)))
 
     def _work(self) -> None:
         self._warm_up()
