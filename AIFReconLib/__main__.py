@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import sys
 
+from .orderly_end import OrderlyEnd, orderly_end
+
 LEAST_ADDRESS_SPACE = 800 * 2**20
 """Bytes that loading the libraries takes. With less, some of them end the program in words of their own, or wait forever."""
 
@@ -20,7 +22,7 @@ def main() -> int:
     Returns
     -------
     code : int
-        As `cli.main`; 2 where the libraries cannot be loaded, 130 when Ctrl-C came before they were.
+        As `cli.main`; 2 where the libraries cannot be loaded, 128 and the number of the signal when one came before they were.
     """
     space = _address_space()
     if space < LEAST_ADDRESS_SPACE:
@@ -28,15 +30,23 @@ def main() -> int:
         return _fail(f"The program may use {given} MiB of address space and needs {least} to start. Raise the limit (ulimit -v).", 2)
     if space < AMPLE_ADDRESS_SPACE:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    end = OrderlyEnd()
     try:
-        from .cli import main as run
+        with orderly_end(end):
+            from .cli import main as run
     except KeyboardInterrupt:
-        return _fail(_INTERRUPTED, 130)
+        end.told = True
     except MemoryError:
         return _fail("There is not enough memory to start. End other programs.", 2)
-    except (ImportError, OSError) as error:
-        cause = " ".join(str(error).split())
-        return _fail(f"A library cannot be loaded ({cause}). Install AIFRecon again, or give the program more memory.", 2)
+    except Exception as error:
+        if not end.told:
+            if not isinstance(error, (ImportError, OSError)):
+                raise
+            cause = " ".join(str(error).split())
+            return _fail(f"A library cannot be loaded ({cause}). Install AIFRecon again, or give the program more memory.", 2)
+    # An interrupt may come out of an import as another error, or not at all
+    if end.told:
+        return _fail(_INTERRUPTED, end.exit_code)
     try:
         return run()
     except KeyboardInterrupt:  # before a command had begun, or when it was just over

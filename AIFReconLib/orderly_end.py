@@ -21,9 +21,18 @@ _CALLED_FROM_C = "llvmlite"
 
 
 class OrderlyEnd:
-    """What ended the program, for its exit code."""
+    """What ended the program, for its exit code.
+
+    Attributes
+    ----------
+    told : bool
+        Whether it was told to end, also where the interrupt was swallowed on its way.
+    signal : int
+        By what.
+    """
 
     def __init__(self):
+        self.told = False
         self.signal = int(signal.SIGINT)
 
     @property
@@ -72,7 +81,7 @@ def orderly_end(end: OrderlyEnd | None = None) -> Iterator[OrderlyEnd]:
             again.daemon = True
             again.start()
             return
-        end.signal = int(number)
+        end.told, end.signal = True, int(number)
         raise KeyboardInterrupt
 
     before = {}

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -240,17 +241,29 @@ def test_a_library_that_cannot_be_loaded_is_one_line(monkeypatch, capsys):
     assert capsys.readouterr().err.startswith("aifrecon: A library cannot be loaded")
 
 
-def test_ctrl_c_while_the_libraries_load_is_one_line(monkeypatch, capsys):
+def swallowed_and_forgotten():
+    with suppress(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+
+
+def swallowed_and_another_error():
+    swallowed_and_forgotten()
+    raise SyntaxError("can't load unicodedata module")
+
+
+@pytest.mark.parametrize("meets", [lambda: signal.raise_signal(signal.SIGINT), swallowed_and_forgotten, swallowed_and_another_error])
+def test_ctrl_c_while_the_libraries_load_is_one_line(meets, monkeypatch, capsys):
     class Interrupting:
         def find_spec(self, name, *_):
             if name == "AIFReconLib.cli":
-                raise KeyboardInterrupt
+                meets()
 
     monkeypatch.delitem(sys.modules, "AIFReconLib.cli")
     monkeypatch.delattr("AIFReconLib.cli")
     monkeypatch.setattr(sys, "meta_path", [Interrupting(), *sys.meta_path])
     assert entry.main() == 130
     assert capsys.readouterr().err == "aifrecon: Interrupted. No file is left half-written.\n"
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_running_out_of_memory_is_one_line_with_a_remedy(patient, results, monkeypatch, capsys):
