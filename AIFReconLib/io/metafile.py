@@ -28,6 +28,9 @@ COMPRESSED = "compressed"
 METAIMAGE_SUFFIXES = (".mha", ".mhd")
 NRRD_SUFFIXES = (".nrrd", ".nhdr")
 
+TO_THE_END = -1
+"""How both formats say that the pixels are the last bytes of a file, whatever comes before."""
+
 MAXIMUM_LINE = 2**20
 """Bytes. A line of a header holds a matrix or a note; a file without line ends is no header."""
 
@@ -214,6 +217,7 @@ def build_metafile(
     stored_length: int | None,
     fields: dict[str, str],
     entries: dict[str, str] | None = None,
+    skip: int = 0,
 ) -> Metafile:
     """The `Metafile` of a parsed header, after checking that the payload is there.
 
@@ -225,12 +229,16 @@ def build_metafile(
         Name of a detached data file; None when the data follow the header.
     stored_length : int or None
         Length of the compressed data that the header declares, if any.
+    skip : int
+        Bytes of the data file before the pixels; `TO_THE_END` where the pixels are its last bytes.
     """
-    offset = lines.position if data_file is None else 0
     data_path = lines.path if data_file is None else _beside(lines, data_file)
     if not data_path.is_file():
         raise lines.failure("data file {file} is missing. Put it beside the header.", file=data_path.name)
     status = data_path.stat()
+    offset = lines.position if data_file is None else skip
+    if skip == TO_THE_END:
+        offset = max(status.st_size - math.prod(size) * channels * dtype.itemsize, 0)
     metafile = Metafile(
         lines.path,
         lines.error,
@@ -248,6 +256,19 @@ def build_metafile(
     )
     _check_length(metafile, size_key, stored_length)
     return metafile
+
+
+def parse_skip(lines: HeaderLines, key: str, text: str, possible: bool) -> int:
+    """How many bytes to skip before the pixels, or `TO_THE_END`; 0 unless that is `possible`: in a raw file of their own."""
+    if text == str(TO_THE_END) and possible:
+        return TO_THE_END
+    if text not in ("", "0") and not possible:
+        raise lines.failure(
+            "{key} must be 0 where pixels are compressed or follow the header; got {text!r}. Write the file again.",
+            key=key,
+            text=shorten(text),
+        )
+    return parse_count(lines, key, text or "0", 0, 2**62)
 
 
 def parse_sizes(lines: HeaderLines, key: str, text: str, count: int) -> tuple[int, ...]:

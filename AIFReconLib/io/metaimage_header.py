@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .metafile import COMPRESSED, RAW, HeaderLines, Metafile, build_metafile, parse_count, parse_sizes, require, store
+from .metafile import COMPRESSED, RAW, HeaderLines, Metafile, build_metafile, parse_count, parse_sizes, parse_skip, require, store
 
 ELEMENT_TYPES = {
     "MET_CHAR": "i1",
@@ -42,7 +42,6 @@ def parse_metaimage(lines: HeaderLines) -> Metafile:
     size = parse_sizes(lines, "DimSize", require(lines, entries, "DimSize"), dimensions)
     if not _is_true(lines, entries, "BinaryData", default=True):
         raise lines.failure("BinaryData must be True: ASCII data are not supported. Write the file again as binary.")
-    parse_count(lines, "HeaderSize", entries.get("HeaderSize", "0"), 0, 0)
     element_type = require(lines, entries, "ElementType")
     if element_type not in ELEMENT_TYPES:
         raise lines.failure(
@@ -60,6 +59,7 @@ def parse_metaimage(lines: HeaderLines) -> Metafile:
             kinds=entries["Kinds"],
         )
     compressed = _is_true(lines, entries, "CompressedData", default=False)
+    data_file = _data_file(lines, entries[LAST_KEY])
     return build_metafile(
         lines,
         size_key="DimSize",
@@ -68,10 +68,11 @@ def parse_metaimage(lines: HeaderLines) -> Metafile:
         dtype=np.dtype(byte_order + ELEMENT_TYPES[element_type]),
         kinds=kinds,
         encoding=COMPRESSED if compressed else RAW,
-        data_file=_data_file(lines, entries[LAST_KEY]),
+        data_file=data_file,
         stored_length=_stored_length(lines, entries) if compressed else None,
         fields={key: value for key, value in entries.items() if key not in FORMAT_KEYS},
         entries={key: value for key, value in entries.items() if key in FORMAT_KEYS},
+        skip=parse_skip(lines, "HeaderSize", entries.get("HeaderSize", ""), data_file is not None and not compressed),
     )
 
 

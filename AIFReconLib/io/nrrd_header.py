@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from ..message import Message
-from .metafile import COMPRESSED, RAW, HeaderLines, Metafile, build_metafile, parse_count, parse_sizes, require, store
+from .metafile import COMPRESSED, RAW, HeaderLines, Metafile, build_metafile, parse_count, parse_sizes, parse_skip, require, store
 
 _TYPE_NAMES = {
     "i1": "int8, int8_t, signed char",
@@ -54,8 +54,8 @@ def parse_nrrd(lines: HeaderLines) -> Metafile:
     channels = 1
     if kinds and kinds[0] in CHANNEL_KINDS:
         channels, size, kinds = size[0], size[1:], kinds[1:]
-    for key in ("line skip", "byte skip"):
-        parse_count(lines, key, entries.get(key, "0"), 0, 0)
+    parse_count(lines, "line skip", entries.get("line skip", "0"), 0, 0)
+    encoding, data_file = _encoding(lines, require(lines, entries, "encoding").lower()), _data_file(lines, entries)
     return build_metafile(
         lines,
         size_key="sizes",
@@ -63,11 +63,12 @@ def parse_nrrd(lines: HeaderLines) -> Metafile:
         channels=channels,
         dtype=np.dtype(_byte_order(lines, entries, TYPES[pixel_type]) + TYPES[pixel_type]),
         kinds=kinds if not {"???", "none"} & set(kinds) else (),
-        encoding=_encoding(lines, require(lines, entries, "encoding").lower()),
-        data_file=_data_file(lines, entries),
+        encoding=encoding,
+        data_file=data_file,
         stored_length=None,
         fields=fields,
         entries=entries,
+        skip=parse_skip(lines, "byte skip", entries.get("byte skip", ""), data_file is not None and encoding == RAW),
     )
 
 

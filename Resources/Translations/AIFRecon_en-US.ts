@@ -3633,6 +3633,11 @@
         <translation type="unfinished"></translation>
     </message>
     <message>
+        <location filename="../../AIFReconLib/io/metafile.py"/>
+        <source>{key} must be 0 where pixels are compressed or follow the header; got {text!r}. Write the file again.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../AIFReconLib/io/metafile_volumes.py"/>
         <source>{key} must be 3 numbers, as (1,0,0); got {text!r}. Correct the header.</source>
         <translation type="unfinished"></translation>

@@ -51,8 +51,8 @@ def metaimage(path: Path, payload: bytes = DATA, first: str = "", **changes: str
         "ElementSpacing": "0.5 1 2",
         "DimSize": "4 3 4",
         "ElementType": "MET_SHORT",
-        **changes,
-        "ElementDataFile": "LOCAL",
+        **{key: value for key, value in changes.items() if key != "ElementDataFile"},
+        "ElementDataFile": changes.get("ElementDataFile", "LOCAL"),
     }
     lines = "".join(f"{key} = {value}\n" for key, value in header.items() if value is not None)
     path.write_bytes((first + lines).encode() + payload)
@@ -122,6 +122,52 @@ def test_a_metaimage_volume_is_read_as_simpleitk_reads_it(tmp_path, changes):
         payload = zlib.compress(DATA)
         changes = changes | {"CompressedDataSize": str(len(payload))}
     assert_as_simpleitk_reads_it(metaimage(tmp_path / "ct.mha", payload, **changes))
+
+
+FOREIGN = b"scanner's own header \0\xff"
+"""What other programs write before the pixels."""
+
+
+@pytest.mark.parametrize("skip", [str(len(FOREIGN)), "-1"])
+@pytest.mark.parametrize("suffix", [".mhd", ".nhdr"])
+def test_a_raw_file_with_a_header_of_its_own_is_read_as_simpleitk_reads_it(tmp_path, suffix, skip):
+    (tmp_path / "ct.raw").write_bytes(FOREIGN + DATA)
+    if suffix == ".mhd":
+        path = metaimage(tmp_path / "ct.mhd", b"", HeaderSize=skip, ElementDataFile="ct.raw")
+    else:
+        path = nrrd(tmp_path / "ct.nhdr", b"", byte_skip=skip, data_file="ct.raw")
+    assert_as_simpleitk_reads_it(path)
+
+
+@pytest.mark.parametrize(
+    ("skip", "expected"),
+    [
+        (str(len(FOREIGN) + 1), "the pixel data are cut short"),
+        (str(len(FOREIGN) - 1), "there are 1 bytes more than"),
+        ("9" * 18, "the pixel data are cut short"),
+        ("-2", "must be a whole number from 0"),
+        ("1e1", "must be a whole number from 0"),
+    ],
+)
+def test_a_raw_file_whose_header_is_of_another_length_is_refused(tmp_path, skip, expected):
+    (tmp_path / "ct.raw").write_bytes(FOREIGN + DATA)
+    for path in (
+        metaimage(tmp_path / "ct.mhd", b"", HeaderSize=skip, ElementDataFile="ct.raw"),
+        nrrd(tmp_path / "ct.nhdr", b"", byte_skip=skip, data_file="ct.raw"),
+    ):
+        assert expected in refusal(path)
+
+
+@pytest.mark.parametrize("length", [0, 95])
+def test_a_raw_file_that_is_too_short_is_refused_however_much_of_it_is_to_be_skipped(tmp_path, length):
+    (tmp_path / "ct.raw").write_bytes(DATA[:length])
+    assert f"needs 96 bytes, there are {length}" in refusal(metaimage(tmp_path / "ct.mhd", b"", HeaderSize="-1", ElementDataFile="ct.raw"))
+
+
+def test_bytes_cannot_be_skipped_before_compressed_pixels(tmp_path):
+    (tmp_path / "ct.raw").write_bytes(FOREIGN + gzip.compress(DATA))
+    path = nrrd(tmp_path / "ct.nhdr", b"", byte_skip=str(len(FOREIGN)), data_file="ct.raw", encoding="gzip")
+    assert "byte skip must be 0 where pixels are compressed or follow the header" in refusal(path)
 
 
 def test_the_place_is_brought_from_lps_to_ras(tmp_path):
