@@ -24,15 +24,11 @@ def main() -> int:
     code : int
         As `cli.main`; 2 where the libraries cannot be loaded, 128 and the number of the signal when one came before they were.
     """
-    space = _address_space()
-    if space < LEAST_ADDRESS_SPACE:
-        least, given = LEAST_ADDRESS_SPACE // 2**20, int(space) // 2**20
-        return _fail(f"The program may use {given} MiB of address space and needs {least} to start. Raise the limit (ulimit -v).", 2)
-    if space < AMPLE_ADDRESS_SPACE:
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     end = OrderlyEnd()
     try:
         with orderly_end(end):
+            if problem := _too_little_address_space():
+                return _fail(problem, 2)
             from .cli import main as run
     except KeyboardInterrupt:
         end.told = True
@@ -51,6 +47,17 @@ def main() -> int:
         return run()
     except KeyboardInterrupt:  # before a command had begun, or when it was just over
         return _fail(_INTERRUPTED, 130)
+
+
+def _too_little_address_space() -> str:
+    """Why the libraries cannot be loaded, if so; where there is just enough for them, they are told to be modest."""
+    space = _address_space()
+    if space < AMPLE_ADDRESS_SPACE:
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    if space >= LEAST_ADDRESS_SPACE:
+        return ""
+    least, given = LEAST_ADDRESS_SPACE // 2**20, int(space) // 2**20
+    return f"The program may use {given} MiB of address space and needs {least} to start. Raise the limit (ulimit -v)."
 
 
 def _address_space() -> float:

@@ -19,6 +19,9 @@ SOON = 0.05
 _CALLED_FROM_C = "llvmlite"
 """Package whose functions compiled code calls back: what they raise is printed and lost, and with it the wish to end."""
 
+_IMPORT_CALLBACK = "<frozen importlib._bootstrap>", "cb"
+"""File and name of the function that is called when the lock of an import goes: what it raises is lost in the same way."""
+
 
 class OrderlyEnd:
     """What ended the program, for its exit code.
@@ -64,7 +67,10 @@ def pause(seconds: float, unless: threading.Event) -> bool:
 
 def _swallows(frame: FrameType | None) -> bool:
     """Whether an exception raised in this frame would not reach us."""
-    return frame is not None and _CALLED_FROM_C in frame.f_code.co_filename
+    if frame is None:
+        return False
+    code = frame.f_code
+    return _CALLED_FROM_C in code.co_filename or (code.co_filename, code.co_name) == _IMPORT_CALLBACK
 
 
 @contextmanager

@@ -127,13 +127,14 @@ def test_a_signal_that_the_caller_ignores_stays_ignored():
 
 @posix
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_where_it_would_be_swallowed_comes_again(number):
+@pytest.mark.parametrize(("file", "function"), [("llvmlite/callback.py", "called_back"), ("<frozen importlib._bootstrap>", "cb")])
+def test_a_signal_where_it_would_be_swallowed_comes_again(number, file, function):
     words = {"signal": signal, "time": time, "number": number}
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        exec(compile("def called_back():\n    signal.raise_signal(number)", "llvmlite/callback.py", "exec"), words)
+        exec(compile(f"def {function}():\n    signal.raise_signal(number)", file, "exec"), words)
         with orderly_end() as end, pytest.raises(KeyboardInterrupt):
-            exec("called_back()\ncalled = True\ntime.sleep(5)", words)
+            exec(f"{function}()\ncalled = True\ntime.sleep(5)", words)
         assert words["called"]
         assert end.exit_code == 128 + number
     finally:
