@@ -130,11 +130,11 @@ def _reconstruction_jobs(frames: int, spacing: float) -> list[Job]:
     sweep = fan_sweep(frames)
     grid, bone = _around(sweep, spacing)
     jobs = _yardstick_jobs(METHODS, sweep, grid, bone, spacing)
-    for method in METHODS:
-        few = sweep[::NUMPY_SHARE]
-        jobs.append(_method_job(method, "numpy", 1, few, grid, bone, spacing))
+    few = sweep[::NUMPY_SHARE]
+    for method, linear in [*((method, False) for method in METHODS), ("average", True)]:
+        jobs.append(_method_job(method, "numpy", 1, few, grid, bone, spacing, linear=linear))
         for threads in _numba_threads():
-            jobs.append(_method_job(method, "numba", threads, sweep, grid, bone, spacing))
+            jobs.append(_method_job(method, "numba", threads, sweep, grid, bone, spacing, linear=linear))
     return jobs
 
 
@@ -168,12 +168,15 @@ def _yardstick_jobs(methods: tuple[str, ...], sweep: list[TrackedFrame], grid: V
     return [(works[method], Timing(method, "yardstick", 1, spacing, 0.0), len(sweep)) for method in methods]
 
 
-def _method_job(method: str, engine: str, threads: int, sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float) -> Job:
+def _method_job(
+    method: str, engine: str, threads: int, sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float, linear: bool = False
+) -> Job:
     """Inserting a sweep into a volume that is there already, with its bone map."""
-    settings = ReconstructionSettings(method=method, engine=engine)
+    settings = ReconstructionSettings(method=method, engine=engine, interpolation="linear" if linear else "nearest")
     reconstructor = Reconstructor(grid, settings, bone if method in BONE_METHODS else None, probe=PROBE, threads=threads)
-    cost = bytes_per_voxel(method, method in BONE_METHODS, best_cosine=False)
-    return lambda: reconstructor.insert(sweep), Timing(method, engine, threads, spacing, 0.0, bytes_per_voxel=cost), len(sweep)
+    cost = bytes_per_voxel(method, method in BONE_METHODS, best_cosine=False, shares=linear)
+    what = f"{method}, linear interpolation" if linear else method
+    return lambda: reconstructor.insert(sweep), Timing(what, engine, threads, spacing, 0.0, bytes_per_voxel=cost), len(sweep)
 
 
 def _volume_jobs(voxels: int) -> list[Job]:

@@ -55,6 +55,17 @@ class PixelLayout:
         mask[self.inside] = True
         return mask.reshape(bottom - top, right - left)
 
+    def filled(self, values: np.ndarray) -> np.ndarray:
+        """Values of the pixels that count, (n,), as an image over the window, (rows, columns); 0 or False elsewhere."""
+        image = np.zeros(self.mask.shape, dtype=values.dtype)
+        image[self.mask] = values
+        return image
+
+    def within_window(self, image: np.ndarray) -> np.ndarray:
+        """The window of an image (rows, columns), without a copy."""
+        top, bottom, left, right = self.window
+        return image[top:bottom, left:right]
+
     @cached_property
     def pieces(self) -> np.ndarray:
         """Rows of these pixels in unbroken pieces; see `pieces_within`."""
@@ -114,13 +125,11 @@ class PixelLayout:
 
     def has_any(self, kept: np.ndarray) -> bool:
         """Whether any of the pixels that count is among those `kept`, (rows, columns) bool of the whole image."""
-        top, bottom, left, right = self.window
-        return bool((kept[top:bottom, left:right] & self.mask).any())
+        return bool((self.within_window(kept) & self.mask).any())
 
     def values(self, image: np.ndarray) -> np.ndarray:
         """The pixels that count, (n,) float32, of an image (rows, columns)."""
-        top, bottom, left, right = self.window
-        return self._counting(image[top:bottom, left:right]).astype(np.float32)
+        return self._counting(self.within_window(image)).astype(np.float32)
 
     @cached_property
     def coordinates(self) -> np.ndarray:
@@ -128,6 +137,15 @@ class PixelLayout:
         top, _, left, right = self.window
         rows, columns = np.divmod(self.inside, right - left)
         return np.stack([columns + left, rows + top]).astype(np.float64)
+
+    @cached_property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Left, right, top, bottom: smallest rectangle around the pixels' true places."""
+        if self.moved is None:
+            top, bottom, left, right = self.window
+            return left, right - 1, top, bottom - 1
+        (left, top), (right, bottom) = self.moved.min(axis=1), self.moved.max(axis=1)
+        return float(left), float(right), float(top), float(bottom)
 
     def places(self, image_to_ijk: np.ndarray, pixels: np.ndarray) -> np.ndarray:
         """Where pixels lie between voxels.

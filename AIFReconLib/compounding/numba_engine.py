@@ -17,10 +17,8 @@ from .evidence import ScanLines
 from .layout import PixelLayout
 from .numba_evidence import FrameJudge
 from .numba_kernels import AVERAGE, LATEST, MAXIMUM, clip_to_volume, insert_aif, insert_cosine, insert_plain, insert_weighted
+from .slabs import cut_into_slabs
 from .state import VoxelState
-
-SLABS = 8
-"""Slabs that a batch is cut into: what frames share of one fits into a core's cache, and threads end at about the same time."""
 
 PLAIN_RULES = {"average": AVERAGE, "latest": LATEST, "maximum": MAXIMUM}
 
@@ -88,17 +86,16 @@ class NumbaEngine:
         if not batch.measured:
             return self._insert(batch, slice(0, len(batch)), layout.pieces, layout, scan_lines)
         entered = []
-        top, bottom, left, right = layout.window
         for place in range(len(batch)):
             pieces = layout.pieces
             if place in batch.measured:
-                pieces = layout.pieces_within(layout.mask & batch.measured[place][top:bottom, left:right])
+                pieces = layout.pieces_within(layout.mask & layout.within_window(batch.measured[place]))
             entered += self._insert(batch, slice(place, place + 1), pieces, layout, scan_lines)
         return entered
 
     def _insert(self, batch: FrameBatch, frames: slice, pieces: np.ndarray, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
         images, matrices, axes = batch.images[frames], batch.image_to_ijk[frames], batch.axes[frames]
-        axis, edges = self._slabs(matrices, layout)
+        axis, edges = cut_into_slabs(matrices, layout, self._size)
         spans = np.empty((len(images), len(pieces), 4), np.int32)
         clip_to_volume(matrices, pieces, self._size, axis, spans)
         entered = np.zeros((len(edges) - 1, len(images)), np.int64)
@@ -128,21 +125,6 @@ class NumbaEngine:
             insert_weighted(*place, state.value, state.hits, entered, *bone, self._weighted_factors, *evidence)
         else:
             insert_aif(*place, state.value, state.hits, entered, *bone, self._aif_factors)
-
-    def _slabs(self, matrices: np.ndarray, layout: PixelLayout) -> tuple[int, np.ndarray]:
-        """The axis across which to cut, and the edges of the slabs along it, for frames at these places.
-
-        Notes
-        -----
-        The axis is the one that image rows lie across and image columns lie along, so that rows are cut as little as can be.
-        """
-        top, bottom, left, right = layout.window
-        down, along = np.abs(matrices[:, :3, 1]).mean(axis=0) * (bottom - top), np.abs(matrices[:, :3, 0]).mean(axis=0) * (right - left)
-        axis = int(np.argmax(down - along))
-        corners = np.array([(x, y, 0, 1) for x in (left, right - 1) for y in (top, bottom - 1)], dtype=np.float64)
-        reached = corners @ matrices[:, axis, :].T + 0.5
-        first, last = (float(np.clip(np.floor(end), 0, self._size[axis] - 1)) for end in (reached.min(), reached.max()))
-        return axis, np.unique(np.floor(np.linspace(max(first - 1, 0), min(last + 2, self._size[axis]), SLABS + 1)).astype(np.int64))
 
     def _frame_judge(self, scan_lines: ScanLines, images: np.ndarray) -> FrameJudge:
         if self._judge is None or self._judge.scan_lines is not scan_lines:

@@ -105,6 +105,20 @@ def span_in_slab(matrices, pieces, spans, frame, piece, slab):
     return low, high
 
 
+@compiled
+def clip_to_slab(matrices, pieces, spans, slab, columns):
+    """Find out which columns of every piece lie in a slab (axis, first voxel, stop).
+
+    Arguments as in `clip_to_volume`; the result, `columns` (frames, n, 2) int32, gets the first column and the one after the last.
+    """
+    for frame in range(matrices.shape[0]):
+        for piece in range(pieces.shape[0]):
+            low, high = np.int64(0), np.int64(0)
+            if not misses(spans, frame, piece, slab):
+                low, high = span_in_slab(matrices, pieces, spans, frame, piece, slab)
+            columns[frame, piece, 0], columns[frame, piece, 1] = low, high
+
+
 @inlined
 def number_voxels(matrix, row, columns, size, voxels):
     """Write the flat numbers of the voxels at `columns` (n,) float64 of a row, all within the volume, to `voxels` (more than n,).

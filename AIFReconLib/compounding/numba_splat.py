@@ -1,63 +1,190 @@
-"""Linear interpolation, compiled; see `splat_engine` for the rules."""
+"""Linear interpolation on all processor cores: the same voxels as `SplatEngine`, to the last bit.
+
+As in `numba_engine`, a batch of frames is put into the volume slab by slab. Slabs share no voxel: a pixel whose corners lie in two of them
+is met in both, and gives each its own.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..numba_compile import compiled
+from ..numba_compile import compiled, inlined
+from ..threads import in_parts, usable_cores
+from .batch import BATCH_FRAMES, FrameBatch
+from .layout import CENTER_TOLERANCE, PixelLayout
+from .numba_kernels import OFFSET, ROW, START, STOP, clip_to_slab, clip_to_volume
+from .slabs import cut_into_slabs
+from .splat_engine import LEAST_SHARE, LINEAR_METHODS, SplatEngine
 
-AVERAGE, LATEST, MAXIMUM = 0, 1, 2
+AVERAGE, LATEST, MAXIMUM = range(len(LINEAR_METHODS))
+ONCE, NEXT = np.uint32(1), np.uint64(1)
+
+
+@inlined
+def place_along(along, columns, rows, tolerance, places):
+    """`PixelLayout.places` of pixels along one axis, (n,): `along` is a row of the matrix."""
+    for n in range(places.size):
+        place = along[0] * columns[n] + along[1] * rows[n] + along[3]
+        whole = np.rint(place)
+        places[n] = whole if abs(place - whole) < tolerance else place
+
+
+@inlined
+def give(voxel, share, pixel, value, weight, hits):
+    """A share of a pixel enters the average of a voxel."""
+    hits[voxel] += ONCE
+    value[voxel] += share * pixel
+    weight[voxel] += share
 
 
 @compiled
-def spread(rule, places, values, importance, size, least_share, value, weight, hits):
-    """Pixels enter the voxels around them; returns how many could.
+def spread(
+    rule, images, matrices, pieces, columns, slab, size, coordinates, importance, tolerance, least_share, value, weight, hits, entered
+):
+    """Pixels enter those of the eight voxels around them that lie in a slab.
 
     Parameters
     ----------
     rule : AVERAGE, LATEST or MAXIMUM
-    places : (3, n) float64 array, [i, j, k] in voxels
-    values : (n,) float32 array
-    importance : (n,) float32 array
-        Empty where all pixels count alike.
+    images : (frames, rows, columns) uint8 or float32 array
+    matrices : (frames, 4, 4) float64 array, image_to_ijk
+    pieces : (n, 4) int64 array
+    columns : (frames, n, 2) int32 array
+        Of each piece, the first column that may matter to the slab and the one after the last.
+    slab : tuple of 3 int
+        Axis, first voxel along it, stop.
     size : (3,) int64 array, voxels along i, j, k
+    coordinates : (2, pixels) float64 array
+        Column and row where the layout's pixels truly are; empty where they are as shown.
+    importance : (pixels,) float32 array
+        Empty where all count alike.
+    tolerance : float, voxels
+        As in `PixelLayout.places`.
     least_share : float
         Smallest share of a pixel with which it acts, for rules other than AVERAGE.
     value, weight, hits : (voxels,) arrays
         The state; `weight` is looked at for AVERAGE alone.
+    entered : (frames,) int64 array
+        Result: raised by the pixels that enter and whose lower corner lies in the slab.
     """
-    entered = 0
-    lower = np.empty(3, np.int64)
-    share = np.empty((3, 2))
-    for pixel in range(values.shape[0]):
-        inside = True
-        for axis in range(3):
-            floor = np.floor(places[axis, pixel])
-            fraction = places[axis, pixel] - floor
-            upper = floor + 1.0 if fraction > 0.0 else floor
-            if not (floor >= 0.0 and upper <= size[axis] - 1):
-                inside = False
-                break
-            lower[axis] = int(floor)
-            share[axis, 0], share[axis, 1] = 1 - fraction, fraction
-        if not inside:
-            continue
-        entered += 1
-        for i in range(2):
-            for j in range(2):
-                for k in range(2):
-                    part = share[0, i] * share[1, j] * share[2, k]
-                    if part <= 0.0 or (rule != AVERAGE and part < least_share):
+    axis, bottom, top = slab
+    line, plane = size[0], size[0] * size[1]
+    equal, as_shown = importance.size == 0, coordinates.size == 0
+    width = images.shape[2]
+    all_columns, same_row = np.arange(width).astype(np.float64), np.empty(width)
+    places_i, places_j, places_k = np.empty(width), np.empty(width), np.empty(width)
+    for frame in range(images.shape[0]):
+        m = matrices[frame]
+        for piece in range(pieces.shape[0]):
+            row = pieces[piece, ROW]
+            low, high = columns[frame, piece, 0], columns[frame, piece, 1]
+            if low >= high:
+                continue
+            count, first_number = high - low, pieces[piece, OFFSET] + low - pieces[piece, START]
+            if as_shown:
+                same_row[:] = row
+                x, y = all_columns[low:high], same_row[:count]
+            else:
+                x, y = coordinates[0, first_number : first_number + count], coordinates[1, first_number : first_number + count]
+            place_along(m[0], x, y, tolerance, places_i[:count])
+            place_along(m[1], x, y, tolerance, places_j[:count])
+            place_along(m[2], x, y, tolerance, places_k[:count])
+            for n in range(count):
+                i, j, k = places_i[n], places_j[n], places_k[n]
+                floor_i, floor_j, floor_k = np.floor(i), np.floor(j), np.floor(k)
+                part_i, part_j, part_k = i - floor_i, j - floor_j, k - floor_k
+                low_i, low_j, low_k = int(floor_i), int(floor_j), int(floor_k)
+                # A corner of share 0 need not lie in the volume
+                high_i, high_j, high_k = low_i + (part_i > 0.0), low_j + (part_j > 0.0), low_k + (part_k > 0.0)
+                if low_i < 0 or low_j < 0 or low_k < 0 or high_i >= size[0] or high_j >= size[1] or high_k >= size[2]:
+                    continue
+                lower = low_i if axis == 0 else low_j if axis == 1 else low_k
+                if lower + 1 < bottom or lower >= top:
+                    continue
+                entered[frame] += lower >= bottom
+                pixel = np.float32(images[frame, row, low + n])
+                factor = 1.0 if equal else float(importance[first_number + n])
+                first = (low_k * plane + low_j * line) + low_i
+                rest_i, rest_j, rest_k = 1.0 - part_i, 1.0 - part_j, 1.0 - part_k
+                if rule == AVERAGE and bottom <= lower < top - 1 and part_i > 0.0 and part_j > 0.0 and part_k > 0.0:
+                    # As nearly always; the loop below would do the same
+                    one, two, three, four = rest_i * rest_j, part_i * rest_j, rest_i * part_j, part_i * part_j
+                    near = np.uint64(first)
+                    below, far = near + np.uint64(line), near + np.uint64(plane)
+                    beyond = below + np.uint64(plane)
+                    give(near, (one * rest_k) * factor, pixel, value, weight, hits)
+                    give(near + NEXT, (two * rest_k) * factor, pixel, value, weight, hits)
+                    give(below, (three * rest_k) * factor, pixel, value, weight, hits)
+                    give(below + NEXT, (four * rest_k) * factor, pixel, value, weight, hits)
+                    give(far, (one * part_k) * factor, pixel, value, weight, hits)
+                    give(far + NEXT, (two * part_k) * factor, pixel, value, weight, hits)
+                    give(beyond, (three * part_k) * factor, pixel, value, weight, hits)
+                    give(beyond + NEXT, (four * part_k) * factor, pixel, value, weight, hits)
+                    continue
+                for corner in range(8):
+                    right, down, behind = corner & 1, (corner >> 1) & 1, corner >> 2
+                    along = lower + (right if axis == 0 else down if axis == 1 else behind)
+                    if along < bottom or along >= top:
                         continue
-                    voxel = ((lower[2] + k) * size[1] + lower[1] + j) * size[0] + lower[0] + i
-                    hits[voxel] += np.uint32(1)
-                    if rule == LATEST:
-                        value[voxel] = values[pixel]
-                    elif rule == MAXIMUM:
-                        value[voxel] = max(value[voxel], values[pixel])
-                    else:
-                        if importance.shape[0]:
-                            part *= importance[pixel]
-                        value[voxel] += part * values[pixel]
-                        weight[voxel] += part
-    return entered
+                    share = (part_i if right else rest_i) * (part_j if down else rest_j) * (part_k if behind else rest_k)
+                    if share <= 0.0 or (rule != AVERAGE and share < least_share):
+                        continue
+                    voxel = np.uint64(first + right + down * line + behind * plane)
+                    if rule == AVERAGE:
+                        give(voxel, share * factor, pixel, value, weight, hits)
+                        continue
+                    hits[voxel] += ONCE
+                    value[voxel] = pixel if rule == LATEST else max(value[voxel], pixel)
+
+
+class NumbaSplatEngine(SplatEngine):
+    """`SplatEngine`, compiled, of which it takes the arguments; on `threads` threads, by default on every core."""
+
+    name = "numba"
+    frames_at_once = BATCH_FRAMES
+
+    def __init__(self, state, grid_size, settings, importance=None, threads: int | None = None):
+        super().__init__(state, grid_size, settings, importance)
+        self.threads = int(threads or usable_cores())
+        self._size = np.array(grid_size, dtype=np.int64)
+
+    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: None = None) -> list[int]:
+        """As `SplatEngine.insert`."""
+        importance = np.empty(0, np.float32) if self._importance is None else self._weights(layout)
+        counting = None if self._importance is None else layout.filled(importance > 0)
+        if not batch.measured:
+            return self._insert_alike(batch, slice(0, len(batch)), layout, counting, importance)
+        entered = []
+        for place in range(len(batch)):
+            kept = layout.within_window(batch.measured[place]) if place in batch.measured else None
+            both = kept if counting is None else counting if kept is None else kept & counting
+            entered += self._insert_alike(batch, slice(place, place + 1), layout, both, importance)
+        return entered
+
+    def _insert_alike(self, batch: FrameBatch, frames: slice, layout: PixelLayout, counting, importance) -> list[int]:
+        """Frames of which the same pixels of the window count, (rows, columns) bool; None: all of the layout's."""
+        images, matrices = batch.images[frames], batch.image_to_ijk[frames]
+        pieces = layout.pieces if counting is None else layout.pieces_within(layout.mask & counting)
+        axis, edges = cut_into_slabs(matrices, layout, self._size)
+        spans = np.empty((len(images), len(pieces), 4), np.int32)
+        if layout.moved is None:
+            clip_to_volume(matrices, pieces, self._size.astype(np.float64), axis, spans)
+        entered = np.zeros((len(edges) - 1, len(images)), np.int64)
+        state = self.state
+        coordinates = np.empty((2, 0)) if layout.moved is None else layout.moved
+        arrays = state.value, np.empty(0) if state.weight is None else state.weight, state.hits
+
+        def put(part: int) -> None:
+            slab = axis, int(edges[part]), int(edges[part + 1])
+            columns = np.empty((len(images), len(pieces), 2), np.int32)
+            if layout.moved is None:
+                # A pixel's corners are one voxel from the voxel that is nearest to it
+                clip_to_slab(matrices, pieces, spans, (axis, slab[1] - 1, slab[2] + 1), columns)
+            else:
+                columns[:] = pieces[:, [START, STOP]]
+            where = images, matrices, pieces, columns, slab, self._size, coordinates
+            rule = LINEAR_METHODS.index(state.method)
+            spread(rule, *where, importance, CENTER_TOLERANCE, LEAST_SHARE, *arrays, entered[part])
+
+        in_parts(put, len(edges) - 1, self.threads)
+        return [int(n) for n in entered.sum(axis=0)]

@@ -30,7 +30,7 @@ from .fixed_point import in_fixed_point
 from .image_kind import ImageKind
 from .layout import PixelLayout
 from .numpy_engine import NumpyEngine
-from .splat_engine import SplatEngine, check_shares, compiled_spread, uses_shares
+from .splat_engine import check_shares, splat_engine, uses_shares
 from .state import VoxelState, bytes_per_voxel
 
 
@@ -218,9 +218,7 @@ class Reconstructor:
     @property
     def engine(self) -> str:
         """Name of the engine that does the arithmetic: "numpy" or "numba"."""
-        if self._shares:
-            return "numpy" if compiled_spread(self.settings) is None else "numba"
-        return self._engine_class.name
+        return (splat_engine(self.settings) if self._shares else self._engine_class).name
 
     def reconstruction(self, progress: Progress | None = None) -> Reconstruction:
         """The volume as it is now, holes filled; more frames may follow."""
@@ -345,7 +343,7 @@ class Reconstructor:
         self._images = images
         self._notes += images.warnings(self.method, self.settings)
         if self._shares:
-            self._engine = SplatEngine(self._state, self.grid.size, self.settings, self._importance)
+            self._engine = splat_engine(self.settings)(self._state, self.grid.size, self.settings, self._importance, self._threads)
         else:
             maximum = images.maximum(self.settings)
             self._engine = self._engine_class(self._state, self.grid.size, self.settings, maximum, self._bone, self._threads)

@@ -5,8 +5,6 @@ For average, latest and maximum; compiled where numba is installed, with the sam
 
 from __future__ import annotations
 
-from types import ModuleType
-
 import numpy as np
 
 from ..errors import SettingsError
@@ -33,12 +31,6 @@ PIXELS_AT_ONCE = 65_536
 def uses_shares(settings: ReconstructionSettings, importance: np.ndarray | None) -> bool:
     """Whether a reconstruction is this engine's."""
     return settings.interpolation == "linear" or importance is not None
-
-
-def compiled_spread(settings: ReconstructionSettings) -> ModuleType | None:
-    """The compiled loop of linear interpolation; None where it is not wanted, has nothing to do, or is not there."""
-    wanted = settings.interpolation == "linear" and settings.engine != "numpy"
-    return optional_module("AIFReconLib.compounding.numba_splat") if wanted else None
 
 
 def check_shares(method: str, settings: ReconstructionSettings, importance: np.ndarray | None) -> None:
@@ -69,18 +61,25 @@ class SplatEngine:
         Interpolation: linear, or nearest where only `importance` is wanted.
     importance : (rows, columns) float32 array, 0 to 1, or None
         Weight of each pixel of an image; those of 0 do not enter.
+    threads : int or None
+        For `NumbaSplatEngine`; this one takes the caller's.
     """
 
+    name = "numpy"
     frames_at_once = 1
 
     def __init__(
-        self, state: VoxelState, grid_size: tuple[int, int, int], settings: ReconstructionSettings, importance: np.ndarray | None = None
+        self,
+        state: VoxelState,
+        grid_size: tuple[int, int, int],
+        settings: ReconstructionSettings,
+        importance: np.ndarray | None = None,
+        threads: int | None = None,
     ):
         self.state = state
         self._grid_size = grid_size
         self._linear = settings.interpolation == "linear"
         self._importance = importance
-        self._compiled = compiled_spread(settings)
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: None = None) -> list[int]:
         """Put frames into the volume; returns how many pixels entered of each. `scan_lines` is not looked at.
@@ -128,8 +127,6 @@ class SplatEngine:
         A corner's share is the product of 1 - distance along each axis. A pixel of which any corner with a share above 0 is outside
         the volume does not enter at all.
         """
-        if self._compiled is not None:
-            return self._spread_compiled(places, values, importance)
         lower = np.floor(places)
         fraction = places - lower
         last = np.array(self._grid_size, dtype=np.float64)[:, None] - 1
@@ -152,21 +149,6 @@ class SplatEngine:
             share = share * importance[pixel]
         self._add(voxels[enough], values[pixel], share)
         return values.size
-
-    def _spread_compiled(self, places: np.ndarray, values: np.ndarray, importance: np.ndarray | None) -> int:
-        """The same by compiled code."""
-        state = self.state
-        return self._compiled.spread(
-            LINEAR_METHODS.index(state.method),
-            places,
-            values,
-            np.empty(0, np.float32) if importance is None else importance,
-            np.array(self._grid_size, dtype=np.int64),
-            LEAST_SHARE,
-            state.value,
-            np.empty(0) if state.weight is None else state.weight,
-            state.hits,
-        )
 
     def _add(self, voxels: np.ndarray, values: np.ndarray, weights: np.ndarray | None) -> None:
         """Contributions (n,), in order."""
@@ -193,3 +175,10 @@ class SplatEngine:
                 got=got,
             )
         return layout.values(self._importance)
+
+
+def splat_engine(settings: ReconstructionSettings) -> type[SplatEngine]:
+    """The compiled engine where pixels spread and numba is there and not ruled out; else `SplatEngine`."""
+    wanted = settings.interpolation == "linear" and settings.engine != "numpy"
+    module = optional_module("AIFReconLib.compounding.numba_splat") if wanted else None
+    return SplatEngine if module is None else module.NumbaSplatEngine
