@@ -37,6 +37,23 @@ def give(voxel, share, pixel, value, weight, hits):
     weight[voxel] += share
 
 
+@inlined
+def give_to_all(first, line, plane, part_i, part_j, part_k, factor, pixel, value, weight, hits):
+    """A pixel enters the averages of all eight voxels around it, of which `first` is the lower one."""
+    rest_i, rest_j, rest_k = 1.0 - part_i, 1.0 - part_j, 1.0 - part_k
+    one, two, three, four = rest_i * rest_j, part_i * rest_j, rest_i * part_j, part_i * part_j
+    below, far = first + np.uint64(line), first + np.uint64(plane)
+    beyond = below + np.uint64(plane)
+    give(first, (one * rest_k) * factor, pixel, value, weight, hits)
+    give(first + NEXT, (two * rest_k) * factor, pixel, value, weight, hits)
+    give(below, (three * rest_k) * factor, pixel, value, weight, hits)
+    give(below + NEXT, (four * rest_k) * factor, pixel, value, weight, hits)
+    give(far, (one * part_k) * factor, pixel, value, weight, hits)
+    give(far + NEXT, (two * part_k) * factor, pixel, value, weight, hits)
+    give(beyond, (three * part_k) * factor, pixel, value, weight, hits)
+    give(beyond + NEXT, (four * part_k) * factor, pixel, value, weight, hits)
+
+
 @compiled
 def spread(
     rule, images, matrices, pieces, columns, slab, size, coordinates, importance, tolerance, least_share, value, weight, hits, entered
@@ -69,6 +86,7 @@ def spread(
     """
     axis, bottom, top = slab
     line, plane = size[0], size[0] * size[1]
+    last_i, last_j, last_k = float(size[0] - 1), float(size[1] - 1), float(size[2] - 1)
     equal, as_shown = importance.size == 0, coordinates.size == 0
     width = images.shape[2]
     all_columns, same_row = np.arange(width).astype(np.float64), np.empty(width)
@@ -91,13 +109,11 @@ def spread(
             place_along(m[2], x, y, tolerance, places_k[:count])
             for n in range(count):
                 i, j, k = places_i[n], places_j[n], places_k[n]
-                floor_i, floor_j, floor_k = np.floor(i), np.floor(j), np.floor(k)
-                part_i, part_j, part_k = i - floor_i, j - floor_j, k - floor_k
-                low_i, low_j, low_k = int(floor_i), int(floor_j), int(floor_k)
-                # A corner of share 0 need not lie in the volume
-                high_i, high_j, high_k = low_i + (part_i > 0.0), low_j + (part_j > 0.0), low_k + (part_k > 0.0)
-                if low_i < 0 or low_j < 0 or low_k < 0 or high_i >= size[0] or high_j >= size[1] or high_k >= size[2]:
+                # As numbers with fractions: those of far-off places fit no integer. A corner of share 0 need not lie in the volume
+                if not (0.0 <= i <= last_i and 0.0 <= j <= last_j and 0.0 <= k <= last_k):
                     continue
+                low_i, low_j, low_k = int(i), int(j), int(k)
+                part_i, part_j, part_k = i - low_i, j - low_j, k - low_k
                 lower = low_i if axis == 0 else low_j if axis == 1 else low_k
                 if lower + 1 < bottom or lower >= top:
                     continue
@@ -105,28 +121,16 @@ def spread(
                 pixel = np.float32(images[frame, row, low + n])
                 factor = 1.0 if equal else float(importance[first_number + n])
                 first = (low_k * plane + low_j * line) + low_i
-                rest_i, rest_j, rest_k = 1.0 - part_i, 1.0 - part_j, 1.0 - part_k
                 if rule == AVERAGE and bottom <= lower < top - 1 and part_i > 0.0 and part_j > 0.0 and part_k > 0.0:
-                    # As nearly always; the loop below would do the same
-                    one, two, three, four = rest_i * rest_j, part_i * rest_j, rest_i * part_j, part_i * part_j
-                    near = np.uint64(first)
-                    below, far = near + np.uint64(line), near + np.uint64(plane)
-                    beyond = below + np.uint64(plane)
-                    give(near, (one * rest_k) * factor, pixel, value, weight, hits)
-                    give(near + NEXT, (two * rest_k) * factor, pixel, value, weight, hits)
-                    give(below, (three * rest_k) * factor, pixel, value, weight, hits)
-                    give(below + NEXT, (four * rest_k) * factor, pixel, value, weight, hits)
-                    give(far, (one * part_k) * factor, pixel, value, weight, hits)
-                    give(far + NEXT, (two * part_k) * factor, pixel, value, weight, hits)
-                    give(beyond, (three * part_k) * factor, pixel, value, weight, hits)
-                    give(beyond + NEXT, (four * part_k) * factor, pixel, value, weight, hits)
+                    # As nearly always; the loop below would do the same, slowly
+                    give_to_all(np.uint64(first), line, plane, part_i, part_j, part_k, factor, pixel, value, weight, hits)
                     continue
                 for corner in range(8):
                     right, down, behind = corner & 1, (corner >> 1) & 1, corner >> 2
                     along = lower + (right if axis == 0 else down if axis == 1 else behind)
                     if along < bottom or along >= top:
                         continue
-                    share = (part_i if right else rest_i) * (part_j if down else rest_j) * (part_k if behind else rest_k)
+                    share = (part_i if right else 1.0 - part_i) * (part_j if down else 1.0 - part_j) * (part_k if behind else 1.0 - part_k)
                     if share <= 0.0 or (rule != AVERAGE and share < least_share):
                         continue
                     voxel = np.uint64(first + right + down * line + behind * plane)
