@@ -124,6 +124,7 @@ class ScanLines:
         number[layout.inside] = np.arange(layout.inside.size)
         self._number_of_sample = number[sampled].reshape(-1)
         inside = number[sampled] < layout.inside.size
+        # Stored as it will be read, line after line; the places above come the other way round
         self.pixel_of_sample = np.where(inside, (row + top) * layout.size[0] + (column + left), 0).astype(np.int32, order="C")
         edges = np.diff(np.pad(inside, ((0, 0), (1, 1))).astype(np.int8), axis=1)
         self.lit = np.stack([np.nonzero(edges == 1)[1], np.nonzero(edges == -1)[1]], axis=1)
