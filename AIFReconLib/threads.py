@@ -10,6 +10,8 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from types import ModuleType
 
+from .errors import SettingsError
+
 
 def in_parts(work: Callable[[int], None], parts: int, threads: int) -> None:
     """Call `work` with 0 to `parts` - 1, each once, on up to `threads` threads of which the caller's is one.
@@ -43,6 +45,19 @@ def start(thread: threading.Thread) -> bool:
     except RuntimeError:
         return False
     return True
+
+
+def checked_threads(threads: int | None) -> int:
+    """How many threads to use: as many as asked for, else `usable_cores`.
+
+    Raises
+    ------
+    SettingsError
+        When it is not at least 1.
+    """
+    if threads is not None and threads < 1:
+        raise SettingsError("Input threads must be at least 1; got {threads!r}.", threads=threads)
+    return usable_cores() if threads is None else int(threads)
 
 
 def usable_cores() -> int:

@@ -9,9 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..bone import BoneOnGrid
-from ..errors import SettingsError
 from ..settings import ReconstructionSettings
-from ..threads import in_parts, usable_cores
+from ..threads import checked_threads, in_parts
 from .batch import BATCH_FRAMES, FrameBatch
 from .evidence import ScanLines
 from .layout import PixelLayout
@@ -55,10 +54,8 @@ class NumbaEngine:
         bone: BoneOnGrid | None,
         threads: int | None = None,
     ):
-        if threads is not None and threads < 1:
-            raise SettingsError("Input threads must be at least 1; got {threads!r}.", threads=threads)
         self.state = state
-        self.threads = int(threads or usable_cores())
+        self.threads = checked_threads(threads)
         self._size = np.array(grid_size, dtype=np.float64)
         self._maximum = float(maximum)
         compensated = state.method == "aif-compensated"

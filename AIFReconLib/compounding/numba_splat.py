@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..numba_compile import compiled, inlined
-from ..threads import in_parts, usable_cores
+from ..threads import checked_threads, in_parts
 from .batch import BATCH_FRAMES, FrameBatch
 from .layout import CENTER_TOLERANCE, PixelLayout
 from .numba_kernels import OFFSET, ROW, START, STOP, clip_to_slab, clip_to_volume
@@ -149,7 +149,7 @@ class NumbaSplatEngine(SplatEngine):
 
     def __init__(self, state, grid_size, settings, importance=None, threads: int | None = None):
         super().__init__(state, grid_size, settings, importance)
-        self.threads = int(threads or usable_cores())
+        self.threads = checked_threads(threads)
         self._size = np.array(grid_size, dtype=np.int64)
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: None = None) -> list[int]:

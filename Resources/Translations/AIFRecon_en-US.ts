@@ -1914,7 +1914,7 @@
         <translation type="unfinished"></translation>
     </message>
     <message>
-        <location filename="../../AIFReconLib/compounding/numba_engine.py"/>
+        <location filename="../../AIFReconLib/threads.py"/>
         <source>Input threads must be at least 1; got {threads!r}.</source>
         <translation type="unfinished"></translation>
     </message>

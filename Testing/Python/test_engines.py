@@ -225,9 +225,11 @@ def test_other_threads_go_on_while_frames_are_computed():
 
 @needs_numba
 @pytest.mark.parametrize("threads", [0, -1])
-def test_a_number_of_threads_below_one_is_refused(threads):
+@pytest.mark.parametrize("interpolation", ["nearest", "linear"])
+def test_a_number_of_threads_below_one_is_refused(threads, interpolation):
+    wanted = ReconstructionSettings(method="average", engine="numba", interpolation=interpolation)
     with pytest.raises(SettingsError, match="threads must be at least 1"):
-        Reconstructor(turned_grid(), ReconstructionSettings(engine="numba"), threads=threads).insert(oblique_frames(count=1))
+        Reconstructor(turned_grid(), wanted, threads=threads).insert(oblique_frames(count=1))
 
 
 @needs_numba
