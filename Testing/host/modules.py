@@ -203,6 +203,8 @@ def unload_module(application, name: str) -> None:
         if hasattr(slicer.modules, attribute):
             delattr(slicer.modules, attribute)
     if module._widget is not None:
+        if application.window.panel.isAncestorOf(module._widget):
+            application.window.panel.put(None)
         module._widget.deleteLater()
         module._widget = None
     sys.modules.pop(name, None)

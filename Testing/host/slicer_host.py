@@ -224,6 +224,15 @@ class SlicerHost:
             raise OSError(f"cannot write {path}")
         return picture.width(), picture.height()
 
+    def take_out(self, widget):
+        """Takes a module's panel out of the main window, if it is there, so that it can be given any size; returns it as Qt has it."""
+        from .pythonqt import unwrap
+
+        native = unwrap(widget)
+        if self._application.window.panel.isAncestorOf(native):
+            self._application.window.panel.put(None)
+        return native
+
     def picture(self, widget, width: int | None = None, height: int | None = None):
         """A picture of a widget, a QPixmap.
 
@@ -233,9 +242,7 @@ class SlicerHost:
         width, height : int, optional
             Pixels; by default the widget's present width, and the height that its contents need at that width.
         """
-        from .pythonqt import unwrap
-
-        native = unwrap(widget)
+        native = self.take_out(widget)
         native.ensurePolished()
         width = width or native.width()
         native.resize(width, native.height())
@@ -267,6 +274,7 @@ class SlicerHost:
             self.scene.RemoveObserver(tag)
         self._nodes.clear()
         sys.excepthook = self._hook
+        self._application.layoutManager().stop()
         self.scene.host.close()
         self._application.window = None
         self._application.processEvents()
