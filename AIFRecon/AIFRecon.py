@@ -26,13 +26,13 @@ except ImportError:
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
 from AIFReconGui.dependentWidgets import updateButtons, updateDependentWidgets
-from AIFReconGui.parameterNode import LONGEST_GAP, AIFReconParameterNode
-from AIFReconGui.startup import onStartupCompleted
 from AIFReconScene import readiness
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.parameters import readingFrom, settingsFrom, takeConfigured
 from AIFReconScene.sweepReport import SweepReport
 from AIFReconScene.sweepStatus import SweepStatus
+
+from AIFReconLib.pose_tracks import LONGEST_GAP
 
 
 class AIFRecon(ScriptedLoadableModule):
@@ -52,7 +52,17 @@ class AIFRecon(ScriptedLoadableModule):
             "The method is that of Jiang, Xu, Moghekar, Kazanzides and Boctor: Insonification Angle-based Ultrasound Volume "
             "Reconstruction for Spine Intervention."
         )
-        slicer.app.connect("startupCompleted()", onStartupCompleted)
+
+    def setup(self) -> None:
+        """Offer the sample, and let scenes be loaded that were saved while methods were compared.
+
+        Called once every module is made, at start or later. Before that no class of Sequences, Markups or another C++ module exists.
+        """
+        from AIFReconGui.sampleData import registerSampleData
+        from AIFReconScene.sliceDisplay import registerLayouts
+
+        registerSampleData()
+        registerLayouts()
 
 
 class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
@@ -97,7 +107,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         )
         self._work = LongWork(uiWidget)
         self._live = LivePanel(self.ui, self._run)
-        self._watch = InputWatch(self._onParametersModified, lambda: self.logic.followFrame(self._parameterNode))
+        self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
 
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneIsNew)
@@ -177,7 +187,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         updateDependentWidgets(self.ui, parameters, self.logic.describeSweep(parameters))
         self._live.update(readiness.whyNotLive(parameters))
         self._checkCanApply()
-        self.logic.updateDisplay(parameters)
+        self.logic.display.update(parameters)
 
     def _checkCanApply(self) -> None:
         updateButtons(self.ui, self.logic, self._parameterNode, self._live.whyNotNow(), self._report)
@@ -198,7 +208,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def onSingleViewButton(self) -> None:
         """Go back from the comparison."""
-        self.logic.showOutput(self._parameterNode)
+        self.logic.display.showOutput(self._parameterNode)
 
     def _run(self, title: str, failure: str, work) -> None:
         """Do long work with progress and cancel; its errors are shown, a cancel leaves the scene as it was."""
@@ -222,20 +232,23 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
     """
 
     def __init__(self) -> None:
+        from AIFReconScene.display import SceneDisplay
+
         ScriptedLoadableModuleLogic.__init__(self)
-        self._display = None
+        self.display = SceneDisplay()
         self._sweep = SweepStatus()
         self._tracking = SweepReport()
 
     def getParameterNode(self):
         """The parameters of the scene, typed."""
+        from AIFReconGui.parameterNode import AIFReconParameterNode
+
         return AIFReconParameterNode(super().getParameterNode())
 
     def cleanup(self) -> None:
         """Take what is drawn for orientation out of the scene, and forget what is known of its sweeps."""
         self._sweep, self._tracking = SweepStatus(), SweepReport()
-        if self._display is not None:
-            self._display.clear()
+        self.display.clear()
 
     # ---- for the console
 
@@ -322,7 +335,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         keep += ["cosine"] if parameters.bestCosine else []
         nodes, report = self._reconstruct(Inputs.fromParameters(parameters), settingsFrom(parameters), parameters.output, keep, progress)
         parameters.output = nodes["intensity"]
-        self.showOutput(parameters)
+        self.display.showOutput(parameters)
         return report
 
     def compare(self, parameters, progress=None) -> str:
@@ -333,29 +346,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         comparison = compareMethods(Inputs.fromParameters(parameters), settingsFrom(parameters), progress)
         self.display.showComparison(comparison, parameters)
         return comparison.report
-
-    def showOutput(self, parameters) -> None:
-        """Show the output over the CT in the usual slice views."""
-        self.display.showOutput(parameters)
-
-    def updateDisplay(self, parameters) -> None:
-        """Let the views follow the panel: opacity, volume rendering, probe and outlines."""
-        if self._display is not None or parameters.output is not None or parameters.showProbe or parameters.showOutlines:
-            self.display.update(parameters)
-
-    def followFrame(self, parameters) -> None:
-        """Let the probe follow the frame that is shown now."""
-        if self._display is not None:
-            self._display.followFrame(parameters)
-
-    @property
-    def display(self):
-        """What the views show, kept in step with the parameters."""
-        if self._display is None:
-            from AIFReconScene.display import SceneDisplay
-
-            self._display = SceneDisplay()
-        return self._display
 
     def _reconstruct(self, inputs, settings, output, keep, progress):
         from AIFReconScene.inputs import reconstructed

@@ -20,6 +20,10 @@ def registerSampleData():
         thumbnailFileName=str(THUMBNAIL),
         customDownloader=loadPhantomSample,
     )
+    panel = getattr(slicer.modules, "SampleDataWidget", None)
+    if panel is not None:
+        # Built before this module was loaded, with what was on offer then
+        panel.setCategoriesFromSampleDataSources(panel.categoryLayout, slicer.modules.sampleDataSources, panel.logic)
 
 
 def loadPhantomSample(source=None):

@@ -20,7 +20,7 @@ file, an exception in `setup`, `enter` or `exit`), the host raises; exceptions i
 (`take_slot_errors`). Conversions of arguments are PySide6's, which accepts less than PythonQt. Modal dialogs never wait: `dialogs`
 says what was shown and gives the answers.
 
-Use: `host = runHost(); host.load_module("AIFRecon/AIFRecon.py"); widget = host.open("AIFRecon")`. One host per process.
+Use: `host = runHost(); host.start("AIFRecon/AIFRecon.py"); widget = host.open("AIFRecon")`. One host per process.
 """
 
 from .slicer_host import SlicerHost, missing, runHost

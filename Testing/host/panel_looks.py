@@ -76,8 +76,7 @@ class Panel:
         import slicer
 
         self.host = host
-        host.load_module(REPOSITORY / "AIFRecon" / "AIFRecon.py")
-        host.startup()
+        host.start(REPOSITORY / "AIFRecon" / "AIFRecon.py")
         slicer.mrmlScene.Clear()
         self.widget = host.open("AIFRecon")
         self.native = host.take_out(self.widget.parent)

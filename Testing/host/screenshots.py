@@ -43,8 +43,7 @@ class Module:
         import slicer
 
         self.host = host
-        host.load_module(REPOSITORY / "AIFRecon" / "AIFRecon.py")
-        host.startup()
+        host.start(REPOSITORY / "AIFRecon" / "AIFRecon.py")
         slicer.mrmlScene.Clear()
         self.widget = host.open("AIFRecon")
         self.application = slicer.app.applicationLogic()

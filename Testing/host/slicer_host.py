@@ -161,14 +161,18 @@ class SlicerHost:
 
     # ---- modules
 
-    def load_module(self, path):
-        """The application's object of a scripted module, loaded from its file."""
-        return self._wrap(self._modules.load_module(self._application, str(Path(path).resolve())))
+    def start(self, *paths) -> None:
+        """Starts the application with scripted modules from these files, as when Slicer knows their folders; see `start_up`."""
+        from .start_up import start
 
-    def startup(self) -> None:
-        """What happens once all modules are loaded: `startupCompleted` is emitted."""
-        self._application.startupCompleted.emit()
+        start(self._application, [Path(path).resolve() for path in paths])
         self.raise_slot_errors()
+
+    def load_module(self, path):
+        """The application's object of a scripted module that is loaded while the application runs: its start is past."""
+        module = self._modules.instantiate(str(Path(path).resolve()))
+        self._modules.load(self._application, module)
+        return self._wrap(module)
 
     def open(self, name: str):
         """Opens a module as the user does, leaving the one that was open; returns its Python widget."""
