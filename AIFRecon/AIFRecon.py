@@ -96,7 +96,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             ReportPanel(self.ui, self.logic.trackingReport),
         )
         self._work = LongWork(uiWidget)
-        self._live = LivePanel(self.ui, self._run)
+        self._live = LivePanel(self.ui, self._work, self._onParametersModified)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.followFrame(self._parameterNode))
 
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
@@ -312,7 +312,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         browser = self.readRecording(parameters.recordingPath, configuration, progress, **readingFrom(parameters))
         parameters.sweep, parameters.imageSequence = browser, None
         takeConfigured(parameters, browser)
-        return self.describeSweep(parameters)
+        return _("Loaded {name}.").format(name=browser.GetName())
 
     def apply(self, parameters, progress=None) -> str:
         """Reconstruct what the parameters ask for, show it over the CT, and return what was done in a few lines."""
