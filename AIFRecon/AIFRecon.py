@@ -75,9 +75,10 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def setup(self) -> None:
         """Load the .ui file and connect it; called when the module is first opened."""
         ScriptedLoadableModuleWidget.setup(self)
+        from AIFReconGui.boxChooser import BoxChooser
         from AIFReconGui.livePanel import LivePanel
         from AIFReconGui.longWork import LongWork
-        from AIFReconGui.pathField import PathField
+        from AIFReconGui.pathField import PATHS, PathField
         from AIFReconGui.reportPanel import ReportPanel
         from AIFReconGui.segmentsChooser import SegmentsChooser
         from AIFReconScene.inputWatch import InputWatch
@@ -89,10 +90,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic = AIFReconLogic()
         self._followers = (
             SegmentsChooser(self.ui.segmentsComboBox, self.ui.segmentsLabel),
-            PathField(self.ui.recordingPathLineEdit, "recordingPath"),
-            PathField(self.ui.configurationPathLineEdit, "configurationPath"),
-            PathField(self.ui.liveRecordPathLineEdit, "liveRecordPath"),
-            PathField(self.ui.importanceMaskPathLineEdit, "importanceMaskPath"),
+            *(PathField(getattr(self.ui, f"{name}LineEdit"), name) for name in PATHS),
+            BoxChooser(),
             ReportPanel(self.ui, self.logic.trackingReport),
         )
         self._work = LongWork(uiWidget)
