@@ -85,9 +85,10 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def setup(self) -> None:
         """Load the .ui file and connect it; called when the module is first opened."""
         ScriptedLoadableModuleWidget.setup(self)
+        from AIFReconGui.boxChooser import BoxChooser
         from AIFReconGui.livePanel import LivePanel
         from AIFReconGui.longWork import LongWork
-        from AIFReconGui.pathField import PathField
+        from AIFReconGui.pathField import PATHS, PathField
         from AIFReconGui.reportPanel import ReportPanel
         from AIFReconGui.segmentsChooser import SegmentsChooser
         from AIFReconScene.inputWatch import InputWatch
@@ -99,14 +100,12 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic = AIFReconLogic()
         self._followers = (
             SegmentsChooser(self.ui.segmentsComboBox, self.ui.segmentsLabel),
-            PathField(self.ui.recordingPathLineEdit, "recordingPath"),
-            PathField(self.ui.configurationPathLineEdit, "configurationPath"),
-            PathField(self.ui.liveRecordPathLineEdit, "liveRecordPath"),
-            PathField(self.ui.importanceMaskPathLineEdit, "importanceMaskPath"),
+            *(PathField(getattr(self.ui, f"{name}LineEdit"), name) for name in PATHS),
+            BoxChooser(),
             ReportPanel(self.ui, self.logic.trackingReport),
         )
         self._work = LongWork(uiWidget)
-        self._live = LivePanel(self.ui, self._run)
+        self._live = LivePanel(self.ui, self._work, self._onParametersModified)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
 
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
@@ -325,7 +324,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         browser = self.readRecording(parameters.recordingPath, configuration, progress, **readingFrom(parameters))
         parameters.sweep, parameters.imageSequence = browser, None
         takeConfigured(parameters, browser)
-        return self.describeSweep(parameters)
+        return _("Loaded {name}.").format(name=browser.GetName())
 
     def apply(self, parameters, progress=None) -> str:
         """Reconstruct what the parameters ask for, show it over the CT, and return what was done in a few lines."""

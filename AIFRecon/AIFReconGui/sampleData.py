@@ -28,16 +28,11 @@ def registerSampleData():
 
 def loadPhantomSample(source=None):
     """Simulate the patient and add CT, segmentation and sweep to the scene; cancel leaves the scene as it was."""
-    from AIFReconScene.panelWords import errorsInPanelWords
     from AIFReconScene.phantomSample import loadPhantom
 
-    from AIFReconLib.errors import OperationCanceled
-
+    from .errorsShown import errorsShown
     from .progressDialog import ProgressDialog
 
-    with slicer.util.tryWithErrorDisplay(_("The lumbar phantom could not be made.")), ProgressDialog(_("Lumbar phantom")) as progress:
-        try:
-            with errorsInPanelWords():
-                return loadPhantom(progress).nodes
-        except OperationCanceled:
-            return []
+    with errorsShown(_("The lumbar phantom could not be made.")), ProgressDialog(_("Lumbar phantom")) as progress:
+        return loadPhantom(progress).nodes
+    return []
