@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib.beams import ProbeGeometry
+from AIFReconLib.fan_detection import FanDetection
+from AIFReconLib.hole_kinds import HoleFilling
 from AIFReconLib.io.plus_config import PlusConfiguration
 from AIFReconLib.message import Message, said
 from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
@@ -22,9 +24,8 @@ from AIFReconLib.transform_graph import TransformName, TransformSample, Transfor
 ATTRIBUTE = "AIFRecon.Sweep"
 """Of the sequence browser node."""
 
-CLASSES = {
-    made.__name__: made for made in (ClipRectangle, Fan, ImageRegion, PlusConfiguration, ProbeGeometry, TransformName, TransformSample)
-}
+_HELD = (ClipRectangle, Fan, FanDetection, HoleFilling, ImageRegion, PlusConfiguration, ProbeGeometry, TransformName, TransformSample)
+CLASSES = {made.__name__: made for made in _HELD}
 """What a record may hold, by name."""
 
 
@@ -63,6 +64,8 @@ def encode(value):
     if isinstance(value, Message):
         return {"@": "Message", "template": value.template, "values": {name: _said(each) for name, each in value.values.items()}}
     if dataclasses.is_dataclass(value):
+        if type(value) not in _HELD:
+            raise TypeError(f"a record of a sweep cannot hold {type(value).__name__}: reading it would lose all of the record")
         # Not `fields` of the class: a field that is not known here is simply kept by its name
         items = {field.name: encode(getattr(value, field.name)) for field in dataclasses.fields(value)}
         return {"@": type(value).__name__, **items}
