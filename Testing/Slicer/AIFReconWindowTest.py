@@ -10,7 +10,6 @@ import slicer
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import tinyScene
-
 from AIFReconLiveTest import waitFor
 
 LONG = "The recording of the second sweep over the lumbar spine has no transform from ProbeToTracker. " * 4
