@@ -91,6 +91,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         from AIFReconGui.pathField import PATHS, PathField
         from AIFReconGui.reportPanel import ReportPanel
         from AIFReconGui.segmentsChooser import SegmentsChooser
+        from AIFReconScene.boneOutlines import BoneOutlines
         from AIFReconScene.inputWatch import InputWatch
 
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
@@ -102,6 +103,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             SegmentsChooser(self.ui.segmentsComboBox, self.ui.segmentsLabel),
             *(PathField(getattr(self.ui, f"{name}LineEdit"), name) for name in PATHS),
             BoxChooser(),
+            BoneOutlines(),
             ReportPanel(self.ui, self.logic.trackingReport),
         )
         self._work = LongWork(uiWidget)
@@ -156,7 +158,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def initializeParameterNode(self) -> None:
         """Take the scene's parameters; where nothing is chosen, choose the only sweep, CT and segmentation there are."""
         self.setParameterNode(self.logic.getParameterNode())
-        self.logic.chooseDefaults(self._parameterNode)
+        readiness.chooseDefaults(self._parameterNode)
 
     def setParameterNode(self, parameterNode) -> None:
         """Bind the panel to these parameters, or to none."""
@@ -185,11 +187,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             follower.update()
         updateDependentWidgets(self.ui, parameters, self.logic.describeSweep(parameters))
         self._live.update(readiness.whyNotLive(parameters))
-        self._checkCanApply()
+        updateButtons(self.ui, self.logic, parameters, self._live.whyNotNow(), self._report)
         self.logic.display.update(parameters)
-
-    def _checkCanApply(self) -> None:
-        updateButtons(self.ui, self.logic, self._parameterNode, self._live.whyNotNow(), self._report)
 
     # ---- buttons
 
@@ -298,10 +297,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     # ---- for the panel
 
-    def chooseDefaults(self, parameters) -> None:
-        """Choose the only sweep, CT and segmentation there are, where nothing is chosen yet."""
-        readiness.chooseDefaults(parameters)
-
     def describeSweep(self, parameters) -> str:
         """How many frames the chosen sweep has and why some cannot be used, in words; also what is wrong with it as a whole."""
         return inPanelWords(self._sweep.text(parameters))
@@ -320,21 +315,26 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def loadRecording(self, parameters, progress=None) -> str:
         """Read the chosen recording and select it; the spacing follows a configuration that tells one."""
+        from AIFReconScene.firstLook import showInputs
+
         configuration = parameters.configurationPath if parameters.configurationPath.is_file() else None
         browser = self.readRecording(parameters.recordingPath, configuration, progress, **readingFrom(parameters))
         parameters.sweep, parameters.imageSequence = browser, None
         takeConfigured(parameters, browser)
+        showInputs(browser, parameters.ctVolume)
         return _("Loaded {name}.").format(name=browser.GetName())
 
     def apply(self, parameters, progress=None) -> str:
         """Reconstruct what the parameters ask for, show it over the CT, and return what was done in a few lines."""
         from AIFReconScene.inputs import Inputs
 
+        from AIFReconLib.progress import part
+
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
         nodes, report = self._reconstruct(Inputs.fromParameters(parameters), settingsFrom(parameters), parameters.output, keep, progress)
         parameters.output = nodes["intensity"]
-        self.display.showOutput(parameters)
+        self.display.showOutput(parameters, part(progress, 0.95, 1.0))
         return report
 
     def compare(self, parameters, progress=None) -> str:
@@ -380,7 +380,7 @@ class AIFReconTest(ScriptedLoadableModuleTest):
         loadPhantom()
         logic = AIFReconLogic()
         parameters = logic.getParameterNode()
-        logic.chooseDefaults(parameters)
+        readiness.chooseDefaults(parameters)
         volume = logic.reconstruct(parameters.sweep, parameters.bone, spacing=1.0, hole_limit=2.0, inputs={"boneSigmaMm": 4.0})
         placed = Volume(slicer.util.arrayFromVolume(volume), ijkToRAS(volume))
         bone = measureVolumes({"": placed}, labelsFromNode(parameters.bone))[""].bone

@@ -102,7 +102,8 @@ class LivePanel:
                 return
         self._ui.liveStatisticsLabel.text = self._do(failure, self._start)
         if self.isRunning:
-            reveal(self._ui.liveStateLabel, self._ui.liveUseBoxButton)
+            self._show()
+            reveal(self._ui.liveCollapsibleButton)
 
     def onPause(self, paused: bool) -> None:
         """Insert nothing for a while, or go on."""

@@ -28,11 +28,18 @@ def registerSampleData():
 
 def loadPhantomSample(source=None):
     """Simulate the patient and add CT, segmentation and sweep to the scene; cancel leaves the scene as it was."""
+    from AIFReconScene.firstLook import showInputs
     from AIFReconScene.phantomSample import loadPhantom
+    from AIFReconScene.threeDViews import makeSurface
+
+    from AIFReconLib.progress import part
 
     from .errorsShown import errorsShown
     from .progressDialog import ProgressDialog
 
     with errorsShown(_("The lumbar phantom could not be made.")), ProgressDialog(_("Lumbar phantom")) as progress:
-        return loadPhantom(progress).nodes
+        phantom = loadPhantom(part(progress, 0.0, 0.95))
+        makeSurface(phantom.segmentation, part(progress, 0.95, 1.0))
+        showInputs(phantom.browser, phantom.ct)
+        return phantom.nodes
     return []

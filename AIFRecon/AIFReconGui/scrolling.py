@@ -3,27 +3,16 @@
 import qt
 
 
-def reveal(first, last) -> None:
-    """Scroll the panel so that the widgets from `first` down to `last` are seen, once their layout has settled.
-
-    Parameters
-    ----------
-    first, last : QWidget
-        Where both do not fit at once, `first` is seen.
-    """
-    area = _areaAround(first)
+def reveal(widget) -> None:
+    """Scroll the panel so that a widget is as far up as can be, once the layout has settled: what is below it is seen as well."""
+    area = widget
+    while area is not None and not area.inherits("QScrollArea"):
+        area = area.parentWidget()
     if area is not None:
-        qt.QTimer.singleShot(0, lambda: _show(area, first, last))
+        qt.QTimer.singleShot(0, lambda: _toTop(area, widget))
 
 
-def _show(area, first, last) -> None:
-    for widget in (last, first):
-        # Either may be gone by now, with the panel
-        if area and widget:
-            area.ensureWidgetVisible(widget)
-
-
-def _areaAround(widget):
-    while widget is not None and not widget.inherits("QScrollArea"):
-        widget = widget.parentWidget()
-    return widget
+def _toTop(area, widget) -> None:
+    # Either may be gone by now, with the panel
+    if area and widget:
+        area.verticalScrollBar().value = widget.mapTo(area.widget(), qt.QPoint(0, 0)).y()

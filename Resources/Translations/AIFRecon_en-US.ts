@@ -451,6 +451,11 @@
         <translation type="unfinished"></translation>
     </message>
     <message>
+        <location filename="../../AIFRecon/AIFRecon.py"/>
+        <source>Loaded {name}.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../AIFRecon/Resources/UI/AIFRecon.ui"/>
         <source>Longest gap:</source>
         <translation type="unfinished"></translation>
@@ -1054,6 +1059,11 @@
         <source>Reconstruct with each method and show them side by side</source>
         <translation type="unfinished"></translation>
     </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconGui/dependentWidgets.py"/>
+        <source>The sweep cannot be reconstructed: see under Sweep.</source>
+        <translation type="unfinished"></translation>
+    </message>
 </context>
 <context>
     <name>AIFReconGui.livePanel</name>
@@ -1064,17 +1074,17 @@
     </message>
     <message>
         <location filename="../../AIFRecon/AIFReconGui/livePanel.py"/>
+        <source>Canceled: the volume is as it was shown last.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconGui/livePanel.py"/>
         <source>Failed: nothing is inserted</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../AIFRecon/AIFReconGui/livePanel.py"/>
         <source>Live reconstruction</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
-        <location filename="../../AIFRecon/AIFReconGui/livePanel.py"/>
-        <source>Live reconstruction started.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -1129,6 +1139,11 @@
     </message>
     <message>
         <location filename="../../AIFRecon/AIFReconGui/livePanel.py"/>
+        <source>stopped</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconGui/livePanel.py"/>
         <source>{inserted} of {received} frames inserted</source>
         <translation type="unfinished"></translation>
     </message>
@@ -1151,11 +1166,6 @@
     <message>
         <location filename="../../AIFRecon/AIFReconGui/packages.py"/>
         <source>Live reconstruction needs the Python package pyigtl. Install it now?</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
-        <location filename="../../AIFRecon/AIFReconGui/packages.py"/>
-        <source>pyigtl is not installed, and live reconstruction needs it.</source>
         <translation type="unfinished"></translation>
     </message>
 </context>
@@ -2081,6 +2091,11 @@
     <message>
         <location filename="../../AIFReconLib/bone.py"/>
         <source>Making the bone map</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconScene/threeDViews.py"/>
+        <source>Making the surface of bone</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -3274,6 +3289,16 @@
     <message>
         <location filename="../../AIFReconLib/tracking_report.py"/>
         <source>probe speed</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconGui/packages.py"/>
+        <source>pyigtl is not installed, and live reconstruction needs it.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconGui/packages.py"/>
+        <source>pyigtl was not installed, and live reconstruction needs it: {why}</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -4584,7 +4609,7 @@
     </message>
     <message>
         <location filename="../../AIFRecon/AIFReconScene/panelWords.py"/>
-        <source>Like volume</source>
+        <source>Its transforms lead to {frames}: put the one that leads farthest under a transform to the world, named for both.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -4604,6 +4629,11 @@
     </message>
     <message>
         <location filename="../../AIFRecon/AIFReconScene/panelWords.py"/>
+        <source>Region</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconScene/panelWords.py"/>
         <source>Spacing</source>
         <translation type="unfinished"></translation>
     </message>
@@ -4619,7 +4649,22 @@
     </message>
     <message>
         <location filename="../../AIFRecon/AIFReconScene/panelWords.py"/>
+        <source>The recording has no transforms at all: was a tracker connected? Slicer saves transforms as sequences of their own: load them too, and put the images under them.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconScene/panelWords.py"/>
         <source>Time offset</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconScene/panelWords.py"/>
+        <source>Two paths lead from {source} to {target}: {one}; and {other}. Remove one of them.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconScene/panelWords.py"/>
+        <source>UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it. Look which side of the images is marked and choose it as “Stored pixels”: a wrong code mirrors the anatomy.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -4630,6 +4675,21 @@
     <message>
         <location filename="../../AIFRecon/AIFReconScene/panelWords.py"/>
         <source>the transform of the CT</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconScene/panelWords.py"/>
+        <source>{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, if it is Slicer's sequence of a transform, load it with Slicer's own Add Data.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconScene/panelWords.py"/>
+        <source>{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, choose them as a scalar volume.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconScene/panelWords.py"/>
+        <source>{sequence}: no frame falls into the volume ({reasons}). Check the region, and the transforms of the sweep.</source>
         <translation type="unfinished"></translation>
     </message>
 </context>
@@ -4761,6 +4821,11 @@
     <message>
         <location filename="../../AIFRecon/AIFReconScene/readiness.py"/>
         <source>{method} needs bone: select a segmentation, a labelmap or a bone probability, or another method.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconScene/readiness.py"/>
+        <source>{name} has no size: select a sweep or a CT for it to lie around, or draw it.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>

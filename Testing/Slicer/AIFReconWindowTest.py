@@ -10,7 +10,6 @@ import slicer
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import tinyScene
-
 from AIFReconLiveTest import waitFor
 
 LONG = "The recording of the second sweep over the lumbar spine has no transform from ProbeToTracker. " * 4
@@ -92,9 +91,21 @@ class AIFReconWindowTest(unittest.TestCase):
             self.ui.liveStartButton.click()
             self.assertTrue(waitFor(lambda: self.ui.liveUseBoxButton.enabled))
             self.settle()
-            for name in ("livePauseButton", "liveResetButton", "liveStopButton", "liveUseBoxButton", "liveStateLabel"):
+            for name in (
+                "livePauseButton",
+                "liveResetButton",
+                "liveStopButton",
+                "liveUseBoxButton",
+                "liveStateLabel",
+                "liveStatisticsLabel",
+            ):
                 with self.subTest(widget=name):
                     widget = getattr(self.ui, name)
                     seen = widget.visibleRegion().boundingRect()
                     self.assertEqual((seen.width(), seen.height()), (widget.width, widget.height))
+            where = self.ui.liveStopButton.y
+            for said in ("tracked", "Scan once quickly, then use the box"):
+                self.widget._live._showState(said, "#000000")
+                self.settle()
+                self.assertEqual(self.ui.liveStopButton.y, where)
             self.ui.liveStopButton.click()

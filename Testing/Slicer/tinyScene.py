@@ -107,7 +107,7 @@ def ijkToRAS(volumeNode) -> np.ndarray:
 
 
 def scaleOf(sliceNode) -> float:
-    """mm per pixel of a slice view. Its field of view as such says less: a view fits the width to its widget whenever that has another size."""
+    """mm per pixel of a slice view; the width of its field of view says less, for the view fits that to its widget."""
     return sliceNode.GetFieldOfView()[1] / sliceNode.GetDimensions()[1]
 
 

@@ -69,6 +69,65 @@ class qSlicerLoadableModule(_Module):
     contributors = _held("contributors", "QStringList", writable=False)
 
 
+class qMRMLSequenceBrowserToolBar(QtWidgets.QToolBar):
+    """What replays a sequence browser in Slicer's main window: the one that it was told, and none by itself."""
+
+    api = {"methods": ("activeBrowserNode", "setActiveBrowserNode")}
+
+    def __init__(self):
+        super().__init__()
+        self._active = None
+
+    def activeBrowserNode(self):
+        """The browser that it replays, or None."""
+        return self._active if self._active is not None and self._active.GetScene() is not None else None
+
+    def setActiveBrowserNode(self, node):
+        """Replays another browser, or none."""
+        self._active = node
+
+
+class qSlicerSequencesModule(qSlicerLoadableModule):
+    """The Sequences module with its tool bar."""
+
+    api = {
+        "methods": (
+            *MODULE_METHODS,
+            "toolBar",
+            "isToolBarVisible",
+            "setToolBarVisible",
+            "setToolBarActiveBrowserNode",
+            "showSequenceBrowser",
+        )
+    }
+
+    def __init__(self, name, path="", logic=None):
+        super().__init__(name, path, logic)
+        self._bar = qMRMLSequenceBrowserToolBar()
+
+    def toolBar(self):
+        """The tool bar."""
+        return self._bar
+
+    def isToolBarVisible(self):
+        """Whether the tool bar is shown."""
+        return not self._bar.isHidden()
+
+    def setToolBarVisible(self, visible):
+        """Shows or hides the tool bar."""
+        self._bar.setVisible(visible)
+
+    def setToolBarActiveBrowserNode(self, node):
+        """Has the tool bar replay a browser."""
+        self._bar.setActiveBrowserNode(node)
+
+    def showSequenceBrowser(self, node):
+        """Shows the tool bar with a browser."""
+        self.setToolBarActiveBrowserNode(node)
+        self.setToolBarVisible(True)
+        return True
+
+
 class qSlicerScriptedLoadableModule(_Module):
     """A module made of a Python file."""
 

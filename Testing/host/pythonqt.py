@@ -23,9 +23,9 @@ from .connections import BoundSignal, connect, disconnect, guarded
 
 _BUILTIN = ("PySide6.", "Shiboken")
 
-_PYSIDE_ONLY = frozenset(
-    "buttonText connectNotify create disconnectNotify emit find internalWinId isTopLevel painters receivers setButtonText standardIcon "
-    "staticMetaObject topLevelWidget updateMicroFocus".split()
+_PYSIDE_ONLY = (
+    *("buttonText", "connectNotify", "create", "disconnectNotify", "emit", "find", "internalWinId", "isTopLevel", "painters", "receivers"),
+    *("setButtonText", "standardIcon", "staticMetaObject", "topLevelWidget", "updateMicroFocus"),
 )
 """Names that PySide6 has of Qt's classes and Slicer's Python has not; a test compares with the names that the application told."""
 

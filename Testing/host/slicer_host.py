@@ -89,7 +89,8 @@ class SlicerHost:
         self._keep = [slicer.app]
         for name, logic in self.scene.host.logics.items():
             if not name.islower():
-                module = modules.qSlicerLoadableModule(name, logic=logic)
+                kind = modules.qSlicerSequencesModule if name == "Sequences" else modules.qSlicerLoadableModule
+                module = kind(name, logic=logic)
                 self._keep.append(module)
                 modules.register(self._application, module)
         self._install_python(slicer)
@@ -215,6 +216,7 @@ class SlicerHost:
         """Clears scene, dialogs, settings and slot errors, as between two tests."""
         self.scene.Clear(False)
         self.dialogs.clear()
+        self._application.moduleManager().module("Sequences").setToolBarVisible(False)
         self._application.settings().clear()
         while self._application.overrideCursor() is not None:
             self._application.restoreOverrideCursor()

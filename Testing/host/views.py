@@ -192,6 +192,17 @@ class qSlicerLayoutManager(QtCore.QObject):
                 self._observed[name] = node, node.AddObserver("ModifiedEvent", lambda *_: self._fitting.start(0))
         for node in self._viewNodes():
             cameraOf(node)
+        layout = self._node()
+        if layout is not None and self._observed.get("layout", (None, 0))[0] is not layout:
+            self._observed["layout"] = layout, layout.AddObserver("ModifiedEvent", lambda *_: self._map())
+        self._map()
+
+    def _map(self):
+        """Tells every view whether the layout shows it."""
+        shown = self._mrml.layoutLogic.GetViewNodes()
+        shown = [shown.GetItemAsObject(i) for i in range(shown.GetNumberOfItems())]
+        for node in [logic.GetSliceNode() for logic in self._logics().values()] + self._viewNodes():
+            node.SetMappedInLayout(any(node is each for each in shown))
 
     def _fit(self):
         for logic in self._logics().values():
