@@ -195,7 +195,7 @@ class LivePanel:
         else:
             word = _("Paused") if statistics.phase == "paused" else tracking
         self._showState(word, TRACKED_COLOR if tracked else LOST_COLOR)
-        problems = (statistics.trouble, live.snapshotProblem, statistics.recording_failure)
+        problems = (statistics.trouble, live.snapshotProblem, live.displayProblem, statistics.recording_failure)
         lines = [_counts(statistics)] if failed else [_rate(statistics), _counts(statistics)]
         lines += [inPanelWords(problem) for problem in problems if problem]
         self._ui.liveStatisticsLabel.text = "\n".join(dict.fromkeys(lines))
