@@ -123,6 +123,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         """Let go of everything; called when the application closes or the module is reloaded."""
         if self._live is None:
             return  # the .ui file could not be loaded
+        self._work.close()
         self._live.close(sceneStays=True)
         self.setParameterNode(None)
         self.removeObservers()

@@ -101,7 +101,7 @@ class LiveReconstruction:
             self._source.collect()
 
     def refresh(self) -> None:
-        """Bring nodes and views up to date with what is ready, and ask for the next snapshot; `displayProblem` says what cannot be shown."""
+        """Bring nodes and views up to date with what is ready, and ask for the next snapshot; `displayProblem` says what failed."""
         self._attempt(self._showFrame)
         result = self._snapshots.take()
         if result is not None:

@@ -100,8 +100,23 @@ def test_a_destroyed_object_says_so(host, qt):
     inner = qt.QLabel("hello", outer)
     outer.delete()
     assert not inner
-    with pytest.raises(ValueError, match="destroyed QLabel"):
+    with pytest.raises(ValueError, match="Trying to read property 'text' from a destroyed QLabel object"):
         _ = inner.text
+
+
+def test_a_property_of_a_destroyed_object_cannot_be_set(host, qt):
+    button = qt.QPushButton()
+    button.delete()
+    with pytest.raises(AttributeError, match="Trying to set property 'enabled' on a destroyed QPushButton object"):
+        button.enabled = True
+
+
+def test_a_method_of_a_destroyed_object_fails_when_it_is_called(host, qt):
+    button = qt.QPushButton()
+    button.delete()
+    click = button.click
+    with pytest.raises(ValueError, match="Trying to call 'click' on a destroyed QPushButton object"):
+        click()
 
 
 def test_a_python_class_may_add_attributes(qt):
