@@ -24,11 +24,11 @@ from .extent import grid_around_sweep
 from .frames import TrackedFrame
 from .holes import fill_holes
 from .io.sequence_files import read_sequence, write_sequence
+from .machine.threads import optional_module, usable_cores
 from .progress import Progress, report
 from .reconstruction import reconstruct
 from .region import ImageRegion
 from .settings import BONE_METHODS, METHODS, ReconstructionSettings
-from .threads import optional_module, usable_cores
 from .volume import VoxelGrid
 
 NUMPY_SHARE = 8
@@ -257,7 +257,7 @@ def _machine() -> str:
     names = [platform.system(), platform.machine(), f"{usable_cores()} cores"]
     if model := _processor():
         names.append(model)
-    numba = optional_module("AIFReconLib.numba_compile")
+    numba = optional_module("AIFReconLib.machine.numba_compile")
     versions = f"Python {platform.python_version()}, numpy {np.__version__}" + (f", numba {numba.VERSION}" if numba else ", no numba")
     return ", ".join(names) + "; " + versions
 

@@ -12,9 +12,9 @@ import numpy as np
 from scipy import ndimage
 
 from .errors import GeometryError
+from .machine.threads import in_parts, optional_module, usable_cores
 from .message import listed
 from .progress import Progress, report
-from .threads import in_parts, optional_module, usable_cores
 from .volume import Volume, VoxelGrid
 
 SIGMA_VOXELS = 10.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .errors import GeometryError
-from .memory import require_memory
+from .machine.memory import require_memory
 from .region import ImageRegion, extreme_pixels
 from .sound_speed import DepthScale
 from .volume import VoxelGrid

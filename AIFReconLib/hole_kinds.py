@@ -12,9 +12,9 @@ import numpy as np
 from . import hole_averages
 from .errors import SettingsError
 from .holes import EMPTY, FILLED, MEASURED, fill_holes
+from .machine.threads import optional_module
 from .progress import Progress, report
 from .settings import ReconstructionSettings
-from .threads import optional_module
 
 CUBE, GAUSSIAN, STICK = "cube", "gaussian", "stick"
 GAUSSIAN_BY_HITS, INVERSE_DISTANCE = "gaussian by hits", "inverse distance"

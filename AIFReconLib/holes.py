@@ -7,8 +7,8 @@ import itertools
 import numpy as np
 from scipy import ndimage
 
+from .machine.threads import in_parts, optional_module, usable_cores
 from .progress import Progress, report
-from .threads import in_parts, optional_module, usable_cores
 
 EMPTY, MEASURED, FILLED = 0, 1, 2
 """Values of the mask volume."""

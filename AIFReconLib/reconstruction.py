@@ -17,10 +17,10 @@ from .detection import detect_imaging
 from .errors import BeamGeometryError, NoUsableFramesError
 from .extent import grid_around_sweep
 from .frames import TrackedFrame, TrackedSequence
+from .machine.read_ahead import read_ahead
 from .message import Message
 from .poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames
 from .progress import Progress, part, report
-from .read_ahead import read_ahead
 from .region import ImageRegion
 from .settings import ReconstructionSettings
 from .sound_speed import depth_factor, depth_scale

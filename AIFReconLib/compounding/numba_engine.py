@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..bone import BoneOnGrid
+from ..machine.threads import checked_threads, in_parts
 from ..settings import ReconstructionSettings
-from ..threads import checked_threads, in_parts
 from .batch import BATCH_FRAMES, FrameBatch
 from .evidence import ScanLines
 from .layout import PixelLayout

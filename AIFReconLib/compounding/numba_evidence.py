@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..numba_compile import compiled, inlined
+from ..machine.numba_compile import compiled, inlined
 from .evidence import ScanLines
 
 ZERO, ONE, TWO = np.float32(0), np.float32(1), np.float32(2)

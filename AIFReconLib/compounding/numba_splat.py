@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..numba_compile import compiled, inlined
-from ..threads import checked_threads, in_parts
+from ..machine.numba_compile import compiled, inlined
+from ..machine.threads import checked_threads, in_parts
 from .batch import BATCH_FRAMES, FrameBatch
 from .layout import CENTER_TOLERANCE, PixelLayout
 from .numba_kernels import OFFSET, ROW, START, STOP, clip_to_slab, clip_to_volume

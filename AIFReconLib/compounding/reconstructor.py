@@ -14,7 +14,7 @@ from ..bone import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, SettingsError
 from ..frames import TrackedFrame
 from ..hole_kinds import HoleFilling, fill_as_asked
-from ..memory import require_memory
+from ..machine.memory import require_memory
 from ..message import Message
 from ..pixel_filter import PixelFilter
 from ..progress import Progress

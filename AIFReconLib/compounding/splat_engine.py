@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import SettingsError
+from ..machine.threads import optional_module
 from ..message import Message, listed
 from ..settings import ReconstructionSettings
-from ..threads import optional_module
 from .batch import FrameBatch
 from .layout import PixelLayout
 from .state import VoxelState

@@ -11,7 +11,7 @@ import re
 import numpy as np
 
 from ..errors import InsufficientMemoryError
-from ..memory import SAFETY, available_memory
+from ..machine.memory import SAFETY, available_memory
 from .metafile import METAIMAGE_SUFFIXES, RAW, Metafile
 from .payload import Inflater, PayloadError
 from .stored_volume import StoredVolume

@@ -17,9 +17,9 @@ from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding import batch, engines
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import SettingsError
+from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
-from AIFReconLib.threads import optional_module
 from AIFReconLib.volume import VoxelGrid
 
 HAS_NUMBA = optional_module("AIFReconLib.compounding.numba_engine") is not None
@@ -256,7 +256,7 @@ def broken_numba(monkeypatch):
     for name in [name for name in sys.modules if name.startswith("AIFReconLib.compounding.numba_")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.delattr("AIFReconLib.compounding.numba_engine", raising=False)
-    monkeypatch.setitem(sys.modules, "AIFReconLib.numba_compile", None)
+    monkeypatch.setitem(sys.modules, "AIFReconLib.machine.numba_compile", None)
 
 
 def test_a_broken_numba_gives_the_same_volume_and_a_note(broken_numba):
@@ -273,7 +273,7 @@ def test_asking_for_a_broken_numba_is_an_error_with_the_reason(broken_numba):
 
 @needs_numba
 def test_where_no_folder_can_be_written_to_code_is_compiled_all_the_same(monkeypatch):
-    from AIFReconLib import numba_compile
+    from AIFReconLib.machine import numba_compile
 
     real = numba_compile.njit
 

@@ -11,8 +11,8 @@ from AIFReconLib import hole_kinds
 from AIFReconLib.errors import OperationCanceled, SettingsError
 from AIFReconLib.hole_kinds import HoleFilling, fill_as_asked, fill_holes_by_kind
 from AIFReconLib.holes import FILLED, MEASURED, fill_holes
+from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.threads import optional_module
 
 SHAPE = (6, 7, 8)
 SPACING = np.array([0.5, 0.5, 0.5])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from AIFReconLib import holes
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.holes import EMPTY, FILLED, MEASURED
-from AIFReconLib.threads import optional_module
+from AIFReconLib.machine.threads import optional_module
 
 CUBE = np.array([1.0, 1.0, 1.0])
 ENGINE = {"name": "auto"}

@@ -17,9 +17,9 @@ from AIFReconLib.compounding import splat_engine
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.frames import TrackedFrame
+from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.region import ClipRectangle, ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.threads import optional_module
 from AIFReconLib.volume import VoxelGrid
 
 METHODS = ("average", "latest", "maximum")

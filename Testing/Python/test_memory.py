@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from AIFReconLib import memory
 from AIFReconLib.errors import InsufficientMemoryError
 from AIFReconLib.extent import grid_around_sweep
-from AIFReconLib.memory import HANDY_SPACINGS, available_memory, require_memory
+from AIFReconLib.machine import memory
+from AIFReconLib.machine.memory import HANDY_SPACINGS, available_memory, require_memory
 from AIFReconLib.region import ImageRegion
 from AIFReconLib.volume import MAXIMUM_VOXELS
 

@@ -193,7 +193,7 @@ class TestKeptCodeOfKernels:
     @pytest.fixture
     def kernel(self):
         pytest.importorskip("numba")
-        from AIFReconLib.numba_compile import compiled
+        from AIFReconLib.machine.numba_compile import compiled
 
         def double(x):
             return 2 * x

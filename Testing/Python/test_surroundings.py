@@ -27,9 +27,9 @@ from AIFReconLib.errors import OutputError
 from AIFReconLib.io.sequence_writer import write_sequence
 from AIFReconLib.io.volume_files import check_volume_path, read_volume
 from AIFReconLib.live.recording import Recorder
+from AIFReconLib.machine.read_ahead import read_ahead
+from AIFReconLib.machine.threads import in_parts
 from AIFReconLib.orderly_end import orderly_end, pause
-from AIFReconLib.read_ahead import read_ahead
-from AIFReconLib.threads import in_parts
 from AIFReconLib.volume import Volume
 
 posix = pytest.mark.skipif(os.name == "nt", reason="POSIX")

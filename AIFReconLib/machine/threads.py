@@ -10,7 +10,7 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from types import ModuleType
 
-from .errors import SettingsError
+from ..errors import SettingsError
 
 
 def in_parts(work: Callable[[int], None], parts: int, threads: int) -> None:

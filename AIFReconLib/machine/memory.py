@@ -7,9 +7,9 @@ import os
 import sys
 from pathlib import Path
 
-from .errors import InsufficientMemoryError
-from .message import Message
-from .volume import MAXIMUM_VOXELS
+from ..errors import InsufficientMemoryError
+from ..message import Message
+from ..volume import MAXIMUM_VOXELS
 
 SAFETY = 0.9
 """Share of the free memory that a volume may take."""
