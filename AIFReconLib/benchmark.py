@@ -22,6 +22,7 @@ from .compounding.reconstructor import Reconstructor
 from .compounding.state import bytes_per_voxel
 from .extent import grid_around_sweep
 from .frames import TrackedFrame
+from .geometry.volume import VoxelGrid
 from .holes import fill_holes
 from .io.sequence_files import read_sequence, write_sequence
 from .machine.threads import optional_module, usable_cores
@@ -29,7 +30,6 @@ from .progress import Progress, report
 from .reconstruction import reconstruct
 from .region import ImageRegion
 from .settings import BONE_METHODS, METHODS, ReconstructionSettings
-from .volume import VoxelGrid
 
 NUMPY_SHARE = 8
 """The numpy engine gets every 8th frame of the sweep, so that it does not take most of the time."""

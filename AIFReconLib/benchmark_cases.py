@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 from .beams import SECTOR, ProbeGeometry
 from .bone import BoneMap
 from .frames import FrameRecord, TrackedFrame, TrackedSequence
-from .transform_graph import TransformName, TransformSample
-from .volume import Volume, VoxelGrid
+from .geometry.transform_graph import TransformName, TransformSample
+from .geometry.volume import Volume, VoxelGrid
 
 COLUMNS, ROWS, PIXEL = 640, 480, 0.2
 """Size of the benchmark's images, and their pixel pitch in mm."""

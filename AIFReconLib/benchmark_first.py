@@ -16,8 +16,8 @@ def first_result() -> None:
     """Import, place a bone map and put one frame into a small volume with aif-compensated: what a fresh process does first."""
     from .benchmark_cases import PROBE, fan_sweep, slab_of_bone
     from .compounding.reconstructor import Reconstructor
+    from .geometry.volume import VoxelGrid
     from .settings import ReconstructionSettings
-    from .volume import VoxelGrid
 
     grid = VoxelGrid.from_spacing((-64.0, 0.0, -24.0), (64, 48, 24), 2.0)
     reconstructor = Reconstructor(grid, ReconstructionSettings(method="aif-compensated"), slab_of_bone(grid), probe=PROBE)

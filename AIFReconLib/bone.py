@@ -12,10 +12,10 @@ import numpy as np
 from scipy import ndimage
 
 from .errors import GeometryError
+from .geometry.volume import Volume, VoxelGrid
 from .machine.threads import in_parts, optional_module, usable_cores
 from .message import listed
 from .progress import Progress, report
-from .volume import Volume, VoxelGrid
 
 SIGMA_VOXELS = 10.0
 """Smoothing of the probability map in the paper, in voxels of the labels."""

@@ -9,10 +9,10 @@ import numpy as np
 
 from .compounding.splat_engine import LINEAR_METHODS
 from .errors import SettingsError
+from .geometry.volume import VoxelGrid
 from .hole_kinds import HoleFilling
 from .message import Message
 from .settings import ReconstructionSettings
-from .volume import VoxelGrid
 
 if TYPE_CHECKING:
     from .io.plus_config import PlusConfiguration

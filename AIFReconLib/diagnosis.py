@@ -10,12 +10,12 @@ from .console import columns
 from .detection import detect_imaging
 from .errors import AIFReconError, BeamGeometryError, SequenceFormatError
 from .frames import TrackedSequence
+from .geometry.transform_graph import TransformStatus
+from .geometry.transforms import pixel_spacing
 from .offset_estimate import OffsetEstimate, estimate_time_offset
 from .poses import SweepPoses, sweep_poses
 from .progress import Progress
 from .tracking_report import TrackingReport, tracking_report
-from .transform_graph import TransformStatus
-from .transforms import pixel_spacing
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from .errors import GeometryError
+from .geometry.volume import VoxelGrid
 from .machine.memory import require_memory
 from .region import ImageRegion, extreme_pixels
 from .sound_speed import DepthScale
-from .volume import VoxelGrid
 
 LARGEST_EXTENT = 5000.0
 """mm. Poses that span more are not those of one patient."""

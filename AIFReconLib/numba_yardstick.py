@@ -17,10 +17,10 @@ from .bone import BoneMap
 from .compounding.evidence import ScanLines
 from .compounding.layout import PixelLayout
 from .frames import TrackedFrame
+from .geometry.transforms import image_plane_axes, pixel_spacing
+from .geometry.volume import VoxelGrid
 from .region import ImageRegion
 from .settings import ReconstructionSettings
-from .transforms import image_plane_axes, pixel_spacing
-from .volume import VoxelGrid
 
 ONE, ZERO, THREE = np.float32(1), np.float32(0), np.float32(3)
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from .errors import GeometryError, NoUsableFramesError, TransformError
 from .frames import TrackedFrame, TrackedSequence
+from .geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
+from .geometry.transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
 from .message import Message, listed
-from .transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
-from .transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
 
 
 @dataclass(frozen=True, eq=False)

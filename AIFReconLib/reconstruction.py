@@ -17,6 +17,8 @@ from .detection import detect_imaging
 from .errors import BeamGeometryError, NoUsableFramesError
 from .extent import grid_around_sweep
 from .frames import TrackedFrame, TrackedSequence
+from .geometry.transforms import pixel_spacing
+from .geometry.volume import VoxelGrid
 from .machine.read_ahead import read_ahead
 from .message import Message
 from .poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames
@@ -24,8 +26,6 @@ from .progress import Progress, part, report
 from .region import ImageRegion
 from .settings import ReconstructionSettings
 from .sound_speed import depth_factor, depth_scale
-from .transforms import pixel_spacing
-from .volume import VoxelGrid
 
 
 def _reporting(frames: Iterable[TrackedFrame], count: int, progress: Progress | None) -> Iterable[TrackedFrame]:

@@ -13,9 +13,9 @@ import numpy as np
 
 from .errors import SettingsError, TransformError
 from .frames import ImageStack, TrackedSequence
+from .geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
+from .geometry.transforms import as_matrix, invert
 from .message import Message
-from .transform_graph import TransformName, TransformSample, TransformStatus, capital
-from .transforms import as_matrix, invert
 
 Transforms = dict[TransformName, TransformSample]
 

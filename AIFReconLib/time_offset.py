@@ -13,9 +13,9 @@ import numpy as np
 
 from .errors import SettingsError
 from .frames import TrackedSequence
+from .geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from .message import Message
 from .pose_tracks import LONGEST_GAP, PoseTrack
-from .transform_graph import TransformName, TransformSample, TransformStatus
 
 LARGEST_OFFSET = 10.0
 """s. More is a mistake in the unit."""

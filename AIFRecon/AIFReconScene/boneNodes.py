@@ -9,9 +9,9 @@ import vtk
 from vtk.util import numpy_support
 
 from AIFReconLib.errors import GeometryError
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress
-from AIFReconLib.volume import Volume
 
 from .transforms import arrayOf, ijkToRAS, matrixToWorld
 

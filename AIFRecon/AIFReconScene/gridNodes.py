@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from AIFReconLib.errors import GeometryError, SettingsError
-from AIFReconLib.volume import VoxelGrid
+from AIFReconLib.geometry.volume import VoxelGrid
 
 from .transforms import arrayOf, ijkToRAS, matrixToWorld
 

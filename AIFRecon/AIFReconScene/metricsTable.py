@@ -8,10 +8,10 @@ import vtk
 
 from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.frames import TrackedSequence
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress, part, report
 from AIFReconLib.region import ImageRegion
-from AIFReconLib.volume import Volume
 
 
 def measureVolumes(

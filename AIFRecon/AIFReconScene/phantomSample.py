@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import slicer
 
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import Progress, part
-from AIFReconLib.volume import Volume
 
 from .sequenceNodes import browserFromSequence
 from .transforms import vtkMatrixOf

@@ -9,9 +9,9 @@ from vtk.util import numpy_support
 
 from AIFReconLib.beams import SECTOR, ProbeGeometry
 from AIFReconLib.frames import TrackedSequence
+from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.poses import sweep_poses
 from AIFReconLib.region import ImageRegion, extreme_pixels
-from AIFReconLib.transforms import transform_points
 
 from .browserItems import BrowserItems
 from .sceneNodes import removeNodes

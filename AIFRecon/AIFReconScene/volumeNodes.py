@@ -8,7 +8,7 @@ import vtk
 from vtk.util import numpy_support
 
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.volume import Volume
+from AIFReconLib.geometry.volume import Volume
 
 from .sceneNodes import freeName, nodesOfClass, removeNodes
 from .transforms import vtkMatrixOf

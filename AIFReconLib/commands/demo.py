@@ -16,6 +16,7 @@ from ..evaluation.metrics import BoneMetrics, evaluate
 from ..evaluation.quantities import metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
+from ..geometry.volume import Volume
 from ..io.atomic import write_text
 from ..io.sequence_files import read_sequence
 from ..io.transform_files import read_transform
@@ -23,7 +24,6 @@ from ..io.volume_files import read_labels, read_volume
 from ..progress import part
 from ..reconstruction import reconstruct
 from ..settings import METHODS, ReconstructionSettings
-from ..volume import Volume
 from .simulate import SimulatedFiles, write_simulated_patient
 
 SPACING = 1.0

@@ -15,11 +15,11 @@ from ..evaluation.metrics import BoneMetrics, evaluate
 from ..evaluation.quantities import metrics_csv, table, what_counted
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import BEAM_THICKNESS, SweepBeams, bone_truth
+from ..geometry.volume import Volume
 from ..io.atomic import check_writable, write_text
 from ..io.sequence_files import read_sequence
 from ..io.volume_files import read_labels, read_transform, read_volume
 from ..progress import part
-from ..volume import Volume
 from .options import add_imaging_options, imaging_from, real_path, refuse_to_overwrite
 from .reconstruct import add_tracking_options
 

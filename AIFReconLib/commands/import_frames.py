@@ -10,6 +10,7 @@ import numpy as np
 from ..console import ProgressBar, program
 from ..errors import AIFReconError
 from ..frames import TrackedSequence
+from ..geometry.transform_graph import TransformName
 from ..importing import IMAGE_FRAME, ImportSettings, import_sequence
 from ..io.atomic import check_writable, write_text
 from ..io.calibration_files import read_calibration
@@ -20,7 +21,6 @@ from ..io.sequence_writer import SUFFIXES, check_sequence_name, write_sequence
 from ..poses import SweepPoses, sweep_poses
 from ..sweep_drawing import draw_sweep
 from ..tracking_report import tracking_report
-from ..transform_graph import TransformName
 from .options import refuse_to_overwrite
 
 EXAMPLE = """examples:

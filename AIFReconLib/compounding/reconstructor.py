@@ -13,6 +13,8 @@ from ..beams import SECTOR, ProbeGeometry
 from ..bone import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, SettingsError
 from ..frames import TrackedFrame
+from ..geometry.transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
+from ..geometry.volume import Volume, VoxelGrid
 from ..hole_kinds import HoleFilling, fill_as_asked
 from ..machine.memory import require_memory
 from ..message import Message
@@ -21,8 +23,6 @@ from ..progress import Progress
 from ..region import ImageRegion
 from ..settings import BONE_METHODS, ReconstructionSettings
 from ..sound_speed import depth_factor, depth_scale
-from ..transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
-from ..volume import Volume, VoxelGrid
 from .batch import FrameBatch
 from .engines import choose_engine
 from .evidence import ScanLines

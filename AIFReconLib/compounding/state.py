@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from ..geometry.volume import VoxelGrid
 from ..settings import BONE_METHODS
-from ..volume import VoxelGrid
 
 MAP_BYTES = 4 + 3 * 4
 """Probability and direction of the bone map, per voxel."""

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import OutputError
+from ..geometry.volume import Volume, VoxelGrid
 from ..io.atomic import atomic_output
-from ..volume import Volume, VoxelGrid
 from .slices import AXIAL, CORONAL, SAGITTAL, Plane, cut, extent_along
 from .surface import BoneSurface
 

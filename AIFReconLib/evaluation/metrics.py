@@ -24,8 +24,8 @@ import numpy as np
 from scipy import ndimage
 
 from ..errors import GeometryError
-from ..transforms import transform_points
-from ..volume import Volume
+from ..geometry.transforms import transform_points
+from ..geometry.volume import Volume
 from .surface import nearest
 from .visibility import REACHED, SHADOWED, BoneTruth
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from ..volume import Volume, VoxelGrid
+from ..geometry.volume import Volume, VoxelGrid
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 from ..errors import GeometryError
-from ..transforms import transform_points
-from ..volume import Volume
+from ..geometry.transforms import transform_points
+from ..geometry.volume import Volume
 
 DISTANCE_LIMIT = 12.0
 """mm. Distances to bone are known up to here; farther is cut off."""

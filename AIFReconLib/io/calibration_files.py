@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import GeometryError, TransformFileError
+from ..geometry.transform_graph import TransformName
+from ..geometry.transforms import as_matrix
 from ..message import Message
-from ..transform_graph import TransformName
-from ..transforms import as_matrix
 from .metafile import require_regular_file
 from .plus_config import read_plus_configuration
 from .small_files import read_bytes

@@ -11,11 +11,11 @@ import numpy as np
 
 from ..beams import LINEAR, SECTOR, ProbeGeometry
 from ..errors import ConfigurationError, GeometryError
+from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ..geometry.transforms import as_matrix
+from ..geometry.volume import VoxelGrid
 from ..message import Message
 from ..region import ClipRectangle, Fan, ImageRegion
-from ..transform_graph import TransformName, TransformSample, TransformStatus
-from ..transforms import as_matrix
-from ..volume import VoxelGrid
 from .plus_reconstruction import build, read_reconstruction
 from .sequence_fields import capitalized
 from .xml_attributes import Attributes

@@ -8,9 +8,9 @@ from xml.etree.ElementTree import Element
 
 from ..errors import AIFReconError
 from ..fan_detection import FanDetection
+from ..geometry.transform_graph import capital
 from ..message import Message
 from ..region import ClipRectangle, Fan, ImageRegion
-from ..transform_graph import capital
 from .xml_attributes import Attributes
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ import numpy as np
 
 from ..errors import SettingsError, TransformError
 from ..frames import FrameRecord
+from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ..message import Message
-from ..transform_graph import TransformName, TransformSample, TransformStatus, capital
 from .metafile import Metafile
 from .text_values import NotANumberError, format_number, one_line, parse_number, parse_numbers, shorten
 

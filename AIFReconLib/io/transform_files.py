@@ -12,7 +12,7 @@ import numpy as np
 import SimpleITK as sitk
 
 from ..errors import GeometryError, OutputError, TransformFileError
-from ..transforms import as_matrix, invert, ras_to_lps
+from ..geometry.transforms import as_matrix, invert, ras_to_lps
 from .atomic import atomic_output
 from .itk_errors import short_cause
 from .itk_paths import itk_path

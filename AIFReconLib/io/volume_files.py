@@ -8,8 +8,8 @@ import numpy as np
 import SimpleITK as sitk
 
 from ..errors import FileFormatError, GeometryError, OutputError, VolumeFormatError
-from ..transforms import LPS_FROM_RAS
-from ..volume import Volume
+from ..geometry.transforms import LPS_FROM_RAS
+from ..geometry.volume import Volume
 from .atomic import atomic_outputs, check_writable
 from .itk_errors import short_cause
 from .itk_paths import itk_path

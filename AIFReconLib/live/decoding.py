@@ -11,10 +11,10 @@ import struct
 import numpy as np
 
 from ..errors import LiveConnectionError, LiveMessageError
+from ..geometry.transform_graph import TransformStatus
+from ..geometry.transforms import LPS_FROM_RAS
 from ..io.file_images import luminance
 from ..message import Message
-from ..transform_graph import TransformStatus
-from ..transforms import LPS_FROM_RAS
 from .framing import Frame, Header
 from .messages import ImageMessage, StatusMessage, TransformMessage
 

@@ -16,11 +16,11 @@ from ..bone import BoneMap
 from ..compounding.reconstructor import Reconstruction, Reconstructor
 from ..configured import ConfiguredParts
 from ..frames import TrackedFrame
+from ..geometry.volume import VoxelGrid
 from ..message import Message
 from ..progress import Progress
 from ..reconstruction import Imaging
 from ..settings import ReconstructionSettings
-from ..volume import VoxelGrid
 from .keep_up import KeepUp
 from .session_statistics import Meter
 from .synchronizer import LiveFrame

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..errors import TransformError
 from ..frames import FrameRecord, TrackedSequence
+from ..geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus, capital
 from ..message import Message
 from ..poses import chain_ends, sweep_poses
-from ..transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus, capital
 from .messages import ImageMessage
 
 PROBE = "Probe"

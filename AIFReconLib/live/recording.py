@@ -23,6 +23,7 @@ import numpy as np
 
 from ..errors import AIFReconError, OutputError
 from ..frames import TrackedSequence
+from ..geometry.transform_graph import TransformStatus
 from ..io.atomic import atomic_outputs, check_writable
 from ..io.metafile import UNFINISHED
 from ..io.sequence_fields import frame_entries
@@ -31,7 +32,6 @@ from ..io.sequence_writer import check_sequence_name, write_sequence
 from ..io.workspace import workspace
 from ..message import Message
 from ..progress import Progress
-from ..transform_graph import TransformStatus
 from .synchronizer import LiveFrame
 
 REFRESH = 1.0

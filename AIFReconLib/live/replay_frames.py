@@ -8,9 +8,9 @@ import numpy as np
 
 from ..errors import GeometryError, SettingsError, TransformError
 from ..frames import TrackedSequence
+from ..geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
+from ..geometry.transforms import invert, why_not_affine
 from ..poses import chain_ends, sweep_poses, time_order
-from ..transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
-from ..transforms import invert, why_not_affine
 from .encoding import encode_image, encode_transform, why_not_sendable
 
 SHORTEST_INTERVAL = 1e-3

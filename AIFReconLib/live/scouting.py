@@ -10,13 +10,13 @@ import numpy as np
 from ..errors import NoUsableFramesError
 from ..extent import grid_around_sweep
 from ..frames import FrameRecord, TrackedSequence
+from ..geometry.transforms import pixel_spacing
+from ..geometry.volume import VoxelGrid
 from ..message import Message
 from ..poses import SweepPoses
 from ..reconstruction import Imaging
 from ..settings import ReconstructionSettings
 from ..sound_speed import depth_scale
-from ..transforms import pixel_spacing
-from ..volume import VoxelGrid
 from .synchronizer import LiveFrame
 
 SCOUTED = Message("seen while scouting")

@@ -15,13 +15,13 @@ from ..compounding.state import bytes_per_voxel
 from ..configured import configured_parts, resolve_settings
 from ..errors import AIFReconError, BeamGeometryError, OutputError, SettingsError
 from ..frames import TrackedSequence
+from ..geometry.volume import VoxelGrid
 from ..message import Message, said
 from ..progress import Progress, part
 from ..reconstruction import Imaging, configured_region, resolve_imaging
 from ..region import ImageRegion
 from ..settings import ReconstructionSettings
 from ..sound_speed import depth_factor
-from ..volume import VoxelGrid
 from .insertion import Inserter
 from .messages import StreamEvent, StreamMessage
 from .recording import Recorder

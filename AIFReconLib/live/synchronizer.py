@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..frames import FrameRecord, TrackedFrame
-from ..transform_graph import TransformName, TransformSample, TransformStatus
+from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from .messages import ImageMessage, StreamEvent, StreamMessage, TransformMessage
 from .placement import Placement, metadata_transforms, stream_name
 from .pose_history import MISSING, Answer, PoseHistory

@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 
 from ..errors import InsufficientMemoryError
+from ..geometry.volume import MAXIMUM_VOXELS
 from ..message import Message
-from ..volume import MAXIMUM_VOXELS
 
 SAFETY = 0.9
 """Share of the free memory that a volume may take."""

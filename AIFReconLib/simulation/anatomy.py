@@ -16,10 +16,10 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 
 from ..errors import SettingsError
+from ..geometry.transforms import invert, transform_points
+from ..geometry.volume import Volume, VoxelGrid
 from ..message import Message
 from ..progress import Progress, part, report
-from ..transforms import invert, transform_points
-from ..volume import Volume, VoxelGrid
 from .computed_tomography import hounsfield_units
 from .soft_tissue import SoftTissue, make_texture
 from .vertebra import BODY_LIFT, LAMINA_THICKNESS, VERTEBRA_BOX, Vertebra

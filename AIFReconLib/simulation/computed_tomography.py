@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
-from ..volume import VoxelGrid
+from ..geometry.volume import VoxelGrid
 from .implicit_shapes import ellipse
 from .soft_tissue import LIGAMENT_HALF_WIDTH, SKIN_THICKNESS, SoftTissue
 

@@ -11,8 +11,8 @@ from scipy import sparse
 
 from ..beams import SECTOR, ProbeGeometry
 from ..errors import SettingsError
+from ..geometry.transforms import as_matrix, invert
 from ..region import Fan, ImageRegion
-from ..transforms import as_matrix, invert
 
 
 def _default_transducer_to_probe() -> np.ndarray:

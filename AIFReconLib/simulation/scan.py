@@ -16,8 +16,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from ..errors import SettingsError
 from ..frames import FrameRecord, TrackedSequence
+from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ..progress import Progress, report
-from ..transform_graph import TransformName, TransformSample, TransformStatus
 from .phased_array import PhasedArray
 from .ultrasound import UltrasoundEffects, UltrasoundTarget, simulate_frame
 

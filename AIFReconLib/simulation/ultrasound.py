@@ -21,7 +21,7 @@ from typing import Protocol
 import numpy as np
 from scipy import ndimage
 
-from ..volume import Volume
+from ..geometry.volume import Volume
 from .phased_array import PhasedArray
 
 DYNAMIC_RANGE_DB = 58.0

@@ -12,13 +12,13 @@ from files import COLUMNS, IMAGE_TO_PROBE, LABELS_TO_REFERENCE, ROWS, tracked_se
 from test_sequence_variants import slicer_images, slicer_transforms
 
 from AIFReconLib.frames import TrackedSequence
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.plus_config import read_plus_configuration
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.io.transform_files import write_transform
 from AIFReconLib.live.replay import ReplayServer
 from AIFReconLib.poses import sweep_poses
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.volume import Volume
 
 pictures = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
 

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from AIFReconLib.bone import BoneMap
 from AIFReconLib.frames import TrackedFrame
-from AIFReconLib.volume import Volume, VoxelGrid
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 
 def rigid(rotation_vector_deg=(0.0, 0.0, 0.0), translation=(0.0, 0.0, 0.0)) -> np.ndarray:

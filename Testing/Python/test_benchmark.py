@@ -14,9 +14,9 @@ from AIFReconLib.benchmark_cases import fan_sweep, half_empty, labels_of_size
 from AIFReconLib.benchmark_first import first_result
 from AIFReconLib.benchmark_table import HEADING, BenchmarkResult, Timing
 from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.geometry.transforms import image_plane_axes
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.transforms import image_plane_axes
 
 LOOPS = optional_module("AIFReconLib.numba_yardstick")
 needs_numba = pytest.mark.skipif(LOOPS is None, reason="numba is not installed")

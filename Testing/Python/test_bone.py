@@ -12,8 +12,8 @@ from scipy import ndimage
 from AIFReconLib import bone as bone_module
 from AIFReconLib.bone import SURFACE_SIGMA, BoneMap
 from AIFReconLib.errors import GeometryError, OperationCanceled
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.volume import Volume, VoxelGrid
 
 needs_numba = pytest.mark.skipif(optional_module("AIFReconLib.numba_bone") is None, reason="numba is not installed")
 

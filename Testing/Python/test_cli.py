@@ -14,12 +14,12 @@ from sweeps import rigid
 
 from AIFReconLib.bone import BoneMap
 from AIFReconLib.cli import main
+from AIFReconLib.geometry.transform_graph import TransformStatus
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.io.volume_files import read_labels, read_transform, read_volume
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import METHODS, ReconstructionSettings
-from AIFReconLib.transform_graph import TransformStatus
-from AIFReconLib.volume import Volume
 
 
 def test_reconstruct_writes_the_volume_that_the_library_gives(patient, results):

@@ -16,9 +16,9 @@ from sweeps import rigid
 
 from AIFReconLib.cli import main
 from AIFReconLib.frames import FrameRecord
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence_writer import write_sequence
 from AIFReconLib.io.volume_files import read_labels
-from AIFReconLib.volume import Volume
 
 
 @pytest.mark.parametrize("command", ["demo", "simulate"])

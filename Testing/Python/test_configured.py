@@ -15,6 +15,7 @@ from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.cli import main
 from AIFReconLib.configured import configured_parts, resolve_settings
 from AIFReconLib.errors import ConfigurationError, SettingsError
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.hole_kinds import HoleFilling, fill_holes_by_kind
 from AIFReconLib.io.plus_config import PlusConfiguration
 from AIFReconLib.io.sequence_files import write_sequence
@@ -22,7 +23,6 @@ from AIFReconLib.io.volume_files import read_volume
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.region import ClipRectangle, ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.transform_graph import TransformName, TransformSample
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
 FULL = ImageRegion(ClipRectangle((0, 0), (39, 29)))

@@ -17,10 +17,10 @@ from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding import batch, engines
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import SettingsError
+from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
-from AIFReconLib.volume import VoxelGrid
 
 HAS_NUMBA = optional_module("AIFReconLib.compounding.numba_engine") is not None
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="numba is not installed")

@@ -10,8 +10,8 @@ from files import write_patient
 
 from AIFReconLib.cli import main
 from AIFReconLib.commands.evaluate import unique_names
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.volume_files import read_labels, read_transform
-from AIFReconLib.volume import Volume, VoxelGrid
 
 
 @pytest.fixture

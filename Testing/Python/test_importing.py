@@ -14,13 +14,13 @@ from sweeps import rigid
 
 from AIFReconLib.cli import main
 from AIFReconLib.errors import SettingsError
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.importing import ImportSettings
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.poses import sweep_poses
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep_drawing import draw_sweep
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
 
 SEQUENCE = tracked_sequence()
 TIMES = [record.timestamp for record in SEQUENCE.records]

@@ -17,10 +17,10 @@ from AIFReconLib.compounding import splat_engine
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.frames import TrackedFrame
+from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.region import ClipRectangle, ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.volume import VoxelGrid
 
 METHODS = ("average", "latest", "maximum")
 REGION = ImageRegion(ClipRectangle((3, 2), (27, 20)))

@@ -21,14 +21,14 @@ from AIFReconLib.cli import main
 from AIFReconLib.commands.live import StatusLine, status_text
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.frames import TrackedSequence
+from AIFReconLib.geometry.transform_graph import TransformStatus
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.plus_config import read_plus_configuration
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.io.volume_files import read_volume
 from AIFReconLib.live.replay import ReplayServer
 from AIFReconLib.live.session_statistics import LiveStatistics
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.transform_graph import TransformStatus
-from AIFReconLib.volume import Volume, VoxelGrid
 
 LONG = 60.0
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)

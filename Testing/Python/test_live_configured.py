@@ -12,6 +12,7 @@ from sweeps import oblique_frames
 
 from AIFReconLib.cli import main
 from AIFReconLib.extent import grid_around_sweep
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.plus_config import read_plus_configuration
 from AIFReconLib.io.volume_files import read_volume
 from AIFReconLib.live.replay import ReplayServer
@@ -20,7 +21,6 @@ from AIFReconLib.live.synchronizer import LiveFrame
 from AIFReconLib.reconstruction import Imaging
 from AIFReconLib.region import ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.volume import Volume, VoxelGrid
 
 FRAMES = 10
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)

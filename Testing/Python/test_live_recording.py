@@ -17,13 +17,13 @@ from sweeps import image_pose
 
 from AIFReconLib.errors import OutputError, SequenceFormatError
 from AIFReconLib.frames import FrameRecord
+from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.io import atomic
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.live import recording
 from AIFReconLib.live.recording import Recorder
 from AIFReconLib.live.synchronizer import LiveFrame, Synchronizer
 from AIFReconLib.poses import sweep_poses
-from AIFReconLib.transform_graph import TransformName, TransformStatus
 
 PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
 

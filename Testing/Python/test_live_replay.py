@@ -20,6 +20,7 @@ from igtl_streams import DEADLINE, Inbox, wait_for
 from AIFReconLib.cli import main
 from AIFReconLib.errors import LiveConnectionError, SequenceFormatError, SettingsError, TransformError
 from AIFReconLib.frames import FrameRecord, TrackedSequence
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.plus_config import read_plus_configuration
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.live import replay
@@ -31,7 +32,6 @@ from AIFReconLib.live.replay import ReplayServer
 from AIFReconLib.live.replay_frames import ReplayFrames
 from AIFReconLib.live.replay_peer import QUEUE_BYTES, Peer
 from AIFReconLib.poses import sweep_poses
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
 
 TEMPLATES = sorted((Path(__file__).resolve().parents[2] / "Resources" / "PlusConfiguration").glob("*.xml"))
 PROBE_TO_TRACKER = TransformName("Probe", "Tracker")

@@ -21,6 +21,8 @@ from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, LiveMessageError, NoUsableFramesError, OutputError, SettingsError
 from AIFReconLib.extent import grid_around_sweep
 from AIFReconLib.frames import FrameRecord
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.io.plus_config import read_plus_configuration
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.live.decoding import decode
@@ -39,8 +41,6 @@ from AIFReconLib.poses import sweep_poses
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.region import ClipRectangle, ImageRegion
 from AIFReconLib.settings import METHODS, ReconstructionSettings
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.volume import VoxelGrid
 
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
 WHOLE = ImageRegion(ClipRectangle((0.0, 0.0), (39.0, 29.0)))

@@ -14,12 +14,12 @@ from sweeps import image_pose, rigid
 
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.frames import FrameRecord, TrackedSequence
+from AIFReconLib.geometry.pose_interpolation import interpolate_pose
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.live.messages import StreamEvent
 from AIFReconLib.live.synchronizer import MOST_TRANSFORMS, Synchronizer, SynchronizerSettings
-from AIFReconLib.pose_interpolation import interpolate_pose
 from AIFReconLib.poses import sweep_poses
 from AIFReconLib.time_offset import with_time_offset
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
 
 IMAGE_TO_PROBE = image_pose(rotation_vector_deg=(3, 4, 5), translation=(6, 7, 8))
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}

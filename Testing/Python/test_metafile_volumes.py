@@ -12,10 +12,10 @@ import SimpleITK as sitk
 from volume_samples import refusal
 
 from AIFReconLib.errors import InsufficientMemoryError
+from AIFReconLib.geometry.transforms import LPS_FROM_RAS
 from AIFReconLib.io import metafile_volumes
 from AIFReconLib.io.metafile_volumes import read_metafile_volume
 from AIFReconLib.io.volume_files import VolumeFormatError, read_metafile, read_volume
-from AIFReconLib.transforms import LPS_FROM_RAS
 
 DATA = bytes(range(96))
 

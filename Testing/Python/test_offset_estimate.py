@@ -11,9 +11,9 @@ from sweeps import rigid
 
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.frames import FrameRecord, TrackedSequence
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.offset_estimate import estimate_time_offset
 from AIFReconLib.poses import sweep_poses
-from AIFReconLib.transform_graph import TransformName, TransformSample
 
 COLUMNS, ROWS, SPACING, RATE = 48, 40, 1.0, 20.0
 

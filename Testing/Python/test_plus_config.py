@@ -9,10 +9,10 @@ import SimpleITK as sitk
 from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.errors import ConfigurationError, FileFormatError
 from AIFReconLib.fan_detection import FanDetection
+from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.hole_kinds import HoleFilling
 from AIFReconLib.io.plus_config import PlusConfiguration, read_plus_configuration
 from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
-from AIFReconLib.transform_graph import TransformName, TransformStatus
 
 MATRIX = "0.1 0 0 5  0 0.2 0 -6.5  0 0 0.1 7  0 0 0 1"
 

@@ -15,6 +15,7 @@ from files import tracked_sequence
 from live_messages import tracked as tracked_messages
 
 from AIFReconLib.errors import FileFormatError, OutputError, SequenceFormatError, VolumeFormatError
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io import small_files
 from AIFReconLib.io.imported_images import open_images
 from AIFReconLib.io.metafile import Metafile
@@ -27,7 +28,6 @@ from AIFReconLib.io.transform_files import write_transform
 from AIFReconLib.io.volume_files import read_volume
 from AIFReconLib.live.recording import Recorder
 from AIFReconLib.live.synchronizer import Synchronizer
-from AIFReconLib.volume import Volume
 
 FRAMES = np.random.default_rng(0).integers(0, 256, (6, 30, 40), dtype=np.uint8)
 

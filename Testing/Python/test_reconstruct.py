@@ -12,12 +12,12 @@ from sweeps import sphere_bone
 
 from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.errors import BeamGeometryError, NoUsableFramesError, OperationCanceled, SequenceFormatError, TransformError
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.plus_config import PlusConfiguration
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.region import ClipRectangle, ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
 FULL = ImageRegion(ClipRectangle((0, 0), (39, 29)))

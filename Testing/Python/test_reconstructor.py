@@ -18,10 +18,10 @@ from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.compounding.reconstructor import FrameCounts, Reconstructor
 from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMemoryError, SettingsError
 from AIFReconLib.frames import TrackedFrame
+from AIFReconLib.geometry.transforms import pixel_spacing
+from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
-from AIFReconLib.transforms import pixel_spacing
-from AIFReconLib.volume import VoxelGrid
 
 SECTOR = ProbeGeometry("sector", (16.0, -6.0))
 LINEAR = ProbeGeometry("linear")

@@ -19,8 +19,8 @@ from AIFReconLib.evaluation.metrics import BoneMetrics, SurfaceMetrics
 from AIFReconLib.evaluation.quantities import HEADINGS, PARTS, QUANTITIES, best_of, cell, metrics_csv, table
 from AIFReconLib.evaluation.report import Report, file_sizes, report_html, software_versions, write_report
 from AIFReconLib.evaluation.surface import BoneSurface
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.settings import METHODS, ReconstructionSettings
-from AIFReconLib.volume import Volume, VoxelGrid
 
 PNG = b"\x89PNG\r\n\x1a\nnot really"
 VOID = {"meta", "img", "br", "link", "input", "hr", "source"}

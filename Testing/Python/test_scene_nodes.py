@@ -14,7 +14,7 @@ from scene_host import class_counts, transform_node, volume_node, warping_node  
 
 from AIFReconLib.bone import BoneMap  # noqa: E402
 from AIFReconLib.errors import GeometryError, SettingsError, TransformError  # noqa: E402
-from AIFReconLib.volume import Volume  # noqa: E402
+from AIFReconLib.geometry.volume import Volume  # noqa: E402
 
 CT_MATRIX = rigid((4.0, -7.0, 11.0), (-30.0, 12.0, 44.0)) @ np.diag([0.8, 0.9, 1.5, 1.0])
 REGISTRATION = rigid((10.0, 20.0, 30.0), (7.0, -9.0, 100.0))

@@ -134,8 +134,8 @@ def test_beams_are_drawn_in_a_slice_that_lies_in_the_plane_of_their_frame(scene)
 
     from AIFReconLib.beams import ProbeGeometry
     from AIFReconLib.frames import FrameRecord, TrackedSequence
+    from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
     from AIFReconLib.region import ImageRegion
-    from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
 
     flat = TransformSample(np.diag([0.5, 0.5, 0.5, 1.0]), TransformStatus.OK)
     record = FrameRecord(0.0, None, TransformStatus.OK, {TransformName("Image", "Reference"): flat})

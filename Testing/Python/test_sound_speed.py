@@ -15,14 +15,14 @@ from AIFReconLib.cli import main
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, SettingsError
 from AIFReconLib.frames import TrackedFrame
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.io.plus_config import PlusConfiguration
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.settings import METHODS, ReconstructionSettings
 from AIFReconLib.sound_speed import DepthScale, depth_factor
-from AIFReconLib.transform_graph import TransformName, TransformSample
-from AIFReconLib.volume import VoxelGrid
 
 LINEAR = ProbeGeometry("linear")
 SPACING = (0.2, 0.3)

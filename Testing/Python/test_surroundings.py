@@ -24,13 +24,13 @@ from AIFReconLib.commands import evaluate as evaluate_command
 from AIFReconLib.commands.live import StatusLine
 from AIFReconLib.console import ProgressBar
 from AIFReconLib.errors import OutputError
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence_writer import write_sequence
 from AIFReconLib.io.volume_files import check_volume_path, read_volume
 from AIFReconLib.live.recording import Recorder
 from AIFReconLib.machine.read_ahead import read_ahead
 from AIFReconLib.machine.threads import in_parts
 from AIFReconLib.orderly_end import orderly_end, pause
-from AIFReconLib.volume import Volume
 
 posix = pytest.mark.skipif(os.name == "nt", reason="POSIX")
 

@@ -15,6 +15,7 @@ from AIFReconLib.cli import main
 from AIFReconLib.detection import detect_imaging
 from AIFReconLib.errors import BeamGeometryError, GeometryError, NoUsableFramesError, OperationCanceled
 from AIFReconLib.frames import FrameRecord, TrackedSequence
+from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.io.volume_files import read_volume
 from AIFReconLib.poses import SweepPoses, sweep_poses
@@ -22,7 +23,6 @@ from AIFReconLib.reconstruction import Imaging, reconstruct
 from AIFReconLib.region import Fan, ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep_bone import LEAST_SCORE, SKIN, BoneEchoFinder, bone_from_sweep
-from AIFReconLib.transforms import pixel_spacing, transform_points
 
 COLUMNS, ROWS, SPACING = 120, 160, (0.25, 0.25)
 APEX = (59.5, -20.0)

@@ -11,9 +11,9 @@ from sweeps import rigid
 
 from AIFReconLib.cli import main
 from AIFReconLib.frames import FrameRecord, TrackedSequence
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.poses import sweep_poses
 from AIFReconLib.tracking_report import tracking_report
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
 
 
 def sweep(positions, times=None, statuses=None, turns=None) -> TrackedSequence:

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from AIFReconLib.errors import GeometryError, TransformError
-from AIFReconLib.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
 
 IMAGE_TO_PROBE = rigid((0.1, 0.2, -0.3), (5.0, 6.0, 7.0)) @ scaled(0.2, 0.3, 0.25)
 PROBE_TO_TRACKER = rigid((1.1, -0.4, 0.2), (100.0, 50.0, -20.0))

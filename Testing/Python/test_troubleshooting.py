@@ -16,11 +16,11 @@ from doc_workplace import FRAMES, make_workplace, serve
 from sweeps import rigid
 
 from AIFReconLib.cli import main
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.io.sequence_writer import write_sequence
 from AIFReconLib.offset_estimate import OffsetEstimate
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.volume import Volume
 
 PAGE = REPOSITORY / "docs" / "troubleshooting.md"
 SWEEP = ["sweep.igs.mha", "--config", "PlusDeviceSet.xml"]

@@ -15,9 +15,9 @@ import SimpleITK as sitk
 from volume_samples import noise_volume, refusal
 
 from AIFReconLib.errors import OutputError, TransformFileError, VolumeFormatError
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume_files import read_labels, read_transform, read_volume, write_transform, write_volume
-from AIFReconLib.transforms import transform_points
-from AIFReconLib.volume import Volume
 
 SUFFIXES = (".nrrd", ".mha", ".mhd", ".nii", ".nii.gz")
 COMPRESSED_SUFFIXES = (".nrrd", ".mha", ".nii.gz")
@@ -160,7 +160,7 @@ import resource, signal, sys
 import numpy as np
 from AIFReconLib.errors import OutputError
 from AIFReconLib.io.volume_files import write_volume
-from AIFReconLib.volume import Volume
+from AIFReconLib.geometry.volume import Volume
 volume = Volume(np.random.default_rng(0).integers(0, 255, (40, 40, 40), dtype=np.uint8), np.eye(4))
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))

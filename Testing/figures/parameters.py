@@ -18,13 +18,13 @@ from AIFReconLib.evaluation.figures import BACKGROUND, BONE_COLOR, INK, NOT_SCAN
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, Plane, cut
 from AIFReconLib.evaluation.study_cases import Scan, simulated_scan
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import part
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import ct_misregistration, multi_angle_sweep
-from AIFReconLib.volume import Volume
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 SEED, FRAMES = 0, 270

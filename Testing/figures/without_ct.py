@@ -16,13 +16,13 @@ from matplotlib.figure import Figure
 from scipy import ndimage
 
 from AIFReconLib.detection import detect_imaging
+from AIFReconLib.geometry.transforms import pixel_spacing
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.poses import sweep_poses
 from AIFReconLib.reconstruction import Imaging, reconstruct
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep_bone import BoneEchoFinder, bone_from_sweep
-from AIFReconLib.transforms import pixel_spacing
-from AIFReconLib.volume import Volume
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("AIFRECON_DATA_DIR") or REPOSITORY.parent / "shared" / "data")

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
-from .errors import GeometryError
-from .message import Message
+from ..errors import GeometryError
+from ..message import Message
 
 LPS_FROM_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])
 """Left-posterior-superior from right-anterior-superior coordinates. It is its own inverse."""

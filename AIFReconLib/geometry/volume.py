@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import GeometryError
+from ..errors import GeometryError
 from .transforms import as_matrix, invert, transform_points
 
 MAXIMUM_VOXELS = 2**31 - 1
@@ -142,6 +142,6 @@ class Volume:
         OutputError
             When it cannot be written; no partial file is left.
         """
-        from .io.volume_files import write_volume
+        from ..io.volume_files import write_volume
 
         write_volume(self, path)

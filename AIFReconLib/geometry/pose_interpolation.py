@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .errors import GeometryError
-from .message import Message
+from ..errors import GeometryError
+from ..message import Message
 from .transforms import invert
 
 

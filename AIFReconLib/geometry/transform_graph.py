@@ -13,8 +13,8 @@ from enum import Enum
 
 import numpy as np
 
-from .errors import TransformError
-from .message import Message
+from ..errors import TransformError
+from ..message import Message
 from .transforms import as_matrix, invert, why_not_affine
 
 
