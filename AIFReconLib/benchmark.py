@@ -20,15 +20,15 @@ from .benchmark_table import BenchmarkResult, Timing
 from .bone import BoneMap
 from .compounding.reconstructor import Reconstructor
 from .compounding.state import bytes_per_voxel
-from .extent import grid_around_sweep
 from .frames import TrackedFrame
 from .geometry.volume import VoxelGrid
 from .holes import fill_holes
+from .imaging.extent import grid_around_sweep
+from .imaging.region import ImageRegion
 from .io.sequence_files import read_sequence, write_sequence
 from .machine.threads import optional_module, usable_cores
 from .progress import Progress, report
 from .reconstruction import reconstruct
-from .region import ImageRegion
 from .settings import BONE_METHODS, METHODS, ReconstructionSettings
 
 NUMPY_SHARE = 8

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .beams import SECTOR, ProbeGeometry
 from .bone import BoneMap
 from .frames import FrameRecord, TrackedFrame, TrackedSequence
 from .geometry.transform_graph import TransformName, TransformSample
 from .geometry.volume import Volume, VoxelGrid
+from .imaging.beams import SECTOR, ProbeGeometry
 
 COLUMNS, ROWS, PIXEL = 640, 480, 0.2
 """Size of the benchmark's images, and their pixel pitch in mm."""

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from .console import columns
-from .detection import detect_imaging
 from .errors import AIFReconError, BeamGeometryError, SequenceFormatError
 from .frames import TrackedSequence
 from .geometry.transform_graph import TransformStatus
 from .geometry.transforms import pixel_spacing
+from .imaging.detection import detect_imaging
 from .offset_estimate import OffsetEstimate, estimate_time_offset
 from .poses import SweepPoses, sweep_poses
 from .progress import Progress

@@ -12,14 +12,14 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from .beams import ProbeGeometry
 from .bone import BoneMap
 from .compounding.evidence import ScanLines
 from .compounding.layout import PixelLayout
 from .frames import TrackedFrame
 from .geometry.transforms import image_plane_axes, pixel_spacing
 from .geometry.volume import VoxelGrid
-from .region import ImageRegion
+from .imaging.beams import ProbeGeometry
+from .imaging.region import ImageRegion
 from .settings import ReconstructionSettings
 
 ONE, ZERO, THREE = np.float32(1), np.float32(0), np.float32(3)

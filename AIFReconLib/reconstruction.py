@@ -7,25 +7,25 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .beams import SECTOR, ProbeGeometry
 from .bone import BoneMap
 from .compounding.reconstructor import Reconstruction, Reconstructor, needs_beams
 from .compounding.splat_engine import uses_shares
 from .compounding.state import bytes_per_voxel
 from .configured import configured_parts, resolve_settings
-from .detection import detect_imaging
 from .errors import BeamGeometryError, NoUsableFramesError
-from .extent import grid_around_sweep
 from .frames import TrackedFrame, TrackedSequence
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
+from .imaging.beams import SECTOR, ProbeGeometry
+from .imaging.detection import detect_imaging
+from .imaging.extent import grid_around_sweep
+from .imaging.region import ImageRegion
+from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
 from .message import Message
 from .poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames
 from .progress import Progress, part, report
-from .region import ImageRegion
 from .settings import ReconstructionSettings
-from .sound_speed import depth_factor, depth_scale
 
 
 def _reporting(frames: Iterable[TrackedFrame], count: int, progress: Progress | None) -> Iterable[TrackedFrame]:

@@ -22,16 +22,16 @@ import numpy as np
 REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "Testing" / "Python")]
 
-from AIFReconLib.beams import LINEAR, ProbeGeometry  # noqa: E402
 from AIFReconLib.bone import BoneMap  # noqa: E402
-from AIFReconLib.extent import grid_around_sweep  # noqa: E402
 from AIFReconLib.frames import FrameRecord, TrackedSequence  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample  # noqa: E402
 from AIFReconLib.geometry.volume import Volume  # noqa: E402
+from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry  # noqa: E402
+from AIFReconLib.imaging.extent import grid_around_sweep  # noqa: E402
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion  # noqa: E402
 from AIFReconLib.live.openigtlink import OpenIGTLinkClient  # noqa: E402
 from AIFReconLib.live.replay import ReplayServer  # noqa: E402
 from AIFReconLib.live.session import LiveSession  # noqa: E402
-from AIFReconLib.region import ClipRectangle, ImageRegion  # noqa: E402
 from AIFReconLib.settings import METHODS, ReconstructionSettings  # noqa: E402
 
 DEPTH = 96.0

@@ -1,7 +1,7 @@
 """What the panel says of the images by hand: the shape of the probe, and which pixels are ultrasound."""
 
-from AIFReconLib.beams import ProbeGeometry
-from AIFReconLib.region import ClipRectangle
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle
 
 from .parameters import ProbeShape
 

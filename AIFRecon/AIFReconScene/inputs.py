@@ -5,8 +5,8 @@ from pathlib import Path
 
 from AIFReconLib import reconstruct
 from AIFReconLib.errors import SettingsError
+from AIFReconLib.imaging.region import ClipRectangle, chosen_region
 from AIFReconLib.progress import part
-from AIFReconLib.region import ClipRectangle, chosen_region
 
 from .imagingChoices import imageRegionFrom, probeFrom
 from .parameters import Region, SigmaUnit, fileFrom

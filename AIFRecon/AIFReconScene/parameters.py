@@ -6,7 +6,7 @@ from pathlib import Path
 
 from slicer.i18n import tr as _
 
-from AIFReconLib.beams import LINEAR, SECTOR
+from AIFReconLib.imaging.beams import LINEAR, SECTOR
 from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
 
 PARAMETERS = {spec.name: dict(spec.metadata) for spec in fields(ReconstructionSettings)}

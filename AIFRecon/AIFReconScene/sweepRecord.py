@@ -13,11 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.io.plus_config import PlusConfiguration
 from AIFReconLib.message import Message, said
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
 
 ATTRIBUTE = "AIFRecon.Sweep"
 """Of the sequence browser node."""

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..beams import ProbeGeometry
-from ..scan_lines import scan_line_samples
+from ..imaging.beams import ProbeGeometry
+from ..imaging.scan_lines import scan_line_samples
 from .layout import PixelLayout
 
 SMOOTHING = 1.25

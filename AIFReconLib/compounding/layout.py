@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..beams import ProbeGeometry
-from ..region import ImageRegion
-from ..sound_speed import DepthScale
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion
+from ..imaging.sound_speed import DepthScale
 
 SPACING_TOLERANCE = 1e-3
 """Relative change of pixel spacing at which beam directions are computed anew; recorded matrices jitter in the sixth digit."""

@@ -9,20 +9,20 @@ from functools import partial
 
 import numpy as np
 
-from ..beams import SECTOR, ProbeGeometry
 from ..bone import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, SettingsError
 from ..frames import TrackedFrame
 from ..geometry.transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
 from ..geometry.volume import Volume, VoxelGrid
 from ..hole_kinds import HoleFilling, fill_as_asked
+from ..imaging.beams import SECTOR, ProbeGeometry
+from ..imaging.pixel_filter import PixelFilter
+from ..imaging.region import ImageRegion
+from ..imaging.sound_speed import depth_factor, depth_scale
 from ..machine.memory import require_memory
 from ..message import Message
-from ..pixel_filter import PixelFilter
 from ..progress import Progress
-from ..region import ImageRegion
 from ..settings import BONE_METHODS, ReconstructionSettings
-from ..sound_speed import depth_factor, depth_scale
 from .batch import FrameBatch
 from .engines import choose_engine
 from .evidence import ScanLines

@@ -10,15 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..beams import LINEAR, ProbeGeometry
 from ..errors import GeometryError
 from ..frames import TrackedSequence
 from ..geometry.transforms import image_plane_axes, invert, pixel_spacing, transform_points
 from ..geometry.volume import Volume, VoxelGrid
+from ..imaging.beams import LINEAR, ProbeGeometry
+from ..imaging.region import ImageRegion
 from ..poses import sweep_poses
 from ..progress import Progress, part, report
 from ..reconstruction import resolve_imaging
-from ..region import ImageRegion
 from .surface import BoneSurface, bone_surface, centers_of_mass, distance_from_labels, interspinous_border
 
 BEAM_THICKNESS = 3.0

@@ -9,13 +9,13 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from ..beams import LINEAR, SECTOR, ProbeGeometry
 from ..errors import ConfigurationError, GeometryError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ..geometry.transforms import as_matrix
 from ..geometry.volume import VoxelGrid
+from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
+from ..imaging.region import ClipRectangle, Fan, ImageRegion
 from ..message import Message
-from ..region import ClipRectangle, Fan, ImageRegion
 from .plus_reconstruction import build, read_reconstruction
 from .sequence_fields import capitalized
 from .xml_attributes import Attributes

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element
 
 from ..errors import AIFReconError
-from ..fan_detection import FanDetection
 from ..geometry.transform_graph import capital
+from ..imaging.fan_detection import FanDetection
+from ..imaging.region import ClipRectangle, Fan, ImageRegion
 from ..message import Message
-from ..region import ClipRectangle, Fan, ImageRegion
 from .xml_attributes import Attributes
 
 if TYPE_CHECKING:

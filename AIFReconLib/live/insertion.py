@@ -11,12 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..beams import LINEAR, ProbeGeometry
 from ..bone import BoneMap
 from ..compounding.reconstructor import Reconstruction, Reconstructor
 from ..configured import ConfiguredParts
 from ..frames import TrackedFrame
 from ..geometry.volume import VoxelGrid
+from ..imaging.beams import LINEAR, ProbeGeometry
 from ..message import Message
 from ..progress import Progress
 from ..reconstruction import Imaging

@@ -16,12 +16,12 @@ from ..configured import configured_parts, resolve_settings
 from ..errors import AIFReconError, BeamGeometryError, OutputError, SettingsError
 from ..frames import TrackedSequence
 from ..geometry.volume import VoxelGrid
+from ..imaging.region import ImageRegion
+from ..imaging.sound_speed import depth_factor
 from ..message import Message, said
 from ..progress import Progress, part
 from ..reconstruction import Imaging, configured_region, resolve_imaging
-from ..region import ImageRegion
 from ..settings import ReconstructionSettings
-from ..sound_speed import depth_factor
 from .insertion import Inserter
 from .messages import StreamEvent, StreamMessage
 from .recording import Recorder

@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from ..beams import SECTOR, ProbeGeometry
 from ..errors import SettingsError
 from ..geometry.transforms import as_matrix, invert
-from ..region import Fan, ImageRegion
+from ..imaging.beams import SECTOR, ProbeGeometry
+from ..imaging.region import Fan, ImageRegion
 
 
 def _default_transducer_to_probe() -> np.ndarray:

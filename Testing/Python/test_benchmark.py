@@ -9,12 +9,12 @@ import pytest
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib import benchmark as benchmark_module
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.benchmark_cases import fan_sweep, half_empty, labels_of_size
 from AIFReconLib.benchmark_first import first_result
 from AIFReconLib.benchmark_table import HEADING, BenchmarkResult, Timing
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.transforms import image_plane_axes
+from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import ReconstructionSettings
 

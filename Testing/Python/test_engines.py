@@ -13,13 +13,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding import batch, engines
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
 
 HAS_NUMBA = optional_module("AIFReconLib.compounding.numba_engine") is not None

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding.evidence import VECTOR, ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
-from AIFReconLib.region import ImageRegion
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ImageRegion
 
 pytest.importorskip("numba", reason="numba is not installed")
 from AIFReconLib.compounding.numba_evidence import FrameJudge

@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 
-from AIFReconLib.extent import grid_around_sweep
 from AIFReconLib.hole_kinds import HoleFilling, fill_holes_by_kind
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.poses import sweep_poses
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.region import ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
 
 SPINE = "SpinePhantomFreehand.igs.mha"

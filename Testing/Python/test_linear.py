@@ -12,14 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding import splat_engine
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.frames import TrackedFrame
 from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.region import ClipRectangle, ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
 
 METHODS = ("average", "latest", "maximum")

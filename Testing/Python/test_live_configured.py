@@ -11,15 +11,15 @@ from files import COLUMNS, IMAGE_TO_PROBE, ROWS, tracked_sequence
 from sweeps import oblique_frames
 
 from AIFReconLib.cli import main
-from AIFReconLib.extent import grid_around_sweep
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.plus_config import read_plus_configuration
 from AIFReconLib.io.volume_files import read_volume
 from AIFReconLib.live.replay import ReplayServer
 from AIFReconLib.live.scouting import ScoutedFrames
 from AIFReconLib.live.synchronizer import LiveFrame
 from AIFReconLib.reconstruction import Imaging
-from AIFReconLib.region import ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
 
 FRAMES = 10

@@ -16,13 +16,14 @@ from igtl_streams import recorded
 from live_messages import image, streamed, tracked
 from sweeps import sphere_bone
 
-from AIFReconLib.beams import LINEAR, ProbeGeometry
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, LiveMessageError, NoUsableFramesError, OutputError, SettingsError
-from AIFReconLib.extent import grid_around_sweep
 from AIFReconLib.frames import FrameRecord
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.plus_config import read_plus_configuration
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.live.decoding import decode
@@ -39,7 +40,6 @@ from AIFReconLib.live.sources import QueueSource
 from AIFReconLib.live.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from AIFReconLib.poses import sweep_poses
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.region import ClipRectangle, ImageRegion
 from AIFReconLib.settings import METHODS, ReconstructionSettings
 
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)

@@ -12,9 +12,9 @@ from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.frames import FrameRecord, TrackedSequence
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence_files import read_sequence, write_sequence
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.region import ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
 
 FRAMES, ROWS, COLUMNS = 300, 120, 160

@@ -10,11 +10,11 @@ import pytest
 from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import sphere_bone
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding.state import bytes_per_voxel
 from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.region import ImageRegion
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
 
 GRID = VoxelGrid.from_spacing((-24, -24, -24), (160, 160, 160), 0.3)

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.errors import ConfigurationError, FileFormatError
-from AIFReconLib.fan_detection import FanDetection
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.hole_kinds import HoleFilling
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.fan_detection import FanDetection
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.io.plus_config import PlusConfiguration, read_plus_configuration
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
 
 MATRIX = "0.1 0 0 5  0 0.2 0 -6.5  0 0 0.1 7  0 0 0 1"
 

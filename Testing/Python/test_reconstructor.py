@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from plain_loop import gray, plain_loop
 from sweeps import image_pose, oblique_frames, rigid, sphere_bone, turned_grid
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.compounding.reconstructor import FrameCounts, Reconstructor
@@ -20,7 +19,8 @@ from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMem
 from AIFReconLib.frames import TrackedFrame
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
 
 SECTOR = ProbeGeometry("sector", (16.0, -6.0))

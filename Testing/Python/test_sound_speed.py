@@ -10,19 +10,19 @@ import pytest
 from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.cli import main
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, SettingsError
 from AIFReconLib.frames import TrackedFrame
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.imaging.sound_speed import DepthScale, depth_factor
 from AIFReconLib.io.plus_config import PlusConfiguration
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.settings import METHODS, ReconstructionSettings
-from AIFReconLib.sound_speed import DepthScale, depth_factor
 
 LINEAR = ProbeGeometry("linear")
 SPACING = (0.2, 0.3)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .errors import SettingsError
+from ..errors import SettingsError
 from .fan_detection import FanDetection
 
 if TYPE_CHECKING:

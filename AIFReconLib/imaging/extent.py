@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .errors import GeometryError
-from .geometry.volume import VoxelGrid
-from .machine.memory import require_memory
+from ..errors import GeometryError
+from ..geometry.volume import VoxelGrid
+from ..machine.memory import require_memory
 from .region import ImageRegion, extreme_pixels
 from .sound_speed import DepthScale
 

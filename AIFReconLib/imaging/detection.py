@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
+from ..errors import BeamGeometryError
+from ..frames import ImageStack
+from ..message import Message
 from .beams import LINEAR, SECTOR, ProbeGeometry
-from .errors import BeamGeometryError
-from .frames import ImageStack
-from .message import Message
 from .region import ClipRectangle, Fan, ImageRegion
 
 FRAMES_LOOKED_AT = 24

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..settings import ReconstructionSettings
 from .beams import LINEAR, ProbeGeometry
-from .settings import ReconstructionSettings
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import BeamGeometryError
+from ..errors import BeamGeometryError
 
 LINEAR = "linear"
 SECTOR = "sector"
