@@ -20,7 +20,6 @@ from .benchmark_table import BenchmarkResult, Timing
 from .bone import BoneMap
 from .compounding.reconstructor import Reconstructor
 from .compounding.state import bytes_per_voxel
-from .frames import TrackedFrame
 from .geometry.volume import VoxelGrid
 from .holes import fill_holes
 from .imaging.extent import grid_around_sweep
@@ -30,6 +29,7 @@ from .machine.threads import optional_module, usable_cores
 from .progress import Progress, report
 from .reconstruction import reconstruct
 from .settings import BONE_METHODS, METHODS, ReconstructionSettings
+from .sweep.frames import TrackedFrame
 
 NUMPY_SHARE = 8
 """The numpy engine gets every 8th frame of the sweep, so that it does not take most of the time."""

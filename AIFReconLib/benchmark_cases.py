@@ -6,10 +6,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from .bone import BoneMap
-from .frames import FrameRecord, TrackedFrame, TrackedSequence
 from .geometry.transform_graph import TransformName, TransformSample
 from .geometry.volume import Volume, VoxelGrid
 from .imaging.beams import SECTOR, ProbeGeometry
+from .sweep.frames import FrameRecord, TrackedFrame, TrackedSequence
 
 COLUMNS, ROWS, PIXEL = 640, 480, 0.2
 """Size of the benchmark's images, and their pixel pitch in mm."""

@@ -8,13 +8,13 @@ import numpy as np
 
 from .console import columns
 from .errors import AIFReconError, BeamGeometryError, SequenceFormatError
-from .frames import TrackedSequence
 from .geometry.transform_graph import TransformStatus
 from .geometry.transforms import pixel_spacing
 from .imaging.detection import detect_imaging
 from .offset_estimate import OffsetEstimate, estimate_time_offset
-from .poses import SweepPoses, sweep_poses
 from .progress import Progress
+from .sweep.frames import TrackedSequence
+from .sweep.poses import SweepPoses, sweep_poses
 from .tracking_report import TrackingReport, tracking_report
 
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .errors import SettingsError
-from .frames import FrameRecord, TrackedSequence
 from .geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from .geometry.transforms import invert, why_not_an_image_pose, why_not_rigid
 from .io.imported_images import FlippedImages, ImportedImages
 from .io.orientation import IN_MEMORY, parse_orientation
 from .io.pose_files import PoseTable
 from .io.pose_rows import PoseFormat, in_millimeters
-from .pose_tracks import PoseTrack
+from .sweep.frames import FrameRecord, TrackedSequence
+from .sweep.pose_tracks import PoseTrack
 
 IMAGE_FRAME = "Image"
 

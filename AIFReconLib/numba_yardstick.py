@@ -15,12 +15,12 @@ from numba import njit
 from .bone import BoneMap
 from .compounding.evidence import ScanLines
 from .compounding.layout import PixelLayout
-from .frames import TrackedFrame
 from .geometry.transforms import image_plane_axes, pixel_spacing
 from .geometry.volume import VoxelGrid
 from .imaging.beams import ProbeGeometry
 from .imaging.region import ImageRegion
 from .settings import ReconstructionSettings
+from .sweep.frames import TrackedFrame
 
 ONE, ZERO, THREE = np.float32(1), np.float32(0), np.float32(3)
 

@@ -13,7 +13,6 @@ from .compounding.splat_engine import uses_shares
 from .compounding.state import bytes_per_voxel
 from .configured import configured_parts, resolve_settings
 from .errors import BeamGeometryError, NoUsableFramesError
-from .frames import TrackedFrame, TrackedSequence
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
 from .imaging.beams import SECTOR, ProbeGeometry
@@ -23,9 +22,10 @@ from .imaging.region import ImageRegion
 from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
 from .message import Message
-from .poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames
 from .progress import Progress, part, report
 from .settings import ReconstructionSettings
+from .sweep.frames import TrackedFrame, TrackedSequence
+from .sweep.poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames
 
 
 def _reporting(frames: Iterable[TrackedFrame], count: int, progress: Progress | None) -> Iterable[TrackedFrame]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from .holes import FILLED, MEASURED
 from .message import Message
-from .poses import describe_frames
+from .sweep.poses import describe_frames
 
 if TYPE_CHECKING:
     from .compounding.reconstructor import Reconstruction

@@ -19,14 +19,14 @@ from scipy import ndimage
 
 from .bone import BoneMap
 from .errors import BeamGeometryError, GeometryError
-from .frames import TrackedSequence
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import Volume, VoxelGrid
 from .imaging.extent import grid_around_sweep
 from .imaging.scan_lines import scan_line_samples
-from .poses import SweepPoses, tracked_frames
 from .progress import Progress, report
 from .reconstruction import Imaging
+from .sweep.frames import TrackedSequence
+from .sweep.poses import SweepPoses, tracked_frames
 
 SPACING = 1.0
 """mm between voxels of the map."""

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .frames import TrackedSequence
 from .holes import FILLED, MEASURED
 from .message import Message, listed
 from .offset_estimate import corner_track
-from .pose_tracks import LONGEST_GAP
-from .poses import SweepPoses, describe_frames, time_order
 from .summary import describe_shares
+from .sweep.frames import TrackedSequence
+from .sweep.pose_tracks import LONGEST_GAP
+from .sweep.poses import SweepPoses, describe_frames, time_order
 
 if TYPE_CHECKING:
     from .compounding.reconstructor import Reconstruction

@@ -23,7 +23,6 @@ REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "Testing" / "Python")]
 
 from AIFReconLib.bone import BoneMap  # noqa: E402
-from AIFReconLib.frames import FrameRecord, TrackedSequence  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample  # noqa: E402
 from AIFReconLib.geometry.volume import Volume  # noqa: E402
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry  # noqa: E402
@@ -33,6 +32,7 @@ from AIFReconLib.live.openigtlink import OpenIGTLinkClient  # noqa: E402
 from AIFReconLib.live.replay import ReplayServer  # noqa: E402
 from AIFReconLib.live.session import LiveSession  # noqa: E402
 from AIFReconLib.settings import METHODS, ReconstructionSettings  # noqa: E402
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
 
 DEPTH = 96.0
 """mm that an image is deep."""

@@ -114,8 +114,8 @@ class SceneDisplay:
         """Probe and region as a reconstruction would use them; looked for in the images once for a sweep."""
         from dataclasses import replace
 
-        from AIFReconLib.poses import sweep_poses
         from AIFReconLib.reconstruction import resolve_imaging
+        from AIFReconLib.sweep.poses import sweep_poses
 
         from .inputs import Inputs
         from .sequenceReader import sequenceFromBrowser

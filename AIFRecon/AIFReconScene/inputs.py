@@ -125,8 +125,8 @@ class Inputs:
 
     def _boneOf(self, sequence, region, progress):
         from AIFReconLib import bone_from_sweep
-        from AIFReconLib.poses import sweep_poses
         from AIFReconLib.reconstruction import resolve_imaging
+        from AIFReconLib.sweep.poses import sweep_poses
 
         poses = sweep_poses(sequence)
         poses.require_usable(sequence.name)

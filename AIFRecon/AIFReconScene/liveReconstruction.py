@@ -4,11 +4,11 @@ import numpy as np
 import slicer
 
 from AIFReconLib.errors import OperationCanceled, SettingsError
-from AIFReconLib.frames import TrackedSequence
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.live.session import SCOUTING, LiveSession
 from AIFReconLib.live.snapshots import SnapshotMaker
 from AIFReconLib.live.synchronizer import SynchronizerSettings
+from AIFReconLib.sweep.frames import TrackedSequence
 
 from .inputs import Inputs
 from .liveViews import LiveViews

@@ -6,12 +6,12 @@ from collections.abc import Callable
 import slicer
 import vtk
 
-from AIFReconLib.frames import TrackedSequence
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress, part, report
+from AIFReconLib.sweep.frames import TrackedSequence
 
 
 def measureVolumes(

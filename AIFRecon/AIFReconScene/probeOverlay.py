@@ -7,11 +7,11 @@ import slicer
 import vtk
 from vtk.util import numpy_support
 
-from AIFReconLib.frames import TrackedSequence
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.imaging.beams import SECTOR, ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion, extreme_pixels
-from AIFReconLib.poses import sweep_poses
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 from .browserItems import BrowserItems
 from .sceneNodes import removeNodes

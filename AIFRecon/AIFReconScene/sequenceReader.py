@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.frames import FrameRecord, TrackedSequence
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.message import Message
-from AIFReconLib.poses import describe_frames, describe_skipped
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import describe_frames, describe_skipped
 
 from .browserItems import BrowserItems
 from .sequenceNodes import IMAGE_STATUS_ATTRIBUTE, ORIENTATION_ATTRIBUTE, PROBLEM_ATTRIBUTE

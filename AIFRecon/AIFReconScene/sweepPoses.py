@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from AIFReconLib.errors import AIFReconError, TransformError
-from AIFReconLib.frames import FrameRecord, TrackedSequence
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.transforms import why_not_an_image_pose
 from AIFReconLib.message import Message
-from AIFReconLib.poses import sweep_poses
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 from .browserItems import BrowserItems
 from .sceneNodes import nodesOfClass

@@ -41,7 +41,7 @@ class SweepReport:
         return self._title, self._report
 
     def _make(self, sweep, imageSequence, sequence, result=None) -> None:
-        from AIFReconLib.poses import sweep_poses
+        from AIFReconLib.sweep.poses import sweep_poses
         from AIFReconLib.tracking_report import tracking_report
 
         self._report = tracking_report(sequence, sweep_poses(sequence), result)

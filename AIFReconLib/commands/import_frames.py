@@ -9,7 +9,6 @@ import numpy as np
 
 from ..console import ProgressBar, program
 from ..errors import AIFReconError
-from ..frames import TrackedSequence
 from ..geometry.transform_graph import TransformName
 from ..importing import IMAGE_FRAME, ImportSettings, import_sequence
 from ..io.atomic import check_writable, write_text
@@ -18,7 +17,8 @@ from ..io.imported_images import open_images
 from ..io.pose_files import read_poses
 from ..io.pose_rows import ANGLE_UNITS, LENGTH_UNITS, QUATERNION_ORDERS, PoseFormat
 from ..io.sequence_writer import SUFFIXES, check_sequence_name, write_sequence
-from ..poses import SweepPoses, sweep_poses
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import SweepPoses, sweep_poses
 from ..sweep_drawing import draw_sweep
 from ..tracking_report import tracking_report
 from .options import refuse_to_overwrite

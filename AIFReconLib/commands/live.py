@@ -15,7 +15,6 @@ import numpy as np
 from ..compounding.reconstructor import Reconstruction
 from ..console import ProgressBar, show
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
-from ..frames import TrackedSequence
 from ..io.plus_config import read_plus_configuration
 from ..io.volume_files import check_volume_path, read_volume
 from ..live.openigtlink import OpenIGTLinkClient
@@ -25,6 +24,7 @@ from ..live.session import SCOUTING, LiveSession
 from ..live.session_statistics import LiveStatistics
 from ..live.synchronizer import SynchronizerSettings
 from ..orderly_end import pause
+from ..sweep.frames import TrackedSequence
 from .options import (
     add_bone_options,
     add_imaging_options,

@@ -11,17 +11,17 @@ import numpy as np
 
 from ..bone import SIGMA_VOXELS, BoneMap
 from ..errors import OutputError, SettingsError
-from ..frames import TrackedSequence
 from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ..imaging.detection import detect_imaging
 from ..imaging.region import ClipRectangle, ImageRegion, chosen_region
 from ..io.importance_mask import read_importance_mask
 from ..io.metafile import data_files
 from ..io.volume_files import read_labels, read_transform, read_volume
-from ..poses import sweep_poses
 from ..progress import Progress
 from ..reconstruction import configured_region, resolve_imaging
 from ..settings import ReconstructionSettings
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import sweep_poses
 from ..sweep_bone import bone_from_sweep
 
 PARAMETERS = {spec.name: spec.metadata for spec in fields(ReconstructionSettings)}

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..frames import TrackedSequence
 from ..io.sequence_files import read_sequence
-from ..pose_tracks import LONGEST_GAP
-from ..time_offset import with_time_offset
+from ..sweep.frames import TrackedSequence
+from ..sweep.pose_tracks import LONGEST_GAP
+from ..sweep.time_offset import with_time_offset
 
 
 class NamedFileAction(argparse.Action):

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import GeometryError
-from ..frames import TrackedFrame
 from ..message import Message
 from ..settings import ReconstructionSettings
+from ..sweep.frames import TrackedFrame
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ import numpy as np
 
 from ..bone import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, SettingsError
-from ..frames import TrackedFrame
 from ..geometry.transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
 from ..geometry.volume import Volume, VoxelGrid
 from ..hole_kinds import HoleFilling, fill_as_asked
@@ -23,6 +22,7 @@ from ..machine.memory import require_memory
 from ..message import Message
 from ..progress import Progress
 from ..settings import BONE_METHODS, ReconstructionSettings
+from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .engines import choose_engine
 from .evidence import ScanLines

@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 
 from ..bone import BoneMap
-from ..frames import TrackedSequence
 from ..geometry.transform_graph import TransformName, TransformSample
 from ..geometry.volume import Volume
 from ..io.plus_config import PlusConfiguration
-from ..poses import sweep_poses
 from ..reconstruction import reconstruct
 from ..settings import BONE_METHODS, ReconstructionSettings
 from ..simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from ..simulation.phased_array import PhasedArray
 from ..simulation.scan import ProbePath, TrackingErrors, ct_misregistration, multi_angle_sweep, simulate_sweep, single_angle_sweep
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import sweep_poses
 from .metrics import evaluate
 from .surface import BoneSurface
 from .visibility import BoneTruth, SweepBeams, bone_truth

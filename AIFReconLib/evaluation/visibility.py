@@ -11,14 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import GeometryError
-from ..frames import TrackedSequence
 from ..geometry.transforms import image_plane_axes, invert, pixel_spacing, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import LINEAR, ProbeGeometry
 from ..imaging.region import ImageRegion
-from ..poses import sweep_poses
 from ..progress import Progress, part, report
 from ..reconstruction import resolve_imaging
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import sweep_poses
 from .surface import BoneSurface, bone_surface, centers_of_mass, distance_from_labels, interspinous_border
 
 BEAM_THICKNESS = 3.0

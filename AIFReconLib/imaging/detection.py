@@ -12,8 +12,8 @@ import numpy as np
 from scipy import ndimage
 
 from ..errors import BeamGeometryError
-from ..frames import ImageStack
 from ..message import Message
+from ..sweep.frames import ImageStack
 from .beams import LINEAR, SECTOR, ProbeGeometry
 from .region import ClipRectangle, Fan, ImageRegion
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import AIFReconError, FileFormatError
-from ..frames import ImageStack
 from ..message import Message
+from ..sweep.frames import ImageStack
 from .file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES, luminance
 from .images_on_demand import ImagesOnDemand
 from .metafile import require_regular_file

@@ -14,9 +14,9 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 
 from ..errors import SettingsError, TransformError
-from ..frames import FrameRecord
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ..message import Message
+from ..sweep.frames import FrameRecord
 from .metafile import Metafile
 from .text_values import NotANumberError, format_number, one_line, parse_number, parse_numbers, shorten
 

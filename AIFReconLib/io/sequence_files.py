@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ..errors import SequenceFormatError
-from ..frames import ImageStack, TrackedSequence
 from ..message import Message
-from ..pose_tracks import LONGEST_GAP
+from ..sweep.frames import ImageStack, TrackedSequence
+from ..sweep.pose_tracks import LONGEST_GAP
 from .file_images import FileImages
 from .interleaved_images import InterleavedImages
 from .metafile import read_metafile

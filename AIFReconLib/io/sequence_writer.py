@@ -10,9 +10,9 @@ from typing import BinaryIO
 import numpy as np
 
 from ..errors import OutputError, SettingsError
-from ..frames import ImageStack, TrackedSequence
 from ..message import Message
 from ..progress import Progress, report
+from ..sweep.frames import ImageStack, TrackedSequence
 from .atomic import atomic_output, atomic_outputs
 from .metafile import MAXIMUM_LINE
 from .metaimage_header import ELEMENT_TYPES, FORMAT_KEYS

@@ -15,10 +15,10 @@ from urllib.parse import unquote
 import numpy as np
 
 from ..errors import GeometryError
-from ..frames import FrameRecord
 from ..geometry.transform_graph import TransformSample
 from ..geometry.transforms import LPS_FROM_RAS, as_matrix
 from ..message import Message
+from ..sweep.frames import FrameRecord
 from .metafile import Metafile
 from .sequence_fields import MOST_DIGITS
 from .text_values import NotANumberError, parse_number, parse_numbers, shorten

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import SequenceFormatError, SettingsError, TransformError
-from ..frames import FrameRecord
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ..message import Message
-from ..pose_tracks import LONGEST_GAP, PoseTrack
+from ..sweep.frames import FrameRecord
+from ..sweep.pose_tracks import LONGEST_GAP, PoseTrack
 from .file_images import MAXIMUM_FRAMES
 from .metafile import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, HeaderLines, require_regular_file
 from .metaimage_header import read_entries

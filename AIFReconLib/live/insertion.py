@@ -14,13 +14,13 @@ import numpy as np
 from ..bone import BoneMap
 from ..compounding.reconstructor import Reconstruction, Reconstructor
 from ..configured import ConfiguredParts
-from ..frames import TrackedFrame
 from ..geometry.volume import VoxelGrid
 from ..imaging.beams import LINEAR, ProbeGeometry
 from ..message import Message
 from ..progress import Progress
 from ..reconstruction import Imaging
 from ..settings import ReconstructionSettings
+from ..sweep.frames import TrackedFrame
 from .keep_up import KeepUp
 from .session_statistics import Meter
 from .synchronizer import LiveFrame

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import TransformError
-from ..frames import FrameRecord, TrackedSequence
 from ..geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus, capital
 from ..message import Message
-from ..poses import chain_ends, sweep_poses
+from ..sweep.frames import FrameRecord, TrackedSequence
+from ..sweep.poses import chain_ends, sweep_poses
 from .messages import ImageMessage
 
 PROBE = "Probe"

@@ -22,7 +22,6 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import AIFReconError, OutputError
-from ..frames import TrackedSequence
 from ..geometry.transform_graph import TransformStatus
 from ..io.atomic import atomic_outputs, check_writable
 from ..io.metafile import UNFINISHED
@@ -32,6 +31,7 @@ from ..io.sequence_writer import check_sequence_name, write_sequence
 from ..io.workspace import workspace
 from ..message import Message
 from ..progress import Progress
+from ..sweep.frames import TrackedSequence
 from .synchronizer import LiveFrame
 
 REFRESH = 1.0

@@ -10,8 +10,8 @@ import time
 from collections.abc import Sequence
 
 from ..errors import LiveConnectionError, SettingsError
-from ..frames import TrackedSequence
 from ..orderly_end import pause
+from ..sweep.frames import TrackedSequence
 from .connection import POLL, check_port
 from .encoding import encode_status
 from .replay_frames import ReplayFrames

@@ -14,7 +14,6 @@ from ..compounding.reconstructor import Reconstruction, needs_beams
 from ..compounding.state import bytes_per_voxel
 from ..configured import configured_parts, resolve_settings
 from ..errors import AIFReconError, BeamGeometryError, OutputError, SettingsError
-from ..frames import TrackedSequence
 from ..geometry.volume import VoxelGrid
 from ..imaging.region import ImageRegion
 from ..imaging.sound_speed import depth_factor
@@ -22,6 +21,7 @@ from ..message import Message, said
 from ..progress import Progress, part
 from ..reconstruction import Imaging, configured_region, resolve_imaging
 from ..settings import ReconstructionSettings
+from ..sweep.frames import TrackedSequence
 from .insertion import Inserter
 from .messages import StreamEvent, StreamMessage
 from .recording import Recorder

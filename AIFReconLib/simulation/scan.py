@@ -15,9 +15,9 @@ from scipy import ndimage
 from scipy.spatial.transform import Rotation, Slerp
 
 from ..errors import SettingsError
-from ..frames import FrameRecord, TrackedSequence
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ..progress import Progress, report
+from ..sweep.frames import FrameRecord, TrackedSequence
 from .phased_array import PhasedArray
 from .ultrasound import UltrasoundEffects, UltrasoundTarget, simulate_frame
 

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.bone import BoneMap
-from AIFReconLib.frames import TrackedFrame
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.sweep.frames import TrackedFrame
 
 
 def rigid(rotation_vector_deg=(0.0, 0.0, 0.0), translation=(0.0, 0.0, 0.0)) -> np.ndarray:

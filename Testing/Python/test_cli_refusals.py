@@ -15,10 +15,10 @@ from files import refused, tracked_sequence, write_patient
 from sweeps import rigid
 
 from AIFReconLib.cli import main
-from AIFReconLib.frames import FrameRecord
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence_writer import write_sequence
 from AIFReconLib.io.volume_files import read_labels
+from AIFReconLib.sweep.frames import FrameRecord
 
 
 @pytest.mark.parametrize("command", ["demo", "simulate"])

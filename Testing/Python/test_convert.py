@@ -12,14 +12,14 @@ from sweeps import rigid
 
 from AIFReconLib.cli import main
 from AIFReconLib.errors import TransformFileError
-from AIFReconLib.frames import FrameRecord, TrackedSequence
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.calibration_files import read_calibration
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.io.sequence_writer import write_sequence
 from AIFReconLib.io.transform_files import write_transform
 from AIFReconLib.io.volume_files import read_volume
-from AIFReconLib.poses import sweep_poses
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 IMAGE_TO_PROBE_NAME, IMAGE_TO_REFERENCE = TransformName("Image", "Probe"), TransformName("Image", "Reference")
 WRONG = rigid((8.0, 3.0, -6.0), (4.0, 9.0, -3.0)) @ np.diag([0.3, 0.6, 0.45, 1.0])

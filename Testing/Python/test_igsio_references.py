@@ -18,9 +18,9 @@ from AIFReconLib.hole_kinds import HoleFilling, fill_holes_by_kind
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.poses import sweep_poses
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.poses import sweep_poses
 
 SPINE = "SpinePhantomFreehand.igs.mha"
 

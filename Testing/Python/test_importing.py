@@ -17,9 +17,9 @@ from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.importing import ImportSettings
 from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.poses import sweep_poses
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.poses import sweep_poses
 from AIFReconLib.sweep_drawing import draw_sweep
 
 SEQUENCE = tracked_sequence()

@@ -15,12 +15,12 @@ from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
 from AIFReconLib.compounding import splat_engine
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.frames import TrackedFrame
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.frames import TrackedFrame
 
 METHODS = ("average", "latest", "maximum")
 REGION = ImageRegion(ClipRectangle((3, 2), (27, 20)))

@@ -20,7 +20,6 @@ from igtl_streams import ScriptedServer, image_bytes
 from AIFReconLib.cli import main
 from AIFReconLib.commands.live import StatusLine, status_text
 from AIFReconLib.compounding.reconstructor import Reconstructor
-from AIFReconLib.frames import TrackedSequence
 from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.plus_config import read_plus_configuration
@@ -29,6 +28,7 @@ from AIFReconLib.io.volume_files import read_volume
 from AIFReconLib.live.replay import ReplayServer
 from AIFReconLib.live.session_statistics import LiveStatistics
 from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.sweep.frames import TrackedSequence
 
 LONG = 60.0
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)

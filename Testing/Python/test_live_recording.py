@@ -16,14 +16,14 @@ from live_messages import SMALL, image, metadata, tracked
 from sweeps import image_pose
 
 from AIFReconLib.errors import OutputError, SequenceFormatError
-from AIFReconLib.frames import FrameRecord
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.io import atomic
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.live import recording
 from AIFReconLib.live.recording import Recorder
 from AIFReconLib.live.synchronizer import LiveFrame, Synchronizer
-from AIFReconLib.poses import sweep_poses
+from AIFReconLib.sweep.frames import FrameRecord
+from AIFReconLib.sweep.poses import sweep_poses
 
 PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
 

@@ -19,7 +19,6 @@ from igtl_streams import DEADLINE, Inbox, wait_for
 
 from AIFReconLib.cli import main
 from AIFReconLib.errors import LiveConnectionError, SequenceFormatError, SettingsError, TransformError
-from AIFReconLib.frames import FrameRecord, TrackedSequence
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.plus_config import read_plus_configuration
 from AIFReconLib.io.sequence_files import read_sequence
@@ -31,7 +30,8 @@ from AIFReconLib.live.openigtlink import OpenIGTLinkClient
 from AIFReconLib.live.replay import ReplayServer
 from AIFReconLib.live.replay_frames import ReplayFrames
 from AIFReconLib.live.replay_peer import QUEUE_BYTES, Peer
-from AIFReconLib.poses import sweep_poses
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 TEMPLATES = sorted((Path(__file__).resolve().parents[2] / "Resources" / "PlusConfiguration").glob("*.xml"))
 PROBE_TO_TRACKER = TransformName("Probe", "Tracker")

@@ -18,7 +18,6 @@ from sweeps import sphere_bone
 
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, LiveMessageError, NoUsableFramesError, OutputError, SettingsError
-from AIFReconLib.frames import FrameRecord
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
@@ -38,9 +37,10 @@ from AIFReconLib.live.session import LiveSession
 from AIFReconLib.live.session_statistics import Meter, tracking_words
 from AIFReconLib.live.sources import QueueSource
 from AIFReconLib.live.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
-from AIFReconLib.poses import sweep_poses
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.sweep.frames import FrameRecord
+from AIFReconLib.sweep.poses import sweep_poses
 
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
 WHOLE = ImageRegion(ClipRectangle((0.0, 0.0), (39.0, 29.0)))

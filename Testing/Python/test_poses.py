@@ -10,9 +10,9 @@ import pytest
 from geometry_strategies import rigid, scaled
 
 from AIFReconLib.errors import NoUsableFramesError, TransformError
-from AIFReconLib.frames import FrameRecord, TrackedSequence
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.poses import chain_ends, describe_frames, sweep_poses, time_order, tracked_frames
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import chain_ends, describe_frames, sweep_poses, time_order, tracked_frames
 
 IMAGE_TO_PROBE = rigid((0.1, 0.2, -0.3), (5.0, 6.0, 7.0)) @ scaled(0.2, 0.3, 0.25)
 PROBE_TO_TRACKER = rigid((1.1, -0.4, 0.2), (100.0, 50.0, -20.0))

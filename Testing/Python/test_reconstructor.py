@@ -16,12 +16,12 @@ from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.compounding.reconstructor import FrameCounts, Reconstructor
 from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMemoryError, SettingsError
-from AIFReconLib.frames import TrackedFrame
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.sweep.frames import TrackedFrame
 
 SECTOR = ProbeGeometry("sector", (16.0, -6.0))
 LINEAR = ProbeGeometry("linear")

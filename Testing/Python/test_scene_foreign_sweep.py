@@ -10,7 +10,7 @@ slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 from scene_host import transform_node  # noqa: E402
 
 from AIFReconLib.errors import NoUsableFramesError, SequenceFormatError, TransformError  # noqa: E402
-from AIFReconLib.poses import sweep_poses  # noqa: E402
+from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
 
 CALIBRATION = rigid((5.0, 60.0, -4.0), (1.0, -2.0, 3.0)) @ np.diag([0.3, 0.5, 0.4, 1.0])
 

@@ -13,15 +13,15 @@ slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 from scene_host import class_counts, transform_node, warping_node  # noqa: E402
 
 from AIFReconLib.errors import NoUsableFramesError, OperationCanceled, SequenceFormatError, SettingsError, TransformError  # noqa: E402
-from AIFReconLib.frames import FrameRecord, TrackedSequence  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion  # noqa: E402
 from AIFReconLib.io.plus_config import PlusConfiguration  # noqa: E402
 from AIFReconLib.message import Message, translated  # noqa: E402
-from AIFReconLib.poses import sweep_poses  # noqa: E402
 from AIFReconLib.reconstruction import reconstruct  # noqa: E402
 from AIFReconLib.settings import ReconstructionSettings  # noqa: E402
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
+from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
 
 IMAGE_TO_PROBE = TransformName("Image", "Probe")
 PROBE_TO_TRACKER = TransformName("Probe", "Tracker")

@@ -13,10 +13,10 @@ import vtk  # noqa: E402
 from scene_host import class_counts, transform_node, volume_node  # noqa: E402
 
 from AIFReconLib.errors import SettingsError  # noqa: E402
-from AIFReconLib.frames import FrameRecord, TrackedSequence  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
 from AIFReconLib.imaging.region import Fan, ImageRegion  # noqa: E402
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
 
 PLACE = rigid((20.0, -30.0, 40.0), (100.0, -50.0, 20.0)) @ np.diag([0.8, 0.9, 1.1, 1.0])
 

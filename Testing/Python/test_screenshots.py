@@ -132,10 +132,10 @@ def test_beams_are_drawn_in_a_slice_that_lies_in_the_plane_of_their_frame(scene)
     from AIFReconScene.probeOverlay import ProbeOverlay
     from AIFReconScene.sequenceNodes import browserFromSequence
 
-    from AIFReconLib.frames import FrameRecord, TrackedSequence
     from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
     from AIFReconLib.imaging.beams import ProbeGeometry
     from AIFReconLib.imaging.region import ImageRegion
+    from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
     flat = TransformSample(np.diag([0.5, 0.5, 0.5, 1.0]), TransformStatus.OK)
     record = FrameRecord(0.0, None, TransformStatus.OK, {TransformName("Image", "Reference"): flat})

@@ -13,7 +13,6 @@ from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
 from AIFReconLib.cli import main
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, SettingsError
-from AIFReconLib.frames import TrackedFrame
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
@@ -23,6 +22,7 @@ from AIFReconLib.io.plus_config import PlusConfiguration
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.sweep.frames import TrackedFrame
 
 LINEAR = ProbeGeometry("linear")
 SPACING = (0.2, 0.3)

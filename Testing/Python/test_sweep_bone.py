@@ -12,16 +12,16 @@ from sweeps import image_pose
 
 from AIFReconLib.cli import main
 from AIFReconLib.errors import BeamGeometryError, GeometryError, NoUsableFramesError, OperationCanceled
-from AIFReconLib.frames import FrameRecord, TrackedSequence
 from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.imaging.detection import detect_imaging
 from AIFReconLib.imaging.region import Fan, ImageRegion
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.io.volume_files import read_volume
-from AIFReconLib.poses import SweepPoses, sweep_poses
 from AIFReconLib.reconstruction import Imaging, reconstruct
 from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import SweepPoses, sweep_poses
 from AIFReconLib.sweep_bone import LEAST_SCORE, SKIN, BoneEchoFinder, bone_from_sweep
 
 COLUMNS, ROWS, SPACING = 120, 160, (0.25, 0.25)

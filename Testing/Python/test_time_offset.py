@@ -12,12 +12,12 @@ from sweeps import rigid
 
 from AIFReconLib.cli import main
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.frames import FrameRecord, TrackedSequence
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.pose_tracks import PoseTrack
-from AIFReconLib.poses import sweep_poses
-from AIFReconLib.time_offset import with_time_offset
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.pose_tracks import PoseTrack
+from AIFReconLib.sweep.poses import sweep_poses
+from AIFReconLib.sweep.time_offset import with_time_offset
 
 PROBE_TO_TRACKER, REFERENCE_TO_TRACKER = TransformName("Probe", "Tracker"), TransformName("Reference", "Tracker")
 

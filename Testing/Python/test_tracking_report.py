@@ -10,9 +10,9 @@ from files import tracked_sequence, write_patient
 from sweeps import rigid
 
 from AIFReconLib.cli import main
-from AIFReconLib.frames import FrameRecord, TrackedSequence
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.poses import sweep_poses
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 from AIFReconLib.tracking_report import tracking_report
 
 

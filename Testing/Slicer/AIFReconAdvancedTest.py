@@ -137,7 +137,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
 
     def test_a_time_offset_moves_the_poses_of_a_recording_that_is_loaded(self):
         from AIFReconLib import with_time_offset
-        from AIFReconLib.poses import sweep_poses
+        from AIFReconLib.sweep.poses import sweep_poses
 
         self.ui.timeOffsetSpinBox.value = 0.04
         found = sweep_poses(self.load()).image_to_reference

@@ -19,9 +19,9 @@ from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.detection import detect_imaging
 from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.poses import sweep_poses
 from AIFReconLib.reconstruction import Imaging, reconstruct
 from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.poses import sweep_poses
 from AIFReconLib.sweep_bone import BoneEchoFinder, bone_from_sweep
 
 REPOSITORY = Path(__file__).resolve().parents[2]

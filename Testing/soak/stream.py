@@ -7,9 +7,9 @@ from functools import lru_cache
 import numpy as np
 from bench_live import sweep
 
-from AIFReconLib.frames import TrackedSequence
 from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.live.encoding import encode_image, encode_transform
+from AIFReconLib.sweep.frames import TrackedSequence
 
 COLUMNS, ROWS = 128, 96
 RATE = 20.0

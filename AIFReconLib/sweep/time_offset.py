@@ -11,10 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from .errors import SettingsError
+from ..errors import SettingsError
+from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ..message import Message
 from .frames import TrackedSequence
-from .geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from .message import Message
 from .pose_tracks import LONGEST_GAP, PoseTrack
 
 LARGEST_OFFSET = 10.0

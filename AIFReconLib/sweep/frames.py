@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import GeometryError, NoUsableFramesError, TransformError
+from ..errors import GeometryError, NoUsableFramesError, TransformError
+from ..geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
+from ..geometry.transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
+from ..message import Message, listed
 from .frames import TrackedFrame, TrackedSequence
-from .geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
-from .geometry.transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
-from .message import Message, listed
 
 
 @dataclass(frozen=True, eq=False)

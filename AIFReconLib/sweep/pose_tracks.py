@@ -6,10 +6,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from .errors import GeometryError
-from .geometry.pose_interpolation import interpolate_pose
-from .geometry.transform_graph import TransformSample, TransformStatus
-from .geometry.transforms import why_not_affine
+from ..errors import GeometryError
+from ..geometry.pose_interpolation import interpolate_pose
+from ..geometry.transform_graph import TransformSample, TransformStatus
+from ..geometry.transforms import why_not_affine
 
 LONGEST_GAP = 0.5
 """s. Poses farther apart are not interpolated between. Plus's own limit."""

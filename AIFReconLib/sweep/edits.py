@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from .errors import SettingsError, TransformError
+from ..errors import SettingsError, TransformError
+from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
+from ..geometry.transforms import as_matrix, invert
+from ..message import Message
 from .frames import ImageStack, TrackedSequence
-from .geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
-from .geometry.transforms import as_matrix, invert
-from .message import Message
 
 Transforms = dict[TransformName, TransformSample]
 
