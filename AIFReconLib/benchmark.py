@@ -21,7 +21,7 @@ from .bone import BoneMap
 from .compounding.reconstructor import Reconstructor
 from .compounding.state import bytes_per_voxel
 from .geometry.volume import VoxelGrid
-from .holes import fill_holes
+from .holes.nearest import fill_holes
 from .imaging.extent import grid_around_sweep
 from .imaging.region import ImageRegion
 from .io.sequence_files import read_sequence, write_sequence

@@ -10,7 +10,7 @@ import numpy as np
 from .compounding.splat_engine import LINEAR_METHODS
 from .errors import SettingsError
 from .geometry.volume import VoxelGrid
-from .hole_kinds import HoleFilling
+from .holes.plus_ways import HoleFilling
 from .message import Message
 from .settings import ReconstructionSettings
 

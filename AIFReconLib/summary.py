@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .holes import FILLED, MEASURED
+from .holes.nearest import FILLED, MEASURED
 from .message import Message
 from .sweep.poses import describe_frames
 

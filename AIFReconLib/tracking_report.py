@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .holes import FILLED, MEASURED
+from .holes.nearest import FILLED, MEASURED
 from .message import Message, listed
 from .offset_estimate import corner_track
 from .summary import describe_shares

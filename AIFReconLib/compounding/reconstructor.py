@@ -13,7 +13,7 @@ from ..bone import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, SettingsError
 from ..geometry.transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
 from ..geometry.volume import Volume, VoxelGrid
-from ..hole_kinds import HoleFilling, fill_as_asked
+from ..holes.plus_ways import HoleFilling, fill_as_asked
 from ..imaging.beams import SECTOR, ProbeGeometry
 from ..imaging.pixel_filter import PixelFilter
 from ..imaging.region import ImageRegion

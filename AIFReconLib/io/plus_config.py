@@ -22,7 +22,7 @@ from .xml_attributes import Attributes
 from .xml_tree import parse_xml
 
 if TYPE_CHECKING:
-    from ..hole_kinds import HoleFilling
+    from ..holes.plus_ways import HoleFilling
 
 
 @dataclass(frozen=True, eq=False)

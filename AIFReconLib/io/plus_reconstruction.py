@@ -14,7 +14,7 @@ from ..message import Message
 from .xml_attributes import Attributes
 
 if TYPE_CHECKING:
-    from ..hole_kinds import HoleFilling
+    from ..holes.plus_ways import HoleFilling
 
 _METHODS = {"MEAN": "average", "LATEST": "latest", "MAXIMUM": "maximum", "IMPORTANCE_MASK": "average"}
 _INTERPOLATIONS = {"NEAREST_NEIGHBOR": "nearest", "LINEAR": "linear"}
@@ -147,7 +147,7 @@ def _read_holes(path: Path, attributes: Attributes) -> tuple[HoleFilling, ...]:
     if not attributes.switch("FillHoles"):
         return ()
     # Filling takes scipy, which is slow to load and seldom asked for
-    from ..hole_kinds import CUBE, GAUSSIAN, GAUSSIAN_BY_HITS, INVERSE_DISTANCE, STICK, HoleFilling
+    from ..holes.plus_ways import CUBE, GAUSSIAN, GAUSSIAN_BY_HITS, INVERSE_DISTANCE, STICK, HoleFilling
 
     cubes = {
         "NEAREST_NEIGHBOR": CUBE,

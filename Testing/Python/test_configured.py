@@ -15,7 +15,7 @@ from AIFReconLib.cli import main
 from AIFReconLib.configured import configured_parts, resolve_settings
 from AIFReconLib.errors import ConfigurationError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
-from AIFReconLib.hole_kinds import HoleFilling, fill_holes_by_kind
+from AIFReconLib.holes.plus_ways import HoleFilling, fill_holes_by_kind
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.plus_config import PlusConfiguration

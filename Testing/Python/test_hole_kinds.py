@@ -7,10 +7,10 @@ import itertools
 import numpy as np
 import pytest
 
-from AIFReconLib import hole_kinds
 from AIFReconLib.errors import OperationCanceled, SettingsError
-from AIFReconLib.hole_kinds import HoleFilling, fill_as_asked, fill_holes_by_kind
-from AIFReconLib.holes import FILLED, MEASURED, fill_holes
+from AIFReconLib.holes import plus_ways as hole_kinds
+from AIFReconLib.holes.nearest import FILLED, MEASURED, fill_holes
+from AIFReconLib.holes.plus_ways import HoleFilling, fill_as_asked, fill_holes_by_kind
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import ReconstructionSettings
 
@@ -20,7 +20,7 @@ SPACING = np.array([0.5, 0.5, 0.5])
 
 @pytest.fixture(params=["numpy", "numba"])
 def engine(request):
-    if request.param == "numba" and optional_module("AIFReconLib.numba_sticks") is None:
+    if request.param == "numba" and optional_module("AIFReconLib.holes.numba_sticks") is None:
         pytest.skip("numba is not installed")
     return request.param
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 
-from AIFReconLib.hole_kinds import HoleFilling, fill_holes_by_kind
+from AIFReconLib.holes.plus_ways import HoleFilling, fill_holes_by_kind
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence_files import read_sequence

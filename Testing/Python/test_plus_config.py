@@ -8,7 +8,7 @@ import SimpleITK as sitk
 
 from AIFReconLib.errors import ConfigurationError, FileFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
-from AIFReconLib.hole_kinds import HoleFilling
+from AIFReconLib.holes.plus_ways import HoleFilling
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.fan_detection import FanDetection
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion

@@ -26,7 +26,7 @@ import numpy as np
 from scipy import fft, ndimage
 
 if TYPE_CHECKING:
-    from .hole_kinds import HoleFilling
+    from .plus_ways import HoleFilling
 
 MOST_HITS = 65535 / 256
 """Pixels in one voxel beyond which IGSIO counts no further."""

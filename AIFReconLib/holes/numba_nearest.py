@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .machine.numba_compile import compiled
+from ..machine.numba_compile import compiled
 
 EMPTY, MEASURED, FILLED = 0, 1, 2
 

@@ -7,8 +7,8 @@ import itertools
 import numpy as np
 from scipy import ndimage
 
-from .machine.threads import in_parts, optional_module, usable_cores
-from .progress import Progress, report
+from ..machine.threads import in_parts, optional_module, usable_cores
+from ..progress import Progress, report
 
 EMPTY, MEASURED, FILLED = 0, 1, 2
 """Values of the mask volume."""
@@ -71,7 +71,7 @@ def fill_holes(
     offsets, distances = neighbor_offsets(spacing, limit, mask.shape)
     if not len(offsets):
         return 0
-    compiled = None if engine == "numpy" or len(offsets) > MOST_ASKED else optional_module("AIFReconLib.numba_holes")
+    compiled = None if engine == "numpy" or len(offsets) > MOST_ASKED else optional_module("AIFReconLib.holes.numba_nearest")
     if compiled is not None and values.flags.c_contiguous and mask.flags.c_contiguous:
         return _fill_compiled(compiled.fill_slab, values, mask, offsets, threads, progress)
     reach = np.abs(offsets).max(axis=0)

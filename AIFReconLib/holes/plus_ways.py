@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import hole_averages
-from .errors import SettingsError
-from .holes import EMPTY, FILLED, MEASURED, fill_holes
-from .machine.threads import optional_module
-from .progress import Progress, report
-from .settings import ReconstructionSettings
+from ..errors import SettingsError
+from ..machine.threads import optional_module
+from ..progress import Progress, report
+from ..settings import ReconstructionSettings
+from . import averages as hole_averages
+from .nearest import EMPTY, FILLED, MEASURED, fill_holes
 
 CUBE, GAUSSIAN, STICK = "cube", "gaussian", "stick"
 GAUSSIAN_BY_HITS, INVERSE_DISTANCE = "gaussian by hits", "inverse distance"
@@ -207,7 +207,7 @@ def _fill_sticks(values, known, holes, kind: HoleFilling, *, engine: str, **_) -
 def _fill_along_sticks(flat_values, flat_known, places, strides, kind: HoleFilling, engine: str) -> tuple[np.ndarray, np.ndarray]:
     """The same for holes at flat `places` of a padded volume with these strides [k, j, i]."""
     lengths = np.linalg.norm(STICKS, axis=1)
-    compiled = None if engine == "numpy" else optional_module("AIFReconLib.numba_sticks")
+    compiled = None if engine == "numpy" else optional_module("AIFReconLib.holes.numba_sticks")
     if compiled is not None:
         averages = np.empty(len(places))
         compiled.fill_along_sticks(flat_values, flat_known, places, np.dot(STICKS, strides), lengths, kind.size, kind.sticks, averages)
