@@ -14,7 +14,7 @@ __version__ = "0.1.0"
 
 _PUBLIC = {
     "AIFReconError": "errors",
-    "BoneMap": "bone",
+    "BoneMap": "bone.map",
     "Fan": "imaging.region",
     "ClipRectangle": "imaging.region",
     "ImageRegion": "imaging.region",
@@ -31,7 +31,7 @@ _PUBLIC = {
     "TransformGraph": "geometry.transform_graph",
     "Volume": "geometry.volume",
     "VoxelGrid": "geometry.volume",
-    "bone_from_sweep": "sweep_bone",
+    "bone_from_sweep": "bone.from_sweep",
     "estimate_time_offset": "offset_estimate",
     "evaluate": "evaluation.metrics",
     "read_labels": "io.volume_files",

@@ -17,7 +17,7 @@ from . import __version__
 from .benchmark_cases import COLUMNS, PROBE, ROWS, TURN_DEG, fan_sweep, half_empty, labels_of_size, recorded, slab_of_bone
 from .benchmark_first import seconds_to_first_result
 from .benchmark_table import BenchmarkResult, Timing
-from .bone import BoneMap
+from .bone.map import BoneMap
 from .compounding.reconstructor import Reconstructor
 from .compounding.state import bytes_per_voxel
 from .geometry.volume import VoxelGrid
@@ -195,7 +195,7 @@ def _volume_jobs(voxels: int) -> list[Job]:
     jobs: list[Job] = [(fill("numpy", 1), Timing(f"hole filling, reach 2, {million}", "numpy", 1, 0.5, 0.0), 0)]
     for threads in _numba_threads():
         jobs.append((fill("numba", threads), Timing(f"hole filling, reach 2, {million}", "numba", threads, 0.5, 0.0), 0))
-    cores, sampler = usable_cores(), "scipy" if optional_module("AIFReconLib.numba_bone") is None else "numba"
+    cores, sampler = usable_cores(), "scipy" if optional_module("AIFReconLib.bone.numba_map") is None else "numba"
     jobs.append((lambda: BoneMap.from_labels(labels), Timing(f"bone map from labels, {million}", "scipy", cores, 0.5, 0.0), 0))
     jobs.append((lambda: bone.on_grid(turned), Timing(f"bone map onto a grid, {million}", sampler, cores, 0.5, 0.0), 0))
     return jobs

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .bone import BoneMap
+from .bone.map import BoneMap
 from .geometry.transform_graph import TransformName, TransformSample
 from .geometry.volume import Volume, VoxelGrid
 from .imaging.beams import SECTOR, ProbeGeometry

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from .bone import BoneMap
+from .bone.map import BoneMap
 from .compounding.evidence import ScanLines
 from .compounding.layout import PixelLayout
 from .geometry.transforms import image_plane_axes, pixel_spacing

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .bone import BoneMap
+from .bone.map import BoneMap
 from .compounding.reconstructor import Reconstruction, Reconstructor, needs_beams
 from .compounding.splat_engine import uses_shares
 from .compounding.state import bytes_per_voxel

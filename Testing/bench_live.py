@@ -22,7 +22,7 @@ import numpy as np
 REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "Testing" / "Python")]
 
-from AIFReconLib.bone import BoneMap  # noqa: E402
+from AIFReconLib.bone.map import BoneMap  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample  # noqa: E402
 from AIFReconLib.geometry.volume import Volume  # noqa: E402
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry  # noqa: E402

@@ -52,7 +52,7 @@ def boneMapFromNode(
     TransformError
         Names the parent transform that is not linear.
     """
-    from AIFReconLib.bone import SIGMA_VOXELS, BoneMap
+    from AIFReconLib.bone.map import SIGMA_VOXELS, BoneMap
 
     if not node.IsA("vtkMRMLSegmentationNode") and not node.IsA("vtkMRMLLabelMapVolumeNode"):
         with _named(node):

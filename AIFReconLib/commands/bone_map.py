@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..bone import BoneMap
+from ..bone.map import BoneMap
 from ..console import ProgressBar
 from ..io.volume_files import check_volume_path, read_labels
 from .options import add_sigma_options, refuse_to_overwrite

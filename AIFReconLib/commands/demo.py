@@ -8,7 +8,7 @@ from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
-from ..bone import BoneMap
+from ..bone.map import BoneMap
 from ..configured import resolve_settings
 from ..console import ProgressBar, columns, program
 from ..evaluation.figures import compare_figure, require_matplotlib

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bone import SIGMA_VOXELS, BoneMap
+from ..bone.from_sweep import bone_from_sweep
+from ..bone.map import SIGMA_VOXELS, BoneMap
 from ..errors import OutputError, SettingsError
 from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ..imaging.detection import detect_imaging
@@ -22,7 +23,6 @@ from ..reconstruction import configured_region, resolve_imaging
 from ..settings import ReconstructionSettings
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
-from ..sweep_bone import bone_from_sweep
 
 PARAMETERS = {spec.name: spec.metadata for spec in fields(ReconstructionSettings)}
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..bone import BoneOnGrid
+from ..bone.map import BoneOnGrid
 from ..machine.threads import checked_threads, in_parts
 from ..settings import ReconstructionSettings
 from .batch import BATCH_FRAMES, FrameBatch

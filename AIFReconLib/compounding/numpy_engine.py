@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bone import BoneOnGrid
+from ..bone.map import BoneOnGrid
 from ..settings import ReconstructionSettings
 from . import rules
 from .batch import FrameBatch

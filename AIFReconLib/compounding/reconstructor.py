@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from ..bone import BoneMap, BoneOnGrid
+from ..bone.map import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, SettingsError
 from ..geometry.transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
 from ..geometry.volume import Volume, VoxelGrid

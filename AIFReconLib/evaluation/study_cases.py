@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bone import BoneMap
+from ..bone.map import BoneMap
 from ..geometry.transform_graph import TransformName, TransformSample
 from ..geometry.volume import Volume
 from ..io.plus_config import PlusConfiguration

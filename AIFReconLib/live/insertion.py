@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..bone import BoneMap
+from ..bone.map import BoneMap
 from ..compounding.reconstructor import Reconstruction, Reconstructor
 from ..configured import ConfiguredParts
 from ..geometry.volume import VoxelGrid

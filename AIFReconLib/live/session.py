@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bone import BoneMap
+from ..bone.map import BoneMap
 from ..compounding.reconstructor import Reconstruction, needs_beams
 from ..compounding.state import bytes_per_voxel
 from ..configured import configured_parts, resolve_settings

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from AIFReconLib.bone import BoneMap
+from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.sweep.frames import TrackedFrame
 

@@ -12,7 +12,7 @@ import pytest
 from files import tracked_sequence, write_patient
 from sweeps import rigid
 
-from AIFReconLib.bone import BoneMap
+from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.cli import main
 from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import Volume

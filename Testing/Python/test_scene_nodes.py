@@ -12,7 +12,7 @@ slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 import vtk  # noqa: E402
 from scene_host import class_counts, transform_node, volume_node, warping_node  # noqa: E402
 
-from AIFReconLib.bone import BoneMap  # noqa: E402
+from AIFReconLib.bone.map import BoneMap  # noqa: E402
 from AIFReconLib.errors import GeometryError, SettingsError, TransformError  # noqa: E402
 from AIFReconLib.geometry.volume import Volume  # noqa: E402
 

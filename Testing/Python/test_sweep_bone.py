@@ -10,6 +10,7 @@ import pytest
 from files import tracked_sequence, write_patient
 from sweeps import image_pose
 
+from AIFReconLib.bone.from_sweep import LEAST_SCORE, SKIN, BoneEchoFinder, bone_from_sweep
 from AIFReconLib.cli import main
 from AIFReconLib.errors import BeamGeometryError, GeometryError, NoUsableFramesError, OperationCanceled
 from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
@@ -22,7 +23,6 @@ from AIFReconLib.reconstruction import Imaging, reconstruct
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses
-from AIFReconLib.sweep_bone import LEAST_SCORE, SKIN, BoneEchoFinder, bone_from_sweep
 
 COLUMNS, ROWS, SPACING = 120, 160, (0.25, 0.25)
 APEX = (59.5, -20.0)

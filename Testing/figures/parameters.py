@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from AIFReconLib.bone import BoneMap
+from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.console import ProgressBar
 from AIFReconLib.evaluation.figures import BACKGROUND, BONE_COLOR, INK, NOT_SCANNED, within_spinous_process
 from AIFReconLib.evaluation.metrics import evaluate

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from .errors import GeometryError
-from .geometry.volume import Volume, VoxelGrid
-from .machine.threads import in_parts, optional_module, usable_cores
-from .message import listed
-from .progress import Progress, report
+from ..errors import GeometryError
+from ..geometry.volume import Volume, VoxelGrid
+from ..machine.threads import in_parts, optional_module, usable_cores
+from ..message import listed
+from ..progress import Progress, report
 
 SIGMA_VOXELS = 10.0
 """Smoothing of the probability map in the paper, in voxels of the labels."""
@@ -251,7 +251,7 @@ def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[np.ndarray], np.ndarr
     to_source = source.grid.reference_to_ijk @ grid.ijk_to_reference
     box = _overlap(to_source, grid, source.grid)
     # The same voxels with and without it
-    fast = optional_module("AIFReconLib.numba_bone")
+    fast = optional_module("AIFReconLib.bone.numba_map")
 
     def sample(array: np.ndarray) -> np.ndarray:
         result = np.zeros(grid.shape, dtype=np.float32)

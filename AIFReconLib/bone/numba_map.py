@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .machine.numba_compile import compiled, inlined
+from ..machine.numba_compile import compiled, inlined
 
 
 @inlined

@@ -17,16 +17,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from .bone import BoneMap
-from .errors import BeamGeometryError, GeometryError
-from .geometry.transforms import pixel_spacing
-from .geometry.volume import Volume, VoxelGrid
-from .imaging.extent import grid_around_sweep
-from .imaging.scan_lines import scan_line_samples
-from .progress import Progress, report
-from .reconstruction import Imaging
-from .sweep.frames import TrackedSequence
-from .sweep.poses import SweepPoses, tracked_frames
+from ..errors import BeamGeometryError, GeometryError
+from ..geometry.transforms import pixel_spacing
+from ..geometry.volume import Volume, VoxelGrid
+from ..imaging.extent import grid_around_sweep
+from ..imaging.scan_lines import scan_line_samples
+from ..progress import Progress, report
+from ..reconstruction import Imaging
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import SweepPoses, tracked_frames
+from .map import BoneMap
 
 SPACING = 1.0
 """mm between voxels of the map."""
