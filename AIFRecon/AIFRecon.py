@@ -361,9 +361,9 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         from AIFReconScene.inputs import reconstructed
         from AIFReconScene.volumeNodes import outputNodes
 
+        from AIFReconLib.inspection.summary import summary_lines
         from AIFReconLib.message import listed
         from AIFReconLib.progress import part
-        from AIFReconLib.summary import summary_lines
 
         result, sequence = reconstructed(inputs, settings, part(progress, 0.0, 0.95))
         self._tracking.remember(inputs, sequence, result)

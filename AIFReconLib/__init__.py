@@ -32,7 +32,7 @@ _PUBLIC = {
     "Volume": "geometry.volume",
     "VoxelGrid": "geometry.volume",
     "bone_from_sweep": "bone.from_sweep",
-    "estimate_time_offset": "offset_estimate",
+    "estimate_time_offset": "inspection.offset_estimate",
     "evaluate": "evaluation.metrics",
     "read_labels": "io.volume_files",
     "read_plus_configuration": "io.plus_config",

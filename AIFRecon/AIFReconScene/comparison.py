@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import slicer
 
+from AIFReconLib.inspection.summary import summary_lines
 from AIFReconLib.message import Message, listed
 from AIFReconLib.progress import part, report
-from AIFReconLib.summary import summary_lines
 
 from .sceneNodes import nodesOfClass, removeNodes
 

@@ -41,8 +41,8 @@ class SweepReport:
         return self._title, self._report
 
     def _make(self, sweep, imageSequence, sequence, result=None) -> None:
+        from AIFReconLib.inspection.tracking_report import tracking_report
         from AIFReconLib.sweep.poses import sweep_poses
-        from AIFReconLib.tracking_report import tracking_report
 
         self._report = tracking_report(sequence, sweep_poses(sequence), result)
         self._title = sweep.GetName() if result is None else f"{sweep.GetName()} {result.method}"

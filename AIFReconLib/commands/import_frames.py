@@ -11,6 +11,8 @@ from ..console import ProgressBar, program
 from ..errors import AIFReconError
 from ..geometry.transform_graph import TransformName
 from ..importing import IMAGE_FRAME, ImportSettings, import_sequence
+from ..inspection.sweep_drawing import draw_sweep
+from ..inspection.tracking_report import tracking_report
 from ..io.atomic import check_writable, write_text
 from ..io.calibration_files import read_calibration
 from ..io.imported_images import open_images
@@ -19,8 +21,6 @@ from ..io.pose_rows import ANGLE_UNITS, LENGTH_UNITS, QUATERNION_ORDERS, PoseFor
 from ..io.sequence_writer import SUFFIXES, check_sequence_name, write_sequence
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
-from ..sweep_drawing import draw_sweep
-from ..tracking_report import tracking_report
 from .options import refuse_to_overwrite
 
 EXAMPLE = """examples:

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from ..console import ProgressBar
-from ..diagnosis import diagnose
+from ..inspection.diagnosis import diagnose
 from .reconstruct import add_tracking_options
 from .sequence_options import add_sequence_options, sequence_from
 

@@ -10,13 +10,13 @@ from pathlib import Path
 
 from ..compounding.reconstructor import Reconstruction
 from ..console import ProgressBar
+from ..inspection.summary import summary_lines
+from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..io.atomic import check_writable, write_text
 from ..io.volume_files import check_volume_path, read_volume
 from ..progress import part
 from ..reconstruction import reconstruct
-from ..summary import summary_lines
 from ..sweep.poses import sweep_poses
-from ..tracking_report import TrackingReport, tracking_report
 from .options import (
     SpacingAction,
     add_bone_options,

@@ -16,11 +16,11 @@ from AIFReconLib.cli import main
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.importing import ImportSettings
+from AIFReconLib.inspection.sweep_drawing import draw_sweep
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.poses import sweep_poses
-from AIFReconLib.sweep_drawing import draw_sweep
 
 SEQUENCE = tracked_sequence()
 TIMES = [record.timestamp for record in SEQUENCE.records]

@@ -11,7 +11,7 @@ from sweeps import rigid
 
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
-from AIFReconLib.offset_estimate import estimate_time_offset
+from AIFReconLib.inspection.offset_estimate import estimate_time_offset
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 

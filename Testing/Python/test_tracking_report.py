@@ -11,9 +11,9 @@ from sweeps import rigid
 
 from AIFReconLib.cli import main
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.inspection.tracking_report import tracking_report
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
-from AIFReconLib.tracking_report import tracking_report
 
 
 def sweep(positions, times=None, statuses=None, turns=None) -> TrackedSequence:

@@ -18,9 +18,9 @@ from sweeps import rigid
 from AIFReconLib.cli import main
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.inspection.offset_estimate import OffsetEstimate
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.io.sequence_writer import write_sequence
-from AIFReconLib.offset_estimate import OffsetEstimate
 
 PAGE = REPOSITORY / "docs" / "troubleshooting.md"
 SWEEP = ["sweep.igs.mha", "--config", "PlusDeviceSet.xml"]

@@ -14,6 +14,7 @@ from live_messages import tracked as tracked_messages
 
 from AIFReconLib.evaluation.figures import compare_figure
 from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.inspection.sweep_drawing import draw_sweep
 from AIFReconLib.io.atomic import write_text
 from AIFReconLib.io.sequence_files import read_sequence
 from AIFReconLib.io.sequence_writer import write_sequence
@@ -21,7 +22,6 @@ from AIFReconLib.io.transform_files import read_transform, write_transform
 from AIFReconLib.io.volume_files import read_volume
 from AIFReconLib.live.recording import Recorder
 from AIFReconLib.live.synchronizer import Synchronizer
-from AIFReconLib.sweep_drawing import draw_sweep
 
 RECORDED = 12
 """Frames of a recording."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .holes.nearest import FILLED, MEASURED
-from .message import Message
-from .sweep.poses import describe_frames
+from ..holes.nearest import FILLED, MEASURED
+from ..message import Message
+from ..sweep.poses import describe_frames
 
 if TYPE_CHECKING:
-    from .compounding.reconstructor import Reconstruction
+    from ..compounding.reconstructor import Reconstruction
 
 
 def summary_lines(result: Reconstruction, frames: int, seconds: float | None = None) -> list[Message]:

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .progress import Progress, report
-from .sweep.frames import TrackedSequence
-from .sweep.pose_tracks import LONGEST_GAP
-from .sweep.poses import SweepPoses
+from ..progress import Progress, report
+from ..sweep.frames import TrackedSequence
+from ..sweep.pose_tracks import LONGEST_GAP
+from ..sweep.poses import SweepPoses
 
 LARGEST = 0.5
 """s. Offsets are sought from minus to plus this."""

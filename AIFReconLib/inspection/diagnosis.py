@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .console import columns
-from .errors import AIFReconError, BeamGeometryError, SequenceFormatError
-from .geometry.transform_graph import TransformStatus
-from .geometry.transforms import pixel_spacing
-from .imaging.detection import detect_imaging
+from ..console import columns
+from ..errors import AIFReconError, BeamGeometryError, SequenceFormatError
+from ..geometry.transform_graph import TransformStatus
+from ..geometry.transforms import pixel_spacing
+from ..imaging.detection import detect_imaging
+from ..progress import Progress
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import SweepPoses, sweep_poses
 from .offset_estimate import OffsetEstimate, estimate_time_offset
-from .progress import Progress
-from .sweep.frames import TrackedSequence
-from .sweep.poses import SweepPoses, sweep_poses
 from .tracking_report import TrackingReport, tracking_report
 
 

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .holes.nearest import FILLED, MEASURED
-from .message import Message, listed
+from ..holes.nearest import FILLED, MEASURED
+from ..message import Message, listed
+from ..sweep.frames import TrackedSequence
+from ..sweep.pose_tracks import LONGEST_GAP
+from ..sweep.poses import SweepPoses, describe_frames, time_order
 from .offset_estimate import corner_track
 from .summary import describe_shares
-from .sweep.frames import TrackedSequence
-from .sweep.pose_tracks import LONGEST_GAP
-from .sweep.poses import SweepPoses, describe_frames, time_order
 
 if TYPE_CHECKING:
-    from .compounding.reconstructor import Reconstruction
+    from ..compounding.reconstructor import Reconstruction
 
 JUMP_SPEED = 200.0
 """mm/s. Nobody moves a probe over skin faster."""
