@@ -34,7 +34,7 @@ def choose_engine(wanted: str) -> tuple[type, str | None]:
             )
         return NumpyEngine, None
     try:
-        from .numba_engine import NumbaEngine
+        from .compiled.numba_engine import NumbaEngine
     # A numba that does not fit its numpy or its Python fails in whatever way it likes
     except Exception as error:
         cause = next(iter(str(error).splitlines()), "")

@@ -27,7 +27,7 @@ from .batch import FrameBatch
 from .engines import choose_engine
 from .evidence import ScanLines
 from .fixed_point import in_fixed_point
-from .image_kind import ImageKind
+from .image_format import ImageKind
 from .layout import PixelLayout
 from .numpy_engine import NumpyEngine
 from .splat_engine import check_shares, splat_engine, uses_shares

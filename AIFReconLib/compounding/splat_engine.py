@@ -180,5 +180,5 @@ class SplatEngine:
 def splat_engine(settings: ReconstructionSettings) -> type[SplatEngine]:
     """The compiled engine where pixels spread and numba is there and not ruled out; else `SplatEngine`."""
     wanted = settings.interpolation == "linear" and settings.engine != "numpy"
-    module = optional_module("AIFReconLib.compounding.numba_splat") if wanted else None
+    module = optional_module("AIFReconLib.compounding.compiled.numba_splat") if wanted else None
     return SplatEngine if module is None else module.NumbaSplatEngine

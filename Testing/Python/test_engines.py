@@ -22,7 +22,7 @@ from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
 
-HAS_NUMBA = optional_module("AIFReconLib.compounding.numba_engine") is not None
+HAS_NUMBA = optional_module("AIFReconLib.compounding.compiled.numba_engine") is not None
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="numba is not installed")
 REGIONS = (ImageRegion(), ImageRegion(ClipRectangle((2, 1), (28, 22)), Fan((16.0, -6.0), (-40.0, 35.0), (7.0, 29.0))))
 PROBES = (ProbeGeometry("sector", (16.0, -6.0)), ProbeGeometry("linear"))
@@ -255,7 +255,7 @@ def broken_numba(monkeypatch):
     monkeypatch.setattr(engines, "find_spec", lambda name: object())
     for name in [name for name in sys.modules if name.startswith("AIFReconLib.compounding.numba_")]:
         monkeypatch.delitem(sys.modules, name)
-    monkeypatch.delattr("AIFReconLib.compounding.numba_engine", raising=False)
+    monkeypatch.delattr("AIFReconLib.compounding.compiled.numba_engine", raising=False)
     monkeypatch.setitem(sys.modules, "AIFReconLib.machine.numba_compile", None)
 
 

@@ -127,7 +127,7 @@ def test_the_box_around_the_sweep_holds_every_pixel_at_its_true_place(probe, spe
 @pytest.mark.parametrize(("probe", "engine"), [(LINEAR, "numba"), (ProbeGeometry("sector", (16.0, -9.0)), "numpy")])
 @pytest.mark.parametrize("method", METHODS)
 def test_engines_give_the_same_voxels(method, probe, engine):
-    if optional_module("AIFReconLib.compounding.numba_engine") is None:
+    if optional_module("AIFReconLib.compounding.compiled.numba_engine") is None:
         pytest.skip("numba is not installed")
     bone = None if method in ("average", "latest", "maximum") else sphere_bone()
     results = []

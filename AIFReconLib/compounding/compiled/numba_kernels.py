@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..machine.numba_compile import compiled, inlined
+from ...machine.numba_compile import compiled, inlined
 
 ZERO, ONE, ONCE = np.float32(0), np.float32(1), np.uint32(1)
 LARGEST_COMPENSATION = np.float32(3)

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..machine.numba_compile import compiled, inlined
-from ..machine.threads import checked_threads, in_parts
-from .batch import BATCH_FRAMES, FrameBatch
-from .layout import CENTER_TOLERANCE, PixelLayout
+from ...machine.numba_compile import compiled, inlined
+from ...machine.threads import checked_threads, in_parts
+from ..batch import BATCH_FRAMES, FrameBatch
+from ..layout import CENTER_TOLERANCE, PixelLayout
+from ..splat_engine import LEAST_SHARE, LINEAR_METHODS, SplatEngine
 from .numba_kernels import OFFSET, ROW, START, STOP, clip_to_slab, clip_to_volume
 from .slabs import cut_into_slabs
-from .splat_engine import LEAST_SHARE, LINEAR_METHODS, SplatEngine
 
 AVERAGE, LATEST, MAXIMUM = range(len(LINEAR_METHODS))
 ONCE, NEXT = np.uint32(1), np.uint64(1)

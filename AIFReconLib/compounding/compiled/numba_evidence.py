@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..machine.numba_compile import compiled, inlined
-from .evidence import ScanLines
+from ...machine.numba_compile import compiled, inlined
+from ..evidence import ScanLines
 
 ZERO, ONE, TWO = np.float32(0), np.float32(1), np.float32(2)
 TINY = np.float32(np.finfo(np.float32).tiny)

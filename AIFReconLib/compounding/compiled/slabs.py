@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .layout import PixelLayout
+from ..layout import PixelLayout
 
 SLABS = 8
 """Slabs that a batch is cut into: what frames share of one fits into a core's cache, and threads end at about the same time."""

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..bone.map import BoneOnGrid
-from ..machine.threads import checked_threads, in_parts
-from ..settings import ReconstructionSettings
-from .batch import BATCH_FRAMES, FrameBatch
-from .evidence import ScanLines
-from .layout import PixelLayout
+from ...bone.map import BoneOnGrid
+from ...machine.threads import checked_threads, in_parts
+from ...settings import ReconstructionSettings
+from ..batch import BATCH_FRAMES, FrameBatch
+from ..evidence import ScanLines
+from ..layout import PixelLayout
+from ..state import VoxelState
 from .numba_evidence import FrameJudge
 from .numba_kernels import AVERAGE, LATEST, MAXIMUM, clip_to_volume, insert_aif, insert_cosine, insert_plain, insert_weighted
 from .slabs import cut_into_slabs
-from .state import VoxelState
 
 PLAIN_RULES = {"average": AVERAGE, "latest": LATEST, "maximum": MAXIMUM}
 
