@@ -11,7 +11,6 @@ from .bone.map import BoneMap
 from .compounding.reconstructor import Reconstruction, Reconstructor, needs_beams
 from .compounding.splat_engine import uses_shares
 from .compounding.state import bytes_per_voxel
-from .configured import configured_parts, resolve_settings
 from .errors import BeamGeometryError, NoUsableFramesError
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
@@ -23,6 +22,7 @@ from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
 from .message import Message
 from .progress import Progress, part, report
+from .resolve import configured_parts, resolve_settings
 from .settings import ReconstructionSettings
 from .sweep.frames import TrackedFrame, TrackedSequence
 from .sweep.poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames

@@ -9,7 +9,6 @@ from datetime import date
 from pathlib import Path
 
 from ..bone.map import BoneMap
-from ..configured import resolve_settings
 from ..console import ProgressBar, columns, program
 from ..evaluation.figures import compare_figure, require_matplotlib
 from ..evaluation.metrics import BoneMetrics, evaluate
@@ -23,6 +22,7 @@ from ..io.transform_files import read_transform
 from ..io.volume_files import read_labels, read_volume
 from ..progress import part
 from ..reconstruction import reconstruct
+from ..resolve import resolve_settings
 from ..settings import METHODS, ReconstructionSettings
 from .simulate import SimulatedFiles, write_simulated_patient
 

@@ -13,12 +13,12 @@ import numpy as np
 
 from ..bone.map import BoneMap
 from ..compounding.reconstructor import Reconstruction, Reconstructor
-from ..configured import ConfiguredParts
 from ..geometry.volume import VoxelGrid
 from ..imaging.beams import LINEAR, ProbeGeometry
 from ..message import Message
 from ..progress import Progress
 from ..reconstruction import Imaging
+from ..resolve import ConfiguredParts
 from ..settings import ReconstructionSettings
 from ..sweep.frames import TrackedFrame
 from .keep_up import KeepUp

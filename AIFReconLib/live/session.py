@@ -12,7 +12,6 @@ import numpy as np
 from ..bone.map import BoneMap
 from ..compounding.reconstructor import Reconstruction, needs_beams
 from ..compounding.state import bytes_per_voxel
-from ..configured import configured_parts, resolve_settings
 from ..errors import AIFReconError, BeamGeometryError, OutputError, SettingsError
 from ..geometry.volume import VoxelGrid
 from ..imaging.region import ImageRegion
@@ -20,6 +19,7 @@ from ..imaging.sound_speed import depth_factor
 from ..message import Message, said
 from ..progress import Progress, part
 from ..reconstruction import Imaging, configured_region, resolve_imaging
+from ..resolve import configured_parts, resolve_settings
 from ..settings import ReconstructionSettings
 from ..sweep.frames import TrackedSequence
 from .insertion import Inserter

@@ -12,7 +12,6 @@ from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import sphere_bone
 
 from AIFReconLib.cli import main
-from AIFReconLib.configured import configured_parts, resolve_settings
 from AIFReconLib.errors import ConfigurationError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.holes.plus_ways import HoleFilling, fill_holes_by_kind
@@ -22,6 +21,7 @@ from AIFReconLib.io.plus_config import PlusConfiguration
 from AIFReconLib.io.sequence_files import write_sequence
 from AIFReconLib.io.volume_files import read_volume
 from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.resolve import configured_parts, resolve_settings
 from AIFReconLib.settings import ReconstructionSettings
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
