@@ -8,9 +8,9 @@ import os
 from pathlib import Path
 
 from ..benchmark import VOXELS, benchmark
-from ..console import ProgressBar, columns
 from ..errors import SettingsError
 from ..io.atomic import check_writable, write_text
+from .console import ProgressBar, columns
 
 
 def add_to(commands) -> None:

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ..console import ProgressBar
 from ..errors import SettingsError, TransformError
 from ..geometry.transform_graph import TransformName
 from ..io.calibration_files import read_calibration
 from ..io.sequence_writer import SUFFIXES, check_sequence_name, write_sequence
 from ..sweep.edits import crop, recalibrate, rename, select_frames, with_configured_transforms
 from ..sweep.frames import TrackedSequence
+from .console import ProgressBar
 from .options import refuse_to_overwrite
 from .sequence_options import add_sequence_options, sequence_from, sequence_inputs
 

@@ -9,7 +9,6 @@ from datetime import date
 from pathlib import Path
 
 from ..bone.map import BoneMap
-from ..console import ProgressBar, columns, program
 from ..evaluation.figures import compare_figure, require_matplotlib
 from ..evaluation.metrics import BoneMetrics, evaluate
 from ..evaluation.quantities import metrics_csv, table
@@ -24,6 +23,7 @@ from ..progress import part
 from ..reconstruction import reconstruct
 from ..resolve import resolve_settings
 from ..settings import METHODS, ReconstructionSettings
+from .console import ProgressBar, columns, program
 from .simulate import SimulatedFiles, write_simulated_patient
 
 SPACING = 1.0

@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
 
-from ..console import ProgressBar, columns
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import comparison_png, require_matplotlib, within_spinous_process
 from ..evaluation.metrics import BoneMetrics, evaluate
@@ -20,6 +19,7 @@ from ..io.atomic import check_writable, write_text
 from ..io.sequence_files import read_sequence
 from ..io.volume_files import read_labels, read_transform, read_volume
 from ..progress import part
+from .console import ProgressBar, columns
 from .options import add_imaging_options, imaging_from, real_path, refuse_to_overwrite
 from .reconstruct import add_tracking_options
 

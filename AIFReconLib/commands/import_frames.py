@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ..console import ProgressBar, program
 from ..errors import AIFReconError
 from ..geometry.transform_graph import TransformName
 from ..importing import IMAGE_FRAME, ImportSettings, import_sequence
@@ -21,6 +20,7 @@ from ..io.pose_rows import ANGLE_UNITS, LENGTH_UNITS, QUATERNION_ORDERS, PoseFor
 from ..io.sequence_writer import SUFFIXES, check_sequence_name, write_sequence
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
+from .console import ProgressBar, program
 from .options import refuse_to_overwrite
 
 EXAMPLE = """examples:

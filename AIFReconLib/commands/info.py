@@ -6,8 +6,8 @@ import argparse
 import json
 from pathlib import Path
 
-from ..console import ProgressBar
 from ..inspection.diagnosis import diagnose
+from .console import ProgressBar
 from .reconstruct import add_tracking_options
 from .sequence_options import add_sequence_options, sequence_from
 

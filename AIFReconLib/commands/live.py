@@ -13,7 +13,6 @@ from typing import TextIO
 import numpy as np
 
 from ..compounding.reconstructor import Reconstruction
-from ..console import ProgressBar, show
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
 from ..io.plus_config import read_plus_configuration
 from ..io.volume_files import check_volume_path, read_volume
@@ -23,8 +22,8 @@ from ..live.replay import PLUS_PORT
 from ..live.session import SCOUTING, LiveSession
 from ..live.session_statistics import LiveStatistics
 from ..live.synchronizer import SynchronizerSettings
-from ..orderly_end import pause
 from ..sweep.frames import TrackedSequence
+from .console import ProgressBar, show
 from .options import (
     add_bone_options,
     add_imaging_options,
@@ -37,6 +36,7 @@ from .options import (
     settings_from,
 )
 from .reconstruct import SIDE_OUTPUTS, add_tracking_options, add_tuning_options, add_volume_options, describe
+from .signals import pause
 
 EXAMPLE = """examples:
   aifrecon live --host 192.168.0.12 --output volume.nrrd

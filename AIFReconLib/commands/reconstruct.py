@@ -9,7 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..compounding.reconstructor import Reconstruction
-from ..console import ProgressBar
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..io.atomic import check_writable, write_text
@@ -17,6 +16,7 @@ from ..io.volume_files import check_volume_path, read_volume
 from ..progress import part
 from ..reconstruction import reconstruct
 from ..sweep.poses import sweep_poses
+from .console import ProgressBar
 from .options import (
     SpacingAction,
     add_bone_options,

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ..console import ProgressBar
 from ..errors import OutputError, SettingsError
 from ..io.atomic import write_text
 from ..io.sequence_writer import write_sequence
@@ -17,6 +16,7 @@ from ..progress import Progress, part
 from ..simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from ..simulation.phased_array import PhasedArray
 from ..simulation.scan import freehand_sweep, multi_angle_sweep, plus_configuration_xml, random_rigid, simulate_sweep, single_angle_sweep
+from .console import ProgressBar
 
 PATHS = {"multi-angle": multi_angle_sweep, "single-angle": single_angle_sweep, "freehand": freehand_sweep}
 

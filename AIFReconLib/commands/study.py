@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..console import ProgressBar
 from ..errors import OutputError, SettingsError
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.study import run_study
 from ..evaluation.study_figure import study_figure
 from ..evaluation.study_page import study_page
 from ..io.atomic import write_text
+from .console import ProgressBar
 
 
 def add_to(commands) -> None:

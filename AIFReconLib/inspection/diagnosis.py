@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..console import columns
+from ..commands.console import columns
 from ..errors import AIFReconError, BeamGeometryError, SequenceFormatError
 from ..geometry.transform_graph import TransformStatus
 from ..geometry.transforms import pixel_spacing

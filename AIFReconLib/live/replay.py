@@ -9,8 +9,8 @@ import threading
 import time
 from collections.abc import Sequence
 
+from ..commands.signals import pause
 from ..errors import LiveConnectionError, SettingsError
-from ..orderly_end import pause
 from ..sweep.frames import TrackedSequence
 from .connection import POLL, check_port
 from .encoding import encode_status

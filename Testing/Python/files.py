@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from sweeps import rigid, sphere_bone
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence_writer import write_sequence

@@ -13,7 +13,7 @@ from files import tracked_sequence, write_patient
 from sweeps import rigid
 
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence_files import read_sequence

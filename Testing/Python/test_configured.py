@@ -11,7 +11,7 @@ import SimpleITK as sitk
 from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import sphere_bone
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import ConfigurationError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.holes.plus_ways import HoleFilling, fill_holes_by_kind

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from AIFReconLib import console
-from AIFReconLib.console import ProgressBar, columns, program
+from AIFReconLib.commands import console
+from AIFReconLib.commands.console import ProgressBar, columns, program
 
 
 class Terminal(io.StringIO):

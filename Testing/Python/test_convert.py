@@ -10,7 +10,7 @@ import pytest
 from files import CONFIGURATION, IMAGE_TO_PROBE, refused, tracked_sequence, write_patient
 from sweeps import rigid
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import TransformFileError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.calibration_files import read_calibration

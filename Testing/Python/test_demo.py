@@ -13,8 +13,8 @@ import pytest
 from scipy import ndimage
 from sweeps import rigid
 
-from AIFReconLib.cli import main
 from AIFReconLib.commands import demo
+from AIFReconLib.commands.parser import main
 from AIFReconLib.evaluation.quantities import HEADINGS
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, SAGITTAL, cut
 from AIFReconLib.geometry.volume import Volume

@@ -12,7 +12,7 @@ from files import IMAGE_TO_PROBE, SPACING, refused, tracked_sequence
 from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.importing import ImportSettings

@@ -17,8 +17,8 @@ import pytest
 from files import refused, tracked_sequence
 from igtl_streams import ScriptedServer, image_bytes
 
-from AIFReconLib.cli import main
 from AIFReconLib.commands.live import StatusLine, status_text
+from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import Volume, VoxelGrid

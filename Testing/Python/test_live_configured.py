@@ -10,7 +10,7 @@ import SimpleITK as sitk
 from files import COLUMNS, IMAGE_TO_PROBE, ROWS, tracked_sequence
 from sweeps import oblique_frames
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion

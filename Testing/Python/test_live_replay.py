@@ -17,7 +17,7 @@ import pytest
 from files import refused, tracked_sequence, write_patient
 from igtl_streams import DEADLINE, Inbox, wait_for
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import LiveConnectionError, SequenceFormatError, SettingsError, TransformError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.plus_config import read_plus_configuration

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from sequence_samples import metaimage, nrrd, ramp
 
-from AIFReconLib.cli import build_parser, main
+from AIFReconLib.commands.parser import build_parser, main
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.io.imported_images import open_images
 from AIFReconLib.io.plus_config import read_plus_configuration

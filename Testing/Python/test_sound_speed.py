@@ -10,7 +10,7 @@ import pytest
 from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample

@@ -8,7 +8,7 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.evaluation import study_cases
 from AIFReconLib.evaluation.study import Spread, read_rows, run_study, spread_of

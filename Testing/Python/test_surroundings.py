@@ -18,11 +18,12 @@ import pytest
 from files import refused, tracked_sequence
 
 from AIFReconLib import __main__ as entry
-from AIFReconLib import cli
-from AIFReconLib.cli import main
 from AIFReconLib.commands import evaluate as evaluate_command
+from AIFReconLib.commands import parser as cli
+from AIFReconLib.commands.console import ProgressBar
 from AIFReconLib.commands.live import StatusLine
-from AIFReconLib.console import ProgressBar
+from AIFReconLib.commands.parser import main
+from AIFReconLib.commands.signals import orderly_end, pause
 from AIFReconLib.errors import OutputError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence_writer import write_sequence
@@ -30,7 +31,6 @@ from AIFReconLib.io.volume_files import check_volume_path, read_volume
 from AIFReconLib.live.recording import Recorder
 from AIFReconLib.machine.read_ahead import read_ahead
 from AIFReconLib.machine.threads import in_parts
-from AIFReconLib.orderly_end import orderly_end, pause
 
 posix = pytest.mark.skipif(os.name == "nt", reason="POSIX")
 
@@ -237,7 +237,7 @@ def test_too_little_memory_to_start_is_said_before_the_libraries_fail(monkeypatc
 
 
 def test_a_library_that_cannot_be_loaded_is_one_line(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "AIFReconLib.cli", None)
+    monkeypatch.setitem(sys.modules, "AIFReconLib.commands.parser", None)
     assert entry.main() == 2
     assert capsys.readouterr().err.startswith("aifrecon: A library cannot be loaded")
 
@@ -256,11 +256,11 @@ def swallowed_and_another_error():
 def test_ctrl_c_while_the_libraries_load_is_one_line(meets, monkeypatch, capsys):
     class Interrupting:
         def find_spec(self, name, *_):
-            if name == "AIFReconLib.cli":
+            if name == "AIFReconLib.commands.parser":
                 meets()
 
-    monkeypatch.delitem(sys.modules, "AIFReconLib.cli")
-    monkeypatch.delattr("AIFReconLib.cli")
+    monkeypatch.delitem(sys.modules, "AIFReconLib.commands.parser")
+    monkeypatch.delattr("AIFReconLib.commands.parser")
     monkeypatch.setattr(sys, "meta_path", [Interrupting(), *sys.meta_path])
     assert entry.main() == 130
     assert capsys.readouterr().err == "aifrecon: Interrupted. No file is left half-written.\n"

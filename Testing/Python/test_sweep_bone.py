@@ -11,7 +11,7 @@ from files import tracked_sequence, write_patient
 from sweeps import image_pose
 
 from AIFReconLib.bone.from_sweep import LEAST_SCORE, SKIN, BoneEchoFinder, bone_from_sweep
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import BeamGeometryError, GeometryError, NoUsableFramesError, OperationCanceled
 from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry

@@ -10,7 +10,7 @@ import pytest
 from files import IMAGE_TO_PROBE, write_patient
 from sweeps import rigid
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.sequence_files import read_sequence

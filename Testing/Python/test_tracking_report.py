@@ -9,7 +9,7 @@ import pytest
 from files import tracked_sequence, write_patient
 from sweeps import rigid
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.inspection.tracking_report import tracking_report
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence

@@ -15,7 +15,7 @@ from doc_pages import REPOSITORY, blocks, first_column, text_of
 from doc_workplace import FRAMES, make_workplace, serve
 from sweeps import rigid
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.inspection.offset_estimate import OffsetEstimate

@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.console import ProgressBar
+from AIFReconLib.commands.console import ProgressBar
 from AIFReconLib.evaluation.figures import BACKGROUND, BONE_COLOR, INK, NOT_SCANNED, within_spinous_process
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, Plane, cut

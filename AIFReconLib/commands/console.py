@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TextIO
 
-from .progress import Progress
+from ..progress import Progress
 
 BAR_WIDTH = 30
 REFRESH_S = 0.1

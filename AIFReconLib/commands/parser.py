@@ -16,12 +16,12 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from . import __version__
-from .commands import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, replay, simulate, study
+from .. import __version__
+from ..errors import AIFReconError, OperationCanceled
+from ..message import LONGEST_QUOTE, one_line, shorten
+from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, replay, simulate, study
 from .console import prepare_streams
-from .errors import AIFReconError, OperationCanceled
-from .message import LONGEST_QUOTE, one_line, shorten
-from .orderly_end import OrderlyEnd, orderly_end
+from .signals import OrderlyEnd, orderly_end
 
 COMMANDS = (demo, reconstruct, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark, study)
 
