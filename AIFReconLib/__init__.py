@@ -34,15 +34,15 @@ _PUBLIC = {
     "bone_from_sweep": "bone.from_sweep",
     "estimate_time_offset": "inspection.offset_estimate",
     "evaluate": "evaluation.metrics",
-    "read_labels": "io.volume_files",
-    "read_plus_configuration": "io.plus_config",
-    "read_sequence": "io.sequence_files",
-    "read_transform": "io.volume_files",
-    "read_volume": "io.volume_files",
+    "read_labels": "io.volume.files",
+    "read_plus_configuration": "io.plus.configuration",
+    "read_sequence": "io.sequence.files",
+    "read_transform": "io.volume.files",
+    "read_volume": "io.volume.files",
     "reconstruct": "reconstruction",
     "with_time_offset": "sweep.time_offset",
-    "write_sequence": "io.sequence_writer",
-    "write_volume": "io.volume_files",
+    "write_sequence": "io.sequence.writer",
+    "write_volume": "io.volume.files",
 }
 
 __all__ = sorted(_PUBLIC)

@@ -24,7 +24,7 @@ from .geometry.volume import VoxelGrid
 from .holes.nearest import fill_holes
 from .imaging.extent import grid_around_sweep
 from .imaging.region import ImageRegion
-from .io.sequence_files import read_sequence, write_sequence
+from .io.sequence.files import read_sequence, write_sequence
 from .machine.threads import optional_module, usable_cores
 from .progress import Progress, report
 from .reconstruction import reconstruct

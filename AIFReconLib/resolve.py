@@ -15,7 +15,7 @@ from .message import Message
 from .settings import ReconstructionSettings
 
 if TYPE_CHECKING:
-    from .io.plus_config import PlusConfiguration
+    from .io.plus.configuration import PlusConfiguration
 
 
 @dataclass(frozen=True, eq=False)

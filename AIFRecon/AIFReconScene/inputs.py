@@ -119,7 +119,7 @@ class Inputs:
         """The weight of each pixel, (rows, columns) float32 array from 0 to 1, or None where no mask is chosen."""
         if self.importanceMask is None:
             return None
-        from AIFReconLib.io.importance_mask import read_importance_mask
+        from AIFReconLib.io.plus.importance_mask import read_importance_mask
 
         return read_importance_mask(self.importanceMask)
 

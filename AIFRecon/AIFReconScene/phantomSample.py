@@ -98,7 +98,7 @@ def loadPhantom(
 
 def _configuration(probe):
     """The probe's Plus configuration, read as one from a file."""
-    from AIFReconLib.io.plus_config import read_plus_configuration
+    from AIFReconLib.io.plus.configuration import read_plus_configuration
     from AIFReconLib.simulation.scan import plus_configuration_xml
 
     with tempfile.TemporaryDirectory() as folder:

@@ -14,7 +14,7 @@ from vtk.util import numpy_support
 from AIFReconLib.errors import AIFReconError, GeometryError, NoUsableFramesError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.transforms import as_matrix
-from AIFReconLib.io.plus_config import PlusConfiguration
+from AIFReconLib.io.plus.configuration import PlusConfiguration
 from AIFReconLib.progress import Progress, part, report
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, chain_ends, sweep_poses

@@ -16,7 +16,7 @@ import numpy as np
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
-from AIFReconLib.io.plus_config import PlusConfiguration
+from AIFReconLib.io.plus.configuration import PlusConfiguration
 from AIFReconLib.message import Message, said
 
 ATTRIBUTE = "AIFRecon.Sweep"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..benchmark import VOXELS, benchmark
 from ..errors import SettingsError
-from ..io.atomic import check_writable, write_text
+from ..io.disk.atomic import check_writable, write_text
 from .console import ProgressBar, columns
 
 

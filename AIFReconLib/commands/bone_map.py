@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..bone.map import BoneMap
-from ..io.volume_files import check_volume_path, read_labels
+from ..io.volume.files import check_volume_path, read_labels
 from .console import ProgressBar
 from .options import add_sigma_options, refuse_to_overwrite
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..errors import SettingsError, TransformError
 from ..geometry.transform_graph import TransformName
-from ..io.calibration_files import read_calibration
-from ..io.sequence_writer import SUFFIXES, check_sequence_name, write_sequence
+from ..io.foreign.calibration import read_calibration
+from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
 from ..sweep.edits import crop, recalibrate, rename, select_frames, with_configured_transforms
 from ..sweep.frames import TrackedSequence
 from .console import ProgressBar

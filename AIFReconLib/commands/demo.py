@@ -15,10 +15,10 @@ from ..evaluation.quantities import metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
 from ..geometry.volume import Volume
-from ..io.atomic import write_text
-from ..io.sequence_files import read_sequence
-from ..io.transform_files import read_transform
-from ..io.volume_files import read_labels, read_volume
+from ..io.disk.atomic import write_text
+from ..io.sequence.files import read_sequence
+from ..io.transform.files import read_transform
+from ..io.volume.files import read_labels, read_volume
 from ..progress import part
 from ..reconstruction import reconstruct
 from ..resolve import resolve_settings

@@ -15,9 +15,9 @@ from ..evaluation.quantities import metrics_csv, table, what_counted
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import BEAM_THICKNESS, SweepBeams, bone_truth
 from ..geometry.volume import Volume
-from ..io.atomic import check_writable, write_text
-from ..io.sequence_files import read_sequence
-from ..io.volume_files import read_labels, read_transform, read_volume
+from ..io.disk.atomic import check_writable, write_text
+from ..io.sequence.files import read_sequence
+from ..io.volume.files import read_labels, read_transform, read_volume
 from ..progress import part
 from .console import ProgressBar, columns
 from .options import add_imaging_options, imaging_from, real_path, refuse_to_overwrite

@@ -9,15 +9,15 @@ import numpy as np
 
 from ..errors import AIFReconError
 from ..geometry.transform_graph import TransformName
-from ..importing import IMAGE_FRAME, ImportSettings, import_sequence
 from ..inspection.sweep_drawing import draw_sweep
 from ..inspection.tracking_report import tracking_report
-from ..io.atomic import check_writable, write_text
-from ..io.calibration_files import read_calibration
-from ..io.imported_images import open_images
-from ..io.pose_files import read_poses
-from ..io.pose_rows import ANGLE_UNITS, LENGTH_UNITS, QUATERNION_ORDERS, PoseFormat
-from ..io.sequence_writer import SUFFIXES, check_sequence_name, write_sequence
+from ..io.disk.atomic import check_writable, write_text
+from ..io.foreign.calibration import read_calibration
+from ..io.foreign.images import open_images
+from ..io.foreign.importing import IMAGE_FRAME, ImportSettings, import_sequence
+from ..io.foreign.pose_files import read_poses
+from ..io.foreign.pose_rows import ANGLE_UNITS, LENGTH_UNITS, QUATERNION_ORDERS, PoseFormat
+from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
 from .console import ProgressBar, program

@@ -14,8 +14,8 @@ import numpy as np
 
 from ..compounding.reconstructor import Reconstruction
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
-from ..io.plus_config import read_plus_configuration
-from ..io.volume_files import check_volume_path, read_volume
+from ..io.plus.configuration import read_plus_configuration
+from ..io.volume.files import check_volume_path, read_volume
 from ..live.openigtlink import OpenIGTLinkClient
 from ..live.placement import UNCONFIRMED
 from ..live.replay import PLUS_PORT

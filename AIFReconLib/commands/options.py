@@ -15,9 +15,9 @@ from ..errors import OutputError, SettingsError
 from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ..imaging.detection import detect_imaging
 from ..imaging.region import ClipRectangle, ImageRegion, chosen_region
-from ..io.importance_mask import read_importance_mask
-from ..io.metafile import data_files
-from ..io.volume_files import read_labels, read_transform, read_volume
+from ..io.metafile.metafile import data_files
+from ..io.plus.importance_mask import read_importance_mask
+from ..io.volume.files import read_labels, read_transform, read_volume
 from ..progress import Progress
 from ..reconstruction import configured_region, resolve_imaging
 from ..settings import ReconstructionSettings

@@ -11,8 +11,8 @@ from pathlib import Path
 from ..compounding.reconstructor import Reconstruction
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
-from ..io.atomic import check_writable, write_text
-from ..io.volume_files import check_volume_path, read_volume
+from ..io.disk.atomic import check_writable, write_text
+from ..io.volume.files import check_volume_path, read_volume
 from ..progress import part
 from ..reconstruction import reconstruct
 from ..sweep.poses import sweep_poses

@@ -6,7 +6,7 @@ import argparse
 from contextlib import suppress
 from pathlib import Path
 
-from ..io.sequence_files import read_sequence
+from ..io.sequence.files import read_sequence
 from ..live.replay import PLUS_PORT, ReplayServer
 from .reconstruct import add_tracking_options
 

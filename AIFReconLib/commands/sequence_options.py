@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..io.sequence_files import read_sequence
+from ..io.sequence.files import read_sequence
 from ..sweep.frames import TrackedSequence
 from ..sweep.pose_tracks import LONGEST_GAP
 from ..sweep.time_offset import with_time_offset

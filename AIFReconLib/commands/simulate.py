@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import OutputError, SettingsError
-from ..io.atomic import write_text
-from ..io.sequence_writer import write_sequence
-from ..io.transform_files import write_transform
+from ..io.disk.atomic import write_text
+from ..io.sequence.writer import write_sequence
+from ..io.transform.files import write_transform
 from ..progress import Progress, part
 from ..simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from ..simulation.phased_array import PhasedArray

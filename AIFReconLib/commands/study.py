@@ -10,7 +10,7 @@ from ..evaluation.figures import require_matplotlib
 from ..evaluation.study import run_study
 from ..evaluation.study_figure import study_figure
 from ..evaluation.study_page import study_page
-from ..io.atomic import write_text
+from ..io.disk.atomic import write_text
 from .console import ProgressBar
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import OutputError
 from ..geometry.volume import Volume, VoxelGrid
-from ..io.atomic import atomic_output
+from ..io.disk.atomic import atomic_output
 from .slices import AXIAL, CORONAL, SAGITTAL, Plane, cut, extent_along
 from .surface import BoneSurface
 

@@ -16,7 +16,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from ..errors import FileFormatError, InsufficientMemoryError
-from ..io.atomic import write_text
+from ..io.disk.atomic import write_text
 from ..message import Message
 from ..progress import Progress, report
 from .study_cases import Row, patient_rows

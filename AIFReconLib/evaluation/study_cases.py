@@ -10,7 +10,7 @@ import numpy as np
 from ..bone.map import BoneMap
 from ..geometry.transform_graph import TransformName, TransformSample
 from ..geometry.volume import Volume
-from ..io.plus_config import PlusConfiguration
+from ..io.plus.configuration import PlusConfiguration
 from ..reconstruction import reconstruct
 from ..settings import BONE_METHODS, ReconstructionSettings
 from ..simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..io.atomic import atomic_output
+from ..io.disk.atomic import atomic_output
 from .study import Row, spread_of
 
 CONDITIONS = ("exact", "CT 2 mm off", "CT 4 mm off", "CT 5 deg off", "tracker noise", "CT of another patient", "CT one level off")

@@ -142,6 +142,6 @@ class Volume:
         OutputError
             When it cannot be written; no partial file is left.
         """
-        from ..io.volume_files import write_volume
+        from ..io.volume.files import write_volume
 
         write_volume(self, path)

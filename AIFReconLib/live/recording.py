@@ -23,12 +23,12 @@ import numpy as np
 
 from ..errors import AIFReconError, OutputError
 from ..geometry.transform_graph import TransformStatus
-from ..io.atomic import atomic_outputs, check_writable
-from ..io.metafile import UNFINISHED
-from ..io.sequence_fields import frame_entries
-from ..io.sequence_files import read_sequence
-from ..io.sequence_writer import check_sequence_name, write_sequence
-from ..io.workspace import workspace
+from ..io.disk.atomic import atomic_outputs, check_writable
+from ..io.disk.workspace import workspace
+from ..io.metafile.metafile import UNFINISHED
+from ..io.sequence.fields import frame_entries
+from ..io.sequence.files import read_sequence
+from ..io.sequence.writer import check_sequence_name, write_sequence
 from ..message import Message
 from ..progress import Progress
 from ..sweep.frames import TrackedSequence

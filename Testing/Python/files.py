@@ -11,8 +11,8 @@ from sweeps import rigid, sphere_bone
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.io.sequence_writer import write_sequence
-from AIFReconLib.io.transform_files import write_transform
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.transform.files import write_transform
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 COLUMNS, ROWS, SPACING = 40, 30, (0.4, 0.5)

@@ -16,8 +16,8 @@ from sweeps import rigid
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.io.sequence_writer import write_sequence
-from AIFReconLib.io.volume_files import read_labels
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.volume.files import read_labels
 from AIFReconLib.sweep.frames import FrameRecord
 
 

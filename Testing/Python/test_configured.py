@@ -17,9 +17,9 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.holes.plus_ways import HoleFilling, fill_holes_by_kind
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
-from AIFReconLib.io.plus_config import PlusConfiguration
-from AIFReconLib.io.sequence_files import write_sequence
-from AIFReconLib.io.volume_files import read_volume
+from AIFReconLib.io.plus.configuration import PlusConfiguration
+from AIFReconLib.io.sequence.files import write_sequence
+from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import configured_parts, resolve_settings
 from AIFReconLib.settings import ReconstructionSettings

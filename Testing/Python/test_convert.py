@@ -13,11 +13,11 @@ from sweeps import rigid
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import TransformFileError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.io.calibration_files import read_calibration
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.sequence_writer import write_sequence
-from AIFReconLib.io.transform_files import write_transform
-from AIFReconLib.io.volume_files import read_volume
+from AIFReconLib.io.foreign.calibration import read_calibration
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.transform.files import write_transform
+from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 

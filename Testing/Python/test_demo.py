@@ -18,8 +18,8 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.evaluation.quantities import HEADINGS
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, SAGITTAL, cut
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.io.transform_files import read_transform
-from AIFReconLib.io.volume_files import read_labels, read_volume
+from AIFReconLib.io.transform.files import read_transform
+from AIFReconLib.io.volume.files import read_labels, read_volume
 from AIFReconLib.settings import METHODS
 
 

@@ -17,7 +17,7 @@ import SimpleITK as sitk
 from AIFReconLib.holes.plus_ways import HoleFilling, fill_holes_by_kind
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.poses import sweep_poses

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from AIFReconLib.errors import FileFormatError
-from AIFReconLib.io import imported_images
-from AIFReconLib.io.imported_images import FlippedImages, open_images
+from AIFReconLib.io.foreign import images as imported_images
+from AIFReconLib.io.foreign.images import FlippedImages, open_images
 
 FRAMES = np.random.default_rng(0).integers(0, 256, (11, 12, 17), dtype=np.uint8)
 

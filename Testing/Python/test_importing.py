@@ -15,9 +15,9 @@ from sweeps import rigid
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.importing import ImportSettings
 from AIFReconLib.inspection.sweep_drawing import draw_sweep
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.foreign.importing import ImportSettings
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.poses import sweep_poses

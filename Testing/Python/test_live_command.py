@@ -22,9 +22,9 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
-from AIFReconLib.io.plus_config import read_plus_configuration
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.volume_files import read_volume
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.live.replay import ReplayServer
 from AIFReconLib.live.session_statistics import LiveStatistics
 from AIFReconLib.reconstruction import reconstruct

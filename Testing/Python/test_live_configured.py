@@ -14,8 +14,8 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.io.plus_config import read_plus_configuration
-from AIFReconLib.io.volume_files import read_volume
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.live.replay import ReplayServer
 from AIFReconLib.live.scouting import ScoutedFrames
 from AIFReconLib.live.synchronizer import LiveFrame

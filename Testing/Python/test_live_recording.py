@@ -17,8 +17,8 @@ from sweeps import image_pose
 
 from AIFReconLib.errors import OutputError, SequenceFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
-from AIFReconLib.io import atomic
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.disk import atomic
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live import recording
 from AIFReconLib.live.recording import Recorder
 from AIFReconLib.live.synchronizer import LiveFrame, Synchronizer

@@ -20,8 +20,8 @@ from igtl_streams import DEADLINE, Inbox, wait_for
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import LiveConnectionError, SequenceFormatError, SettingsError, TransformError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.io.plus_config import read_plus_configuration
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live import replay
 from AIFReconLib.live.encoding import encode_message
 from AIFReconLib.live.framing import Frame, Framer, parse_header

@@ -23,8 +23,8 @@ from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
-from AIFReconLib.io.plus_config import read_plus_configuration
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.decoding import decode
 from AIFReconLib.live.framing import Frame, Framer
 from AIFReconLib.live.keep_up import KeepUp

@@ -14,8 +14,8 @@ from AIFReconLib.errors import BeamGeometryError, NoUsableFramesError, Operation
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
-from AIFReconLib.io.plus_config import PlusConfiguration
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.plus.configuration import PlusConfiguration
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
 

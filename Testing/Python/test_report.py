@@ -242,7 +242,7 @@ def test_the_written_file_is_the_page(report, tmp_path):
 def test_a_page_that_cannot_be_written_leaves_the_old_one(report, tmp_path, monkeypatch):
     path = tmp_path / "report.html"
     path.write_text("old")
-    monkeypatch.setattr("AIFReconLib.io.atomic.os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    monkeypatch.setattr("AIFReconLib.io.disk.atomic.os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
     with pytest.raises(OutputError):
         write_report(path, report)
     assert [p.name for p in tmp_path.iterdir()] == ["report.html"]

@@ -16,7 +16,7 @@ from AIFReconLib.errors import NoUsableFramesError, OperationCanceled, SequenceF
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion  # noqa: E402
-from AIFReconLib.io.plus_config import PlusConfiguration  # noqa: E402
+from AIFReconLib.io.plus.configuration import PlusConfiguration  # noqa: E402
 from AIFReconLib.message import Message, translated  # noqa: E402
 from AIFReconLib.reconstruction import reconstruct  # noqa: E402
 from AIFReconLib.settings import ReconstructionSettings  # noqa: E402

@@ -16,7 +16,7 @@ from sweeps import rigid
 
 from AIFReconLib.errors import SequenceFormatError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.sweep.poses import sweep_poses
 
 COLUMNS, ROWS, FRAMES = 7, 5, 3

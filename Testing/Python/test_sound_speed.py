@@ -18,7 +18,7 @@ from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.imaging.sound_speed import DepthScale, depth_factor
-from AIFReconLib.io.plus_config import PlusConfiguration
+from AIFReconLib.io.plus.configuration import PlusConfiguration
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import METHODS, ReconstructionSettings
@@ -161,7 +161,7 @@ def test_a_speed_that_is_none_of_sound_is_refused():
 
 
 def test_bone_from_the_sweep_itself_is_refused_with_it(tmp_path, capsys):
-    from AIFReconLib.io.sequence_files import write_sequence
+    from AIFReconLib.io.sequence.files import write_sequence
 
     write_sequence(tracked_sequence(), tmp_path / "sweep.igs.mha")
     arguments = ["reconstruct", str(tmp_path / "sweep.igs.mha"), "--output", str(tmp_path / "v.nrrd"), "--probe", "linear"]

@@ -26,8 +26,8 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.commands.signals import orderly_end, pause
 from AIFReconLib.errors import OutputError
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.io.sequence_writer import write_sequence
-from AIFReconLib.io.volume_files import check_volume_path, read_volume
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.volume.files import check_volume_path, read_volume
 from AIFReconLib.live.recording import Recorder
 from AIFReconLib.machine.read_ahead import read_ahead
 from AIFReconLib.machine.threads import in_parts

@@ -17,8 +17,8 @@ from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.imaging.detection import detect_imaging
 from AIFReconLib.imaging.region import Fan, ImageRegion
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.volume_files import read_volume
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.reconstruction import Imaging, reconstruct
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence

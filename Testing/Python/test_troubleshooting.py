@@ -19,8 +19,8 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.inspection.offset_estimate import OffsetEstimate
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.sequence_writer import write_sequence
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
 
 PAGE = REPOSITORY / "docs" / "troubleshooting.md"
 SWEEP = ["sweep.igs.mha", "--config", "PlusDeviceSet.xml"]

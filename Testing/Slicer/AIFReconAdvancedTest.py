@@ -107,7 +107,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
         np.testing.assert_array_equal(self.applied(), expected)
 
     def test_pixels_count_as_the_importance_mask_says(self):
-        from AIFReconLib.io.importance_mask import read_importance_mask
+        from AIFReconLib.io.plus.importance_mask import read_importance_mask
 
         self.ui.importanceMaskPathLineEdit.currentPath = str(self.mask())
         np.testing.assert_array_equal(self.applied(), self.expected({}, importance=read_importance_mask(self.mask())))

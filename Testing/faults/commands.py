@@ -12,7 +12,7 @@ import numpy as np
 from files import tracked_sequence, write_patient
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.io.sequence_writer import write_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
 
 from .writers import digest_bytes, digest_of, digest_sequence, digest_volume
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from AIFReconLib.io.workspace import remove_left_behind
+from AIFReconLib.io.disk.workspace import remove_left_behind
 
 from .children import end_of, result_of, start
 from .commands import COMMANDS, Command, quietly

@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.workspace import PREFIX
+from AIFReconLib.io.disk.workspace import PREFIX
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.recording import Recorder
 
 from .children import end_of, result_of, start

@@ -17,7 +17,7 @@ from scipy.signal import savgol_filter
 
 from AIFReconLib.geometry.transforms import invert
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.ultrasound import UltrasoundEffects, simulate_frame
 

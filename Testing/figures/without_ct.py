@@ -19,7 +19,7 @@ from AIFReconLib.bone.from_sweep import BoneEchoFinder, bone_from_sweep
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.detection import detect_imaging
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.reconstruction import Imaging, reconstruct
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.poses import sweep_poses

@@ -245,7 +245,7 @@ def transform_texts() -> list[bytes]:
 
 def transform_hdf5() -> list[bytes]:
     """What SimpleITK writes, and what other programs do."""
-    from AIFReconLib.io.transform_files import write_transform
+    from AIFReconLib.io.transform.files import write_transform
 
     from .hdf5_samples import COMPRESSED_HDF5, OLDER_HDF5
 

@@ -29,7 +29,7 @@ from bench_live import bone
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.messages import ImageMessage
 from AIFReconLib.live.openigtlink import OpenIGTLinkClient
 from AIFReconLib.live.session import LiveSession

@@ -1,0 +1,279 @@
+"""Images of people without Plus, opened one at a time: pictures, DICOM, video, numpy."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import AIFReconError, FileFormatError
+from ...message import Message
+from ...sweep.frames import ImageStack
+from ..metafile.metafile import require_regular_file
+from ..metafile.text_values import one_line
+from ..sequence.file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES, luminance
+from ..sequence.images_on_demand import ImagesOnDemand
+
+PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
+DICOM_SUFFIXES = (".dcm", ".dicom")
+VIDEO_SUFFIXES = (".mp4", ".avi", ".mov", ".mkv", ".wmv", ".m4v", ".webm")
+NUMPY_SUFFIXES = (".npy",)
+
+
+_INSTALLED_AS = {"PIL": "Pillow", "imageio_ffmpeg": "imageio-ffmpeg"}
+"""What pip calls a package whose import has another name."""
+
+
+@dataclass(frozen=True, eq=False)
+class ImportedImages:
+    """Frames, and what their files say of them.
+
+    Parameters
+    ----------
+    stack : ImageStack
+    description : str
+        "12 PNG pictures of 640 x 480 pixels, uint8".
+    names : tuple of str or None
+        File name of each frame, where each has a file of its own.
+    times : (frames,) array or None, s
+    spacing : (x, y) or None, mm
+        Size of a pixel.
+    """
+
+    stack: ImageStack
+    description: str
+    names: tuple[str, ...] | None = None
+    times: np.ndarray | None = None
+    spacing: tuple[float, float] | None = None
+
+
+class DecodedImages(ImagesOnDemand):
+    """An `ImageStack` over a function that decodes one frame.
+
+    Parameters
+    ----------
+    count : int
+    decode : callable of int
+        The frame as (rows, columns) or (rows, columns, 3 or 4).
+    where : callable of int
+        What to call a frame in a message: its file, and its number in it.
+
+    Notes
+    -----
+    Size and type are those of the first frame; a frame that differs is an error that names it. Colors become luminance.
+    """
+
+    def __init__(self, count: int, decode: Callable[[int], np.ndarray], where: Callable[[int], Message]):
+        self._decode, self._where = decode, where
+        self._last: tuple[int, np.ndarray] | None = None
+        self.shape: tuple[int, ...] = (count,)
+        self.dtype = np.dtype(np.uint8)
+        first = self._gray(0)
+        self.shape, self.dtype = (count, *first.shape), first.dtype
+        if count > MAXIMUM_FRAMES or first.nbytes > MAXIMUM_FRAME_BYTES:
+            raise FileFormatError(
+                "{where}: {count} frames of {bytes} bytes are beyond the limits. Split the recording.",
+                where=where(0),
+                count=count,
+                bytes=first.nbytes,
+            )
+
+    def _image(self, index: int) -> np.ndarray:
+        image = self._gray(index)
+        if image.shape != self.shape[1:] or image.dtype != self.dtype:
+            raise FileFormatError(
+                "{where}: every frame must have {expected} as the first; got {found}. Export all frames alike.",
+                where=self._where(index),
+                expected=_words(self.shape[1:], self.dtype),
+                found=_words(image.shape, image.dtype),
+            )
+        return image
+
+    def _gray(self, index: int) -> np.ndarray:
+        if self._last is not None and self._last[0] == index:
+            return self._last[1].copy()
+        image = np.asarray(self._decode(index))
+        if image.ndim == 3 and image.shape[2] in (1, 2):
+            image = image[..., 0]  # gray, with transparency or without
+        if image.ndim == 3 and image.shape[2] in (3, 4):
+            image = luminance(image)
+        if image.ndim != 2 or not image.size:
+            raise FileFormatError(
+                "{where}: a frame must be an image of gray levels or colors; got shape {shape}.",
+                where=self._where(index),
+                shape=image.shape,
+            )
+        if image.dtype == bool:
+            image = image.astype(np.uint8) * np.uint8(255)
+        if image.dtype.kind not in "iuf" or image.dtype.itemsize > 8 or image.dtype == np.float16:
+            raise FileFormatError(
+                "{where}: pixels must be whole numbers or floats; got {kind}. Convert the images.",
+                where=self._where(index),
+                kind=image.dtype,
+            )
+        image = np.array(image, dtype=image.dtype.newbyteorder("="), order="C")
+        self._last = (index, image)
+        return image.copy()
+
+
+class FlippedImages:
+    """Another stack's images, turned to MF orientation from what they are."""
+
+    def __init__(self, stack: ImageStack, orientation: str):
+        self._stack = stack
+        self._flips = (slice(None, None, -1 if orientation[1] == "N" else 1), slice(None, None, -1 if orientation[0] == "U" else 1))
+        self.shape, self.dtype = stack.shape, stack.dtype
+
+    def __len__(self) -> int:
+        return len(self._stack)
+
+    def __getitem__(self, index: int) -> np.ndarray:
+        return np.ascontiguousarray(self._stack[index][self._flips])
+
+
+def open_images(paths: Sequence[str | Path]) -> ImportedImages:
+    """The frames in these files, in natural order of their names (2 before 10).
+
+    Parameters
+    ----------
+    paths : sequence of str or Path
+        Pictures or DICOM files, or a folder of them; or one video, multi-frame DICOM file or .npy array (frames, rows, columns).
+
+    Raises
+    ------
+    FileFormatError
+        Names the file, and what was expected.
+    """
+    files = _listed([Path(path) for path in paths])
+    suffixes = {path.suffix.lower() for path in files}
+    kind = next((k for k in _KINDS if suffixes <= set(k[0])), None)
+    if kind is None:
+        known = ", ".join(suffix for known, _ in _KINDS for suffix in known)
+        raise FileFormatError(
+            "{path}: images must all be pictures, DICOM files, one video or one .npy array ({known}); "
+            "got {suffixes}. Give files of one kind.",
+            path=files[0],
+            known=known,
+            suffixes=", ".join(sorted(suffixes)) or Message("no suffix"),
+        )
+    return kind[1](files)
+
+
+def natural_order(path: Path) -> list:
+    """A key that sorts 2 before 10."""
+    # Every second piece is a number; isdigit would also take a superscript for one
+    return [int(word) if place % 2 else word.lower() for place, word in enumerate(re.split(r"([0-9]+)", path.name))]
+
+
+def library(name: str, purpose: Message):
+    """An optional package, or an error that says how to get it."""
+    from importlib import import_module
+
+    package = name.split(".")[0]
+    try:
+        return import_module(name)
+    except ImportError:
+        raise FileFormatError(
+            "{purpose} cannot be read without the Python package {package}. Install it: pip install {package}.",
+            purpose=purpose,
+            package=_INSTALLED_AS.get(package, package),
+        ) from None
+
+
+@contextlib.contextmanager
+def decoding(what: Message, advice: Message) -> Iterator[None]:
+    """Turn whatever another package's decoder raises into an error of one line.
+
+    Parameters
+    ----------
+    what : Message
+        File, frame and what cannot be done: ``"a.png: it cannot be read as a picture"``.
+    advice : Message
+        What to do.
+
+    Notes
+    -----
+    Decoders meet damaged files with exceptions of every type, and with warnings; here both are the file's fault.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except AIFReconError:
+        raise
+    except Exception as error:
+        raise FileFormatError(
+            "{what} ({cause}). {advice}", what=what, cause=one_line(str(error))[:200] or type(error).__name__, advice=advice
+        ) from error
+
+
+def describe_stack(count: int, what: str, shape: tuple[int, ...], dtype) -> str:
+    """``12 PNG pictures of 640 x 480 pixels, uint8``."""
+    return f"{count} {what} of {_words(shape, dtype)}"
+
+
+def _words(shape: tuple[int, ...], dtype) -> Message:
+    return Message("{columns} x {rows} pixels, {kind}", columns=shape[1], rows=shape[0], kind=np.dtype(dtype).name)
+
+
+def _listed(paths: list[Path]) -> list[Path]:
+    """The files, folders replaced by what is in them."""
+    known = {suffix for suffixes, _ in _KINDS for suffix in suffixes}
+    files: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            inside = sorted((p for p in path.iterdir() if p.is_file() and p.suffix.lower() in known), key=natural_order)
+            if not inside:
+                raise FileFormatError("{path}: there are no images in this folder. Give a folder of pictures or DICOM files.", path=path)
+            files += inside
+        else:
+            require_regular_file(path, FileFormatError)
+            files.append(path)
+    if not files:
+        raise FileFormatError("Input images must be at least one file. Name pictures, a folder, a video or a .npy file.")
+    return files
+
+
+def _open_numpy(files: list[Path]) -> ImportedImages:
+    from .numpy_arrays import open_numpy
+
+    return open_numpy(_only(files, Message("array")))
+
+
+def _only(files: list[Path], what: Message) -> Path:
+    if len(files) != 1:
+        raise FileFormatError(
+            "{path}: there must be one {what}; got {count} files. Import them one by one.", path=files[1], what=what, count=len(files)
+        )
+    return files[0]
+
+
+def _open_pictures(files: list[Path]) -> ImportedImages:
+    from .pictures import open_pictures
+
+    return open_pictures(files)
+
+
+def _open_dicom(files: list[Path]) -> ImportedImages:
+    from .dicom import open_dicom
+
+    return open_dicom(files)
+
+
+def _open_video(files: list[Path]) -> ImportedImages:
+    from .video import open_video
+
+    return open_video(_only(files, Message("video")))
+
+
+_KINDS = (
+    (PICTURE_SUFFIXES, _open_pictures),
+    (DICOM_SUFFIXES, _open_dicom),
+    (VIDEO_SUFFIXES, _open_video),
+    (NUMPY_SUFFIXES, _open_numpy),
+)
