@@ -28,9 +28,9 @@ from AIFReconLib.geometry.volume import Volume  # noqa: E402
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry  # noqa: E402
 from AIFReconLib.imaging.extent import grid_around_sweep  # noqa: E402
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion  # noqa: E402
-from AIFReconLib.live.openigtlink import OpenIGTLinkClient  # noqa: E402
-from AIFReconLib.live.replay import ReplayServer  # noqa: E402
-from AIFReconLib.live.session import LiveSession  # noqa: E402
+from AIFReconLib.live.replay.server import ReplayServer  # noqa: E402
+from AIFReconLib.live.session.session import LiveSession  # noqa: E402
+from AIFReconLib.live.wire.client import OpenIGTLinkClient  # noqa: E402
 from AIFReconLib.settings import METHODS, ReconstructionSettings  # noqa: E402
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
 

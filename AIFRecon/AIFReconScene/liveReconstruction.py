@@ -5,9 +5,9 @@ import slicer
 
 from AIFReconLib.errors import OperationCanceled, SettingsError
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.live.session import SCOUTING, LiveSession
-from AIFReconLib.live.snapshots import SnapshotMaker
-from AIFReconLib.live.synchronizer import SynchronizerSettings
+from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
+from AIFReconLib.live.session.session import SCOUTING, LiveSession
+from AIFReconLib.live.session.snapshots import SnapshotMaker
 from AIFReconLib.sweep.frames import TrackedSequence
 
 from .inputs import Inputs
@@ -171,7 +171,7 @@ def _sourceFrom(parameters):
         if parameters.liveImage is None:
             raise SettingsError("The image that is kept up to date must be chosen; got none. Select it as Live image.")
         return NodeSource(parameters.liveImage)
-    from AIFReconLib.live.openigtlink import OpenIGTLinkClient
+    from AIFReconLib.live.wire.client import OpenIGTLinkClient
 
     return OpenIGTLinkClient(parameters.liveHost.strip(), parameters.livePort)
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 import slicer
 from vtk.util import numpy_support
 
-from AIFReconLib.live.messages import ImageMessage, StreamEvent
-from AIFReconLib.live.sources import QueueSource
+from AIFReconLib.live.wire.messages import ImageMessage, StreamEvent
+from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.message import Message
 
 from .sweepPoses import transformStatus

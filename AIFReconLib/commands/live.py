@@ -16,12 +16,12 @@ from ..compounding.reconstructor import Reconstruction
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
 from ..io.plus.configuration import read_plus_configuration
 from ..io.volume.files import check_volume_path, read_volume
-from ..live.openigtlink import OpenIGTLinkClient
-from ..live.placement import UNCONFIRMED
-from ..live.replay import PLUS_PORT
-from ..live.session import SCOUTING, LiveSession
-from ..live.session_statistics import LiveStatistics
-from ..live.synchronizer import SynchronizerSettings
+from ..live.pairing.placement import UNCONFIRMED
+from ..live.pairing.synchronizer import SynchronizerSettings
+from ..live.replay.server import PLUS_PORT
+from ..live.session.session import SCOUTING, LiveSession
+from ..live.session.statistics import LiveStatistics
+from ..live.wire.client import OpenIGTLinkClient
 from ..sweep.frames import TrackedSequence
 from .console import ProgressBar, show
 from .options import (

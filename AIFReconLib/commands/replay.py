@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ..io.sequence.files import read_sequence
-from ..live.replay import PLUS_PORT, ReplayServer
+from ..live.replay.server import PLUS_PORT, ReplayServer
 from .reconstruct import add_tracking_options
 
 EXAMPLE = """examples:

@@ -15,7 +15,7 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import write_transform
-from AIFReconLib.live.replay import ReplayServer
+from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses

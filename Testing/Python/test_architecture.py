@@ -78,5 +78,5 @@ def test_every_arrow_is_an_import():
 
 def test_an_import_within_a_function_counts(tmp_path):
     file = tmp_path / "file.py"
-    file.write_text("def f():\n    from AIFReconLib.live.session import LiveSession\n    from .other import x\n")
+    file.write_text("def f():\n    from AIFReconLib.live.session.session import LiveSession\n    from .other import x\n")
     assert [path.name for path in imported(file)] == ["session", "other"]

@@ -25,8 +25,8 @@ from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.live.replay import ReplayServer
-from AIFReconLib.live.session_statistics import LiveStatistics
+from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.session.statistics import LiveStatistics
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.frames import TrackedSequence
 
@@ -178,7 +178,7 @@ def test_a_recording_that_cannot_be_written_is_refused(serve, live, results, cap
 
 def test_images_of_several_devices_have_to_be_chosen_from(serve, live, results, capsys, monkeypatch):
     monkeypatch.setattr(
-        "AIFReconLib.live.openigtlink.OpenIGTLinkClient.devices", lambda self: {"Image_Reference": ("IMAGE",), "Other": ("IMAGE",)}
+        "AIFReconLib.live.wire.client.OpenIGTLinkClient.devices", lambda self: {"Image_Reference": ("IMAGE",), "Other": ("IMAGE",)}
     )
     assert "Image_Reference, Other" in refused(live(serve(loop=True), "--output", results / "v.nrrd"), capsys, results)
 

@@ -16,9 +16,9 @@ from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.live.replay import ReplayServer
-from AIFReconLib.live.scouting import ScoutedFrames
-from AIFReconLib.live.synchronizer import LiveFrame
+from AIFReconLib.live.pairing.synchronizer import LiveFrame
+from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.session.scouting import ScoutedFrames
 from AIFReconLib.reconstruction import Imaging
 from AIFReconLib.settings import ReconstructionSettings
 

@@ -19,9 +19,9 @@ from AIFReconLib.errors import OutputError, SequenceFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.io.disk import atomic
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.live import recording
-from AIFReconLib.live.recording import Recorder
-from AIFReconLib.live.synchronizer import LiveFrame, Synchronizer
+from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer
+from AIFReconLib.live.session import recording
+from AIFReconLib.live.session.recording import Recorder
 from AIFReconLib.sweep.frames import FrameRecord
 from AIFReconLib.sweep.poses import sweep_poses
 
@@ -161,7 +161,7 @@ def test_a_crash_between_any_two_writes_leaves_a_file_that_can_be_read(moment, t
 CHILD = """
 import sys, numpy as np
 from AIFReconLib.live import recording
-from AIFReconLib.live.synchronizer import LiveFrame
+from AIFReconLib.live.pairing.synchronizer import LiveFrame
 recording.REFRESH = 0.001
 recorder = recording.Recorder(sys.argv[1])
 number = 0

@@ -25,18 +25,18 @@ from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.live.decoding import decode
-from AIFReconLib.live.framing import Frame, Framer
-from AIFReconLib.live.keep_up import KeepUp
-from AIFReconLib.live.messages import StreamEvent
-from AIFReconLib.live.openigtlink import OpenIGTLinkClient
-from AIFReconLib.live.recording import Recorder
-from AIFReconLib.live.replay import ReplayServer
-from AIFReconLib.live.scouting import ScoutedFrames
-from AIFReconLib.live.session import LiveSession
-from AIFReconLib.live.session_statistics import Meter, tracking_words
-from AIFReconLib.live.sources import QueueSource
-from AIFReconLib.live.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
+from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
+from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.session.keep_up import KeepUp
+from AIFReconLib.live.session.recording import Recorder
+from AIFReconLib.live.session.scouting import ScoutedFrames
+from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.session.statistics import Meter, tracking_words
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.live.wire.decoding import decode
+from AIFReconLib.live.wire.framing import Frame, Framer
+from AIFReconLib.live.wire.messages import StreamEvent
+from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import METHODS, ReconstructionSettings
 from AIFReconLib.sweep.frames import FrameRecord

@@ -15,8 +15,8 @@ from sweeps import image_pose, rigid
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.pose_interpolation import interpolate_pose
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.live.messages import StreamEvent
-from AIFReconLib.live.synchronizer import MOST_TRANSFORMS, Synchronizer, SynchronizerSettings
+from AIFReconLib.live.pairing.synchronizer import MOST_TRANSFORMS, Synchronizer, SynchronizerSettings
+from AIFReconLib.live.wire.messages import StreamEvent
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 from AIFReconLib.sweep.time_offset import with_time_offset

@@ -26,8 +26,8 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.transform.files import write_transform
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.live.recording import Recorder
-from AIFReconLib.live.synchronizer import Synchronizer
+from AIFReconLib.live.pairing.synchronizer import Synchronizer
+from AIFReconLib.live.session.recording import Recorder
 
 FRAMES = np.random.default_rng(0).integers(0, 256, (6, 30, 40), dtype=np.uint8)
 

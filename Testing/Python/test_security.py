@@ -20,7 +20,7 @@ from AIFReconLib.io.foreign.images import open_images
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_labels, read_volume
-from AIFReconLib.live.replay import ReplayServer
+from AIFReconLib.live.replay.server import ReplayServer
 
 SECRET = "secret.raw"
 EVENTS = ("open", "subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.startfile", "socket.connect", "pickle.find_class")

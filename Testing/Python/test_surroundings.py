@@ -28,7 +28,7 @@ from AIFReconLib.errors import OutputError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import check_volume_path, read_volume
-from AIFReconLib.live.recording import Recorder
+from AIFReconLib.live.session.recording import Recorder
 from AIFReconLib.machine.read_ahead import read_ahead
 from AIFReconLib.machine.threads import in_parts
 

@@ -47,7 +47,7 @@ class AIFReconLiveTest(unittest.TestCase):
 
     def serve(self, **options):
         """A server of the tiny sweep, chosen in the panel."""
-        from AIFReconLib.live.replay import ReplayServer
+        from AIFReconLib.live.replay.server import ReplayServer
 
         self.server = ReplayServer(tinyScene.makeSequence(), 0, **options)
         self.server.start()

@@ -18,7 +18,7 @@ import numpy as np
 
 from AIFReconLib.io.disk.workspace import PREFIX
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.live.recording import Recorder
+from AIFReconLib.live.session.recording import Recorder
 
 from .children import end_of, result_of, start
 from .commands import Command, quietly

@@ -20,8 +20,8 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.transform.files import read_transform, write_transform
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.live.recording import Recorder
-from AIFReconLib.live.synchronizer import Synchronizer
+from AIFReconLib.live.pairing.synchronizer import Synchronizer
+from AIFReconLib.live.session.recording import Recorder
 
 RECORDED = 12
 """Frames of a recording."""

@@ -348,7 +348,7 @@ def _message(kind: bytes, body: bytes) -> bytes:
 
 def with_checksum(message: bytes) -> bytes:
     """A message whose size and checksum are those of the body that it has."""
-    from AIFReconLib.live.crc64 import crc64
+    from AIFReconLib.live.wire.crc64 import crc64
 
     if len(message) < 58:
         return message

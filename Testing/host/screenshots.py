@@ -177,7 +177,7 @@ def live(module: Module, folder: Path) -> None:
     from AIFReconScene.parameters import Region
     from AIFReconScene.sequenceReader import sequenceFromBrowser
 
-    from AIFReconLib.live.replay import ReplayServer
+    from AIFReconLib.live.replay.server import ReplayServer
     from host import view_frames
 
     parameters, ui = module.parameters, module.widget.ui

@@ -30,10 +30,10 @@ from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.live.messages import ImageMessage
-from AIFReconLib.live.openigtlink import OpenIGTLinkClient
-from AIFReconLib.live.session import LiveSession
-from AIFReconLib.live.snapshots import SnapshotMaker
+from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.session.snapshots import SnapshotMaker
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.settings import ReconstructionSettings
 
 from . import stream

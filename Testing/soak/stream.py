@@ -8,7 +8,7 @@ import numpy as np
 from bench_live import sweep
 
 from AIFReconLib.geometry.transform_graph import TransformName
-from AIFReconLib.live.encoding import encode_image, encode_transform
+from AIFReconLib.live.wire.encoding import encode_image, encode_transform
 from AIFReconLib.sweep.frames import TrackedSequence
 
 COLUMNS, ROWS = 128, 96

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.pose_interpolation import interpolate_pose, pose_change
-from ..geometry.transform_graph import TransformSample, TransformStatus
-from ..geometry.transforms import why_not_rigid
-from ..message import Message
+from ...geometry.pose_interpolation import interpolate_pose, pose_change
+from ...geometry.transform_graph import TransformSample, TransformStatus
+from ...geometry.transforms import why_not_rigid
+from ...message import Message
 
 LONGEST_MEMORY = 4096
 """Samples kept of each transform: 10 s of the fastest trackers."""

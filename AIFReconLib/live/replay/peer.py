@@ -9,9 +9,9 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 
-from .connection import POLL
-from .encoding import encode_status
-from .framing import Frame, Framer
+from ..wire.connection import POLL
+from ..wire.encoding import encode_status
+from ..wire.framing import Frame, Framer
 
 QUEUE_BYTES = 64 * 2**20
 """What may wait for a client that reads too slowly; beyond it whole frames are left out, the oldest first."""

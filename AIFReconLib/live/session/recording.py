@@ -21,18 +21,18 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import AIFReconError, OutputError
-from ..geometry.transform_graph import TransformStatus
-from ..io.disk.atomic import atomic_outputs, check_writable
-from ..io.disk.workspace import workspace
-from ..io.metafile.metafile import UNFINISHED
-from ..io.sequence.fields import frame_entries
-from ..io.sequence.files import read_sequence
-from ..io.sequence.writer import check_sequence_name, write_sequence
-from ..message import Message
-from ..progress import Progress
-from ..sweep.frames import TrackedSequence
-from .synchronizer import LiveFrame
+from ...errors import AIFReconError, OutputError
+from ...geometry.transform_graph import TransformStatus
+from ...io.disk.atomic import atomic_outputs, check_writable
+from ...io.disk.workspace import workspace
+from ...io.metafile.metafile import UNFINISHED
+from ...io.sequence.fields import frame_entries
+from ...io.sequence.files import read_sequence
+from ...io.sequence.writer import check_sequence_name, write_sequence
+from ...message import Message
+from ...progress import Progress
+from ...sweep.frames import TrackedSequence
+from ..pairing.synchronizer import LiveFrame
 
 REFRESH = 1.0
 """s between two headers at least, and"""

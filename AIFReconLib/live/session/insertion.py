@@ -11,19 +11,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..bone.map import BoneMap
-from ..compounding.reconstructor import Reconstruction, Reconstructor
-from ..geometry.volume import VoxelGrid
-from ..imaging.beams import LINEAR, ProbeGeometry
-from ..message import Message
-from ..progress import Progress
-from ..reconstruction import Imaging
-from ..resolve import ConfiguredParts
-from ..settings import ReconstructionSettings
-from ..sweep.frames import TrackedFrame
+from ...bone.map import BoneMap
+from ...compounding.reconstructor import Reconstruction, Reconstructor
+from ...geometry.volume import VoxelGrid
+from ...imaging.beams import LINEAR, ProbeGeometry
+from ...message import Message
+from ...progress import Progress
+from ...reconstruction import Imaging
+from ...resolve import ConfiguredParts
+from ...settings import ReconstructionSettings
+from ...sweep.frames import TrackedFrame
+from ..pairing.synchronizer import LiveFrame
 from .keep_up import KeepUp
-from .session_statistics import Meter
-from .synchronizer import LiveFrame
+from .statistics import Meter
 
 TOO_SLOW = Message("skipped to keep up")
 OTHER_SIZE = Message("image of another size or type")

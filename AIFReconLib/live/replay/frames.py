@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..errors import GeometryError, SettingsError, TransformError
-from ..geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
-from ..geometry.transforms import invert, why_not_affine
-from ..sweep.frames import TrackedSequence
-from ..sweep.poses import chain_ends, sweep_poses, time_order
-from .encoding import encode_image, encode_transform, why_not_sendable
+from ...errors import GeometryError, SettingsError, TransformError
+from ...geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
+from ...geometry.transforms import invert, why_not_affine
+from ...sweep.frames import TrackedSequence
+from ...sweep.poses import chain_ends, sweep_poses, time_order
+from ..wire.encoding import encode_image, encode_transform, why_not_sendable
 
 SHORTEST_INTERVAL = 1e-3
 """Time between frames whose recorded times are equal, s: messages of one time belong to one frame."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from ..message import Message
+from ...message import Message
 from .message_queue import MessageQueue
 from .messages import ImageMessage, StreamEvent, StreamMessage
 

@@ -7,17 +7,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..errors import NoUsableFramesError
-from ..geometry.transforms import pixel_spacing
-from ..geometry.volume import VoxelGrid
-from ..imaging.extent import grid_around_sweep
-from ..imaging.sound_speed import depth_scale
-from ..message import Message
-from ..reconstruction import Imaging
-from ..settings import ReconstructionSettings
-from ..sweep.frames import FrameRecord, TrackedSequence
-from ..sweep.poses import SweepPoses
-from .synchronizer import LiveFrame
+from ...errors import NoUsableFramesError
+from ...geometry.transforms import pixel_spacing
+from ...geometry.volume import VoxelGrid
+from ...imaging.extent import grid_around_sweep
+from ...imaging.sound_speed import depth_scale
+from ...message import Message
+from ...reconstruction import Imaging
+from ...settings import ReconstructionSettings
+from ...sweep.frames import FrameRecord, TrackedSequence
+from ...sweep.poses import SweepPoses
+from ..pairing.synchronizer import LiveFrame
 
 SCOUTED = Message("seen while scouting")
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import SettingsError
-from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from ..sweep.frames import FrameRecord, TrackedFrame
-from .messages import ImageMessage, StreamEvent, StreamMessage, TransformMessage
+from ...errors import SettingsError
+from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ...sweep.frames import FrameRecord, TrackedFrame
+from ..wire.messages import ImageMessage, StreamEvent, StreamMessage, TransformMessage
 from .placement import Placement, metadata_transforms, stream_name
 from .pose_history import MISSING, Answer, PoseHistory
 

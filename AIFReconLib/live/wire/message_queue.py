@@ -6,7 +6,7 @@ import threading
 import time
 from collections import deque
 
-from ..message import Message
+from ...message import Message
 from .messages import ImageMessage, StatusMessage, StreamEvent, StreamMessage, TransformMessage
 
 REPORT_INTERVAL = 1.0

@@ -6,7 +6,7 @@ import struct
 
 import numpy as np
 
-from ..message import Message
+from ...message import Message
 from .crc64 import crc64
 from .messages import STATUS_OK
 

@@ -10,8 +10,8 @@ import socket
 import threading
 import time
 
-from ..errors import LiveConnectionError, LiveMessageError, SettingsError
-from ..message import Message
+from ...errors import LiveConnectionError, LiveMessageError, SettingsError
+from ...message import Message
 from .connection import check_port, open_connection
 from .decoding import USED_TYPES, codec, decode
 from .encoding import encode_status_request

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from ..compounding.reconstructor import Reconstruction
+from ...compounding.reconstructor import Reconstruction
 from .session import LiveSession
 
 

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from ..message import Message
+from ...message import Message
 from .crc64 import crc64
 
 HEADER_SIZE = 58

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..message import Message, listed
-from .placement import stream_name
+from ...message import Message, listed
+from ..pairing.placement import stream_name
 
 RATE_WINDOW = 2.0
 """s over which the frame rate is counted."""

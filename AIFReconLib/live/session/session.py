@@ -9,26 +9,26 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bone.map import BoneMap
-from ..compounding.reconstructor import Reconstruction, needs_beams
-from ..compounding.state import bytes_per_voxel
-from ..errors import AIFReconError, BeamGeometryError, OutputError, SettingsError
-from ..geometry.volume import VoxelGrid
-from ..imaging.region import ImageRegion
-from ..imaging.sound_speed import depth_factor
-from ..message import Message, said
-from ..progress import Progress, part
-from ..reconstruction import Imaging, configured_region, resolve_imaging
-from ..resolve import configured_parts, resolve_settings
-from ..settings import ReconstructionSettings
-from ..sweep.frames import TrackedSequence
+from ...bone.map import BoneMap
+from ...compounding.reconstructor import Reconstruction, needs_beams
+from ...compounding.state import bytes_per_voxel
+from ...errors import AIFReconError, BeamGeometryError, OutputError, SettingsError
+from ...geometry.volume import VoxelGrid
+from ...imaging.region import ImageRegion
+from ...imaging.sound_speed import depth_factor
+from ...message import Message, said
+from ...progress import Progress, part
+from ...reconstruction import Imaging, configured_region, resolve_imaging
+from ...resolve import configured_parts, resolve_settings
+from ...settings import ReconstructionSettings
+from ...sweep.frames import TrackedSequence
+from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
+from ..wire.messages import StreamEvent, StreamMessage
+from ..wire.sources import CONNECTED, ENDED, MessageSource
 from .insertion import Inserter
-from .messages import StreamEvent, StreamMessage
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
-from .session_statistics import NO_IMAGES, LiveStatistics, Meter, tracking_words
-from .sources import CONNECTED, ENDED, MessageSource
-from .synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
+from .statistics import NO_IMAGES, LiveStatistics, Meter, tracking_words
 
 SCOUTING, LOOKING, RECONSTRUCTING, PAUSED, FAILED, STOPPED = "scouting", "looking", "reconstructing", "paused", "failed", "stopped"
 

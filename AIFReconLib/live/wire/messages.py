@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..geometry.transform_graph import TransformStatus
+from ...geometry.transform_graph import TransformStatus
 
 EventKind = Literal["connected", "disconnected", "stalled", "resynchronized", "dropped", "refused"]
 

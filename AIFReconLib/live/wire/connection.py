@@ -9,8 +9,8 @@ import sys
 import time
 from collections.abc import Callable
 
-from ..errors import LiveConnectionError, SettingsError
-from ..message import Message
+from ...errors import LiveConnectionError, SettingsError
+from ...message import Message
 
 POLL = 0.05
 """How often a waiting socket looks whether it must stop, s."""

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import TransformError
-from ..geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus, capital
-from ..message import Message
-from ..sweep.frames import FrameRecord, TrackedSequence
-from ..sweep.poses import chain_ends, sweep_poses
-from .messages import ImageMessage
+from ...errors import TransformError
+from ...geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus, capital
+from ...message import Message
+from ...sweep.frames import FrameRecord, TrackedSequence
+from ...sweep.poses import chain_ends, sweep_poses
+from ..wire.messages import ImageMessage
 
 PROBE = "Probe"
 """Plus's name of the tool that carries the transducer, by which a chain is recognized that no configuration tells."""

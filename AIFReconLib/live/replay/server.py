@@ -9,13 +9,13 @@ import threading
 import time
 from collections.abc import Sequence
 
-from ..commands.signals import pause
-from ..errors import LiveConnectionError, SettingsError
-from ..sweep.frames import TrackedSequence
-from .connection import POLL, check_port
-from .encoding import encode_status
-from .replay_frames import ReplayFrames
-from .replay_peer import Peer
+from ...commands.signals import pause
+from ...errors import LiveConnectionError, SettingsError
+from ...sweep.frames import TrackedSequence
+from ..wire.connection import POLL, check_port
+from ..wire.encoding import encode_status
+from .frames import ReplayFrames
+from .peer import Peer
 
 PLUS_PORT = 18944
 END_INTERVAL = 0.22
