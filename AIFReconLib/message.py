@@ -106,3 +106,10 @@ def translated(value: object, translate: Callable[[str], str]) -> object:
     if isinstance(value, BaseException):
         value = said(value)
     return value.translated(translate) if isinstance(value, Message) else value
+
+
+def columns(rows: Iterable[Iterable[str]], indent: str = "  ") -> str:
+    """Rows of words as aligned columns, one line each."""
+    rows = [[str(cell) for cell in row] for row in rows]
+    widths = [max((len(row[c]) for row in rows if c < len(row)), default=0) for c in range(max(map(len, rows), default=0))]
+    return "\n".join((indent + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False))).rstrip() for row in rows)

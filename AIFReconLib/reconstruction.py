@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,21 +11,19 @@ from .bone.map import BoneMap
 from .compounding.reconstructor import Reconstruction, Reconstructor, needs_beams
 from .compounding.splat_engine import uses_shares
 from .compounding.state import bytes_per_voxel
-from .errors import BeamGeometryError, NoUsableFramesError
+from .errors import NoUsableFramesError
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
-from .imaging.beams import SECTOR, ProbeGeometry
-from .imaging.detection import detect_imaging
+from .imaging.beams import ProbeGeometry
 from .imaging.extent import grid_around_sweep
 from .imaging.region import ImageRegion
 from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
-from .message import Message
 from .progress import Progress, part, report
-from .resolve import configured_parts, resolve_settings
+from .resolve import configured_parts, resolve_imaging, resolve_settings
 from .settings import ReconstructionSettings
 from .sweep.frames import TrackedFrame, TrackedSequence
-from .sweep.poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames
+from .sweep.poses import describe_skipped, sweep_poses, time_order, tracked_frames
 
 
 def _reporting(frames: Iterable[TrackedFrame], count: int, progress: Progress | None) -> Iterable[TrackedFrame]:
@@ -33,51 +31,6 @@ def _reporting(frames: Iterable[TrackedFrame], count: int, progress: Progress | 
     for done, frame in enumerate(frames):
         report(progress, done / count, "Reconstructing")
         yield frame
-
-
-@dataclass(frozen=True)
-class Imaging:
-    """How the images are to be read: the pixels that count, the probe where it is known, and where that knowledge is from."""
-
-    region: ImageRegion
-    probe: ProbeGeometry | None
-    notes: tuple[str, ...] = ()
-
-
-def configured_region(sequence: TrackedSequence) -> ImageRegion | None:
-    """The pixels that the sequence's configuration calls ultrasound: of its volume reconstruction, else of its scan conversion."""
-    candidates = (getattr(sequence.configuration, name, None) for name in ("region", "scan_region"))
-    return next((region for region in candidates if region is not None and (region.clip or region.fan)), None)
-
-
-def resolve_imaging(
-    sequence: TrackedSequence, poses: SweepPoses, need_probe: bool, region: ImageRegion | None = None, probe: ProbeGeometry | None = None
-) -> Imaging:
-    """Probe and region: as given, else from the configuration, else recognized in the images.
-
-    Raises
-    ------
-    BeamGeometryError
-        When the probe is needed and cannot be told.
-    """
-    configuration = sequence.configuration
-    notes: list[str] = []
-    probe = probe or getattr(configuration, "probe", None)
-    region = region or configured_region(sequence)
-    if probe is None and region is not None and region.fan is not None:
-        probe = ProbeGeometry(SECTOR, region.fan.apex_px)
-    if region is None or (need_probe and probe is None):
-        try:
-            detected = detect_imaging(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
-        except BeamGeometryError as error:
-            if need_probe and probe is None:
-                raise BeamGeometryError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
-            detected = None
-        if detected is not None:
-            notes.append(Message("Recognized in the images: {probe}.", probe=detected.description))
-            probe = probe or detected.probe
-            region = region or detected.region
-    return Imaging(region or ImageRegion(), probe, tuple(notes))
 
 
 def reconstruct(

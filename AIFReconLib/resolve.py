@@ -7,12 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .compounding.splat_engine import LINEAR_METHODS
-from .errors import SettingsError
+from .errors import BeamGeometryError, SettingsError
+from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
-from .holes.plus_ways import HoleFilling
+from .holes.filling import HoleFilling
+from .imaging.beams import SECTOR, ProbeGeometry
+from .imaging.detection import detect_imaging
+from .imaging.region import ImageRegion
 from .message import Message
-from .settings import ReconstructionSettings
+from .settings import LINEAR_METHODS, ReconstructionSettings
+from .sweep.frames import TrackedSequence
+from .sweep.poses import SweepPoses
 
 if TYPE_CHECKING:
     from .io.plus.configuration import PlusConfiguration
@@ -135,3 +140,48 @@ def configured_parts(
         grid,
         tuple(notes),
     )
+
+
+@dataclass(frozen=True)
+class Imaging:
+    """How the images are to be read: the pixels that count, the probe where it is known, and where that knowledge is from."""
+
+    region: ImageRegion
+    probe: ProbeGeometry | None
+    notes: tuple[str, ...] = ()
+
+
+def configured_region(sequence: TrackedSequence) -> ImageRegion | None:
+    """The pixels that the sequence's configuration calls ultrasound: of its volume reconstruction, else of its scan conversion."""
+    candidates = (getattr(sequence.configuration, name, None) for name in ("region", "scan_region"))
+    return next((region for region in candidates if region is not None and (region.clip or region.fan)), None)
+
+
+def resolve_imaging(
+    sequence: TrackedSequence, poses: SweepPoses, need_probe: bool, region: ImageRegion | None = None, probe: ProbeGeometry | None = None
+) -> Imaging:
+    """Probe and region: as given, else from the configuration, else recognized in the images.
+
+    Raises
+    ------
+    BeamGeometryError
+        When the probe is needed and cannot be told.
+    """
+    configuration = sequence.configuration
+    notes: list[str] = []
+    probe = probe or getattr(configuration, "probe", None)
+    region = region or configured_region(sequence)
+    if probe is None and region is not None and region.fan is not None:
+        probe = ProbeGeometry(SECTOR, region.fan.apex_px)
+    if region is None or (need_probe and probe is None):
+        try:
+            detected = detect_imaging(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
+        except BeamGeometryError as error:
+            if need_probe and probe is None:
+                raise BeamGeometryError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
+            detected = None
+        if detected is not None:
+            notes.append(Message("Recognized in the images: {probe}.", probe=detected.description))
+            probe = probe or detected.probe
+            region = region or detected.region
+    return Imaging(region or ImageRegion(), probe, tuple(notes))

@@ -181,3 +181,7 @@ def check_value(name: str, value: Any, rule: dict[str, Any]) -> None:
         raise SettingsError(
             "Input {name} must be at most {maximum:g}{unit}; got {value!r}.", name=name, maximum=rule["maximum"], unit=unit, value=value
         )
+
+
+LINEAR_METHODS = ("average", "latest", "maximum")
+"""In the order of the rules' numbers in `numba_splat`."""

@@ -114,7 +114,7 @@ class SceneDisplay:
         """Probe and region as a reconstruction would use them; looked for in the images once for a sweep."""
         from dataclasses import replace
 
-        from AIFReconLib.reconstruction import resolve_imaging
+        from AIFReconLib.resolve import resolve_imaging
         from AIFReconLib.sweep.poses import sweep_poses
 
         from .inputs import Inputs

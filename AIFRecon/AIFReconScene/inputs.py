@@ -109,7 +109,7 @@ class Inputs:
 
     def imageRegion(self, sequence):
         """The `ImageRegion` that is asked for, completed by the sequence's configuration; None where nothing is asked for."""
-        from AIFReconLib.reconstruction import configured_region
+        from AIFReconLib.resolve import configured_region
 
         known = self.probe or getattr(sequence.configuration, "probe", None)
         apex = getattr(self.probe, "apex_px", None)
@@ -125,7 +125,7 @@ class Inputs:
 
     def _boneOf(self, sequence, region, progress):
         from AIFReconLib import bone_from_sweep
-        from AIFReconLib.reconstruction import resolve_imaging
+        from AIFReconLib.resolve import resolve_imaging
         from AIFReconLib.sweep.poses import sweep_poses
 
         poses = sweep_poses(sequence)

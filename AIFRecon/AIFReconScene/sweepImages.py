@@ -6,7 +6,7 @@ import numpy as np
 from vtk.util import numpy_support
 
 from AIFReconLib.errors import SequenceFormatError
-from AIFReconLib.io.sequence.file_images import luminance
+from AIFReconLib.imaging.images import luminance
 
 
 class SweepImages:

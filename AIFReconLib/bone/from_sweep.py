@@ -23,7 +23,7 @@ from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.extent import grid_around_sweep
 from ..imaging.scan_lines import scan_line_samples
 from ..progress import Progress, report
-from ..reconstruction import Imaging
+from ..resolve import Imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, tracked_frames
 from .map import BoneMap

@@ -10,7 +10,8 @@ from pathlib import Path
 from ..benchmark import VOXELS, benchmark
 from ..errors import SettingsError
 from ..io.disk.atomic import check_writable, write_text
-from .console import ProgressBar, columns
+from ..message import columns
+from .console import ProgressBar
 
 
 def add_to(commands) -> None:

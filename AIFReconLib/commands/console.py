@@ -8,7 +8,6 @@ import shlex
 import shutil
 import sys
 import time
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TextIO
 
@@ -42,8 +41,9 @@ def prepare_streams() -> None:
 def program() -> str:
     """How this program was called, to begin a command that can be copied: ``aifrecon``, or ``.venv/bin/python -m AIFReconLib``."""
     called = Path(sys.argv[0])
-    if called.name == "__main__.py" and called.parent.name == __package__:
-        return f"{_typed(Path(sys.executable))} -m {__package__}"
+    package = __name__.partition(".")[0]
+    if called.name == "__main__.py" and called.parent.name == package:
+        return f"{_typed(Path(sys.executable))} -m {package}"
     if called.stem == "aifrecon" and shutil.which("aifrecon") is None:
         return _typed(called)
     return "aifrecon"
@@ -93,10 +93,3 @@ class ProgressBar:
             show(self._stream, "\r" + text.ljust(self._width))
             self._width = len(text)
         return True
-
-
-def columns(rows: Iterable[Iterable[str]], indent: str = "  ") -> str:
-    """Rows of words as aligned columns, one line each."""
-    rows = [[str(cell) for cell in row] for row in rows]
-    widths = [max((len(row[c]) for row in rows if c < len(row)), default=0) for c in range(max(map(len, rows), default=0))]
-    return "\n".join((indent + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False))).rstrip() for row in rows)

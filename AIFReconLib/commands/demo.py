@@ -19,11 +19,12 @@ from ..io.disk.atomic import write_text
 from ..io.sequence.files import read_sequence
 from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels, read_volume
+from ..message import columns
 from ..progress import part
 from ..reconstruction import reconstruct
 from ..resolve import resolve_settings
 from ..settings import METHODS, ReconstructionSettings
-from .console import ProgressBar, columns, program
+from .console import ProgressBar, program
 from .simulate import SimulatedFiles, write_simulated_patient
 
 SPACING = 1.0

@@ -18,8 +18,9 @@ from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable, write_text
 from ..io.sequence.files import read_sequence
 from ..io.volume.files import read_labels, read_transform, read_volume
+from ..message import columns
 from ..progress import part
-from .console import ProgressBar, columns
+from .console import ProgressBar
 from .options import add_imaging_options, imaging_from, real_path, refuse_to_overwrite
 from .reconstruct import add_tracking_options
 

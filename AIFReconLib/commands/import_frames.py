@@ -13,8 +13,8 @@ from ..inspection.sweep_drawing import draw_sweep
 from ..inspection.tracking_report import tracking_report
 from ..io.disk.atomic import check_writable, write_text
 from ..io.foreign.calibration import read_calibration
-from ..io.foreign.images import open_images
 from ..io.foreign.importing import IMAGE_FRAME, ImportSettings, import_sequence
+from ..io.foreign.openers import open_images
 from ..io.foreign.pose_files import read_poses
 from ..io.foreign.pose_rows import ANGLE_UNITS, LENGTH_UNITS, QUATERNION_ORDERS, PoseFormat
 from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence

@@ -22,6 +22,7 @@ from ..live.replay.server import PLUS_PORT
 from ..live.session.session import SCOUTING, LiveSession
 from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
+from ..machine.threads import pause
 from ..sweep.frames import TrackedSequence
 from .console import ProgressBar, show
 from .options import (
@@ -36,7 +37,6 @@ from .options import (
     settings_from,
 )
 from .reconstruct import SIDE_OUTPUTS, add_tracking_options, add_tuning_options, add_volume_options, describe
-from .signals import pause
 
 EXAMPLE = """examples:
   aifrecon live --host 192.168.0.12 --output volume.nrrd

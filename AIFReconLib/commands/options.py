@@ -15,11 +15,11 @@ from ..errors import OutputError, SettingsError
 from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ..imaging.detection import detect_imaging
 from ..imaging.region import ClipRectangle, ImageRegion, chosen_region
-from ..io.metafile.metafile import data_files
+from ..io.metafile.opening import data_files
 from ..io.plus.importance_mask import read_importance_mask
 from ..io.volume.files import read_labels, read_transform, read_volume
 from ..progress import Progress
-from ..reconstruction import configured_region, resolve_imaging
+from ..resolve import configured_region, resolve_imaging
 from ..settings import ReconstructionSettings
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses

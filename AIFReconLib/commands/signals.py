@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import signal
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -42,27 +41,6 @@ class OrderlyEnd:
     def exit_code(self) -> int:
         """128 and the number of the signal, as shells say it."""
         return 128 + self.signal
-
-
-def pause(seconds: float, unless: threading.Event) -> bool:
-    """Wait in the main thread, so that an interrupt always comes out as `KeyboardInterrupt`.
-
-    `Event.wait` may turn it into a RuntimeError: a signal that comes while its lock is taken again leaves it with a lock to release
-    that it does not hold.
-
-    Parameters
-    ----------
-    seconds : float, s
-    unless : threading.Event
-        Nothing is waited for when it is set; setting it does not end a wait that has begun.
-
-    Returns
-    -------
-    is_set : bool
-    """
-    if not unless.is_set():
-        time.sleep(seconds)
-    return unless.is_set()
 
 
 def _swallows(frame: FrameType | None) -> bool:

@@ -13,10 +13,10 @@ from ..bone.map import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, SettingsError
 from ..geometry.transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
 from ..geometry.volume import Volume, VoxelGrid
-from ..holes.plus_ways import HoleFilling, fill_as_asked
+from ..holes.fill import fill_as_asked
+from ..holes.filling import HoleFilling
 from ..imaging.beams import SECTOR, ProbeGeometry
-from ..imaging.pixel_filter import PixelFilter
-from ..imaging.region import ImageRegion
+from ..imaging.region import ImageRegion, PixelFilter
 from ..imaging.sound_speed import depth_factor, depth_scale
 from ..machine.memory import require_memory
 from ..message import Message

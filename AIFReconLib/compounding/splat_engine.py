@@ -10,13 +10,10 @@ import numpy as np
 from ..errors import SettingsError
 from ..machine.threads import optional_module
 from ..message import Message, listed
-from ..settings import ReconstructionSettings
+from ..settings import LINEAR_METHODS, ReconstructionSettings
 from .batch import FrameBatch
 from .layout import PixelLayout
 from .state import VoxelState
-
-LINEAR_METHODS = ("average", "latest", "maximum")
-"""In the order of the rules' numbers in `numba_splat`."""
 
 LEAST_SHARE = 0.125
 """Latest and maximum: a pixel acts on the corners that get at least this much of it, as all eight do from the middle."""

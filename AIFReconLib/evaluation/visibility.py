@@ -16,7 +16,7 @@ from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import LINEAR, ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..progress import Progress, part, report
-from ..reconstruction import resolve_imaging
+from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
 from .surface import BoneSurface, bone_surface, centers_of_mass, distance_from_labels, interspinous_border

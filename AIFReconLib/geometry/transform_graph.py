@@ -244,3 +244,8 @@ def _list_frames(frames: Iterable[str]) -> str:
 
 def _spell(path: list[tuple[TransformName, bool]]) -> str:
     return " > ".join(str(name if forward else name.inverse) for name, forward in path)
+
+
+def capitalized(name: TransformName) -> TransformName:
+    """The transform with its frames as Plus spells them: with a capital first letter."""
+    return TransformName(capital(name.source), capital(name.target))

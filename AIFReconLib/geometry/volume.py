@@ -14,10 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import GeometryError
+from ..machine.memory import MAXIMUM_VOXELS
 from .transforms import as_matrix, invert, transform_points
-
-MAXIMUM_VOXELS = 2**31 - 1
-"""Voxel numbers are kept as 32-bit integers."""
 
 
 @dataclass(frozen=True, eq=False)

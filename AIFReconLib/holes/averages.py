@@ -1,4 +1,4 @@
-"""Holes filled with an average of the measured voxels in a cube around them, as the Plus toolkit defines it; see `hole_kinds`.
+"""Holes filled with an average of the measured voxels in a cube around them, as the Plus toolkit defines it; see `plus_ways`.
 
 Each function here takes
 
@@ -20,13 +20,11 @@ averages : (found,) float64 array
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import fft, ndimage
 
-if TYPE_CHECKING:
-    from .plus_ways import HoleFilling
+from .filling import HoleFilling
 
 MOST_HITS = 65535 / 256
 """Pixels in one voxel beyond which IGSIO counts no further."""

@@ -14,10 +14,10 @@ EMPTY, MEASURED, FILLED = 0, 1, 2
 """Values of the mask volume."""
 
 BLOCK = 64
-"""Voxels along each side of what is searched in one go, and"""
+"""Voxels along each side of what is searched in one go, to bound the memory that is needed beside the volume."""
 
 HOLES_AT_ONCE = 65_536
-"""how many holes are looked up together: both bound the memory that is needed beside the volume."""
+"""How many holes are looked up together, to bound the memory that is needed beside the volume."""
 
 MOST_ASKED = 130
 """Neighbors (a reach of 3 voxels) up to which holes ask them one after the other; beyond, a distance transform is faster."""

@@ -1,4 +1,4 @@
-"""Hole filling by sticks, compiled; see `hole_kinds` for the rules."""
+"""Hole filling by sticks, compiled; see `plus_ways` for the rules."""
 
 from __future__ import annotations
 

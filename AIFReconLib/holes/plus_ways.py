@@ -5,20 +5,14 @@ Sizes are in voxels, along the volume's axes. Only measured voxels are sources, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from ..errors import SettingsError
 from ..machine.threads import optional_module
 from ..progress import Progress, report
-from ..settings import ReconstructionSettings
-from . import averages as hole_averages
-from .nearest import EMPTY, FILLED, MEASURED, fill_holes
+from .averages import gaussian, gaussian_by_hits, inverse_distance, nearest_cube
+from .filling import CUBE, GAUSSIAN, GAUSSIAN_BY_HITS, INVERSE_DISTANCE, STICK, HoleFilling
+from .nearest import EMPTY, FILLED, MEASURED
 
-CUBE, GAUSSIAN, STICK = "cube", "gaussian", "stick"
-GAUSSIAN_BY_HITS, INVERSE_DISTANCE = "gaussian by hits", "inverse distance"
-KINDS = (CUBE, GAUSSIAN, STICK, GAUSSIAN_BY_HITS, INVERSE_DISTANCE)
 STICKS = (
     *((0, 0, 1), (0, 1, 0), (1, 0, 0)),
     *((0, 1, 1), (1, 0, 1), (1, 1, 0), (0, -1, 1), (-1, 0, 1), (-1, 1, 0)),
@@ -26,106 +20,12 @@ STICKS = (
 )
 """The 13 directions [k, j, i] in which sticks lie: along edges, face diagonals and space diagonals of a voxel."""
 
-LARGEST_SIZE = 201
-"""Voxels. More than a reconstruction's gaps can be; it keeps a mistyped size from taking hours."""
 
 VOXELS_AT_ONCE = 4_000_000
-"""How many voxels (halo not included) are filled together, and"""
+"""How many voxels (halo not included) are filled together, to bound the memory that is needed beside the volume."""
 
 HOLES_AT_ONCE = 200_000
-"""how many holes are bridged by sticks together: both bound the memory that is needed beside the volume."""
-
-
-@dataclass(frozen=True)
-class HoleFilling:
-    """One way to fill holes.
-
-    Parameters
-    ----------
-    kind : "cube", "gaussian", "gaussian by hits", "inverse distance" or "stick"
-    size : int, voxels
-        cube: the largest cube, with sides of 3, 5, ... voxels up to this many. stick: the longest one, its ends and the hole included
-        (the longest gap it bridges has two voxels less). Others: side of the cube that is averaged.
-    stdev : float, voxels
-        gaussian, gaussian by hits: standard deviation.
-    known_ratio : float, 0 to 1
-        all but stick: a hole is filled where more than this share of size^3 voxels is measured.
-    sticks : int
-        stick: how many of the shortest are averaged; those of one length count together.
-
-    Raises
-    ------
-    SettingsError
-        Names what is out of range.
-    """
-
-    kind: str
-    size: int
-    stdev: float = 1.0
-    known_ratio: float = 0.0
-    sticks: int = 1
-
-    def __post_init__(self):
-        if self.kind not in KINDS:
-            raise SettingsError("Input kind of hole filling must be one of {kinds}; got {kind!r}.", kinds=", ".join(KINDS), kind=self.kind)
-        if not 1 <= self.size <= LARGEST_SIZE:
-            raise SettingsError(
-                "Input size of hole filling must be 1 to {largest} voxels; got {size!r}.", largest=LARGEST_SIZE, size=self.size
-            )
-        if self.kind in (GAUSSIAN, GAUSSIAN_BY_HITS) and not 0 < self.stdev < np.inf:
-            raise SettingsError("Input standard deviation of hole filling must be above 0 voxels; got {stdev!r}.", stdev=self.stdev)
-        if not 0 <= self.known_ratio <= 1:
-            raise SettingsError("Input ratio of known voxels must be 0 to 1; got {known_ratio!r}.", known_ratio=self.known_ratio)
-        if self.sticks < 1:
-            raise SettingsError("Input number of sticks must be at least 1; got {sticks!r}.", sticks=self.sticks)
-
-    @property
-    def reach(self) -> int:
-        """How many voxels away a source may be, along an axis."""
-        return max(self.size - 2, 0) if self.kind == STICK else (self.size - 1) // 2
-
-
-def within(kind: str, limit: float, spacing: np.ndarray) -> HoleFilling:
-    """The way of this kind that reaches `limit` mm along the finest of these spacings (mm): cubes that far to each side, a Gaussian
-    whose standard deviation is half of it, sticks that end that far on either side of a hole in the middle."""
-    reach = min(int(np.floor(limit / np.min(spacing) + 1e-9)), (LARGEST_SIZE - 1) // 2)
-    return HoleFilling(kind, 2 * reach + 1, stdev=max(reach / 2, 0.5))
-
-
-def fill_as_asked(
-    values: np.ndarray,
-    mask: np.ndarray,
-    spacing: np.ndarray,
-    settings: ReconstructionSettings,
-    configured: tuple[HoleFilling, ...] = (),
-    progress: Progress | None = None,
-    *,
-    threads: int | None = None,
-    score: np.ndarray | None = None,
-) -> int:
-    """Fill holes in place as the settings ask for, else as a configuration does; returns how many were filled.
-
-    Parameters
-    ----------
-    values, mask : [k, j, i] arrays
-        See `fill_holes_by_kind`.
-    spacing : (3,) array, mm along i, j, k
-    settings : ReconstructionSettings
-        Of which `holes`, `hole_limit` and `engine` count.
-    configured : tuple of HoleFilling
-        What is done where the settings have neither a way nor a limit.
-    progress : Progress or None
-    threads : int or None
-    score : [k, j, i] array or None
-        See `fill_holes_by_kind`.
-    """
-    if settings.holes == "off":
-        return 0
-    if settings.holes is None and settings.hole_limit == 0:
-        return fill_holes_by_kind(values, mask, configured, progress, engine=settings.engine, score=score)
-    if settings.holes in (None, "nearest"):
-        return fill_holes(values, mask, spacing, settings.hole_limit, progress, engine=settings.engine, threads=threads)
-    return fill_holes_by_kind(values, mask, (within(settings.holes, settings.hole_limit, spacing),), progress, engine=settings.engine)
+"""How many holes are bridged by sticks together, to bound the memory that is needed beside the volume."""
 
 
 def fill_holes_by_kind(
@@ -262,9 +162,9 @@ def _best_sticks(score: np.ndarray, value: np.ndarray, wanted: int) -> np.ndarra
 
 
 _FILLERS = {
-    CUBE: hole_averages.nearest_cube,
-    GAUSSIAN: hole_averages.gaussian,
+    CUBE: nearest_cube,
+    GAUSSIAN: gaussian,
     STICK: _fill_sticks,
-    GAUSSIAN_BY_HITS: hole_averages.gaussian_by_hits,
-    INVERSE_DISTANCE: hole_averages.inverse_distance,
+    GAUSSIAN_BY_HITS: gaussian_by_hits,
+    INVERSE_DISTANCE: inverse_distance,
 }

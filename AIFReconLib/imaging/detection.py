@@ -13,8 +13,8 @@ from scipy import ndimage
 
 from ..errors import BeamGeometryError
 from ..message import Message
-from ..sweep.frames import ImageStack
 from .beams import LINEAR, SECTOR, ProbeGeometry
+from .images import ImageStack
 from .region import ClipRectangle, Fan, ImageRegion
 
 FRAMES_LOOKED_AT = 24

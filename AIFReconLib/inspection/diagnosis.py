@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..commands.console import columns
 from ..errors import AIFReconError, BeamGeometryError, SequenceFormatError
 from ..geometry.transform_graph import TransformStatus
 from ..geometry.transforms import pixel_spacing
 from ..imaging.detection import detect_imaging
+from ..message import columns
 from ..progress import Progress
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses

@@ -8,7 +8,6 @@ import sys
 from pathlib import Path
 
 from ..errors import InsufficientMemoryError
-from ..geometry.volume import MAXIMUM_VOXELS
 from ..message import Message
 
 SAFETY = 0.9
@@ -138,3 +137,7 @@ def _address_space_free() -> int | None:
         return limit - used
     except (ImportError, OSError, ValueError):
         return None
+
+
+MAXIMUM_VOXELS = 2**31 - 1
+"""Voxel numbers are kept as 32-bit integers."""

@@ -14,8 +14,9 @@ import numpy as np
 from ..errors import SettingsError, TransformError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ..geometry.transforms import as_matrix, invert
+from ..imaging.images import ImageStack
 from ..message import Message
-from .frames import ImageStack, TrackedSequence
+from .frames import TrackedSequence
 
 Transforms = dict[TransformName, TransformSample]
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ..imaging.images import ImageStack
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,24 +36,6 @@ class TrackedFrame:
     timestamp: float = 0.0
     status: str = "OK"
     number: int = 0
-
-
-class ImageStack(Protocol):
-    """The images of a sequence, in memory or read from a file when asked for: a numpy array (n, rows, columns) is one."""
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """(frames, rows, columns)."""
-        ...
-
-    @property
-    def dtype(self) -> np.dtype:
-        """Type of a pixel."""
-        ...
-
-    def __len__(self) -> int: ...
-
-    def __getitem__(self, index: int) -> np.ndarray: ...
 
 
 @dataclass(frozen=True, eq=False)

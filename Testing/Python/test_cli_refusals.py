@@ -180,7 +180,10 @@ def test_a_full_disk_leaves_no_file(patient, results, capsys, monkeypatch):
 @pytest.mark.skipif(sys.platform == "win32", reason="file size limits are POSIX")
 def test_a_write_that_stops_halfway_leaves_no_file(patient, results):
     """The system itself refuses to let the file grow beyond 2 kB, as it would on a full disk."""
-    limit = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048)); from AIFReconLib.commands.parser import main; sys.exit(main())"
+    limit = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048)); "
+        "from AIFReconLib.commands.parser import main; sys.exit(main())"
+    )
     command = [sys.executable, "-c", limit, *patient.reconstruct, "--spacing", "0.3", "--output", str(results / "v.nrrd")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 2, done.stderr

@@ -14,7 +14,8 @@ from sweeps import sphere_bone
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import ConfigurationError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
-from AIFReconLib.holes.plus_ways import HoleFilling, fill_holes_by_kind
+from AIFReconLib.holes.filling import HoleFilling
+from AIFReconLib.holes.plus_ways import fill_holes_by_kind
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.plus.configuration import PlusConfiguration

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from AIFReconLib.commands import console
-from AIFReconLib.commands.console import ProgressBar, columns, program
+from AIFReconLib.commands.console import ProgressBar, program
+from AIFReconLib.message import columns
 
 
 class Terminal(io.StringIO):

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 
-from AIFReconLib.holes.plus_ways import HoleFilling, fill_holes_by_kind
+from AIFReconLib.holes.filling import HoleFilling
+from AIFReconLib.holes.plus_ways import fill_holes_by_kind
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence

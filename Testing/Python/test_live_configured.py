@@ -19,7 +19,7 @@ from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.session.scouting import ScoutedFrames
-from AIFReconLib.reconstruction import Imaging
+from AIFReconLib.resolve import Imaging
 from AIFReconLib.settings import ReconstructionSettings
 
 FRAMES = 10

@@ -10,9 +10,7 @@ from sweeps import oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.fan_detection import FanDetection
-from AIFReconLib.imaging.pixel_filter import PixelFilter
-from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion, PixelFilter
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
 

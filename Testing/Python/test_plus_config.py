@@ -8,10 +8,9 @@ import SimpleITK as sitk
 
 from AIFReconLib.errors import ConfigurationError, FileFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
-from AIFReconLib.holes.plus_ways import HoleFilling
+from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.fan_detection import FanDetection
-from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from AIFReconLib.io.plus.configuration import PlusConfiguration, read_plus_configuration
 
 MATRIX = "0.1 0 0 5  0 0.2 0 -6.5  0 0 0.1 7  0 0 0 1"

@@ -18,7 +18,7 @@ from AIFReconLib.errors import FileFormatError, OutputError, SequenceFormatError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.disk import small_files
 from AIFReconLib.io.disk.small_files import read_bytes
-from AIFReconLib.io.foreign.images import open_images
+from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.foreign.pose_files import read_poses
 from AIFReconLib.io.foreign.pose_rows import PoseFormat
 from AIFReconLib.io.metafile.metafile import Metafile

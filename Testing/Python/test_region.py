@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.fan_detection import FanDetection
-from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion, chosen_region, extreme_pixels
+from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion, chosen_region, extreme_pixels
 
 
 def kept_by_loop(columns: int, rows: int, clip=None, fan=None) -> np.ndarray:

@@ -216,7 +216,7 @@ def test_the_status_of_the_image_s_own_transform_counts_and_that_of_a_stylus_doe
 
 
 def test_colors_become_luminance(scene):
-    from AIFReconLib.io.sequence.file_images import luminance
+    from AIFReconLib.imaging.images import luminance
 
     color = [np.random.default_rng(n).integers(0, 255, (1, 5, 7, 3)).astype(np.uint8) for n in range(3)]
     pictures = sequence_of(scene, "I", image_nodes(color, lambda n: probe_pose(n) @ CALIBRATION, "vtkMRMLVectorVolumeNode"))

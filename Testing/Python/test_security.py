@@ -16,7 +16,7 @@ from sequence_samples import metaimage, nrrd, ramp
 
 from AIFReconLib.commands.parser import build_parser, main
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.io.foreign.images import open_images
+from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_labels, read_volume

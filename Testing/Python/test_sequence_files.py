@@ -11,7 +11,7 @@ from sequence_samples import FIELDS, IDENTITY, metaimage, nrrd, ramp
 
 from AIFReconLib.errors import OperationCanceled, OutputError, SequenceFormatError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.io.metafile.metafile import read_metafile
+from AIFReconLib.io.metafile.opening import read_metafile
 from AIFReconLib.io.plus.configuration import PlusConfiguration
 from AIFReconLib.io.sequence.files import read_sequence, write_sequence
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence

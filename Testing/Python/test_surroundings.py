@@ -23,14 +23,14 @@ from AIFReconLib.commands import parser as cli
 from AIFReconLib.commands.console import ProgressBar
 from AIFReconLib.commands.live import StatusLine
 from AIFReconLib.commands.parser import main
-from AIFReconLib.commands.signals import orderly_end, pause
+from AIFReconLib.commands.signals import orderly_end
 from AIFReconLib.errors import OutputError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import check_volume_path, read_volume
 from AIFReconLib.live.session.recording import Recorder
 from AIFReconLib.machine.read_ahead import read_ahead
-from AIFReconLib.machine.threads import in_parts
+from AIFReconLib.machine.threads import in_parts, pause
 
 posix = pytest.mark.skipif(os.name == "nt", reason="POSIX")
 

@@ -20,7 +20,8 @@ from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.detection import detect_imaging
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.reconstruction import Imaging, reconstruct
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.resolve import Imaging
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.poses import sweep_poses
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.io.foreign.calibration import read_calibration
-from AIFReconLib.io.foreign.images import open_images
+from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.foreign.pose_files import read_poses
 from AIFReconLib.io.foreign.pose_rows import PoseFormat
 from AIFReconLib.io.metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS

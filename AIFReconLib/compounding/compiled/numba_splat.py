@@ -10,9 +10,10 @@ import numpy as np
 
 from ...machine.numba_compile import compiled, inlined
 from ...machine.threads import checked_threads, in_parts
+from ...settings import LINEAR_METHODS
 from ..batch import BATCH_FRAMES, FrameBatch
 from ..layout import CENTER_TOLERANCE, PixelLayout
-from ..splat_engine import LEAST_SHARE, LINEAR_METHODS, SplatEngine
+from ..splat_engine import LEAST_SHARE, SplatEngine
 from .numba_kernels import OFFSET, ROW, START, STOP, clip_to_slab, clip_to_volume
 from .slabs import cut_into_slabs
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...errors import FileFormatError
-from ..metafile.metafile import file_stamp, require_regular_file, stamp
+from .regular_files import file_stamp, require_regular_file, stamp
 
 
 def read_bytes(path: Path, limit: int, error: type[FileFormatError]) -> bytes:

@@ -10,8 +10,8 @@ from ...errors import GeometryError, TransformFileError
 from ...geometry.transform_graph import TransformName
 from ...geometry.transforms import as_matrix
 from ...message import Message
+from ..disk.regular_files import require_regular_file
 from ..disk.small_files import read_bytes
-from ..metafile.metafile import require_regular_file
 from ..metafile.text_values import NotANumberError, parse_numbers
 from ..plus.configuration import read_plus_configuration
 from ..transform.files import HDF5_SUFFIXES, read_transform

@@ -1,29 +1,20 @@
-"""Images of people without Plus, opened one at a time: pictures, DICOM, video, numpy."""
+"""Images of people without Plus, and what their decoders share: frames decoded one at a time, optional packages, errors of one line."""
 
 from __future__ import annotations
 
 import contextlib
-import re
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from ...errors import AIFReconError, FileFormatError
+from ...imaging.images import ImageStack, luminance
 from ...message import Message
-from ...sweep.frames import ImageStack
-from ..metafile.metafile import require_regular_file
 from ..metafile.text_values import one_line
-from ..sequence.file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES, luminance
+from ..sequence.file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
 from ..sequence.images_on_demand import ImagesOnDemand
-
-PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
-DICOM_SUFFIXES = (".dcm", ".dicom")
-VIDEO_SUFFIXES = (".mp4", ".avi", ".mov", ".mkv", ".wmv", ".m4v", ".webm")
-NUMPY_SUFFIXES = (".npy",)
-
 
 _INSTALLED_AS = {"PIL": "Pillow", "imageio_ffmpeg": "imageio-ffmpeg"}
 """What pip calls a package whose import has another name."""
@@ -136,40 +127,6 @@ class FlippedImages:
         return np.ascontiguousarray(self._stack[index][self._flips])
 
 
-def open_images(paths: Sequence[str | Path]) -> ImportedImages:
-    """The frames in these files, in natural order of their names (2 before 10).
-
-    Parameters
-    ----------
-    paths : sequence of str or Path
-        Pictures or DICOM files, or a folder of them; or one video, multi-frame DICOM file or .npy array (frames, rows, columns).
-
-    Raises
-    ------
-    FileFormatError
-        Names the file, and what was expected.
-    """
-    files = _listed([Path(path) for path in paths])
-    suffixes = {path.suffix.lower() for path in files}
-    kind = next((k for k in _KINDS if suffixes <= set(k[0])), None)
-    if kind is None:
-        known = ", ".join(suffix for known, _ in _KINDS for suffix in known)
-        raise FileFormatError(
-            "{path}: images must all be pictures, DICOM files, one video or one .npy array ({known}); "
-            "got {suffixes}. Give files of one kind.",
-            path=files[0],
-            known=known,
-            suffixes=", ".join(sorted(suffixes)) or Message("no suffix"),
-        )
-    return kind[1](files)
-
-
-def natural_order(path: Path) -> list:
-    """A key that sorts 2 before 10."""
-    # Every second piece is a number; isdigit would also take a superscript for one
-    return [int(word) if place % 2 else word.lower() for place, word in enumerate(re.split(r"([0-9]+)", path.name))]
-
-
 def library(name: str, purpose: Message):
     """An optional package, or an error that says how to get it."""
     from importlib import import_module
@@ -219,61 +176,3 @@ def describe_stack(count: int, what: str, shape: tuple[int, ...], dtype) -> str:
 
 def _words(shape: tuple[int, ...], dtype) -> Message:
     return Message("{columns} x {rows} pixels, {kind}", columns=shape[1], rows=shape[0], kind=np.dtype(dtype).name)
-
-
-def _listed(paths: list[Path]) -> list[Path]:
-    """The files, folders replaced by what is in them."""
-    known = {suffix for suffixes, _ in _KINDS for suffix in suffixes}
-    files: list[Path] = []
-    for path in paths:
-        if path.is_dir():
-            inside = sorted((p for p in path.iterdir() if p.is_file() and p.suffix.lower() in known), key=natural_order)
-            if not inside:
-                raise FileFormatError("{path}: there are no images in this folder. Give a folder of pictures or DICOM files.", path=path)
-            files += inside
-        else:
-            require_regular_file(path, FileFormatError)
-            files.append(path)
-    if not files:
-        raise FileFormatError("Input images must be at least one file. Name pictures, a folder, a video or a .npy file.")
-    return files
-
-
-def _open_numpy(files: list[Path]) -> ImportedImages:
-    from .numpy_arrays import open_numpy
-
-    return open_numpy(_only(files, Message("array")))
-
-
-def _only(files: list[Path], what: Message) -> Path:
-    if len(files) != 1:
-        raise FileFormatError(
-            "{path}: there must be one {what}; got {count} files. Import them one by one.", path=files[1], what=what, count=len(files)
-        )
-    return files[0]
-
-
-def _open_pictures(files: list[Path]) -> ImportedImages:
-    from .pictures import open_pictures
-
-    return open_pictures(files)
-
-
-def _open_dicom(files: list[Path]) -> ImportedImages:
-    from .dicom import open_dicom
-
-    return open_dicom(files)
-
-
-def _open_video(files: list[Path]) -> ImportedImages:
-    from .video import open_video
-
-    return open_video(_only(files, Message("video")))
-
-
-_KINDS = (
-    (PICTURE_SUFFIXES, _open_pictures),
-    (DICOM_SUFFIXES, _open_dicom),
-    (VIDEO_SUFFIXES, _open_video),
-    (NUMPY_SUFFIXES, _open_numpy),
-)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import FileFormatError
 from ...message import Message
-from ..metafile.metafile import file_stamp, stamp
+from ..disk.regular_files import file_stamp, stamp
 from .images import DecodedImages, ImportedImages, decoding, describe_stack
 
 

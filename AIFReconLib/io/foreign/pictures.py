@@ -8,7 +8,7 @@ import numpy as np
 
 from ...errors import FileFormatError
 from ...message import Message
-from ..metafile.metafile import file_stamp
+from ..disk.regular_files import file_stamp
 from .images import DecodedImages, ImportedImages, decoding, describe_stack, library
 
 _FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "MPO")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .metafile import COMPRESSED, RAW, HeaderLines, Metafile, build_metafile, parse_count, parse_sizes, parse_skip, require, store
+from .header import HeaderLines, build_metafile, parse_count, parse_sizes, parse_skip, require, store
+from .metafile import COMPRESSED, RAW, Metafile
 
 ELEMENT_TYPES = {
     "MET_CHAR": "i1",

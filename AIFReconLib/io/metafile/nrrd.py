@@ -7,7 +7,8 @@ import re
 import numpy as np
 
 from ...message import Message
-from .metafile import COMPRESSED, RAW, HeaderLines, Metafile, build_metafile, parse_count, parse_sizes, parse_skip, require, store
+from .header import HeaderLines, build_metafile, parse_count, parse_sizes, parse_skip, require, store
+from .metafile import COMPRESSED, RAW, Metafile
 
 _TYPE_NAMES = {
     "i1": "int8, int8_t, signed char",

@@ -10,19 +10,18 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from ...errors import ConfigurationError, GeometryError
-from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capitalized
 from ...geometry.transforms import as_matrix
 from ...geometry.volume import VoxelGrid
 from ...imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ...imaging.region import ClipRectangle, Fan, ImageRegion
 from ...message import Message
-from ..sequence.fields import capitalized
 from .reconstruction import build, read_reconstruction
 from .xml_attributes import Attributes
 from .xml_tree import parse_xml
 
 if TYPE_CHECKING:
-    from ...holes.plus_ways import HoleFilling
+    from ...holes.filling import HoleFilling
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element
 
 from ...errors import AIFReconError
 from ...geometry.transform_graph import capital
-from ...imaging.fan_detection import FanDetection
-from ...imaging.region import ClipRectangle, Fan, ImageRegion
+from ...holes.filling import CUBE, GAUSSIAN, GAUSSIAN_BY_HITS, INVERSE_DISTANCE, STICK, HoleFilling
+from ...imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from ...message import Message
 from .xml_attributes import Attributes
-
-if TYPE_CHECKING:
-    from ...holes.plus_ways import HoleFilling
 
 _METHODS = {"MEAN": "average", "LATEST": "latest", "MAXIMUM": "maximum", "IMPORTANCE_MASK": "average"}
 _INTERPOLATIONS = {"NEAREST_NEIGHBOR": "nearest", "LINEAR": "linear"}
@@ -146,16 +142,12 @@ def _read_holes(path: Path, attributes: Attributes) -> tuple[HoleFilling, ...]:
     """The elements of HoleFilling, in the order in which they are tried."""
     if not attributes.switch("FillHoles"):
         return ()
-    # Filling takes scipy, which is slow to load and seldom asked for
-    from ...holes.plus_ways import CUBE, GAUSSIAN, GAUSSIAN_BY_HITS, INVERSE_DISTANCE, STICK, HoleFilling
-
     cubes = {
         "NEAREST_NEIGHBOR": CUBE,
         "GAUSSIAN": GAUSSIAN,
         "GAUSSIAN_ACCUMULATION": GAUSSIAN_BY_HITS,
         "DISTANCE_WEIGHT_INVERSE": INVERSE_DISTANCE,
     }
-
     kinds = []
     for number, element in enumerate(attributes.element.iterfind("HoleFilling/HoleFillingElement"), start=1):
         one = Attributes(path, element, f"HoleFillingElement[{number}]")

@@ -170,11 +170,6 @@ def _transform_name(key: str) -> TransformName | None:
     return None
 
 
-def capitalized(name: TransformName) -> TransformName:
-    """The transform with its frames as Plus spells them: with a capital first letter."""
-    return TransformName(capital(name.source), capital(name.target))
-
-
 def _matrix(metafile: Metafile, where: str, text: str) -> np.ndarray:
     """(4, 4) float64. NaN is allowed: recorders write it for poses that they do not have."""
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...imaging.images import luminance
 from ..metafile.metafile import RAW, Metafile
 from ..metafile.payload import Inflater, PayloadError
 from .images_on_demand import ImagesOnDemand
@@ -12,8 +13,6 @@ MAXIMUM_FRAMES = 1_000_000
 MAXIMUM_FRAME_BYTES = 2**28
 """Limits of what can be a recording: nine hours at 30 frames/s, and 256 MB in one image."""
 
-REC_601 = (0.299, 0.587, 0.114)
-"""Luminance of red, green and blue (ITU-R BT.601)."""
 
 _SPACE_KINDS = frozenset(("domain", "space"))
 _TIME_KINDS = frozenset(("list", "time"))
@@ -134,12 +133,3 @@ def frame_layout(metafile: Metafile) -> tuple[int, int, int]:
             maximum_bytes=MAXIMUM_FRAME_BYTES,
         )
     return frames, rows, columns
-
-
-def luminance(image: np.ndarray) -> np.ndarray:
-    """Gray levels (rows, columns) of a color image (rows, columns, 3 or 4), in its own type; a fourth channel is not used."""
-    red, green, blue = (image[..., channel].astype(np.float64) for channel in range(3))
-    gray = REC_601[0] * red + REC_601[1] * green + REC_601[2] * blue
-    if image.dtype.kind in "iu":
-        gray = np.rint(gray)
-    return gray.astype(image.dtype.newbyteorder("="))

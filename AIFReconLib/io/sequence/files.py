@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ...errors import SequenceFormatError
+from ...imaging.images import ImageStack
 from ...message import Message
-from ...sweep.frames import ImageStack, TrackedSequence
+from ...sweep.frames import TrackedSequence
 from ...sweep.pose_tracks import LONGEST_GAP
-from ..metafile.metafile import read_metafile
+from ..metafile.opening import read_metafile
 from ..plus.configuration import PlusConfiguration, read_plus_configuration
 from .fields import split_fields
 from .file_images import FileImages

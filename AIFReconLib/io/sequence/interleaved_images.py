@@ -10,9 +10,10 @@ from typing import BinaryIO
 
 import numpy as np
 
+from ...imaging.images import luminance
 from ..metafile.metafile import RAW, Metafile
 from ..metafile.payload import Inflater, PayloadError
-from .file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES, luminance
+from .file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
 from .images_on_demand import ImagesOnDemand
 
 _PIECE = 2**23

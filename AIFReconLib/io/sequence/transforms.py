@@ -18,9 +18,11 @@ from ...geometry.transform_graph import TransformName, TransformSample, Transfor
 from ...message import Message
 from ...sweep.frames import FrameRecord
 from ...sweep.pose_tracks import LONGEST_GAP, PoseTrack
-from ..metafile.metafile import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, HeaderLines, require_regular_file
+from ..disk.regular_files import require_regular_file
+from ..metafile.header import HeaderLines
 from ..metafile.metaimage import read_entries
 from ..metafile.nrrd import read_nrrd_entries
+from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES
 from ..metafile.text_values import NotANumberError, parse_number, parse_numbers, shorten
 from .fields import FRAME_KEY
 from .file_images import MAXIMUM_FRAMES

@@ -10,12 +10,13 @@ from typing import BinaryIO
 import numpy as np
 
 from ...errors import OutputError, SettingsError
+from ...imaging.images import ImageStack
 from ...message import Message
 from ...progress import Progress, report
-from ...sweep.frames import ImageStack, TrackedSequence
+from ...sweep.frames import TrackedSequence
 from ..disk.atomic import atomic_output, atomic_outputs
 from ..disk.header_pairs import check_pair_name
-from ..metafile.metafile import MAXIMUM_LINE
+from ..metafile.header import MAXIMUM_LINE
 from ..metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS
 from ..metafile.nrrd import escape
 from ..metafile.text_values import shorten

@@ -12,8 +12,9 @@ from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
 from ..disk.atomic import atomic_outputs, check_writable
 from ..disk.header_pairs import check_pair_name, split_metaimage
+from ..disk.regular_files import file_stamp
 from ..disk.small_files import local_copy
-from ..metafile.metafile import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, file_stamp, read_metafile
+from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
 from ..transform.files import read_transform, write_transform
 from ..transform.itk_errors import short_cause

@@ -12,7 +12,8 @@ import numpy as np
 
 from ...errors import InsufficientMemoryError
 from ...machine.memory import SAFETY, available_memory
-from ..metafile.metafile import METAIMAGE_SUFFIXES, RAW, Metafile
+from ..metafile.metafile import RAW, Metafile
+from ..metafile.opening import METAIMAGE_SUFFIXES
 from ..metafile.payload import Inflater, PayloadError
 from ..metafile.text_values import parse_numbers, shorten
 from .stored import StoredVolume

@@ -7,7 +7,7 @@ import struct
 from pathlib import Path
 
 from ...errors import FileFormatError
-from ..metafile.metafile import require_regular_file
+from ..disk.regular_files import require_regular_file
 from ..metafile.payload import Inflater, PayloadError
 
 _HEADERS = {348: (40, "8h", 72, 108, "f"), 540: (16, "8q", 14, 168, "q")}

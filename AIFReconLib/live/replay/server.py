@@ -9,8 +9,8 @@ import threading
 import time
 from collections.abc import Sequence
 
-from ...commands.signals import pause
 from ...errors import LiveConnectionError, SettingsError
+from ...machine.threads import pause
 from ...sweep.frames import TrackedSequence
 from ..wire.connection import POLL, check_port
 from ..wire.encoding import encode_status

@@ -17,8 +17,7 @@ from ...geometry.volume import VoxelGrid
 from ...imaging.beams import LINEAR, ProbeGeometry
 from ...message import Message
 from ...progress import Progress
-from ...reconstruction import Imaging
-from ...resolve import ConfiguredParts
+from ...resolve import ConfiguredParts, Imaging
 from ...settings import ReconstructionSettings
 from ...sweep.frames import TrackedFrame
 from ..pairing.synchronizer import LiveFrame

@@ -13,7 +13,7 @@ from ...geometry.volume import VoxelGrid
 from ...imaging.extent import grid_around_sweep
 from ...imaging.sound_speed import depth_scale
 from ...message import Message
-from ...reconstruction import Imaging
+from ...resolve import Imaging
 from ...settings import ReconstructionSettings
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.poses import SweepPoses

@@ -18,8 +18,7 @@ from ...imaging.region import ImageRegion
 from ...imaging.sound_speed import depth_factor
 from ...message import Message, said
 from ...progress import Progress, part
-from ...reconstruction import Imaging, configured_region, resolve_imaging
-from ...resolve import configured_parts, resolve_settings
+from ...resolve import Imaging, configured_parts, configured_region, resolve_imaging, resolve_settings
 from ...settings import ReconstructionSettings
 from ...sweep.frames import TrackedSequence
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings

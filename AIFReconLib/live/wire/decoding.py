@@ -13,7 +13,7 @@ import numpy as np
 from ...errors import LiveConnectionError, LiveMessageError
 from ...geometry.transform_graph import TransformStatus
 from ...geometry.transforms import LPS_FROM_RAS
-from ...io.sequence.file_images import luminance
+from ...imaging.images import luminance
 from ...message import Message
 from .framing import Frame, Header
 from .messages import ImageMessage, StatusMessage, TransformMessage
