@@ -20,7 +20,7 @@ from .imaging.region import ImageRegion
 from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
 from .progress import Progress, part, report
-from .resolve import configured_parts, resolve_imaging, resolve_settings
+from .resolve import reconstructor_parts, resolve_imaging, resolve_settings
 from .settings import ReconstructionSettings
 from .sweep.frames import TrackedFrame, TrackedSequence
 from .sweep.poses import describe_skipped, sweep_poses, time_order, tracked_frames
@@ -76,7 +76,7 @@ def reconstruct(
     """
     asked = settings or ReconstructionSettings()
     settings = resolve_settings(asked, sequence.configuration, bone is not None, importance is not None)
-    parts = configured_parts(asked, settings, sequence.configuration, importance)
+    parts = reconstructor_parts(asked, settings, sequence.configuration, importance)
     report(progress, 0.0, "Looking at the sweep")
     poses = sweep_poses(sequence, image_to_reference, reference)
     poses.require_usable(sequence.name)
@@ -125,5 +125,4 @@ def reconstruct(
         sequence.images[last]
     result = reconstructor.finish(part(progress, 0.95, 1.0))
     report(progress, 1.0, "Reconstructed")
-    warnings = getattr(sequence.configuration, "warnings", ())
-    return replace(result, notes=(*warnings, *parts.notes, *poses.notes, *imaging.notes, *result.notes))
+    return replace(result, notes=(*sequence.configuration.warnings, *parts.notes, *poses.notes, *imaging.notes, *result.notes))

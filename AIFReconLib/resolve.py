@@ -1,4 +1,4 @@
-"""What a Plus configuration gives a reconstruction beside its settings; whatever the caller gives comes first."""
+"""What the caller leaves open is taken from the Plus configuration, else from the images: settings, what a reconstructor gets, imaging."""
 
 from __future__ import annotations
 
@@ -13,18 +13,20 @@ from .geometry.volume import VoxelGrid
 from .holes.filling import HoleFilling
 from .imaging.beams import SECTOR, ProbeGeometry
 from .imaging.detection import detect_imaging
+from .imaging.images import ImageStack
 from .imaging.region import ImageRegion
+from .io.plus.importance_mask import configured_importance
 from .message import Message
 from .settings import LINEAR_METHODS, ReconstructionSettings
 from .sweep.frames import TrackedSequence
 from .sweep.poses import SweepPoses
 
 if TYPE_CHECKING:
-    from .io.plus.configuration import PlusConfiguration
+    from .sweep.configuration import PlusConfiguration
 
 
 @dataclass(frozen=True, eq=False)
-class ConfiguredParts:
+class ReconstructorParts:
     """What a `Reconstructor` is given.
 
     Parameters
@@ -52,7 +54,7 @@ class ConfiguredParts:
 
 
 def resolve_settings(
-    settings: ReconstructionSettings, configuration: PlusConfiguration | None, has_bone: bool, has_importance: bool = False
+    settings: ReconstructionSettings, configuration: PlusConfiguration, has_bone: bool, has_importance: bool = False
 ) -> ReconstructionSettings:
     """`settings` with what they leave open taken from a configuration, else from the defaults.
 
@@ -71,7 +73,7 @@ def resolve_settings(
 
     def given(name: str, default=None):
         own = getattr(settings, name)
-        own = getattr(configuration, name, None) if own is None else own
+        own = getattr(configuration, name) if own is None else own
         return default if own is None else own
 
     method = settings.method
@@ -89,18 +91,18 @@ def resolve_settings(
     )
 
 
-def configured_parts(
+def reconstructor_parts(
     asked: ReconstructionSettings,
     resolved: ReconstructionSettings,
-    configuration: PlusConfiguration | None,
+    configuration: PlusConfiguration,
     importance: np.ndarray | None = None,
-) -> ConfiguredParts:
+) -> ReconstructorParts:
     """The parts for settings as `asked` by the caller and as `resolve_settings` returned them.
 
     Parameters
     ----------
     asked, resolved : ReconstructionSettings
-    configuration : PlusConfiguration or None
+    configuration : PlusConfiguration
     importance : (rows, columns) array, 0 to 1, or None
         The caller's; it comes before the configuration's.
 
@@ -110,9 +112,9 @@ def configured_parts(
         When the configuration's importance mask cannot be read.
     """
     notes = []
-    if importance is None and getattr(configuration, "uses_importance_mask", False):
+    if importance is None and configuration.uses_importance_mask:
         if asked.method is None and resolved.method == "average":
-            importance = configuration.importance()
+            importance = configured_importance(configuration)
         else:
             notes.append(
                 Message(
@@ -120,7 +122,7 @@ def configured_parts(
                     method=resolved.method,
                 )
             )
-    if asked.interpolation is None and getattr(configuration, "interpolation", None) == "linear" and resolved.interpolation != "linear":
+    if asked.interpolation is None and configuration.interpolation == "linear" and resolved.interpolation != "linear":
         this = Message("{method} with cosines", method=resolved.method) if resolved.best_cosine else resolved.method
         notes.append(
             Message(
@@ -129,15 +131,14 @@ def configured_parts(
                 method=this,
             )
         )
-    grid = configuration.grid(resolved.spacing_xyz()) if getattr(configuration, "extent", None) is not None else None
-    return ConfiguredParts(
+    return ReconstructorParts(
         importance,
-        getattr(configuration, "holes", ()),
-        getattr(configuration, "threads", None),
+        configuration.holes,
+        configuration.threads,
         # Methods that weight by incidence are not Plus's
-        getattr(configuration, "fixed_point", False) and resolved.method in LINEAR_METHODS,
-        getattr(configuration, "fits_spacing", False) and asked.spacing is None,
-        grid,
+        configuration.fixed_point and resolved.method in LINEAR_METHODS,
+        configuration.fits_spacing and asked.spacing is None,
+        configuration.grid(resolved.spacing_xyz()),
         tuple(notes),
     )
 
@@ -151,10 +152,15 @@ class Imaging:
     notes: tuple[str, ...] = ()
 
 
-def configured_region(sequence: TrackedSequence) -> ImageRegion | None:
-    """The pixels that the sequence's configuration calls ultrasound: of its volume reconstruction, else of its scan conversion."""
-    candidates = (getattr(sequence.configuration, name, None) for name in ("region", "scan_region"))
-    return next((region for region in candidates if region is not None and (region.clip or region.fan)), None)
+def known_imaging(
+    configuration: PlusConfiguration, need_probe: bool, region: ImageRegion | None = None, probe: ProbeGeometry | None = None
+) -> Imaging | None:
+    """Probe and region as given, else from the configuration; None where the images must be looked at."""
+    region = region or configuration.imaged_region
+    probe = probe or configuration.probe
+    if probe is None and region is not None and region.fan is not None:
+        probe = ProbeGeometry(SECTOR, region.fan.apex_px)
+    return None if region is None or (need_probe and probe is None) else Imaging(region, probe)
 
 
 def resolve_imaging(
@@ -168,20 +174,36 @@ def resolve_imaging(
         When the probe is needed and cannot be told.
     """
     configuration = sequence.configuration
-    notes: list[str] = []
-    probe = probe or getattr(configuration, "probe", None)
-    region = region or configured_region(sequence)
-    if probe is None and region is not None and region.fan is not None:
-        probe = ProbeGeometry(SECTOR, region.fan.apex_px)
-    if region is None or (need_probe and probe is None):
-        try:
-            detected = detect_imaging(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
-        except BeamGeometryError as error:
-            if need_probe and probe is None:
-                raise BeamGeometryError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
-            detected = None
-        if detected is not None:
-            notes.append(Message("Recognized in the images: {probe}.", probe=detected.description))
-            probe = probe or detected.probe
-            region = region or detected.region
-    return Imaging(region or ImageRegion(), probe, tuple(notes))
+    known = known_imaging(configuration, need_probe, region, probe)
+    if known is not None:
+        return known
+    try:
+        return recognized_imaging(sequence.images, poses, configuration, need_probe, region, probe)
+    except BeamGeometryError as error:
+        raise BeamGeometryError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
+
+
+def recognized_imaging(
+    images: ImageStack,
+    poses: SweepPoses,
+    configuration: PlusConfiguration,
+    need_probe: bool,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+) -> Imaging:
+    """What `known_imaging` leaves open, recognized in the images.
+
+    Raises
+    ------
+    BeamGeometryError
+        When the probe is needed and cannot be told.
+    """
+    region, probe = region or configuration.imaged_region, probe or configuration.probe
+    try:
+        detected = detect_imaging(images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
+    except BeamGeometryError:
+        if need_probe and probe is None:
+            raise
+        return Imaging(region or ImageRegion(), probe)
+    note = Message("Recognized in the images: {probe}.", probe=detected.description)
+    return Imaging(region or detected.region, probe or detected.probe, (note,))

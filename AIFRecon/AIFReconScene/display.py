@@ -123,7 +123,7 @@ class SceneDisplay:
         byHand, key = probeFrom(parameters), (_sweepOf(parameters), imageRegionFrom(parameters))
         if self._imaging[0] != key or (needProbe and byHand is None and self._imaging[1].probe is None):
             sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
-            region = Inputs.fromParameters(parameters).imageRegion(sequence)
+            region = Inputs.fromParameters(parameters).imageRegion(sequence.configuration)
             poses = sweep_poses(sequence)
             poses.require_usable(sequence.name)
             self._imaging = (key, resolve_imaging(sequence, poses, needProbe and byHand is None, region))

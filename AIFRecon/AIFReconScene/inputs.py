@@ -93,7 +93,7 @@ class Inputs:
         if self.sweep is None:
             raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
         sequence = sequenceFromBrowser(self.sweep, self.imageSequence)
-        region = self.imageRegion(sequence)
+        region = self.imageRegion(sequence.configuration)
         bone = self._boneOf(sequence, region, progress) if self.bone is None and self.boneFromSweep else self.boneMap(progress)
         return PreparedInputs(self, sequence, bone, region, self.importance())
 
@@ -107,13 +107,11 @@ class Inputs:
         given = {name: value for name, value in sigma.items() if value is not None}
         return boneMapFromNode(self.bone, list(self.boneSegments) or None, referenceVolumeNode=self.ct, progress=progress, **given)
 
-    def imageRegion(self, sequence):
-        """The `ImageRegion` that is asked for, completed by the sequence's configuration; None where nothing is asked for."""
-        from AIFReconLib.resolve import configured_region
-
-        known = self.probe or getattr(sequence.configuration, "probe", None)
+    def imageRegion(self, configuration):
+        """The `ImageRegion` that is asked for, completed by the sweep's `PlusConfiguration`; None where nothing is asked for."""
+        known = self.probe or configuration.probe
         apex = getattr(self.probe, "apex_px", None)
-        return chosen_region(configured_region(sequence), self.clip, self.fanAngles, self.fanRadii, apex, known)
+        return chosen_region(configuration.imaged_region, self.clip, self.fanAngles, self.fanRadii, apex, known)
 
     def importance(self):
         """The weight of each pixel, (rows, columns) float32 array from 0 to 1, or None where no mask is chosen."""

@@ -1,6 +1,5 @@
 """A live session in the scene: starts it from the panel's parameters and keeps the nodes it shows up to date."""
 
-import numpy as np
 import slicer
 
 from AIFReconLib.errors import OperationCanceled, SettingsError
@@ -8,7 +7,6 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
 from AIFReconLib.live.session.session import SCOUTING, LiveSession
 from AIFReconLib.live.session.snapshots import SnapshotMaker
-from AIFReconLib.sweep.frames import TrackedSequence
 
 from .inputs import Inputs
 from .liveViews import LiveViews
@@ -61,7 +59,7 @@ class LiveReconstruction:
             settings,
             bone,
             grid,
-            region=inputs.imageRegion(TrackedSequence(np.empty((0, 0, 0), np.uint8), [], configuration=configuration)),
+            region=inputs.imageRegion(configuration),
             probe=inputs.probe,
             importance=inputs.importance(),
             configuration=configuration,
@@ -177,9 +175,11 @@ def _sourceFrom(parameters):
 
 
 def _configurationFrom(parameters):
+    from AIFReconLib.sweep.configuration import NO_CONFIGURATION
+
     path = fileFrom(parameters.configurationPath)
     if path is None:
-        return None
+        return NO_CONFIGURATION
     from AIFReconLib import read_plus_configuration
 
     return read_plus_configuration(path)

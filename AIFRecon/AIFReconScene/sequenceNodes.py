@@ -14,8 +14,8 @@ from vtk.util import numpy_support
 from AIFReconLib.errors import AIFReconError, GeometryError, NoUsableFramesError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.transforms import as_matrix
-from AIFReconLib.io.plus.configuration import PlusConfiguration
 from AIFReconLib.progress import Progress, part, report
+from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, chain_ends, sweep_poses
 
@@ -114,7 +114,7 @@ def indexValues(records: list[FrameRecord]) -> tuple[list[str], str]:
 
 def _poses(sequence: TrackedSequence) -> tuple[SweepPoses | None, TransformName]:
     """Where the frames lie, None where no chain of transforms tells; and what that chain as a whole is called."""
-    name, _ = chain_ends(sequence, None, None)
+    name, _ = chain_ends(sequence.configuration, None, None)
     try:
         return sweep_poses(sequence), name
     except AIFReconError:
@@ -286,6 +286,6 @@ def _record(sequence: TrackedSequence, poses: SweepPoses | None, poseName: Trans
         "fields": dict(sequence.fields),
         "notes": tuple(sequence.notes if poses is None else poses.notes),
         "transforms": dict(sequence.transforms),
-        "configuration": sequence.configuration if isinstance(sequence.configuration, PlusConfiguration) else None,
+        "configuration": None if sequence.configuration is NO_CONFIGURATION else sequence.configuration,
         "frames": frames,
     }

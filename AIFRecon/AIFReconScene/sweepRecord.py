@@ -16,8 +16,8 @@ import numpy as np
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
-from AIFReconLib.io.plus.configuration import PlusConfiguration
 from AIFReconLib.message import Message, said
+from AIFReconLib.sweep.configuration import PlusConfiguration
 
 ATTRIBUTE = "AIFRecon.Sweep"
 """Of the sequence browser node."""

@@ -145,7 +145,7 @@ def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
 
 def _beams(arguments: argparse.Namespace) -> SweepBeams:
     sequence = read_sequence(arguments.sweep, config=arguments.config)
-    region, probe = imaging_from(arguments, sequence)
+    region, probe = imaging_from(arguments, sequence.configuration, sequence.images)
     return SweepBeams.of_sequence(
         sequence,
         image_to_reference=arguments.image_to_reference,

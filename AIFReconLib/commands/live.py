@@ -23,7 +23,7 @@ from ..live.session.session import SCOUTING, LiveSession
 from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
 from ..machine.threads import pause
-from ..sweep.frames import TrackedSequence
+from ..sweep.configuration import NO_CONFIGURATION
 from .console import ProgressBar, show
 from .options import (
     add_bone_options,
@@ -165,14 +165,13 @@ def _session(arguments: argparse.Namespace) -> LiveSession:
             "--bone-from-sweep looks at a whole recorded sweep, which a live scan has not yet. Give --bone-labels or --bone-probability, "
             "or --record the scan and reconstruct it afterwards."
         )
-    configuration = read_plus_configuration(arguments.config) if arguments.config else None
-    unseen = TrackedSequence(np.empty((0, 0, 0), np.uint8), [], configuration=configuration)
-    region, probe = imaging_from(arguments, unseen)
+    configuration = read_plus_configuration(arguments.config) if arguments.config else NO_CONFIGURATION
+    region, probe = imaging_from(arguments, configuration)
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     with ProgressBar() as progress:
-        bone = bone_from(arguments, unseen, progress=progress)
+        bone = bone_from(arguments, None, progress=progress)
     grid = read_volume(arguments.grid_like).grid if arguments.grid_like else None
-    if grid is None and configuration is not None and not (arguments.reference or arguments.image_to_reference):
+    if grid is None and not (arguments.reference or arguments.image_to_reference):
         grid = configuration.grid(None if settings.spacing is None else settings.spacing_xyz())
     synchronizer = SynchronizerSettings(
         image_device=arguments.image,

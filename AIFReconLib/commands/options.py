@@ -14,13 +14,15 @@ from ..bone.map import SIGMA_VOXELS, BoneMap
 from ..errors import OutputError, SettingsError
 from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ..imaging.detection import detect_imaging
+from ..imaging.images import ImageStack
 from ..imaging.region import ClipRectangle, ImageRegion, chosen_region
 from ..io.metafile.opening import data_files
 from ..io.plus.importance_mask import read_importance_mask
 from ..io.volume.files import read_labels, read_transform, read_volume
 from ..progress import Progress
-from ..resolve import configured_region, resolve_imaging
+from ..resolve import resolve_imaging
 from ..settings import ReconstructionSettings
+from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
 
@@ -89,14 +91,14 @@ def add_sigma_options(group) -> None:
 
 def bone_from(
     arguments: argparse.Namespace,
-    sequence: TrackedSequence,
+    sequence: TrackedSequence | None,
     region: ImageRegion | None = None,
     probe: ProbeGeometry | None = None,
     progress: Progress | None = None,
 ) -> BoneMap | None:
     """The bone map that the options name, placed in Reference; None where they name none.
 
-    `sequence`, `region` and `probe` (as `imaging_from` returns them) are looked at for --bone-from-sweep alone.
+    `sequence`, `region` and `probe` (as `imaging_from` returns them) are looked at for --bone-from-sweep alone; a live scan has none yet.
     """
     if arguments.bone_from_sweep:
         if arguments.bone_transform:
@@ -148,22 +150,20 @@ def importance_from(arguments: argparse.Namespace) -> np.ndarray | None:
     return read_importance_mask(arguments.importance_mask) if arguments.importance_mask else None
 
 
-def imaging_from(arguments: argparse.Namespace, sequence: TrackedSequence) -> tuple[ImageRegion | None, ProbeGeometry | None]:
-    """Region and probe that the options ask for; None where they leave it to the configuration or the images."""
-    configured = configured_region(sequence)
+def imaging_from(
+    arguments: argparse.Namespace, configuration: PlusConfiguration, images: ImageStack | None = None
+) -> tuple[ImageRegion | None, ProbeGeometry | None]:
+    """Region and probe that the options ask for; None where they leave it to the configuration or the images (None before a scan)."""
     apex = tuple(arguments.apex_px) if arguments.apex_px else None
-    probe = _probe(arguments.probe, apex, sequence)
+    probe = _probe(arguments.probe, apex, configuration, images)
     clip = ClipRectangle(tuple(arguments.clip_px[:2]), tuple(arguments.clip_px[2:])) if arguments.clip_px else None
-    known = probe or configured_probe(sequence)
-    return chosen_region(configured, clip, arguments.fan_angles_deg, arguments.fan_radius_px, apex, known), probe
+    known = probe or configuration.probe
+    return chosen_region(configuration.imaged_region, clip, arguments.fan_angles_deg, arguments.fan_radius_px, apex, known), probe
 
 
-def configured_probe(sequence: TrackedSequence) -> ProbeGeometry | None:
-    """The probe of the sequence's configuration, if it tells."""
-    return getattr(sequence.configuration, "probe", None)
-
-
-def _probe(kind: str, apex: tuple[float, float] | None, sequence: TrackedSequence) -> ProbeGeometry | None:
+def _probe(
+    kind: str, apex: tuple[float, float] | None, configuration: PlusConfiguration, images: ImageStack | None
+) -> ProbeGeometry | None:
     if kind == LINEAR:
         if apex:
             raise SettingsError("A linear probe has no apex. Leave out --apex-px, or give --probe sector.")
@@ -172,7 +172,11 @@ def _probe(kind: str, apex: tuple[float, float] | None, sequence: TrackedSequenc
         return ProbeGeometry(SECTOR, apex)
     if kind != SECTOR:
         return None
-    known = configured_probe(sequence) or detect_imaging(sequence.images).probe  # the apex in pixels does not depend on their size
+    known = configuration.probe
+    if known is None:
+        if images is None:
+            raise SettingsError("A sector probe has an apex, which is not known before the scan. Give --apex-px COLUMN ROW.")
+        known = detect_imaging(images).probe  # the apex in pixels does not depend on their size
     if known.kind != SECTOR:
         raise SettingsError(
             "The images or the configuration show a linear probe, not a sector. Give --apex-px COLUMN ROW to say otherwise."

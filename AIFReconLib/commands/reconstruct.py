@@ -112,7 +112,7 @@ def run(arguments: argparse.Namespace) -> None:
         check_writable(arguments.report)
     with ProgressBar() as progress:
         sequence = sequence_from(arguments)
-        region, probe = imaging_from(arguments, sequence)
+        region, probe = imaging_from(arguments, sequence.configuration, sequence.images)
         bone = bone_from(arguments, sequence, region, probe, part(progress, 0.0, 0.1))
         grid = read_volume(arguments.grid_like).grid if arguments.grid_like else None
         result = reconstruct(

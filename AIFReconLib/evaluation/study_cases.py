@@ -10,12 +10,12 @@ import numpy as np
 from ..bone.map import BoneMap
 from ..geometry.transform_graph import TransformName, TransformSample
 from ..geometry.volume import Volume
-from ..io.plus.configuration import PlusConfiguration
 from ..reconstruction import reconstruct
 from ..settings import BONE_METHODS, ReconstructionSettings
 from ..simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from ..simulation.phased_array import PhasedArray
 from ..simulation.scan import ProbePath, TrackingErrors, ct_misregistration, multi_angle_sweep, simulate_sweep, single_angle_sweep
+from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
 from .metrics import evaluate

@@ -111,7 +111,7 @@ def diagnose(
             findings.append(f"Images cannot be compared with poses: {error}")
     facts.append(("probe", _describe_probe(sequence, spacing)))
     findings += _about_time(sequence) + _about_tools(sequence)
-    findings += getattr(sequence.configuration, "warnings", ())
+    findings += sequence.configuration.warnings
     names = sequence.transform_names()
     statuses = tuple((str(name), _describe_statuses(sequence, name)) for name in names)
     return SequenceReport(tuple(facts), statuses, tuple(findings), ready, tracking, offset)
@@ -138,7 +138,7 @@ def _describe_spacing(poses: SweepPoses) -> str:
 
 
 def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float]) -> str:
-    probe = getattr(sequence.configuration, "probe", None)
+    probe = sequence.configuration.probe
     if probe is not None:
         apex = f", apex at column {probe.apex_px[0]:.1f}, row {probe.apex_px[1]:.1f}" if probe.apex_px else ""
         return f"{probe.kind}{apex} (configuration)"

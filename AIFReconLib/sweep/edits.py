@@ -202,7 +202,7 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: np.ndarr
 
 def with_configured_transforms(sequence: TrackedSequence) -> TrackedSequence:
     """The sequence with the transforms of its configuration in its header, those excepted that it holds already."""
-    configured = dict(getattr(sequence.configuration, "transforms", None) or {})
+    configured = sequence.configuration.transforms
     recorded = {name for known in sequence.transform_names() for name in (known, known.inverse)}
     added = {name: sample for name, sample in configured.items() if name not in recorded}
     return replace(sequence, transforms={**sequence.transforms, **added})

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ..imaging.images import ImageStack
+from .configuration import NO_CONFIGURATION, PlusConfiguration
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +73,8 @@ class TrackedSequence:
         Custom header fields that concern the whole file.
     transforms : dict of TransformName to TransformSample
         Transforms that hold for every frame (from the header, not from a configuration).
-    configuration : PlusConfiguration or None
-        The Plus configuration given with the recording, if any.
+    configuration : PlusConfiguration
+        What was given with the recording; an empty one where nothing was (None is taken for that).
     path : Path or None
         Where it was read from, for messages.
     notes : tuple of str
@@ -84,11 +85,13 @@ class TrackedSequence:
     records: list[FrameRecord]
     fields: dict[str, str] = field(default_factory=dict)
     transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
-    configuration: object | None = None
+    configuration: PlusConfiguration = NO_CONFIGURATION
     path: Path | None = None
     notes: tuple[str, ...] = ()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
+        if self.configuration is None:
+            object.__setattr__(self, "configuration", NO_CONFIGURATION)
         if len(self.images) != len(self.records):
             raise ValueError(f"Input records must be one per image; got {len(self.records)} for {len(self.images)} images.")
 

@@ -15,6 +15,7 @@ from ..errors import GeometryError, NoUsableFramesError, TransformError
 from ..geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
 from ..geometry.transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
 from ..message import Message, listed
+from .configuration import PlusConfiguration
 from .frames import TrackedFrame, TrackedSequence
 
 
@@ -64,14 +65,13 @@ class SweepPoses:
         return usable
 
 
-def chain_ends(sequence: TrackedSequence, image_to_reference: str | None, reference: str | None) -> tuple[TransformName, bool]:
+def chain_ends(configuration: PlusConfiguration, image_to_reference: str | None, reference: str | None) -> tuple[TransformName, bool]:
     """The transform to look up, and whether the caller named it: options first, then the configuration, then Plus's usual names."""
     if image_to_reference is not None:
         name = TransformName.parse(image_to_reference)
         return TransformName(name.source, reference or name.target), True
-    configuration = sequence.configuration
-    source = getattr(configuration, "image_frame", None) or "Image"
-    target = reference or getattr(configuration, "reference_frame", None) or "Reference"
+    source = configuration.image_frame or "Image"
+    target = reference or configuration.reference_frame or "Reference"
     return TransformName(source, target), False
 
 
@@ -93,9 +93,9 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     TransformError
         When no chain, or more than one, leads from image to reference.
     """
-    wanted, named = chain_ends(sequence, image_to_reference, reference)
+    wanted, named = chain_ends(sequence.configuration, image_to_reference, reference)
     recorded = sequence.transform_names()
-    configured = dict(getattr(sequence.configuration, "transforms", None) or {})
+    configured = sequence.configuration.transforms
     notes = list(sequence.notes)
     twice = [name for name in recorded if name in configured]
     notes += [Message("{name} is in the recording and in the configuration; the recording's is used.", name=name) for name in twice]

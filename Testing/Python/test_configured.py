@@ -18,12 +18,12 @@ from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.holes.plus_ways import fill_holes_by_kind
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
-from AIFReconLib.io.plus.configuration import PlusConfiguration
 from AIFReconLib.io.sequence.files import write_sequence
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.resolve import configured_parts, resolve_settings
+from AIFReconLib.resolve import reconstructor_parts, resolve_settings
 from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.configuration import PlusConfiguration
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
 FULL = ImageRegion(ClipRectangle((0, 0), (39, 29)))
@@ -62,7 +62,7 @@ def test_pixel_rejection_is_the_callers_then_the_configurations(configured, give
 def test_an_interpolation_that_does_not_go_with_the_method_is_told():
     asked = ReconstructionSettings()
     configured = configuration(interpolation="linear")
-    (note,) = configured_parts(asked, resolve_settings(asked, configured, True), configured).notes
+    (note,) = reconstructor_parts(asked, resolve_settings(asked, configured, True), configured).notes
     assert "Interpolation=LINEAR is not used: it is for methods average, latest, maximum, and this is weighted." in note
 
 

@@ -24,7 +24,7 @@ PROMISED_BYTES_PER_VOXEL = 32
 @pytest.fixture(scope="module")
 def sequence():
     from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
-    from AIFReconLib.io.plus.configuration import PlusConfiguration
+    from AIFReconLib.sweep.configuration import PlusConfiguration
 
     calibration = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
     return replace(tracked_sequence(), configuration=PlusConfiguration(path=Path("made-up.xml"), transforms=calibration))

@@ -14,10 +14,10 @@ from AIFReconLib.errors import BeamGeometryError, NoUsableFramesError, Operation
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
-from AIFReconLib.io.plus.configuration import PlusConfiguration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.configuration import PlusConfiguration
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
 FULL = ImageRegion(ClipRectangle((0, 0), (39, 29)))

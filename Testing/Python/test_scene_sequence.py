@@ -16,10 +16,10 @@ from AIFReconLib.errors import NoUsableFramesError, OperationCanceled, SequenceF
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion  # noqa: E402
-from AIFReconLib.io.plus.configuration import PlusConfiguration  # noqa: E402
 from AIFReconLib.message import Message, translated  # noqa: E402
 from AIFReconLib.reconstruction import reconstruct  # noqa: E402
 from AIFReconLib.settings import ReconstructionSettings  # noqa: E402
+from AIFReconLib.sweep.configuration import PlusConfiguration  # noqa: E402
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
 

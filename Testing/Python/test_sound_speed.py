@@ -18,10 +18,10 @@ from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.imaging.sound_speed import DepthScale, depth_factor
-from AIFReconLib.io.plus.configuration import PlusConfiguration
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedFrame
 
 LINEAR = ProbeGeometry("linear")

@@ -278,7 +278,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
         from AIFReconScene.parameters import takeConfigured
         from AIFReconScene.sweepRecord import writeRecord
 
-        from AIFReconLib.io.plus.configuration import PlusConfiguration
+        from AIFReconLib.sweep.configuration import PlusConfiguration
 
         sweep = tinyScene.addSweep()
         writeRecord(sweep, {"configuration": PlusConfiguration(path=pathlib.Path("Plus.xml"), spacing=(0.7, 0.7, 0.7))})

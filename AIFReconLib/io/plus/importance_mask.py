@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import SimpleITK as sitk
 
-from ...errors import FileFormatError
+from ...errors import ConfigurationError, FileFormatError
+from ...sweep.configuration import PlusConfiguration
 from ..transform.itk_errors import short_cause
 from ..transform.itk_paths import itk_path
 
@@ -95,3 +96,23 @@ def _check_chunks(path: Path) -> None:
             break
     if kind != b"IEND" or place > len(data):
         raise FileFormatError("{path}: it cannot be read as an importance mask: it is damaged or no PNG image. Save it again.", path=path)
+
+
+def configured_importance(configuration: PlusConfiguration) -> np.ndarray | None:
+    """The weight of each pixel that a configuration asks for, as `read_importance_mask` returns it; None where it asks for none.
+
+    Raises
+    ------
+    FileFormatError
+        When the mask has no file, or one that cannot be used.
+    """
+    if not configuration.uses_importance_mask:
+        return None
+    if configuration.importance_mask is None:
+        place = "VolumeReconstruction@ImportanceMaskFilename"
+        raise ConfigurationError(
+            "{path}: {place} is missing, and CompoundingMode=IMPORTANCE_MASK needs it. Add it, or give an importance mask.",
+            path=configuration.path,
+            place=place,
+        )
+    return read_importance_mask(configuration.importance_mask)

@@ -8,10 +8,11 @@ from pathlib import Path
 from ...errors import SequenceFormatError
 from ...imaging.images import ImageStack
 from ...message import Message
+from ...sweep.configuration import PlusConfiguration
 from ...sweep.frames import TrackedSequence
 from ...sweep.pose_tracks import LONGEST_GAP
 from ..metafile.opening import read_metafile
-from ..plus.configuration import PlusConfiguration, read_plus_configuration
+from ..plus.configuration import read_plus_configuration
 from .fields import split_fields
 from .file_images import FileImages
 from .interleaved_images import InterleavedImages

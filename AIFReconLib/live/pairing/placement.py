@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from ...errors import TransformError
 from ...geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus, capital
 from ...message import Message
+from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.poses import chain_ends, sweep_poses
 from ..wire.messages import ImageMessage
@@ -20,6 +22,19 @@ PROBE = "Probe"
 STATUS_SUFFIX = "TransformStatus"
 
 UNCONFIRMED = "pose not confirmed (no transform or status of its tool is sent)"
+
+
+class PlacementSettings(Protocol):
+    """What `SynchronizerSettings` say of poses."""
+
+    @property
+    def image_to_reference(self) -> str | None: ...
+    @property
+    def reference(self) -> str | None: ...
+    @property
+    def time_offset(self) -> float: ...
+    @property
+    def trust_image_pose(self) -> bool: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +61,8 @@ class Placement:
 
     Parameters
     ----------
-    settings : SynchronizerSettings
-    configuration : PlusConfiguration or None
+    settings : PlacementSettings
+    configuration : PlusConfiguration
 
     Notes
     -----
@@ -58,14 +73,13 @@ class Placement:
     of transforms from Image to Reference.
     """
 
-    def __init__(self, settings, configuration=None):
+    def __init__(self, settings: PlacementSettings, configuration: PlusConfiguration = NO_CONFIGURATION):
         self.problem: str | None = None
         self._trusting = settings.trust_image_pose
         self._uses_image_matrix = settings.time_offset == 0.0
         self._configuration = configuration
-        self._configured = dict(getattr(configuration, "transforms", None) or {})
-        empty = TrackedSequence(np.empty((0, 0, 0), np.uint8), [], configuration=configuration)
-        self.wanted, self._named = chain_ends(empty, settings.image_to_reference, settings.reference)
+        self._configured = configuration.transforms
+        self.wanted, self._named = chain_ends(configuration, settings.image_to_reference, settings.reference)
         self._paths: dict[tuple, tuple[TransformName, ...] | None] = {}
 
     def embedded_frame(self, message: ImageMessage) -> str | None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...errors import SettingsError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedFrame
 from ..wire.messages import ImageMessage, StreamEvent, StreamMessage, TransformMessage
 from .placement import Placement, metadata_transforms, stream_name
@@ -104,14 +105,14 @@ class Synchronizer:
     for a tool that was not seen, so there an exact identity counts as INVALID.
     """
 
-    def __init__(self, settings: SynchronizerSettings | None = None, configuration=None):
+    def __init__(self, settings: SynchronizerSettings | None = None, configuration: PlusConfiguration | None = None):
         self.settings = settings or SynchronizerSettings()
         self.device = self.settings.image_device
         self.frames = 0
         self.repeated = 0
         self.other_images = 0
         self.unused_transforms = 0
-        self._placement = Placement(self.settings, configuration)
+        self._placement = Placement(self.settings, configuration or NO_CONFIGURATION)
         self._histories: dict[TransformName, PoseHistory] = {}
         self._expected: frozenset[TransformName] = frozenset()
         self._waiting: deque[_Waiting] = deque()

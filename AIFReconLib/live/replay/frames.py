@@ -76,7 +76,7 @@ class ReplayFrames:
         self._order = time_order(sequence)
         self.offsets, self.period = _times(sequence, self._order, rate)
         recorded = sequence.transform_names()
-        configured = dict(getattr(sequence.configuration, "transforms", None) or {})
+        configured = sequence.configuration.transforms
         # A frame that lacks a recorded transform has none: the configuration's must not stand in for it
         self._static = {**{name: sample for name, sample in configured.items() if name not in recorded}, **sequence.transforms}
         self._known = {*recorded, *configured}
@@ -115,7 +115,7 @@ class ReplayFrames:
 
     def _image_chain(self, image_to_reference, reference, named: bool) -> tuple[TransformName, tuple[TransformName, ...]]:
         """The transform that places the image, and the chain that it is made of; no chain where nothing leads there and none was named."""
-        image, _ = chain_ends(self._sequence, image_to_reference, reference)
+        image, _ = chain_ends(self._sequence.configuration, image_to_reference, reference)
         try:
             return image, sweep_poses(self._sequence, image_to_reference, reference).path
         except TransformError:

@@ -17,7 +17,7 @@ from ...geometry.volume import VoxelGrid
 from ...imaging.beams import LINEAR, ProbeGeometry
 from ...message import Message
 from ...progress import Progress
-from ...resolve import ConfiguredParts, Imaging
+from ...resolve import Imaging, ReconstructorParts
 from ...settings import ReconstructionSettings
 from ...sweep.frames import TrackedFrame
 from ..pairing.synchronizer import LiveFrame
@@ -46,7 +46,7 @@ class Inserter:
     meter : Meter
     longest_delay : float or None, s
         Leave frames out when those that wait will take longer than this; None: never, and `put` waits instead.
-    parts : ConfiguredParts
+    parts : ReconstructorParts
         What else the configuration gives.
     """
 
@@ -56,9 +56,9 @@ class Inserter:
         bone: BoneMap | None,
         meter: Meter,
         longest_delay: float | None,
-        parts: ConfiguredParts | None = None,
+        parts: ReconstructorParts | None = None,
     ):
-        self._parts = parts or ConfiguredParts()
+        self._parts = parts or ReconstructorParts()
         self.error: Exception | None = None
         self.ready = threading.Event()
         self._settings = settings

@@ -12,15 +12,15 @@ import numpy as np
 from ...bone.map import BoneMap
 from ...compounding.reconstructor import Reconstruction, needs_beams
 from ...compounding.state import bytes_per_voxel
-from ...errors import AIFReconError, BeamGeometryError, OutputError, SettingsError
+from ...errors import AIFReconError, OutputError, SettingsError
 from ...geometry.volume import VoxelGrid
 from ...imaging.region import ImageRegion
 from ...imaging.sound_speed import depth_factor
 from ...message import Message, said
 from ...progress import Progress, part
-from ...resolve import Imaging, configured_parts, configured_region, resolve_imaging, resolve_settings
+from ...resolve import Imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
 from ...settings import ReconstructionSettings
-from ...sweep.frames import TrackedSequence
+from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from ..wire.messages import StreamEvent, StreamMessage
 from ..wire.sources import CONNECTED, ENDED, MessageSource
@@ -98,17 +98,17 @@ class LiveSession:
         region: ImageRegion | None = None,
         probe=None,
         importance: np.ndarray | None = None,
-        configuration=None,
+        configuration: PlusConfiguration | None = None,
         synchronizer: SynchronizerSettings | None = None,
         record: str | Path | None = None,
         frame_limit: int | None = None,
         longest_delay: float | None = 1.0,
     ):
         self._source = source
-        self._configured = TrackedSequence(np.empty((0, 0, 0), np.uint8), [], configuration=configuration)
+        self._configuration = configuration = configuration or NO_CONFIGURATION
         asked = settings or ReconstructionSettings()
         self.settings = resolve_settings(asked, configuration, bone is not None, importance is not None)
-        parts = configured_parts(asked, self.settings, configuration, importance)
+        parts = reconstructor_parts(asked, self.settings, configuration, importance)
         self._fits_spacing = parts.fits_spacing
         self._uses_beams = needs_beams(self.settings.method, self.settings)
         self._needs_probe = self._uses_beams or depth_factor(self.settings) != 1.0
@@ -117,8 +117,8 @@ class LiveSession:
                 "Method {method} needs to know where bone is. Give labels or a bone probability, or choose method average.",
                 method=self.settings.method,
             )
-        self._region, self._probe = region or configured_region(self._configured), probe or getattr(configuration, "probe", None)
-        self._imaging: Imaging | None = None
+        self._region, self._probe = region, probe
+        self._imaging = known_imaging(configuration, self._needs_probe, region, probe)
         self._synchronizer = Synchronizer(synchronizer, configuration)
         self._reference = self._synchronizer.reference
         self.recorder = Recorder(record) if record is not None else None
@@ -130,7 +130,7 @@ class LiveSession:
         self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts)
         self._grid = grid
         self._lock = threading.RLock()
-        self._phase = SCOUTING if grid is None else RECONSTRUCTING if self._knows_imaging else LOOKING
+        self._phase = SCOUTING if grid is None else RECONSTRUCTING if self._imaging else LOOKING
         self._scouted = ScoutedFrames()
         self._paused = False
         self._prepared = self._started = self._closed = False
@@ -208,7 +208,7 @@ class LiveSession:
         """Reconstruct on `grid` from now on, beginning with the frames seen while scouting that were kept."""
         with self._lock:
             self._grid = grid
-            if self._imaging is None and not self._knows_imaging and self._scouted.usable < FRAMES_LOOKED_AT and not self._closed:
+            if self._imaging is None and self._scouted.usable < FRAMES_LOOKED_AT and not self._closed:
                 self._phase = LOOKING
             else:
                 self._begin()
@@ -379,18 +379,9 @@ class LiveSession:
                 self._meter.skip(SCOUTED if frame.status == "OK" else frame.status, round_)
             self._scouted.clear()
 
-    @property
-    def _knows_imaging(self) -> bool:
-        return self._region is not None and (not self._needs_probe or self._probe is not None or self._region.fan is not None)
-
     def _find_imaging(self, kept: ScoutedFrames) -> Imaging:
         """How the images are to be read: as given and configured, else recognized in the frames that were kept."""
         if self._imaging is None:
-            sequence, poses = (self._configured, None) if self._knows_imaging else kept.sequence()
-            try:
-                imaging = resolve_imaging(sequence, poses, self._needs_probe, self._region, self._probe)
-            except BeamGeometryError as error:
-                # Without the name of the sequence, which nobody gave
-                raise error.args[0].values.get("problem", error) from None
-            self._imaging = replace(imaging, notes=(*getattr(self._configured.configuration, "warnings", ()), *imaging.notes))
-        return self._imaging
+            sequence, poses = kept.sequence()
+            self._imaging = recognized_imaging(sequence.images, poses, self._configuration, self._needs_probe, self._region, self._probe)
+        return replace(self._imaging, notes=(*self._configuration.warnings, *self._imaging.notes))
