@@ -25,16 +25,27 @@ UNCONFIRMED = "pose not confirmed (no transform or status of its tool is sent)"
 
 
 class PlacementSettings(Protocol):
-    """What `SynchronizerSettings` say of poses."""
+    """What `SynchronizerSettings` say of poses; see there."""
 
     @property
-    def image_to_reference(self) -> str | None: ...
+    def image_to_reference(self) -> str | None:
+        """The transform that places the image."""
+        ...
+
     @property
-    def reference(self) -> str | None: ...
+    def reference(self) -> str | None:
+        """The frame to reconstruct in."""
+        ...
+
     @property
-    def time_offset(self) -> float: ...
+    def time_offset(self) -> float:
+        """Seconds that images are late."""
+        ...
+
     @property
-    def trust_image_pose(self) -> bool: ...
+    def trust_image_pose(self) -> bool:
+        """Whether an image's own pose needs no confirmation."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
