@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from importlib import import_module
 
+from .machine.moved import find_moved_modules
+
 __version__ = "0.1.0"
 
 _PUBLIC = {
@@ -46,6 +48,8 @@ _PUBLIC = {
 }
 
 __all__ = sorted(_PUBLIC)
+
+find_moved_modules()
 
 
 def __getattr__(name: str):
