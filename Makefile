@@ -101,4 +101,4 @@ fuzz: setup
 	@$(BIN)/python Testing/fuzz/run.py --seconds $(FUZZ_SECONDS)
 
 clean:
-	rm -rf $(VENV) demo-output study-output htmlcov build dist .pytest_cache .ruff_cache .hypothesis .coverage *.egg-info
+	rm -rf $(VENV) demo-output study-output Resources/Translations htmlcov build dist .pytest_cache .ruff_cache .hypothesis .coverage *.egg-info
