@@ -81,7 +81,7 @@ bench: setup
 	@$(BIN)/python -m AIFReconLib benchmark
 
 study: setup
-	@$(BIN)/python -m AIFReconLib study --output "$(STUDY_OUTPUT)"
+	@$(BIN)/python Testing/study methods --output "$(STUDY_OUTPUT)"
 
 # Shorter, or with other faults: make soak SOAK="--minutes 5 --seed 7"
 soak: setup

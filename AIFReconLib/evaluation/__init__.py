@@ -1,1 +1,1 @@
-"""Looking at results: metrics against true bone, figures, reports and the study. The only place that imports matplotlib."""
+"""Looking at results: metrics against true bone, figures and reports. The only place that imports matplotlib."""
