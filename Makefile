@@ -77,8 +77,9 @@ format: setup
 	@$(BIN)/python -m ruff check --quiet --fix .
 	@$(BIN)/python -m ruff format --quiet .
 
+# More or less of it: make bench BENCH="--quick"; a live session: make bench BENCH=live
 bench: setup
-	@$(BIN)/python -m AIFReconLib benchmark
+	@$(BIN)/python Testing/benchmark $(BENCH)
 
 study: setup
 	@$(BIN)/python Testing/study methods --output "$(STUDY_OUTPUT)"
