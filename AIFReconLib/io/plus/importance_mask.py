@@ -9,8 +9,7 @@ import numpy as np
 import SimpleITK as sitk
 
 from ...errors import FileFormatError
-from ..transform.itk_errors import short_cause
-from ..transform.itk_paths import itk_path
+from ..disk.itk import itk_path, short_cause
 
 MAXIMUM_PIXELS = 2**24
 """An ultrasound image has one or two million."""
