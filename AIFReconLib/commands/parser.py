@@ -19,11 +19,11 @@ from typing import NoReturn
 from .. import __version__
 from ..errors import AIFReconError, OperationCanceled
 from ..message import LONGEST_QUOTE, one_line, shorten
-from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, replay, simulate, study
+from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, replay, simulate
 from .console import prepare_streams
 from .signals import OrderlyEnd, orderly_end
 
-COMMANDS = (demo, reconstruct, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark, study)
+COMMANDS = (demo, reconstruct, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
 
 SUCCESS, BAD_INPUT = 0, 2
 

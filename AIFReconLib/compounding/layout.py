@@ -20,6 +20,9 @@ ROWS_AT_ONCE = 64
 CENTER_TOLERANCE = 1e-6
 """Voxels. The box around a sweep begins at a pixel's center, which rounding must not put outside of it."""
 
+FIXED_POINT_ONE = 2**14
+"""What stands for 1 where pixels are placed as by Plus's Optimization=FULL."""
+
 
 @dataclass(frozen=True, eq=False)
 class PixelLayout:
@@ -252,3 +255,14 @@ def _floors_along_one(along_rows: np.ndarray, along_columns: np.ndarray) -> np.n
         return ends[:, :1]
     ends = np.floor(along_rows[[0, -1]] + along_columns)
     return ends[:1] if np.array_equal(ends[0], ends[1]) else None
+
+
+def in_fixed_point(image_to_ijk: np.ndarray) -> np.ndarray:
+    """A (4, 4) matrix with its numbers rounded as IGSIO's fixed-point type holds them.
+
+    Notes
+    -----
+    With whole columns and rows, places are then whole numbers of 2^-14 voxel, which doubles add up exactly: pixels fall into the voxels
+    of IGSIO's integer arithmetic. A pixel moves by at most (columns + rows + 1) 2^-15 voxels along an axis.
+    """
+    return np.rint(image_to_ijk * FIXED_POINT_ONE) / FIXED_POINT_ONE

@@ -1,9 +1,14 @@
-"""How fast this machine reconstructs: every method with every engine, and all that comes before and after."""
+"""How fast this machine reconstructs: every method with every engine, and all that comes before and after.
+
+python Testing/benchmark --quick
+python Testing/benchmark --json before.json --markdown table.md
+"""
 
 from __future__ import annotations
 
+import argparse
+import json
 import os
-import platform
 import statistics
 import tempfile
 import time
@@ -13,23 +18,28 @@ from pathlib import Path
 
 import numpy as np
 
-from . import __version__
-from .benchmark_cases import COLUMNS, PROBE, ROWS, TURN_DEG, fan_sweep, half_empty, labels_of_size, recorded, slab_of_bone
-from .benchmark_first import seconds_to_first_result
-from .benchmark_table import BenchmarkResult, Timing
-from .bone.map import BoneMap
-from .compounding.reconstructor import Reconstructor
-from .compounding.state import bytes_per_voxel
-from .geometry.volume import VoxelGrid
-from .holes.nearest import fill_holes
-from .imaging.extent import grid_around_sweep
-from .imaging.region import ImageRegion
-from .io.sequence.files import read_sequence, write_sequence
-from .machine.threads import optional_module, usable_cores
-from .progress import Progress, report
-from .reconstruction import reconstruct
-from .settings import BONE_METHODS, METHODS, ReconstructionSettings
-from .sweep.frames import TrackedFrame
+from AIFReconLib import __version__
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.commands.benchmark import busy_share, fan_sweep, machine, slab_of_bone
+from AIFReconLib.commands.console import ProgressBar
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.compounding.state import bytes_per_voxel
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.holes.nearest import fill_holes
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.io.sequence.files import read_sequence, write_sequence
+from AIFReconLib.machine.threads import optional_module, usable_cores
+from AIFReconLib.message import columns
+from AIFReconLib.progress import Progress, report
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.sweep.frames import TrackedFrame
+
+from .cases import COLUMNS, PROBE, ROWS, TURN_DEG, half_empty, labels_of_size, recorded, turned
+from .first_result import seconds_to_first_result
+from .table import BenchmarkResult, Timing
 
 NUMPY_SHARE = 8
 """The numpy engine gets every 8th frame of the sweep, so that it does not take most of the time."""
@@ -84,7 +94,7 @@ def benchmark(
     for number, (jobs, spacing) in enumerate(sweeps):
         start, part = 0.7 * number / len(sweeps), 0.7 / len(sweeps)
         timings += _measured(jobs(frames, spacing), repeats, lambda f, s=start, p=part: report(progress, s + p * f, "Reconstructing"))
-    busy = _busy()
+    busy = busy_share()
     if voxels:
         report(progress, 0.7, "Holes and bone")
         timings += _measured(_volume_jobs(voxels), repeats, lambda f: report(progress, 0.7 + 0.2 * f, "Holes and bone"))
@@ -94,7 +104,7 @@ def benchmark(
     if data is not None:
         timings += _measured(_recording_jobs(data), repeats, lambda f: report(progress, 0.95 + 0.05 * f, "Real recordings"))
     report(progress, 1.0, "Done")
-    return BenchmarkResult(_machine(), __version__, frames, repeats, busy, tuple(timings))
+    return BenchmarkResult(machine(), __version__, frames, repeats, busy, tuple(timings))
 
 
 def _measured(jobs: list[Job], repeats: int, tell: Callable[[float], None]) -> list[Timing]:
@@ -127,7 +137,7 @@ def _measured(jobs: list[Job], repeats: int, tell: Callable[[float], None]) -> l
 
 def _reconstruction_jobs(frames: int, spacing: float) -> list[Job]:
     """The yardsticks, then every method with every engine, on a sweep along the grid."""
-    sweep = fan_sweep(frames)
+    sweep = fan_sweep(frames, COLUMNS, ROWS)
     grid, bone = _around(sweep, spacing)
     jobs = _yardstick_jobs(METHODS, sweep, grid, bone, spacing)
     few = sweep[::NUMPY_SHARE]
@@ -140,7 +150,7 @@ def _reconstruction_jobs(frames: int, spacing: float) -> list[Job]:
 
 def _turned_jobs(frames: int, spacing: float) -> list[Job]:
     """The same of some methods, with numba on all of its threads, on a sweep across the grid."""
-    sweep = fan_sweep(frames, TURN_DEG)
+    sweep = turned(fan_sweep(frames, COLUMNS, ROWS), TURN_DEG)
     grid, bone = _around(sweep, spacing)
     jobs = _yardstick_jobs(TURNED_METHODS, sweep, grid, bone, spacing)
     for threads in _numba_threads()[-1:]:
@@ -157,11 +167,11 @@ def _around(sweep: list[TrackedFrame], spacing: float) -> tuple[VoxelGrid, BoneM
 
 def _numba_threads() -> list[int]:
     """Numbers of threads to time numba with, rising; none without numba."""
-    return sorted({1, min(2, usable_cores())}) if optional_module("AIFReconLib.numba_yardstick") else []
+    return sorted({1, min(2, usable_cores())}) if optional_module("benchmark.numba_yardstick") else []
 
 
 def _yardstick_jobs(methods: tuple[str, ...], sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float) -> list[Job]:
-    loops = optional_module("AIFReconLib.numba_yardstick")
+    loops = optional_module("benchmark.numba_yardstick")
     if loops is None:
         return []
     works = loops.yardsticks(sweep, grid, bone, PROBE)
@@ -203,7 +213,7 @@ def _volume_jobs(voxels: int) -> list[Job]:
 
 def _file_jobs(folder: Path) -> list[Job]:
     """Reading every image of a recording."""
-    sequence = recorded(fan_sweep(FILE_FRAMES))
+    sequence = recorded(fan_sweep(FILE_FRAMES, COLUMNS, ROWS))
     jobs: list[Job] = []
     for name, compress in (("uncompressed", False), ("compressed", True)):
         path = folder / f"{name}.mha"
@@ -244,28 +254,28 @@ def _first_results() -> list[Timing]:
     ]
 
 
-def _busy() -> float:
-    """Share of the processor that others use, by a short stretch of work; 0 where it cannot be told."""
-    wall, cpu = time.perf_counter(), time.process_time()
-    total = 0
-    while time.perf_counter() - wall < 0.5:
-        total += 1
-    return max(1.0 - (time.process_time() - cpu) / (time.perf_counter() - wall), 0.0)
-
-
-def _machine() -> str:
-    names = [platform.system(), platform.machine(), f"{usable_cores()} cores"]
-    if model := _processor():
-        names.append(model)
-    numba = optional_module("AIFReconLib.machine.numba_compile")
-    versions = f"Python {platform.python_version()}, numpy {np.__version__}" + (f", numba {numba.VERSION}" if numba else ", no numba")
-    return ", ".join(names) + "; " + versions
-
-
-def _processor() -> str:
-    """The processor's model, where the system tells."""
-    if os.path.isfile("/proc/cpuinfo"):
-        for line in Path("/proc/cpuinfo").read_text("utf-8", "replace").splitlines():
-            if line.startswith("model name"):
-                return " ".join(line.split(":", 1)[1].split())
-    return platform.processor()
+def main(words: list[str] | None = None) -> int:
+    """Measure and print; the answer is the exit status."""
+    parser = argparse.ArgumentParser(prog="python Testing/benchmark", description=__doc__.splitlines()[0])
+    parser.add_argument("--frames", type=int, default=120, metavar="N", help="frames per repeat (default: %(default)s)")
+    parser.add_argument("--repeats", type=int, default=5, metavar="N", help="the median of this many is shown (default: %(default)s)")
+    parser.add_argument("--spacing", type=float, nargs="+", default=[0.5, 0.3], metavar="MM", help="voxel sizes to time (default: 0.5 0.3)")
+    parser.add_argument("--quick", action="store_true", help="only reconstruction, at the first voxel size, with a third of the frames")
+    parser.add_argument("--data", type=Path, default=os.environ.get("AIFRECON_DATA_DIR"), metavar="DIR", help="time its recordings too")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here, to compare later")
+    parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table here, for a document")
+    arguments = parser.parse_args(words)
+    frames, spacings, data = arguments.frames, tuple(arguments.spacing), arguments.data
+    if frames < 2 or arguments.repeats < 1 or min(spacings) <= 0:
+        parser.error("a benchmark takes at least 2 frames, 1 repeat and positive voxel sizes")
+    if arguments.quick:
+        frames, spacings, data = max(frames // 3, 2), spacings[:1], None
+    with ProgressBar() as progress:
+        result = benchmark(frames, arguments.repeats, spacings, voxels=0 if arguments.quick else VOXELS, data=data, progress=progress)
+    print(f"{result.heading()}\n")
+    print(columns(result.rows()))
+    if arguments.json:
+        write_text(arguments.json, json.dumps(result.to_dict(), indent=2) + "\n")
+    if arguments.markdown:
+        write_text(arguments.markdown, result.markdown())
+    return 0

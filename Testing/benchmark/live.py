@@ -1,7 +1,7 @@
 """How a live session keeps up: a second process serves a made-up scan over OpenIGTLink, this one reconstructs it.
 
-    python Testing/bench_live.py --seconds 600
-    python Testing/bench_live.py --seconds 60 --size 640x480@30 --engine numpy --json live.json
+    python Testing/benchmark live --seconds 600
+    python Testing/benchmark live --seconds 60 --size 640x480@30 --engine numpy --json live.json
 
 For each stream it tells the frames that the server sent, and where they went; the latency from an image's arrival to its voxels (the worst
 99th percentile of any 4096 frames in a row); and how the memory of the process grew.
@@ -19,20 +19,17 @@ from pathlib import Path
 
 import numpy as np
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "Testing" / "Python")]
-
-from AIFReconLib.bone.map import BoneMap  # noqa: E402
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample  # noqa: E402
-from AIFReconLib.geometry.volume import Volume  # noqa: E402
-from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry  # noqa: E402
-from AIFReconLib.imaging.extent import grid_around_sweep  # noqa: E402
-from AIFReconLib.imaging.region import ClipRectangle, ImageRegion  # noqa: E402
-from AIFReconLib.live.replay.server import ReplayServer  # noqa: E402
-from AIFReconLib.live.session.session import LiveSession  # noqa: E402
-from AIFReconLib.live.wire.client import OpenIGTLinkClient  # noqa: E402
-from AIFReconLib.settings import METHODS, ReconstructionSettings  # noqa: E402
-from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
+from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 DEPTH = 96.0
 """mm that an image is deep."""
@@ -90,7 +87,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     """Reconstruct one stream for the time asked for."""
     size = stream.partition("@")[0]
     columns, rows = (int(n) for n in size.split("x"))
-    command = [sys.executable, __file__, "--serve", stream]
+    command = [sys.executable, str(Path(__file__).parent), "live", "--serve", stream]
     poses = np.stack([r.transforms[TransformName("Image", "Reference")].matrix for r in sweep(columns, rows).records])
     region = ImageRegion(ClipRectangle((0.0, 0.0), (columns - 1.0, rows - 1.0)))
     grid = grid_around_sweep(poses, (columns, rows), region, (arguments.spacing,) * 3)
@@ -151,9 +148,11 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     }
 
 
-def main() -> None:
+def main(words: list[str] | None = None) -> None:
     """Measure the streams and print what was found."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        prog="python Testing/benchmark live", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seconds", type=float, default=60.0, metavar="S", help="for each stream (default: %(default)g)")
     parser.add_argument("--size", action="append", metavar="WxH@FPS", help=f"a stream; may be repeated (default: {', '.join(STREAMS)})")
     parser.add_argument("--method", choices=METHODS, default="aif-compensated")
@@ -164,7 +163,7 @@ def main() -> None:
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--verbose", action="store_true")
     parser.add_argument("--serve", metavar="WxH@FPS", help=argparse.SUPPRESS)
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(words)
     if arguments.serve:
         size, rate = arguments.serve.split("@")
         serve(*(int(n) for n in size.split("x")), float(rate))
@@ -177,7 +176,3 @@ def main() -> None:
         print(flush=True)
     if arguments.json:
         arguments.json.write_text(json.dumps(results, indent=2) + "\n")
-
-
-if __name__ == "__main__":
-    main()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from .study import Row, Spread, spread_of
-from .study_cases import METHODS, MISREGISTRATIONS, MULTI_FRAMES, OF_MULTI, SIGMA, SINGLE_FRAMES, SPACING
+from .method_cases import METHODS, MISREGISTRATIONS, MULTI_FRAMES, OF_MULTI, SIGMA, SINGLE_FRAMES, SPACING, Row
+from .patients import Spread, spread_of
 
 COLUMNS = (
     ("CNR", "bone_cnr", 1),

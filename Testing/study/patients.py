@@ -1,25 +1,26 @@
-"""The study: does AIF-recon do what it promises, on many simulated patients, and where does it not?
-
-Each patient is a task of its own whose numbers are kept in a file, so that an interrupted study goes on where it stopped.
-"""
+"""A study of many simulated patients: each is a task of its own whose rows are kept in a file, so that an interrupted study goes on
+where it stopped."""
 
 from __future__ import annotations
 
 import json
 import signal
 import statistics
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
 from multiprocessing import get_context
 from pathlib import Path
+from typing import TypeVar
 
-from ..errors import FileFormatError, InsufficientMemoryError
-from ..io.disk.atomic import write_text
-from ..message import Message
-from ..progress import Progress, report
-from .study_cases import Row, patient_rows
+from AIFReconLib.errors import FileFormatError, InsufficientMemoryError
+from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.message import Message
+from AIFReconLib.progress import Progress, report
+
+Row = TypeVar("Row")
+"""A dataclass of what JSON can hold: one reconstruction of a patient, and its numbers."""
 
 MOST_JOBS = 61
 """Windows waits for no more processes at a time."""
@@ -45,11 +46,17 @@ class Spread:
         return cls(median, low, high)
 
 
-def run_study(folder: Path, seeds: Iterable[int], jobs: int = 2, progress: Progress | None = None) -> list[Row]:
+def run_study(
+    work: Callable[[int], list[Row]], row: type[Row], folder: Path, seeds: Iterable[int], jobs: int = 2, progress: Progress | None = None
+) -> list[Row]:
     """Make, or read where they are there already, the rows of every patient.
 
     Parameters
     ----------
+    work : callable
+        The rows of one patient, by its seed. A function of a module: it runs in another process.
+    row : type
+        The dataclass of the rows.
     folder : Path
         Holds one file per patient; exists.
     seeds : iterable of int
@@ -70,9 +77,9 @@ def run_study(folder: Path, seeds: Iterable[int], jobs: int = 2, progress: Progr
         max_workers=max(min(jobs, len(missing), MOST_JOBS), 1), mp_context=get_context("spawn"), initializer=_leave_ctrl_c
     )
     try:
-        tasks = {pool.submit(patient_rows, seed): seed for seed in missing}
+        tasks = {pool.submit(work, seed): seed for seed in missing}
         for task in as_completed(tasks):
-            rows = [asdict(row) for row in task.result()]
+            rows = [asdict(each) for each in task.result()]
             write_text(_file(folder, tasks[task]), json.dumps(rows, indent=1) + "\n")
             done += 1
             report(progress, done / len(seeds), Message("{done} of {count} patients done", done=done, count=len(seeds)))
@@ -85,21 +92,21 @@ def run_study(folder: Path, seeds: Iterable[int], jobs: int = 2, progress: Progr
         ) from None
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-    return [row for seed in seeds for row in read_rows(_file(folder, seed))]
+    return [each for seed in seeds for each in read_rows(_file(folder, seed), row)]
 
 
-def read_rows(path: Path) -> list[Row]:
+def read_rows(path: Path, row: type[Row]) -> list[Row]:
     """The rows of one patient's file."""
     try:
-        return [Row(**{**row, "metrics": dict(row["metrics"])}) for row in json.loads(path.read_text())]
-    except (ValueError, TypeError, KeyError) as error:
+        return [row(**values) for values in json.loads(path.read_text("utf-8"))]
+    except (ValueError, TypeError) as error:
         raise FileFormatError(
             "{path}: it is no result of the study ({problem}). Delete it, and run the study again.", path=path, problem=error
         ) from None
 
 
 def spread_of(rows: list[Row], name: str, **wanted: str) -> Spread:
-    """Over the patients, of the number `name` in the rows whose scan, condition, method and direction are as `wanted`."""
+    """Over the patients, of the metric `name` in the rows whose other values are as `wanted`."""
     return Spread.of(row.metrics[name] for row in rows if all(getattr(row, key) == value for key, value in wanted.items()))
 
 

@@ -12,15 +12,15 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from .bone.map import BoneMap
-from .compounding.evidence import ScanLines
-from .compounding.layout import PixelLayout
-from .geometry.transforms import image_plane_axes, pixel_spacing
-from .geometry.volume import VoxelGrid
-from .imaging.beams import ProbeGeometry
-from .imaging.region import ImageRegion
-from .settings import ReconstructionSettings
-from .sweep.frames import TrackedFrame
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.compounding.evidence import ScanLines
+from AIFReconLib.compounding.layout import PixelLayout
+from AIFReconLib.geometry.transforms import image_plane_axes, pixel_spacing
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.frames import TrackedFrame
 
 ONE, ZERO, THREE = np.float32(1), np.float32(0), np.float32(3)
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..io.disk.atomic import atomic_output
-from .study import Row, spread_of
+from AIFReconLib.io.disk.atomic import atomic_output
+
+from .method_cases import Row
+from .patients import spread_of
 
 CONDITIONS = ("exact", "CT 2 mm off", "CT 4 mm off", "CT 5 deg off", "tracker noise", "CT of another patient", "CT one level off")
 PANELS = (

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
-LIVE_FRAMES_PER_SECOND = 30.0
+from AIFReconLib.commands.benchmark import busy_warning
+
 HEADING = ("", "engine", "threads", "voxel", "ns/pixel", "frames/s", "x yardstick", "bytes/voxel", "seconds")
 
 
@@ -48,9 +49,7 @@ class BenchmarkResult:
             f"{self.machine}\nAIFRecon {self.version}; {self.frames} frames of 640 x 480, 0.2 mm pixels, 30 degree fan; "
             f"medians of {self.repeats}"
         )
-        if self.busy > 0.1:
-            text += f"\nOther work took {100 * self.busy:.0f} % of the processor meanwhile: these numbers are too slow."
-        return text
+        return "\n".join(filter(None, (text, busy_warning(self.busy))))
 
     def markdown(self) -> str:
         """The table for a document."""

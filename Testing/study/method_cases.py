@@ -7,20 +7,20 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bone.map import BoneMap
-from ..geometry.transform_graph import TransformName, TransformSample
-from ..geometry.volume import Volume
-from ..reconstruction import reconstruct
-from ..settings import BONE_METHODS, ReconstructionSettings
-from ..simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
-from ..simulation.phased_array import PhasedArray
-from ..simulation.scan import ProbePath, TrackingErrors, ct_misregistration, multi_angle_sweep, simulate_sweep, single_angle_sweep
-from ..sweep.configuration import PlusConfiguration
-from ..sweep.frames import TrackedSequence
-from ..sweep.poses import sweep_poses
-from .metrics import evaluate
-from .surface import BoneSurface
-from .visibility import BoneTruth, SweepBeams, bone_truth
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.evaluation.metrics import evaluate
+from AIFReconLib.evaluation.surface import BoneSurface
+from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.settings import BONE_METHODS, ReconstructionSettings
+from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
+from AIFReconLib.simulation.phased_array import PhasedArray
+from AIFReconLib.simulation.scan import ProbePath, TrackingErrors, ct_misregistration, multi_angle_sweep, simulate_sweep, single_angle_sweep
+from AIFReconLib.sweep.configuration import PlusConfiguration
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 SPACING = 1.0
 HOLE_LIMIT = 2.0
