@@ -75,6 +75,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def setup(self) -> None:
         """Load the .ui file and connect it; called when the module is first opened."""
         ScriptedLoadableModuleWidget.setup(self)
+        from AIFReconGui.libraryLog import LibraryLog
         from AIFReconGui.livePanel import LivePanel
         from AIFReconGui.longWork import LongWork
         from AIFReconGui.pathField import PathField
@@ -96,6 +97,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             ReportPanel(self.ui, self.logic.trackingReport),
         )
         self._work = LongWork(uiWidget)
+        self._libraryLog = LibraryLog()
         self._live = LivePanel(self.ui, self._run)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.followFrame(self._parameterNode))
 
@@ -116,6 +118,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.setParameterNode(None)
         self.removeObservers()
         self.logic.cleanup()
+        self._libraryLog.detach()
 
     def enter(self) -> None:
         """The user opens the module."""
@@ -176,11 +179,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             follower.update()
         updateDependentWidgets(self.ui, parameters, self.logic.describeSweep(parameters))
         self._live.update(readiness.whyNotLive(parameters))
-        self._checkCanApply()
+        updateButtons(self.ui, self.logic, parameters, self._live.whyNotNow(), self._report)
         self.logic.updateDisplay(parameters)
-
-    def _checkCanApply(self) -> None:
-        updateButtons(self.ui, self.logic, self._parameterNode, self._live.whyNotNow(), self._report)
 
     # ---- buttons
 

@@ -8,6 +8,7 @@ Reference is taken as RAS, and only files hold LPS.
 
 from __future__ import annotations
 
+import logging
 from importlib import import_module
 
 from .machine.moved import find_moved_modules
@@ -50,6 +51,9 @@ _PUBLIC = {
 __all__ = sorted(_PUBLIC)
 
 find_moved_modules()
+
+# What is worth knowing afterwards is logged under this name; nothing is shown unless a program wants it
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 
 def __getattr__(name: str):

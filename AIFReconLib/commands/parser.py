@@ -21,6 +21,7 @@ from ..errors import AIFReconError, OperationCanceled
 from ..message import LONGEST_QUOTE, one_line, shorten
 from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, replay, simulate
 from .console import prepare_streams
+from .log import add_log_options, logging_as_asked
 from .signals import OrderlyEnd, orderly_end
 
 COMMANDS = (demo, reconstruct, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
@@ -90,6 +91,8 @@ def build_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=OneLineParser)
     for command in COMMANDS:
         command.add_to(commands)
+    for each in commands.choices.values():
+        add_log_options(each)
     return parser
 
 
@@ -113,7 +116,7 @@ def main(argv: list[str] | None = None) -> int:
         return int(stop.code or 0)
     end = OrderlyEnd()
     try:
-        with orderly_end(end):
+        with orderly_end(end), logging_as_asked(arguments, sys.argv[1:] if argv is None else argv):
             arguments.run(arguments)
     except (KeyboardInterrupt, OperationCanceled):
         return _fail(_INTERRUPTED, end.exit_code)

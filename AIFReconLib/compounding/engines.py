@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 from importlib.util import find_spec
 
 from ..errors import SettingsError
 from ..message import Message
 from .numpy_engine import NumpyEngine
+
+logger = logging.getLogger(__name__)
 
 INSTALL_NUMBA = "pip install 'numba>=0.60'"
 
@@ -45,5 +48,6 @@ def choose_engine(wanted: str) -> tuple[type, str | None]:
                 reason=reason,
                 command=INSTALL_NUMBA,
             ) from error
+        logger.warning("%s; the numpy engine stands in", reason, exc_info=True)
         return NumpyEngine, Message("Warning: {reason}; the slower numpy engine was used. The voxels are the same.", reason=reason)
     return NumbaEngine, None

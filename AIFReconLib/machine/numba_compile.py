@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 from contextlib import suppress
 
 from numba import __version__ as VERSION
 from numba import njit
+
+logger = logging.getLogger(__name__)
 
 __all__ = ["VERSION", "compiled", "inlined"]
 
@@ -23,7 +26,8 @@ def compiled(function):
     """
     try:
         kernel = njit(cache=True, **_OPTIONS)(function)
-    except RuntimeError:
+    except RuntimeError as error:
+        logger.info("%s is compiled anew in every process: its code cannot be kept (%s)", function.__name__, error)
         return njit(**_OPTIONS)(function)
     kernel._cache = _DispensableCache(kernel._cache)
     return kernel
@@ -50,13 +54,16 @@ class _DispensableCache:
         try:
             return self._cache.load_overload(*arguments)
         except Exception:  # a damaged file fails in whatever way it likes
+            logger.info("Kept code cannot be loaded and is compiled anew", exc_info=True)
             with suppress(Exception):
                 self._cache.flush()
             return None
 
     def save_overload(self, *arguments) -> None:
-        with suppress(Exception):
+        try:
             self._cache.save_overload(*arguments)
+        except Exception:
+            logger.info("Compiled code cannot be kept", exc_info=True)
 
     def __getattr__(self, name: str):
         return getattr(self._cache, name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
+import logging
 import threading
 import time
 from collections import deque
@@ -22,6 +22,8 @@ from ...settings import ReconstructionSettings
 from ...sweep.frames import TrackedFrame
 from ..pairing.synchronizer import LiveFrame
 from .statistics import Meter
+
+logger = logging.getLogger(__name__)
 
 TOO_SLOW = Message("skipped to keep up")
 OTHER_SIZE = Message("image of another size or type")
@@ -193,10 +195,12 @@ class Inserter:
         image = np.ones((8, 8), np.uint8)
         # Another engine takes pixels that count unequally
         importance = None if self._parts.importance is None else image.astype(np.float32)
-        with contextlib.suppress(Exception):  # what is wrong shows with the real volume, where it is reported
+        try:
             grid = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (8, 8, 8), 1.0)
             tiny = Reconstructor(grid, self._settings, self._bone, probe=ProbeGeometry(LINEAR), importance=importance)
             tiny.insert(TrackedFrame(image, np.eye(4)))
+        except Exception:  # what is wrong shows with the real volume, where it is reported
+            logger.debug("The engine could not be warmed up", exc_info=True)
 
     def _work(self) -> None:
         self._warm_up()
@@ -214,6 +218,7 @@ class Inserter:
             except Exception as error:  # kept and reported: the volume so far, and the recording, must survive it
                 self.error = error
                 self.ready.set()
+                logger.exception("The reconstruction of a live scan stopped")
                 if not callable(task):
                     self._meter.skip(AFTER_ERROR, task[1])
             if not callable(task):

@@ -15,6 +15,7 @@ removes the three.
 from __future__ import annotations
 
 import errno
+import logging
 import os
 import time
 from pathlib import Path
@@ -33,6 +34,8 @@ from ...message import Message
 from ...progress import Progress
 from ...sweep.frames import TrackedSequence
 from ..pairing.synchronizer import LiveFrame
+
+logger = logging.getLogger(__name__)
 
 REFRESH = 1.0
 """s between two headers at least, and"""
@@ -253,6 +256,7 @@ class Recorder:
             )
         else:
             self.failure = Message("Recording stopped: {cause} No frame was recorded.", cause=cause)
+        logger.error("%s", self.failure, exc_info=True)
         self.close()
 
     def _remove(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from dataclasses import replace
@@ -28,6 +29,8 @@ from .insertion import Inserter
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
 from .statistics import NO_IMAGES, LiveStatistics, Meter, tracking_words
+
+logger = logging.getLogger(__name__)
 
 SCOUTING, LOOKING, RECONSTRUCTING, PAUSED, FAILED, STOPPED = "scouting", "looking", "reconstructing", "paused", "failed", "stopped"
 
@@ -234,10 +237,12 @@ class LiveSession:
                 self.recorded = self.recorder.finish(progress)
             except OutputError as error:
                 self._unfinished = error.args[0]
+                logger.exception("A recording could not be finished")
             except AIFReconError as error:
                 self._unfinished = Message(
                     "{problem} The recording is kept in {path} and its .raw file.", problem=error, path=self.recorder.header_path
                 )
+                logger.exception("A recording could not be finished")
 
     def finish(self, progress: Progress | None = None) -> Reconstruction | None:
         """`stop`, and the final volume, holes filled; None when there never was a grid. It can be asked for once."""
@@ -328,6 +333,7 @@ class LiveSession:
             self._take(self._synchronizer.flush())
         except Exception as error:  # kept and reported: the volume so far, and the recording, must survive it
             self._collect_error = error
+            logger.exception("The reception of a live scan ended")
         self.finished.set()
 
     def _patience(self) -> float:
