@@ -26,13 +26,13 @@ except ImportError:
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
 from AIFReconGui.dependentWidgets import updateButtons, updateDependentWidgets
-from AIFReconGui.parameterNode import LONGEST_GAP, AIFReconParameterNode
-from AIFReconGui.startup import onStartupCompleted
 from AIFReconScene import readiness
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.parameters import readingFrom, settingsFrom, takeConfigured
 from AIFReconScene.sweepReport import SweepReport
 from AIFReconScene.sweepStatus import SweepStatus
+
+from AIFReconLib.sweep.pose_tracks import LONGEST_GAP
 
 
 class AIFRecon(ScriptedLoadableModule):
@@ -52,7 +52,17 @@ class AIFRecon(ScriptedLoadableModule):
             "The method is that of Jiang, Xu, Moghekar, Kazanzides and Boctor: Insonification Angle-based Ultrasound Volume "
             "Reconstruction for Spine Intervention."
         )
-        slicer.app.connect("startupCompleted()", onStartupCompleted)
+
+    def setup(self) -> None:
+        """Offer the sample, and let scenes be loaded that were saved while methods were compared.
+
+        Called once every module is made, at start or later. Before that no class of Sequences, Markups or another C++ module exists.
+        """
+        from AIFReconGui.sampleData import registerSampleData
+        from AIFReconScene.sliceDisplay import registerLayouts
+
+        registerSampleData()
+        registerLayouts()
 
 
 class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
@@ -75,12 +85,14 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def setup(self) -> None:
         """Load the .ui file and connect it; called when the module is first opened."""
         ScriptedLoadableModuleWidget.setup(self)
+        from AIFReconGui.boxChooser import BoxChooser
         from AIFReconGui.libraryLog import LibraryLog
         from AIFReconGui.livePanel import LivePanel
         from AIFReconGui.longWork import LongWork
-        from AIFReconGui.pathField import PathField
+        from AIFReconGui.pathField import PATHS, PathField
         from AIFReconGui.reportPanel import ReportPanel
         from AIFReconGui.segmentsChooser import SegmentsChooser
+        from AIFReconScene.boneOutlines import BoneOutlines
         from AIFReconScene.inputWatch import InputWatch
 
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
@@ -90,16 +102,15 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic = AIFReconLogic()
         self._followers = (
             SegmentsChooser(self.ui.segmentsComboBox, self.ui.segmentsLabel),
-            PathField(self.ui.recordingPathLineEdit, "recordingPath"),
-            PathField(self.ui.configurationPathLineEdit, "configurationPath"),
-            PathField(self.ui.liveRecordPathLineEdit, "liveRecordPath"),
-            PathField(self.ui.importanceMaskPathLineEdit, "importanceMaskPath"),
+            *(PathField(getattr(self.ui, f"{name}LineEdit"), name) for name in PATHS),
+            BoxChooser(),
+            BoneOutlines(),
             ReportPanel(self.ui, self.logic.trackingReport),
         )
         self._work = LongWork(uiWidget)
         self._libraryLog = LibraryLog()
-        self._live = LivePanel(self.ui, self._run)
-        self._watch = InputWatch(self._onParametersModified, lambda: self.logic.followFrame(self._parameterNode))
+        self._live = LivePanel(self.ui, self._work, self._onParametersModified)
+        self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
 
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneIsNew)
@@ -150,7 +161,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def initializeParameterNode(self) -> None:
         """Take the scene's parameters; where nothing is chosen, choose the only sweep, CT and segmentation there are."""
         self.setParameterNode(self.logic.getParameterNode())
-        self.logic.chooseDefaults(self._parameterNode)
+        readiness.chooseDefaults(self._parameterNode)
 
     def setParameterNode(self, parameterNode) -> None:
         """Bind the panel to these parameters, or to none."""
@@ -180,7 +191,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         updateDependentWidgets(self.ui, parameters, self.logic.describeSweep(parameters))
         self._live.update(readiness.whyNotLive(parameters))
         updateButtons(self.ui, self.logic, parameters, self._live.whyNotNow(), self._report)
-        self.logic.updateDisplay(parameters)
+        self.logic.display.update(parameters)
 
     # ---- buttons
 
@@ -198,7 +209,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def onSingleViewButton(self) -> None:
         """Go back from the comparison."""
-        self.logic.showOutput(self._parameterNode)
+        self.logic.display.showOutput(self._parameterNode)
 
     def _run(self, title: str, failure: str, work) -> None:
         """Do long work with progress and cancel; its errors are shown, a cancel leaves the scene as it was."""
@@ -222,20 +233,23 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
     """
 
     def __init__(self) -> None:
+        from AIFReconScene.display import SceneDisplay
+
         ScriptedLoadableModuleLogic.__init__(self)
-        self._display = None
+        self.display = SceneDisplay()
         self._sweep = SweepStatus()
         self._tracking = SweepReport()
 
     def getParameterNode(self):
         """The parameters of the scene, typed."""
+        from AIFReconGui.parameterNode import AIFReconParameterNode
+
         return AIFReconParameterNode(super().getParameterNode())
 
     def cleanup(self) -> None:
         """Take what is drawn for orientation out of the scene, and forget what is known of its sweeps."""
         self._sweep, self._tracking = SweepStatus(), SweepReport()
-        if self._display is not None:
-            self._display.clear()
+        self.display.clear()
 
     # ---- for the console
 
@@ -286,10 +300,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     # ---- for the panel
 
-    def chooseDefaults(self, parameters) -> None:
-        """Choose the only sweep, CT and segmentation there are, where nothing is chosen yet."""
-        readiness.chooseDefaults(parameters)
-
     def describeSweep(self, parameters) -> str:
         """How many frames the chosen sweep has and why some cannot be used, in words; also what is wrong with it as a whole."""
         return inPanelWords(self._sweep.text(parameters))
@@ -308,21 +318,26 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def loadRecording(self, parameters, progress=None) -> str:
         """Read the chosen recording and select it; the spacing follows a configuration that tells one."""
+        from AIFReconScene.firstLook import showInputs
+
         configuration = parameters.configurationPath if parameters.configurationPath.is_file() else None
         browser = self.readRecording(parameters.recordingPath, configuration, progress, **readingFrom(parameters))
         parameters.sweep, parameters.imageSequence = browser, None
         takeConfigured(parameters, browser)
-        return self.describeSweep(parameters)
+        showInputs(browser, parameters.ctVolume)
+        return _("Loaded {name}.").format(name=browser.GetName())
 
     def apply(self, parameters, progress=None) -> str:
         """Reconstruct what the parameters ask for, show it over the CT, and return what was done in a few lines."""
         from AIFReconScene.inputs import Inputs
 
+        from AIFReconLib.progress import part
+
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
         nodes, report = self._reconstruct(Inputs.fromParameters(parameters), settingsFrom(parameters), parameters.output, keep, progress)
         parameters.output = nodes["intensity"]
-        self.showOutput(parameters)
+        self.display.showOutput(parameters, part(progress, 0.95, 1.0))
         return report
 
     def compare(self, parameters, progress=None) -> str:
@@ -333,29 +348,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         comparison = compareMethods(Inputs.fromParameters(parameters), settingsFrom(parameters), progress)
         self.display.showComparison(comparison, parameters)
         return comparison.report
-
-    def showOutput(self, parameters) -> None:
-        """Show the output over the CT in the usual slice views."""
-        self.display.showOutput(parameters)
-
-    def updateDisplay(self, parameters) -> None:
-        """Let the views follow the panel: opacity, volume rendering, probe and outlines."""
-        if self._display is not None or parameters.output is not None or parameters.showProbe or parameters.showOutlines:
-            self.display.update(parameters)
-
-    def followFrame(self, parameters) -> None:
-        """Let the probe follow the frame that is shown now."""
-        if self._display is not None:
-            self._display.followFrame(parameters)
-
-    @property
-    def display(self):
-        """What the views show, kept in step with the parameters."""
-        if self._display is None:
-            from AIFReconScene.display import SceneDisplay
-
-            self._display = SceneDisplay()
-        return self._display
 
     def _reconstruct(self, inputs, settings, output, keep, progress):
         from AIFReconScene.inputs import reconstructed
@@ -391,7 +383,7 @@ class AIFReconTest(ScriptedLoadableModuleTest):
         loadPhantom()
         logic = AIFReconLogic()
         parameters = logic.getParameterNode()
-        logic.chooseDefaults(parameters)
+        readiness.chooseDefaults(parameters)
         volume = logic.reconstruct(parameters.sweep, parameters.bone, spacing=1.0, hole_limit=2.0, inputs={"boneSigmaMm": 4.0})
         placed = Volume(slicer.util.arrayFromVolume(volume), ijkToRAS(volume))
         bone = measureVolumes({"": placed}, labelsFromNode(parameters.bone))[""].bone

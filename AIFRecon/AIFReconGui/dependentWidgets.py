@@ -32,7 +32,7 @@ def updateButtons(ui, logic, parameters, waits: str, report: str) -> None:
     waits : str
         Why everything has to wait; empty where it need not.
     report : str
-        What was done last, shown where nothing is missing.
+        What was done last; it stays to be read where something is missing for the next.
     """
     cannot = logic.whyNotReconstruct(parameters)
     for button, missing, does in (
@@ -43,5 +43,7 @@ def updateButtons(ui, logic, parameters, waits: str, report: str) -> None:
         missing = waits or missing
         button.enabled = not missing
         button.toolTip = missing or does
-    ui.statusLabel.text = cannot or report
+    if cannot and cannot in ui.sweepStatusLabel.text:
+        cannot = _("The sweep cannot be reconstructed: see under Sweep.")
+    ui.statusLabel.text = "\n".join(line for line in (report, cannot) if line)
     ui.statusLabel.visible = bool(ui.statusLabel.text)

@@ -2,9 +2,12 @@
 
 import qt
 import slicer
-from AIFReconScene.panelWords import errorsInPanelWords, inPanelWords
+from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.parameters import LiveSource
 from slicer.i18n import tr as _
+
+from .errorsShown import errorsShown
+from .scrolling import reveal
 
 COLLECTED_EVERY, SHOWN_EVERY = 10, 200
 """ms between two looks at the scene's image, and between two updates of what is shown."""
@@ -22,13 +25,16 @@ class LivePanel:
     Parameters
     ----------
     ui : namespace of the widgets in AIFRecon.ui
-    run : callable
-        ``run(title, failure, work)`` does long work with progress and shows its errors, as the other buttons do.
+    work : LongWork
+        Does what takes long, with progress, and shows its errors.
+    refresh : callable
+        Called without arguments when what can be pressed in the panel has changed.
     """
 
-    def __init__(self, ui, run):
+    def __init__(self, ui, work, refresh):
         self._ui = ui
-        self._run = run
+        self._work = work
+        self._refresh = refresh
         self._parameterNode = None
         self._live = None
         self._missing = ""
@@ -85,13 +91,19 @@ class LivePanel:
     def onStart(self) -> None:
         """Begin a scan."""
         failure = _("The live reconstruction could not be started.")
+        self._ui.liveStatisticsLabel.text = ""
         if self._parameterNode.liveSource == LiveSource.OPENIGTLINK:
             from .packages import ensureLivePackages
 
             # It may ask the user: not beneath the progress dialog
-            with slicer.util.tryWithErrorDisplay(failure):
+            with errorsShown(failure) as outcome:
                 ensureLivePackages()
-        self._run(_("Live reconstruction"), failure, self._start)
+            if outcome.error is not None:
+                return
+        self._ui.liveStatisticsLabel.text = self._do(failure, self._start)
+        if self.isRunning:
+            self._show()
+            reveal(self._ui.liveCollapsibleButton)
 
     def onPause(self, paused: bool) -> None:
         """Insert nothing for a while, or go on."""
@@ -104,13 +116,13 @@ class LivePanel:
 
     def onUseBox(self) -> None:
         """Reconstruct in the box that was scanned so far."""
-        with slicer.util.tryWithErrorDisplay(_("The box cannot be used yet.")), errorsInPanelWords():
+        with errorsShown(_("The box cannot be used yet.")):
             self._live.useScoutedBox()
         self.update(self._missing)
 
     def onStop(self) -> None:
         """End the scan and keep its volume."""
-        self._run(_("Live reconstruction"), _("The live reconstruction could not be ended as it should."), self._stop)
+        self._ui.liveStatisticsLabel.text = self._do(_("The live reconstruction could not be ended as it should."), self._stop)
 
     def close(self, sceneStays: bool = False) -> None:
         """End the scan without showing anything more: the scene, the panel or the application is being closed."""
@@ -121,6 +133,14 @@ class LivePanel:
             if sceneStays:
                 live.removeFrame()
             self._showState(_("not started"), IDLE_COLOR)
+            self._ui.liveStatisticsLabel.text = ""
+
+    def _do(self, failure: str, work) -> str:
+        """Do long work and return what it said: a cancel too, nothing after an error that was shown."""
+        try:
+            return self._work.run(_("Live reconstruction"), failure, work, self._parameterNode)
+        finally:
+            self._refresh()
 
     def _start(self, parameters, progress) -> str:
         from AIFReconScene.liveReconstruction import LiveReconstruction
@@ -132,7 +152,7 @@ class LivePanel:
         self._ui.livePauseButton.checked = False
         self._collecting.start()
         self._showing.start()
-        return _("Live reconstruction started.")
+        return ""
 
     def _stop(self, parameters, progress) -> str:
         self._stopTimers()
@@ -140,15 +160,18 @@ class LivePanel:
         try:
             node = live.stop(progress)
         finally:
-            self._showState(_("not started"), IDLE_COLOR)
+            self._showState(_("stopped"), IDLE_COLOR)
+            self._ui.liveStatisticsLabel.text = ""
         if node is not None:
             parameters.output = node
-        said = _describe(live.statistics)
+        lines = [_counts(live.statistics)]
+        if live.wasCanceled:
+            lines.append(_("Canceled: the volume is as it was shown last."))
         if live.session.recorded is not None:
-            said += "\n" + _("Recorded to {path}.").format(path=live.session.recorded)
+            lines.append(_("Recorded to {path}.").format(path=live.session.recorded))
         if live.session.recording_failure:
-            said += "\n" + inPanelWords(live.session.recording_failure)
-        return said
+            lines.append(inPanelWords(live.session.recording_failure))
+        return "\n".join(lines)
 
     # ---- timers
 
@@ -172,14 +195,10 @@ class LivePanel:
         else:
             word = _("Paused") if statistics.phase == "paused" else tracking
         self._showState(word, TRACKED_COLOR if tracked else LOST_COLOR)
-        lines = [_describe(statistics)]
-        if statistics.trouble:
-            lines.append(inPanelWords(statistics.trouble))
-        if live.snapshotProblem:
-            lines.append(inPanelWords(live.snapshotProblem))
-        if statistics.recording_failure:
-            lines.append(inPanelWords(statistics.recording_failure))
-        self._ui.liveStatisticsLabel.text = "\n".join(lines)
+        problems = (statistics.trouble, live.snapshotProblem, statistics.recording_failure)
+        lines = [_counts(statistics)] if failed else [_rate(statistics), _counts(statistics)]
+        lines += [inPanelWords(problem) for problem in problems if problem]
+        self._ui.liveStatisticsLabel.text = "\n".join(dict.fromkeys(lines))
         self._ui.liveUseBoxButton.enabled = live.isScouting and live.session.scouted > 0
         if live.volumeNode is not None and self._parameterNode is not None and self._parameterNode.output is not live.volumeNode:
             self._parameterNode.output = live.volumeNode
@@ -195,13 +214,17 @@ class LivePanel:
         self._showing.stop()
 
 
-def _describe(statistics) -> str:
-    """Rate, latency and where the frames went, in a line or two."""
+def _rate(statistics) -> str:
+    """Rate and latency of what comes, and from where."""
     unknown = statistics.latency_p50 != statistics.latency_p50
     latency = _("no latency yet") if unknown else _("latency {latency:.0f} ms").format(latency=1000 * statistics.latency_p50)
-    first = _("{rate:.0f} frames/s, {latency}; {connection}").format(
+    return _("{rate:.0f} frames/s, {latency}; {connection}").format(
         rate=statistics.frame_rate, latency=latency, connection=inPanelWords(statistics.connection)
     )
-    second = _("{inserted} of {received} frames inserted").format(inserted=statistics.inserted, received=statistics.frames_received)
+
+
+def _counts(statistics) -> str:
+    """Where the frames went."""
+    said = _("{inserted} of {received} frames inserted").format(inserted=statistics.inserted, received=statistics.frames_received)
     reasons = "; ".join(f"{count} {inPanelWords(reason)}" for reason, count in statistics.skipped.items())
-    return "\n".join([first, second + (f" ({reasons})" if reasons else "")])
+    return said + (f" ({reasons})" if reasons else "")

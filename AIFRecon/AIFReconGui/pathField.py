@@ -4,6 +4,9 @@ import pathlib
 
 from slicer.i18n import translate
 
+PATHS = ("recordingPath", "configurationPath", "liveRecordPath", "importanceMaskPath")
+"""The parameters that are files."""
+
 
 class PathField:
     """Follows one `pathlib.Path` parameter; the empty path is an empty line.

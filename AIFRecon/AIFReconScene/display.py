@@ -4,7 +4,7 @@ import slicer
 
 from AIFReconLib.errors import AIFReconError
 
-from . import sliceDisplay
+from . import sliceDisplay, threeDViews
 from .imagingChoices import imageRegionFrom, probeFrom
 from .panelWords import inPanelWords
 from .probeOverlay import ProbeOverlay
@@ -25,8 +25,10 @@ class SceneDisplay:
         self._drawn = {}
         self._imaging = (None, None)
 
-    def showOutput(self, parameters) -> None:
-        """Show the output over the CT in the usual slice views. Views that show its place already stay where the user has them."""
+    def showOutput(self, parameters, progress=None) -> None:
+        """Show the output over the CT in the usual slice views, and bone in 3D. Views that show its place already stay where they are."""
+        if parameters.bone is not None and parameters.bone.IsA("vtkMRMLSegmentationNode"):
+            threeDViews.makeSurface(parameters.bone, progress)
         sliceDisplay.restoreLayout()
         fit = self._changed("place", (parameters.output.GetID(), _boundsOf(parameters.output)))
         sliceDisplay.showOverCT(parameters.output, parameters.ctVolume, parameters.opacity, fit=fit)
@@ -48,6 +50,8 @@ class SceneDisplay:
                 sliceDisplay.showVolumeRendering(output, parameters.volumeRendering)
         self._updateProbe(parameters)
         self._updateOutlines(parameters)
+        if self._changed("in 3D", self._placeIn3D(parameters)) and self._drawn["in 3D"] is not None:
+            threeDViews.center()
 
     def followFrame(self, parameters) -> None:
         """Draw the probe on the frame that is shown now; an image under a transform takes it along by itself."""
@@ -66,6 +70,13 @@ class SceneDisplay:
         changed = self._drawn.get(what) != state
         self._drawn[what] = state
         return changed
+
+    def _placeIn3D(self, parameters):
+        """Where something appears in 3D on account of the panel; None where nothing does."""
+        bone = parameters.bone
+        hasSurface = bone is not None and bone.IsA("vtkMRMLSegmentationNode") and self._drawn.get("place") is not None
+        appears = hasSurface or self._drawn.get("rendering", (None, False))[1] or bool(self._drawn.get("outlines"))
+        return (self._drawn.get("place"),) if appears else None
 
     def _updateProbe(self, parameters) -> None:
         shown = parameters.showProbe and parameters.sweep is not None

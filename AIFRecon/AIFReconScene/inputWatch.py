@@ -3,6 +3,7 @@
 import slicer
 import vtk
 
+from .boxes import isEmpty
 from .sweepStatus import sweepKey
 
 CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "roi", "regionVolume", "output", "liveImage")
@@ -10,7 +11,7 @@ CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "roi", "regionVolume", "
 
 
 class InputWatch:
-    """Observes the sweep, its image and the bone that the parameters name.
+    """Observes the sweep, its image, the bone and the box that the parameters name.
 
     Parameters
     ----------
@@ -31,13 +32,15 @@ class InputWatch:
         self._followed = None
         self._observations = []
         self._key = None
+        self._boxIsEmpty = False
 
     def follow(self, parameters) -> None:
         """Observe what these parameters name."""
         sweep, images, bone = parameters.sweep, parameters.imageSequence, parameters.bone
         image = sweep.GetProxyNode(images or sweep.GetMasterSequenceNode()) if sweep is not None and sweep.GetMasterSequenceNode() else None
         self._key = sweepKey(sweep, images) if sweep is not None else None
-        followed = (parameters, sweep, images, bone, image)
+        self._boxIsEmpty = parameters.roi is not None and isEmpty(parameters.roi)
+        followed = (parameters, sweep, images, bone, image, parameters.roi)
         if self._followed is not None and all(one is other for one, other in zip(followed, self._followed)):
             return
         self.stop()
@@ -47,6 +50,8 @@ class InputWatch:
             self._observe(sweep, vtk.vtkCommand.ModifiedEvent, self._onSweep)
         if image is not None:
             self._observe(image, slicer.vtkMRMLTransformableNode.TransformModifiedEvent, self._onSweep)
+        if parameters.roi is not None:
+            self._observe(parameters.roi, vtk.vtkCommand.ModifiedEvent, self._onBox)
         if bone is not None and bone.IsA("vtkMRMLSegmentationNode"):
             events = slicer.vtkSegmentation
             for event in (events.SegmentAdded, events.SegmentRemoved, events.SegmentModified):
@@ -71,7 +76,7 @@ class InputWatch:
                 setattr(parameters, name, None)
 
     def _onSweep(self, caller, event) -> None:
-        _parameters, sweep, images, _bone, _image = self._followed
+        _parameters, sweep, images, *_others = self._followed
         if sweep.GetScene() is None or sweep.GetScene().IsBatchProcessing():
             return
         key = sweepKey(sweep, images)
@@ -83,4 +88,8 @@ class InputWatch:
 
     def _onBone(self, caller, event) -> None:
         if caller.GetScene() is not None and not caller.GetScene().IsBatchProcessing():
+            self._onChanged()
+
+    def _onBox(self, caller, event) -> None:
+        if isEmpty(caller) != self._boxIsEmpty:
             self._onChanged()

@@ -47,6 +47,7 @@ class LiveReconstruction:
         self._frameNode = None
         self._shownFrame = None
         self._window = None
+        self.wasCanceled = False
         self._views = LiveViews(parameters.ctVolume, parameters.opacity)
         empty = parameters.output is not None and parameters.output.GetImageData() is None
         self._outputs = {"intensity": parameters.output} if empty else {}
@@ -104,7 +105,7 @@ class LiveReconstruction:
     def stop(self, progress=None):
         """End the scan and show the final volume; returns its node, or None when nothing was reconstructed.
 
-        A cancel, which may come while holes are filled, leaves the volume as it was shown last.
+        A cancel, which may come while holes are filled, leaves the volume as it was shown last; `wasCanceled` is True then.
         """
         self._snapshots.stop()
         try:
@@ -112,7 +113,7 @@ class LiveReconstruction:
             if result is not None and result.frames_inserted:
                 self._showVolume(result)
         except OperationCanceled:
-            pass
+            self.wasCanceled = True
         finally:
             self.removeFrame()
         return self.volumeNode

@@ -5,6 +5,7 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.settings import BONE_METHODS
 
+from .boxes import isEmpty
 from .contradictions import comparisonContradiction, contradiction
 from .panelWords import inPanelWords
 from .parameters import LiveSource, Region, fileFrom
@@ -57,10 +58,12 @@ def _whatIsMissing(parameters, hasBone: bool) -> str:
     if not hasBone and (parameters.method.value in BONE_METHODS or parameters.bestCosine):
         wanted = parameters.method.value if parameters.method.value in BONE_METHODS else _("The best cosine")
         return _("{method} needs bone: select a segmentation, a labelmap or a bone probability, or another method.").format(method=wanted)
-    if parameters.bone is not None and _isEmpty(parameters.bone):
+    if parameters.bone is not None and _holdsNothing(parameters.bone):
         return _("{name} holds no bone: segment the CT, or select another.").format(name=parameters.bone.GetName())
     if parameters.region == Region.BOX and parameters.roi is None:
         return _("Select or draw the box to reconstruct, or choose another region.")
+    if parameters.region == Region.BOX and isEmpty(parameters.roi):
+        return _("{name} has no size: select a sweep or a CT for it to lie around, or draw it.").format(name=parameters.roi.GetName())
     if parameters.region == Region.LIKE_VOLUME and parameters.regionVolume is None:
         return _("Select the volume whose voxels are wanted, or choose another region.")
     inputs = (parameters.ctVolume, parameters.bone, parameters.regionVolume, parameters.liveImage, *proxiesOf(parameters.sweep))
@@ -90,7 +93,7 @@ def describeBone(parameters) -> str:
     return _("Taken for the probability of bone, from 0 to 1.")
 
 
-def _isEmpty(bone) -> bool:
+def _holdsNothing(bone) -> bool:
     if bone.IsA("vtkMRMLSegmentationNode"):
         return bone.GetSegmentation() is None or bone.GetSegmentation().GetNumberOfSegments() == 0
     return bone.GetImageData() is None

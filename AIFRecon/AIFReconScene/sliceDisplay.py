@@ -4,6 +4,8 @@ import slicer
 
 from AIFReconLib.errors import SettingsError
 
+from .volumeNodes import KIND_ATTRIBUTE
+
 MAIN_VIEWS = ("Red", "Yellow", "Green")
 
 FIRST_LAYOUT = 4200
@@ -40,6 +42,29 @@ def showOverCT(outputNode, ctNode=None, opacity: float = 0.6, applicationLogic=N
         _showIn(sliceLogic, outputNode, ctNode, opacity)
         if fit:
             _fit(sliceLogic, outputNode)
+
+
+def showBackground(volumeNode, applicationLogic=None) -> None:
+    """Show a volume in the background of the red, yellow and green views, and all of it in those that did not show it."""
+    for sliceLogic in _sliceLogics(MAIN_VIEWS, applicationLogic):
+        composite = sliceLogic.GetSliceCompositeNode()
+        if composite.GetBackgroundVolumeID() != volumeNode.GetID():
+            composite.SetBackgroundVolumeID(volumeNode.GetID())
+            _fit(sliceLogic, volumeNode)
+
+
+def showsReconstruction(applicationLogic=None) -> bool:
+    """Whether any slice view of the layout shows a volume that was reconstructed here."""
+    logics = _applicationLogic(applicationLogic).GetSliceLogics()
+    for index in range(logics.GetNumberOfItems()):
+        sliceNode, composite = logics.GetItemAsObject(index).GetSliceNode(), logics.GetItemAsObject(index).GetSliceCompositeNode()
+        if sliceNode is None or composite is None or not sliceNode.IsMappedInLayout():
+            continue
+        shown = [composite.GetBackgroundVolumeID(), composite.GetForegroundVolumeID()]
+        nodes = [sliceNode.GetScene().GetNodeByID(nodeID) for nodeID in shown if nodeID]
+        if any(node is not None and node.GetAttribute(KIND_ATTRIBUTE) for node in nodes):
+            return True
+    return False
 
 
 def setOpacity(outputNode, opacity: float, applicationLogic=None) -> None:

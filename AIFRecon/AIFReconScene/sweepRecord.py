@@ -14,17 +14,17 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from AIFReconLib.message import Message, said
 from AIFReconLib.sweep.configuration import PlusConfiguration
 
 ATTRIBUTE = "AIFRecon.Sweep"
 """Of the sequence browser node."""
 
-CLASSES = {
-    made.__name__: made for made in (ClipRectangle, Fan, ImageRegion, PlusConfiguration, ProbeGeometry, TransformName, TransformSample)
-}
+_HELD = (ClipRectangle, Fan, FanDetection, HoleFilling, ImageRegion, PlusConfiguration, ProbeGeometry, TransformName, TransformSample)
+CLASSES = {made.__name__: made for made in _HELD}
 """What a record may hold, by name."""
 
 
@@ -63,6 +63,8 @@ def encode(value):
     if isinstance(value, Message):
         return {"@": "Message", "template": value.template, "values": {name: _said(each) for name, each in value.values.items()}}
     if dataclasses.is_dataclass(value):
+        if type(value) not in _HELD:
+            raise TypeError(f"a record of a sweep cannot hold {type(value).__name__}: reading it would lose all of the record")
         # Not `fields` of the class: a field that is not known here is simply kept by its name
         items = {field.name: encode(getattr(value, field.name)) for field in dataclasses.fields(value)}
         return {"@": type(value).__name__, **items}

@@ -20,6 +20,9 @@ KINDS = (INTENSITY, SCORE, HITS, COSINE, MASK)
 MASK_NAMES = ("empty", "measured", "filled")
 MASK_COLORS = ((0.0, 0.0, 0.0, 0.0), (0.25, 0.65, 0.35, 1.0), (0.95, 0.7, 0.2, 1.0))
 _MASK_ATTRIBUTE = "AIFRecon.MaskColors"
+KIND_ATTRIBUTE = "AIFRecon.Volume"
+"""Which of `KINDS` a volume that was made here is."""
+
 _NAME_ATTRIBUTE = "AIFRecon.Name"
 """The name that a node was given here, by which one that the user has changed is known."""
 
@@ -118,7 +121,7 @@ def outputNodes(
                 giveName(node, name, scene)
             _place(node, images[kind], volume.ijk_to_reference)
             node.SetAttribute("AIFRecon.Method", result.method)
-            node.SetAttribute("AIFRecon.Volume", kind)
+            node.SetAttribute(KIND_ATTRIBUTE, kind)
             node.SetNodeReferenceID(COMPARED_ROLE, None)
             _show(node, kind, window, scene)
             placed[kind] = node
@@ -159,7 +162,10 @@ def _place(node, imageData, ijkToWorld: np.ndarray) -> None:
 
 
 def _show(node, kind: str, window: tuple[float, float], scene) -> None:
-    """Window, level and colors. What was not measured is transparent, so that a CT below shows through."""
+    """Window, level and colors. What was not measured is transparent, so that a CT below shows through.
+
+    Nothing is interpolated: the empty voxels beside what was measured would darken its rim.
+    """
     if node.GetDisplayNode() is None:
         node.CreateDefaultDisplayNodes()
     display = node.GetDisplayNode()
@@ -169,7 +175,7 @@ def _show(node, kind: str, window: tuple[float, float], scene) -> None:
     if kind in (INTENSITY, COSINE):
         display.SetAutoWindowLevel(False)
         display.SetWindowLevelMinMax(*(window if kind == INTENSITY else (0.0, 1.0)))
-    display.SetInterpolate(kind == INTENSITY)
+    display.SetInterpolate(False)
     if kind == INTENSITY:
         isByte = node.GetImageData().GetScalarType() == vtk.VTK_UNSIGNED_CHAR
         smallest, high = (1.0, 255.0) if isByte else (float(np.finfo(np.float32).tiny), node.GetImageData().GetScalarRange()[1])

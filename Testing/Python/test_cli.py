@@ -16,7 +16,8 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.io.volume.files import read_labels, read_transform, read_volume
+from AIFReconLib.io.transform.files import read_transform
+from AIFReconLib.io.volume.files import read_labels, read_volume
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import METHODS, ReconstructionSettings
 

@@ -14,8 +14,9 @@ from scene_host import class_counts, transform_node, warping_node  # noqa: E402
 
 from AIFReconLib.errors import NoUsableFramesError, OperationCanceled, SequenceFormatError, SettingsError, TransformError  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
+from AIFReconLib.holes.filling import HoleFilling  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
-from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion  # noqa: E402
+from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion  # noqa: E402
 from AIFReconLib.message import Message, translated  # noqa: E402
 from AIFReconLib.reconstruction import reconstruct  # noqa: E402
 from AIFReconLib.settings import ReconstructionSettings  # noqa: E402
@@ -37,7 +38,8 @@ def plus_configuration(**changes) -> PlusConfiguration:
         "image_frame": "Image",
         "reference_frame": "Reference",
         "spacing": (0.9, 0.9, 0.9),
-        "region": ImageRegion(ClipRectangle((1.0, 2.0), (15.0, 11.0)), Fan((8.0, -6.0), (-40.0, 40.0), (5.0, 40.0))),
+        "region": ImageRegion(ClipRectangle((1.0, 2.0), (15.0, 11.0)), Fan((8.0, -6.0), (-40.0, 40.0), (5.0, 40.0)), FanDetection(25.0, 3)),
+        "holes": (HoleFilling("stick", 9, sticks=2), HoleFilling("gaussian", 5, 0.7, 0.4)),
         "probe": ProbeGeometry("sector", (8.0, -6.0)),
         "method": "average",
         "skip": 2,
@@ -145,6 +147,13 @@ def test_times_come_back_to_the_last_digit(converted):
 def test_custom_fields_come_back(converted):
     assert back(converted).records[3].fields["FrameNumber"] == "10"
     assert back(converted).fields == COMMENT
+
+
+def test_what_a_record_could_not_be_read_back_with_is_refused(scene):
+    from AIFReconScene.sweepRecord import encode
+
+    with pytest.raises(TypeError, match="ReconstructionSettings"):
+        encode({"settings": ReconstructionSettings()})
 
 
 def test_the_configuration_comes_back_without_the_calibration_that_is_in_the_poses(converted):

@@ -248,10 +248,11 @@ class AIFReconLifecycleTest(unittest.TestCase):
         red = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceNode()
         red.SetFieldOfView(12.0, 12.0, 1.0)
         red.SetSliceOffset(red.GetSliceOffset() + 3.0)
-        before = (red.GetFieldOfView(), red.GetSliceOffset())
+        scale, place = tinyScene.scaleOf(red), tinyScene.placeOf(red)
         self.parameters.alpha = 0.3
         self.ui.applyButton.click()
-        self.assertEqual((red.GetFieldOfView(), red.GetSliceOffset()), before)
+        self.assertAlmostEqual(tinyScene.scaleOf(red), scale)
+        np.testing.assert_allclose(tinyScene.placeOf(red), place, atol=1e-6)
 
     def test_the_table_of_a_comparison_is_shown(self):
         self.addInputs()

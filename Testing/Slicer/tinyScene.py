@@ -106,6 +106,16 @@ def ijkToRAS(volumeNode) -> np.ndarray:
     return slicer.util.arrayFromVTKMatrix(matrix)
 
 
+def scaleOf(sliceNode) -> float:
+    """mm per pixel of a slice view; the width of its field of view says less, for the view fits that to its widget."""
+    return sliceNode.GetFieldOfView()[1] / sliceNode.GetDimensions()[1]
+
+
+def placeOf(sliceNode) -> np.ndarray:
+    """(4, 4) where a slice view looks, and how: center and axes."""
+    return slicer.util.arrayFromVTKMatrix(sliceNode.GetSliceToRAS()).copy()
+
+
 def worldOfBrightVoxels(volumeNode, threshold: float) -> np.ndarray:
     """Centers of the voxels above `threshold` in RAS, (n, 3) mm."""
     array = slicer.util.arrayFromVolume(volumeNode)

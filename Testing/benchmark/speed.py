@@ -29,7 +29,8 @@ from AIFReconLib.holes.nearest import fill_holes
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.disk.atomic import write_text
-from AIFReconLib.io.sequence.files import read_sequence, write_sequence
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.machine.threads import optional_module, usable_cores
 from AIFReconLib.message import columns
 from AIFReconLib.progress import Progress, report

@@ -156,7 +156,6 @@ def walk(host, reader: Reader, folder: Path) -> None:
     import slicer
     import tinyScene
 
-    host.startup()
     module = slicer.util.getModule("AIFRecon")
     for text in (module.title, module.helpText, module.acknowledgementText):
         reader.read("the module", text)
@@ -219,7 +218,7 @@ def main(arguments=None) -> int:
     with tempfile.TemporaryDirectory() as folder:
         reader = Reader([str(Path(folder).resolve()), folder, ".mha", "127.0.0.1", "localhost"])
         translator = install(language(options.forget))
-        host.load_module(MODULE / "AIFRecon.py")
+        host.start(MODULE / "AIFRecon.py")
         walk(host, reader, Path(folder))
     for text, where in reader.found.items():
         print(f"{where}: {text!r}")

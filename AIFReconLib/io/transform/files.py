@@ -13,10 +13,11 @@ import SimpleITK as sitk
 
 from ...errors import GeometryError, OutputError, TransformFileError
 from ...geometry.transforms import as_matrix, invert, ras_to_lps
+from ...message import shorten
 from ..disk.atomic import atomic_output
 from ..disk.itk import itk_path, short_cause
 from ..disk.small_files import read_bytes
-from ..metafile.text_values import NotANumberError, parse_numbers, shorten
+from ..metafile.text_values import NotANumberError, parse_numbers
 from .hdf5 import MAGIC as HDF5_MAGIC
 from .hdf5 import read_transform_hdf5
 from .parts import TransformPart, TransformPartError, composed

@@ -14,10 +14,11 @@ import numpy as np
 
 from ...errors import InsufficientMemoryError
 from ...machine.memory import SAFETY, available_memory
+from ...message import shorten
 from ..metafile.metafile import RAW, Metafile
 from ..metafile.opening import METAIMAGE_SUFFIXES
 from ..metafile.payload import Inflater, PayloadError
-from ..metafile.text_values import parse_numbers, shorten
+from ..metafile.text_values import parse_numbers
 
 _IN_SPACE = ("domain", "space")
 _AXES_TO_LPS = {
