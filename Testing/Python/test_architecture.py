@@ -15,7 +15,9 @@ MODULE = REPOSITORY / "AIFRecon"
 DRAWING = ElementTree.parse(REPOSITORY / "docs" / "images" / "architecture.svg").getroot()
 
 ROOMS = (
-    *("AIFRecon.py", "AIFReconGui", "AIFReconScene"),
+    *("AIFRecon.py", "AIFReconGui/panel", "AIFReconGui"),
+    *("AIFReconScene/live", "AIFReconScene/display", "AIFReconScene/volumes", "AIFReconScene/inputs", "AIFReconScene/sweep"),
+    "AIFReconScene",
     "commands",
     *("live/replay", "live/session", "live/pairing", "live/wire"),
     *("evaluation", "simulation", "reconstruction", "inspection", "compounding", "bone", "resolve"),
@@ -46,7 +48,8 @@ def name_of(path: Path) -> str:
 def room_of(path: Path) -> str | None:
     """The room that a file belongs to; None for what only hands on: the public names, and a split room's own page."""
     if path.is_relative_to(MODULE):
-        return path.relative_to(MODULE).parts[0]
+        parts = path.relative_to(MODULE).parts
+        return "/".join(parts[:2]) if len(parts) > 2 else parts[0]
     parts = path.relative_to(LIBRARY).with_suffix("").parts
     if parts == ("__main__",):
         return "commands"

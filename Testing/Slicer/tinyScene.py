@@ -64,7 +64,7 @@ def makeSequence():
 
 def addSweep(name="Sweep"):
     """The sweep as a sequence browser node of the scene."""
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     return browserFromSequence(makeSequence(), name)
 

@@ -10,8 +10,8 @@ from vtk.util import numpy_support
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import Volume
 
-from .sceneNodes import freeName, nodesOfClass, removeNodes
-from .transforms import vtkMatrixOf
+from ..sceneNodes import freeName, nodesOfClass, removeNodes
+from ..transforms import vtkMatrixOf
 
 INTENSITY, SCORE, HITS, COSINE, MASK = "intensity", "score", "hits", "cosine", "mask"
 KINDS = (INTENSITY, SCORE, HITS, COSINE, MASK)

@@ -19,9 +19,9 @@ from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, chain_ends, sweep_poses
 
-from .sceneNodes import freeName, removeNodes
+from ..sceneNodes import freeName, removeNodes
+from ..transforms import vtkMatrixOf
 from .sweepRecord import writeRecord
-from .transforms import vtkMatrixOf
 
 IMAGE = "Image"
 STATUS_ATTRIBUTE = "TransformStatus"

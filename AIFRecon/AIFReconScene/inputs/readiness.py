@@ -5,11 +5,11 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.settings import BONE_METHODS
 
+from ..panelWords import inPanelWords
+from ..sceneNodes import proxiesOf
 from .boxes import isEmpty
 from .contradictions import comparisonContradiction, contradiction
-from .panelWords import inPanelWords
 from .parameters import LiveSource, Region, fileFrom
-from .sceneNodes import proxiesOf
 
 
 def chooseDefaults(parameters) -> None:

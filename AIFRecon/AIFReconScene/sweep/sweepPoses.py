@@ -15,10 +15,10 @@ from AIFReconLib.message import Message
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
+from ..sceneNodes import nodesOfClass
+from ..transforms import ijkToRAS, matrixToParent, parentTransforms
 from .browserItems import BrowserItems
-from .sceneNodes import nodesOfClass
 from .sequenceNodes import STATUS_ATTRIBUTE, statusOf
-from .transforms import ijkToRAS, matrixToParent, parentTransforms
 
 ROUNDED, TINY = 1e-5, 1e-9
 """How far numbers of a matrix move that Slicer writes with 6 digits: by this share of them, or this."""

@@ -10,11 +10,10 @@ from AIFReconLib.message import Message
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import describe_frames, describe_skipped
 
-from .browserItems import BrowserItems
+from .browserItems import BrowserItems, checkRecorded
 from .sequenceNodes import IMAGE_STATUS_ATTRIBUTE, ORIENTATION_ATTRIBUTE, PROBLEM_ATTRIBUTE
 from .sweepImages import SweepImages, hasImage
 from .sweepPoses import FramePose, framePoses
-from .sweepStatus import checkRecorded
 
 IMAGE_TO_WORLD = TransformName("Image", "Reference")
 """What the poses are called in the sweep that is handed to the library: Reference is RAS world."""

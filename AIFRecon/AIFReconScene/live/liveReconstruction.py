@@ -8,12 +8,12 @@ from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
 from AIFReconLib.live.session.session import SCOUTING, LiveSession
 from AIFReconLib.live.session.snapshots import SnapshotMaker
 
-from .inputs import Inputs
+from ..inputs.inputs import Inputs
+from ..inputs.parameters import LiveSource, fileFrom, settingsFrom
+from ..sceneNodes import removeNodes
+from ..volumes.volumeNodes import followIntensity, outputNodes, showGrayLevels, updateVolumeNode
 from .liveViews import LiveViews
 from .nodeSource import NodeSource
-from .parameters import LiveSource, fileFrom, settingsFrom
-from .sceneNodes import removeNodes
-from .volumeNodes import followIntensity, outputNodes, showGrayLevels, updateVolumeNode
 
 SCOUT_MARGIN = 5.0
 """mm added on each side of the box that was scouted."""

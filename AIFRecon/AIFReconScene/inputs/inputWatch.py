@@ -3,8 +3,8 @@
 import slicer
 import vtk
 
+from ..sweep.sweepStatus import sweepKey
 from .boxes import isEmpty
-from .sweepStatus import sweepKey
 
 CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "roi", "regionVolume", "output", "liveImage")
 """The parameters that name a node."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import slicer
 
-from . import sliceDisplay
-from .transforms import ijkToRAS
+from ..display import sliceDisplay
+from ..transforms import ijkToRAS
 
 FOLLOWING = "Red"
 OTHERS = ("Yellow", "Green")

@@ -2,11 +2,11 @@
 
 import vtk
 
-from AIFReconLib.errors import AIFReconError
 from AIFReconLib.message import listed
 
-from .sceneNodes import nodesOfClass
-from .transforms import parentTransforms
+from ..sceneNodes import nodesOfClass
+from ..transforms import parentTransforms
+from . import sequenceReader
 
 
 class SweepStatus:
@@ -18,25 +18,17 @@ class SweepStatus:
 
     def summary(self, parameters):
         """The `SweepSummary`, or None where no sweep is chosen."""
-        from .sequenceReader import sweepSummary
-
         if parameters.sweep is None:
             return None
         key = sweepKey(parameters.sweep, parameters.imageSequence)
         if self._key != key:
-            self._key, self._summary = key, sweepSummary(parameters.sweep, parameters.imageSequence)
+            self._key, self._summary = key, sequenceReader.sweepSummary(parameters.sweep, parameters.imageSequence)
         return self._summary
 
     def text(self, parameters) -> str:
         """The findings in words, a line each."""
         summary = self.summary(parameters)
         return listed(summary.lines if summary is not None else (), "\n")
-
-
-def checkRecorded(browser) -> None:
-    """Raise an AIFReconError while a sweep is still being recorded: it would be looked through again for every frame that comes."""
-    if browser.GetRecordingActive():
-        raise AIFReconError("{name} is being recorded. Stop the recording to reconstruct it.", name=browser.GetName())
 
 
 def sweepKey(browser, imageSequence=None) -> tuple:

@@ -1,6 +1,7 @@
 """How well a sweep was tracked: the library's report, kept from the last reconstruction or made when it is asked for."""
 
-from .sweepStatus import checkRecorded, sweepKey
+from .browserItems import checkRecorded
+from .sweepStatus import sweepKey
 
 
 class SweepReport:

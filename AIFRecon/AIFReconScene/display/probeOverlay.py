@@ -13,10 +13,10 @@ from AIFReconLib.imaging.region import ImageRegion, extreme_pixels
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
-from .browserItems import BrowserItems
-from .sceneNodes import removeNodes
-from .sequenceReader import orientationFlips
-from .transforms import ijkToRAS
+from ..sceneNodes import removeNodes
+from ..sweep.browserItems import BrowserItems
+from ..sweep.sequenceReader import orientationFlips
+from ..transforms import ijkToRAS
 
 BEAMS = 9
 MOST_OUTLINES = 300

@@ -6,9 +6,9 @@ import numpy as np
 import slicer
 import vtk
 
-from AIFReconLib.errors import SequenceFormatError
+from AIFReconLib.errors import AIFReconError, SequenceFormatError
 
-from .sceneNodes import nodesOfClass
+from ..sceneNodes import nodesOfClass
 from .sequenceNodes import PROBLEM_ATTRIBUTE, SOURCE_ATTRIBUTE
 from .sweepRecord import readRecord
 
@@ -141,3 +141,9 @@ def _holds(sequenceNode, className: str) -> bool:
     """Whether the first item of a sequence is of a class."""
     item = sequenceNode.GetNthDataNode(0) if sequenceNode.GetNumberOfDataNodes() else None
     return item is not None and item.IsA(className)
+
+
+def checkRecorded(browser) -> None:
+    """Raise an AIFReconError while a sweep is still being recorded: it would be looked through again for every frame that comes."""
+    if browser.GetRecordingActive():
+        raise AIFReconError("{name} is being recorded. Stop the recording to reconstruct it.", name=browser.GetName())

@@ -45,8 +45,8 @@ def _aroundSweep(parameters) -> tuple | None:
     from AIFReconLib.resolve import resolve_imaging
     from AIFReconLib.sweep.poses import sweep_poses
 
+    from ..sweep.sequenceReader import sequenceFromBrowser
     from .inputs import Inputs
-    from .sequenceReader import sequenceFromBrowser
 
     if parameters.sweep is None:
         return None

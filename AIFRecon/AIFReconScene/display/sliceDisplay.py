@@ -4,7 +4,7 @@ import slicer
 
 from AIFReconLib.errors import SettingsError
 
-from .volumeNodes import KIND_ATTRIBUTE
+from ..volumes.volumeNodes import KIND_ATTRIBUTE
 
 MAIN_VIEWS = ("Red", "Yellow", "Green")
 

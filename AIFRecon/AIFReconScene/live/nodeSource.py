@@ -10,8 +10,8 @@ from AIFReconLib.live.wire.messages import ImageMessage, StreamEvent
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.message import Message
 
-from .sweepPoses import transformStatus
-from .transforms import ijkToRAS, matrixToWorld, parentTransforms
+from ..sweep.sweepPoses import transformStatus
+from ..transforms import ijkToRAS, matrixToWorld, parentTransforms
 
 DEVICE = "Image_Reference"
 """The pose is told as Plus tells it: the image's own matrix to Reference, which is RAS world here, and its status as metadata."""

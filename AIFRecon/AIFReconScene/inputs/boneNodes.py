@@ -13,7 +13,7 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress
 
-from .transforms import arrayOf, ijkToRAS, matrixToWorld
+from ..transforms import arrayOf, ijkToRAS, matrixToWorld
 
 PADDING = 8
 """Voxels of nothing around segments that have no reference geometry, beyond what smoothing reaches."""

@@ -10,8 +10,8 @@ import slicer
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import Progress, part
 
-from .sequenceNodes import browserFromSequence
-from .transforms import vtkMatrixOf
+from ..sweep.sequenceNodes import browserFromSequence
+from ..transforms import vtkMatrixOf
 from .volumeNodes import updateVolumeNode
 
 FRAMES = 72

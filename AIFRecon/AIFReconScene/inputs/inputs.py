@@ -8,9 +8,9 @@ from AIFReconLib.errors import SettingsError
 from AIFReconLib.imaging.region import ClipRectangle, chosen_region
 from AIFReconLib.progress import part
 
+from ..sceneNodes import proxiesOf
 from .imagingChoices import imageRegionFrom, probeFrom
 from .parameters import Region, SigmaUnit, fileFrom
-from .sceneNodes import proxiesOf
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Inputs:
         AIFReconError
             With the node that cannot be used and what to do.
         """
-        from .sequenceReader import sequenceFromBrowser
+        from ..sweep.sequenceReader import sequenceFromBrowser
 
         if self.sweep is None:
             raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")

@@ -2,11 +2,11 @@
 
 import qt
 import slicer
+from AIFReconScene.inputs.inputs.parameters import LiveSource
 from AIFReconScene.panelWords import inPanelWords
-from AIFReconScene.parameters import LiveSource
 from slicer.i18n import tr as _
 
-from .errorsShown import errorsShown
+from ..errorsShown import errorsShown
 from .scrolling import reveal
 
 COLLECTED_EVERY, SHOWN_EVERY = 10, 200
@@ -93,7 +93,7 @@ class LivePanel:
         failure = _("The live reconstruction could not be started.")
         self._ui.liveStatisticsLabel.text = ""
         if self._parameterNode.liveSource == LiveSource.OPENIGTLINK:
-            from .packages import ensureLivePackages
+            from ..packages import ensureLivePackages
 
             # It may ask the user: not beneath the progress dialog
             with errorsShown(failure) as outcome:
@@ -143,7 +143,7 @@ class LivePanel:
             self._refresh()
 
     def _start(self, parameters, progress) -> str:
-        from AIFReconScene.liveReconstruction import LiveReconstruction
+        from AIFReconScene.live.liveReconstruction import LiveReconstruction
 
         self._live = LiveReconstruction(parameters, progress)
         settings = slicer.app.userSettings()

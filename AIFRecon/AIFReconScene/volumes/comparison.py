@@ -8,7 +8,7 @@ from AIFReconLib.inspection.summary import summary_lines
 from AIFReconLib.message import Message, listed
 from AIFReconLib.progress import part, report
 
-from .sceneNodes import nodesOfClass, removeNodes
+from ..sceneNodes import nodesOfClass, removeNodes
 
 COMPARED = ("average", "aif", "aif-compensated", "weighted")
 """The baseline, the paper's two methods, and the recommended one."""
@@ -69,7 +69,7 @@ def compareMethods(inputs, settings, progress=None) -> Comparison:
 
 def _metrics(inputs, prepared, results, progress) -> dict:
     """Bone metrics of every volume, by method; none where the bone has no surface."""
-    from .boneNodes import labelsFromNode
+    from ..inputs.boneNodes import labelsFromNode
     from .metricsTable import measureVolumes
 
     if inputs.bone is None:
@@ -126,8 +126,8 @@ def _earlier(className: str, inputs) -> list:
 
 
 def _table(metrics: dict, inputs):
+    from ..panelWords import inPanelWords
     from .metricsTable import updateMetricsTable
-    from .panelWords import inPanelWords
     from .volumeNodes import COMPARED_ROLE, giveName, intoFolder
 
     node = next(iter(_earlier("vtkMRMLTableNode", inputs)), None)

@@ -1,7 +1,7 @@
 """What can be entered, pressed and read in the panel, as it follows from the parameters."""
 
-from AIFReconScene import readiness
-from AIFReconScene.parameters import ProbeShape, Region
+from AIFReconScene.inputs import readiness
+from AIFReconScene.inputs.inputs.parameters import ProbeShape, Region
 from slicer.i18n import tr as _
 
 

@@ -145,7 +145,7 @@ def readingFrom(parameterNode) -> dict:
 
 def takeConfigured(parameterNode, browser) -> None:
     """Let the panel's spacing follow the Plus configuration that a sweep was loaded with, where that tells one within the range."""
-    from .sweepRecord import readRecord
+    from ..sweep.sweepRecord import readRecord
 
     asked = getattr(readRecord(browser).get("configuration"), "spacing", None)
     rule = PARAMETERS["spacing"]

@@ -7,7 +7,7 @@ import numpy as np
 from AIFReconLib.errors import GeometryError, SettingsError
 from AIFReconLib.geometry.volume import VoxelGrid
 
-from .transforms import arrayOf, ijkToRAS, matrixToWorld
+from ..transforms import arrayOf, ijkToRAS, matrixToWorld
 
 TOLERANCE = 1e-6
 """Voxels by which a box may be longer than a whole number of them without getting another one."""

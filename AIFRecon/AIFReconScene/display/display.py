@@ -4,11 +4,11 @@ import slicer
 
 from AIFReconLib.errors import AIFReconError
 
+from ..inputs.imagingChoices import imageRegionFrom, probeFrom
+from ..panelWords import inPanelWords
+from ..sweep.sweepStatus import sweepKey
 from . import sliceDisplay, threeDViews
-from .imagingChoices import imageRegionFrom, probeFrom
-from .panelWords import inPanelWords
 from .probeOverlay import ProbeOverlay
-from .sweepStatus import sweepKey
 
 
 class SceneDisplay:
@@ -97,7 +97,7 @@ class SceneDisplay:
             slicer.util.showStatusMessage(inPanelWords(error), 5000)
 
     def _updateOutlines(self, parameters) -> None:
-        from .sequenceReader import sequenceFromBrowser
+        from ..sweep.sequenceReader import sequenceFromBrowser
 
         shown = parameters.showOutlines and parameters.sweep is not None
         if not self._changed("outlines", shown and (_sweepOf(parameters), imageRegionFrom(parameters))):
@@ -128,8 +128,8 @@ class SceneDisplay:
         from AIFReconLib.resolve import resolve_imaging
         from AIFReconLib.sweep.poses import sweep_poses
 
-        from .inputs import Inputs
-        from .sequenceReader import sequenceFromBrowser
+        from ..inputs.inputs import Inputs
+        from ..sweep.sequenceReader import sequenceFromBrowser
 
         byHand, key = probeFrom(parameters), (_sweepOf(parameters), imageRegionFrom(parameters))
         if self._imaging[0] != key or (needProbe and byHand is None and self._imaging[1].probe is None):
