@@ -9,6 +9,32 @@ Reference is taken as RAS, and only files hold LPS.
 from __future__ import annotations
 
 from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    # The names below, for editors and type checkers; a test compares
+    from .bone.from_sweep import bone_from_sweep
+    from .bone.map import BoneMap
+    from .compounding.reconstructor import Reconstruction, Reconstructor
+    from .errors import AIFReconError
+    from .evaluation.metrics import evaluate
+    from .geometry.transform_graph import TransformGraph
+    from .geometry.volume import Volume, VoxelGrid
+    from .imaging.beams import ProbeGeometry
+    from .imaging.region import ClipRectangle, Fan, ImageRegion
+    from .inspection.offset_estimate import estimate_time_offset
+    from .io.plus.configuration import read_plus_configuration
+    from .io.sequence.files import read_sequence
+    from .io.sequence.writer import write_sequence
+    from .io.volume.files import read_labels, read_transform, read_volume, write_volume
+    from .live.pairing.synchronizer import SynchronizerSettings
+    from .live.replay.server import ReplayServer
+    from .live.session.session import LiveSession
+    from .live.wire.client import OpenIGTLinkClient
+    from .reconstruction import reconstruct
+    from .settings import ReconstructionSettings
+    from .sweep.frames import TrackedFrame, TrackedSequence
+    from .sweep.time_offset import with_time_offset
 
 __version__ = "0.1.0"
 
@@ -45,10 +71,41 @@ _PUBLIC = {
     "write_volume": "io.volume.files",
 }
 
-__all__ = sorted(_PUBLIC)
+__all__ = [
+    "AIFReconError",
+    "BoneMap",
+    "ClipRectangle",
+    "Fan",
+    "ImageRegion",
+    "LiveSession",
+    "OpenIGTLinkClient",
+    "ProbeGeometry",
+    "Reconstruction",
+    "ReconstructionSettings",
+    "Reconstructor",
+    "ReplayServer",
+    "SynchronizerSettings",
+    "TrackedFrame",
+    "TrackedSequence",
+    "TransformGraph",
+    "Volume",
+    "VoxelGrid",
+    "bone_from_sweep",
+    "estimate_time_offset",
+    "evaluate",
+    "read_labels",
+    "read_plus_configuration",
+    "read_sequence",
+    "read_transform",
+    "read_volume",
+    "reconstruct",
+    "with_time_offset",
+    "write_sequence",
+    "write_volume",
+]
 
 
-def __getattr__(name: str):
+def __getattr__(name: str) -> Any:
     # Names are loaded when first used: Slicer imports this package at start-up, and SimpleITK alone takes longer than all else
     if name not in _PUBLIC:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

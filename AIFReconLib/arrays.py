@@ -20,8 +20,11 @@ Reals = NDArray[np.floating]
 Integers = NDArray[np.integer]
 """Numbers of frames, pixels and voxels."""
 
-Numbers = NDArray[np.number]
-"""Images and volumes as files, scanners and methods give them: whole or floating-point numbers of whatever size."""
+Numbers = NDArray[np.number | np.bool_]
+"""Images and volumes as files, scanners and methods give them: truth values, whole or floating-point numbers of whatever size."""
+
+NumberType = np.dtype[np.number | np.bool_]
+"""What each of `Numbers` is."""
 
 Bytes = NDArray[np.uint8]
 """8-bit images, and masks with more than two values."""

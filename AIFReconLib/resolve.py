@@ -154,6 +154,20 @@ class Imaging:
     probe: ProbeGeometry | None
     notes: tuple[str, ...] = ()
 
+    def known_probe(self) -> ProbeGeometry:
+        """The probe.
+
+        Raises
+        ------
+        BeamGeometryError
+            When it is not known.
+        """
+        if self.probe is None:
+            raise BeamGeometryError(
+                "The directions of the beams are not known. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
+            )
+        return self.probe
+
 
 def known_imaging(
     configuration: PlusConfiguration, need_probe: bool, region: ImageRegion | None = None, probe: ProbeGeometry | None = None

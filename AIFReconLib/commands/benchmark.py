@@ -12,9 +12,10 @@ from ..errors import SettingsError
 from ..io.disk.atomic import check_writable, write_text
 from ..message import columns
 from .console import ProgressBar
+from .options import Commands
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "benchmark",

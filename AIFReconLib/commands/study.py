@@ -12,9 +12,10 @@ from ..evaluation.study_figure import study_figure
 from ..evaluation.study_page import study_page
 from ..io.disk.atomic import write_text
 from .console import ProgressBar
+from .options import Commands
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "study",

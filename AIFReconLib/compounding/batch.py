@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Mask, Matrix, Numbers, Singles
+from ..arrays import Mask, Matrix, Numbers, NumberType, Singles
 
 BATCH_BYTES = 16 * 2**20
 """Most bytes of images that wait together."""
@@ -36,7 +36,7 @@ class FrameBatch:
         By position in the batch: which pixels of an image count, where not all do: those that are finite and were kept.
     """
 
-    def __init__(self, shape: tuple[int, int], dtype: np.dtype[np.number], frames: int):
+    def __init__(self, shape: tuple[int, int], dtype: NumberType, frames: int):
         # float32 is what every rule computes with; 8 bits are kept as they are because they are a quarter of that
         kept = np.dtype(np.uint8 if dtype == np.uint8 else np.float32)
         room = max(min(frames, BATCH_BYTES // (kept.itemsize * shape[0] * shape[1])), 1)

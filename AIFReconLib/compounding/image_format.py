@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Numbers
+from ..arrays import Numbers, NumberType
 from ..errors import GeometryError
 from ..message import Message
 from ..settings import ReconstructionSettings
@@ -23,7 +23,7 @@ class ImageKind:
     """
 
     shape: tuple[int, int]
-    dtype: np.dtype[np.number]
+    dtype: NumberType
 
     @classmethod
     def of(cls, image: Numbers, number: int) -> ImageKind:

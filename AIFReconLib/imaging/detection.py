@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from ..arrays import Floats, Mask, Numbers
+from ..arrays import Floats, Integers, Mask
 from ..errors import BeamGeometryError
 from ..message import Message
 from .beams import LINEAR, SECTOR, ProbeGeometry
@@ -115,11 +115,11 @@ def _straight_sides(box: Mask) -> Sides | None:
     return sides[0], sides[1]
 
 
-def _robust_line(x: Numbers, y: Numbers) -> tuple[float, float] | None:
+def _robust_line(columns: Integers, rows: Integers) -> tuple[float, float] | None:
     """Offset and slope of the line that most points are on; None when fewer than 3 in 4 are."""
-    if x.size < 10:
+    if columns.size < 10:
         return None
-    x, y = x.astype(np.float64), y.astype(np.float64)
+    x, y = columns.astype(np.float64), rows.astype(np.float64)
     step = max(x.size // 3, 1)
     slope = float(np.median((y[step:] - y[:-step]) / (x[step:] - x[:-step])))
     offset = float(np.median(y - slope * x))

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..arrays import Numbers
+from ..arrays import Numbers, NumberType
 
 
 class ImageStack(Protocol):
@@ -18,7 +18,7 @@ class ImageStack(Protocol):
         ...
 
     @property
-    def dtype(self) -> np.dtype[np.number]:
+    def dtype(self) -> NumberType:
         """Type of a pixel."""
         ...
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Matrix, Numbers
+from ..arrays import Matrix, Numbers, NumberType
 from ..errors import SettingsError, TransformError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ..geometry.transforms import as_matrix, invert
@@ -55,7 +55,7 @@ class ImageView:
     def __getitem__(self, index: int) -> Numbers:
         return np.asarray(self._images[self._numbers[operator.index(index)]])[self._part]
 
-    def __array__(self, dtype: np.dtype[np.number] | None = None, copy: bool | None = None) -> Numbers:
+    def __array__(self, dtype: NumberType | None = None, copy: bool | None = None) -> Numbers:
         if copy is False:
             raise ValueError("Images that are read one by one cannot become an array without a copy.")
         array = np.stack([self[index] for index in range(len(self))])

@@ -253,7 +253,7 @@ def test_without_numba_asking_for_it_says_how_to_install_it(monkeypatch):
 def broken_numba(monkeypatch):
     """A numba that is there and cannot be imported, as one that is too old for its numpy."""
     monkeypatch.setattr(engines, "find_spec", lambda name: object())
-    for name in [name for name in sys.modules if name.startswith("AIFReconLib.compounding.numba_")]:
+    for name in [name for name in sys.modules if name.startswith("AIFReconLib.compounding.compiled.numba_")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.delattr("AIFReconLib.compounding.compiled.numba_engine", raising=False)
     monkeypatch.setitem(sys.modules, "AIFReconLib.machine.numba_compile", None)

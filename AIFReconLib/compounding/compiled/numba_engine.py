@@ -16,8 +16,9 @@ from ..batch import BATCH_FRAMES, FrameBatch
 from ..evidence import ScanLines
 from ..layout import PixelLayout
 from ..state import VoxelState
+from .groups import Evidence
 from .numba_evidence import FrameJudge
-from .numba_kernels import AVERAGE, LATEST, MAXIMUM, Evidence, clip_to_volume, insert_aif, insert_cosine, insert_plain, insert_weighted
+from .numba_kernels import AVERAGE, LATEST, MAXIMUM, clip_to_volume, insert_aif, insert_cosine, insert_plain, insert_weighted
 from .slabs import cut_into_slabs
 
 NOTHING: Singles = np.empty(0, np.float32)

@@ -5,34 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Integers, Numbers, Singles
+from ...arrays import Integers, Numbers, NumberType, Singles
 from ...machine.numba_compile import compiled, inlined
 from ..evidence import Scales, ScanLines
-from .numba_kernels import Evidence
+from .groups import Evidence, Lengths, Places, Results, Room
 
 ZERO, ONE, TWO = np.float32(0), np.float32(1), np.float32(2)
 TINY = np.float32(np.finfo(np.float32).tiny)
-
-
-Places = tuple[Integers, Integers, Integers, Integers, Integers, Integers]
-"""pixel_of_sample, padded_sample_of_pixel, lit, first_lit, active, judged : of `ScanLines`."""
-
-Lengths = tuple[int, int, int]
-"""taps, depth, crest : of `ScanLines`."""
-
-Room = tuple[Numbers, Numbers, Singles, Singles]
-"""To work in.
-
-For a copy of the image, flat; for the pixels at the samples, (samples, padded), of the image's type and 0 at first; for reach and onset
-there, (samples, padded) float32.
-"""
-
-Results = tuple[Singles, NDArray[np.uint32], Singles]
-"""What is found.
-
-reach : (n,), the reach at the layout's pixels; begins, onset : (n,), the numbers of the pixels with an onset, rising, and the onset there.
-They are few, and the others need no look.
-"""
 
 
 @inlined
@@ -243,7 +222,7 @@ class FrameJudge:
         Of how many frames the evidence is kept.
     """
 
-    def __init__(self, scan_lines: ScanLines, dtype: np.dtype[np.number], maximum: float, places: int):
+    def __init__(self, scan_lines: ScanLines, dtype: NumberType, maximum: float, places: int):
         self.scan_lines = scan_lines
         self._dtype, self._scales = dtype, scan_lines.scales(maximum)
         self._reach, self._onset = np.empty((2, places, scan_lines.sample_of_pixel.size), np.float32)

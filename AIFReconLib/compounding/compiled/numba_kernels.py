@@ -13,8 +13,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Floats, Integers, Matrix, Numbers, Reals, Singles
+from ...arrays import Floats, Integers, Matrix, Numbers, Singles
 from ...machine.numba_compile import compiled, inlined
+from .groups import AifFactors, Bone, Evidence, Frames, Slab, Voxels, WeightedFactors, Whole
 
 ZERO, ONE, ONCE = np.float32(0), np.float32(1), np.uint32(1)
 LARGEST_COMPENSATION = np.float32(3)
@@ -27,40 +28,6 @@ LOW, HIGH, NEAREST, FARTHEST = range(4)
 
 AVERAGE, LATEST, MAXIMUM = range(3)
 """Rules of `insert_plain`."""
-
-# Plain tuples: numba recognizes them ten times as fast as named ones, at every call
-
-Frames = tuple[Numbers, Matrix, Integers, Integers, Floats]
-"""What is inserted. images : (frames, rows, columns) uint8 or float32; matrices, pieces, spans, size : as in `clip_to_volume`."""
-
-Whole = int | np.integer
-"""Columns and voxels, as they come."""
-
-Slab = tuple[int, int, int]
-"""The part of the volume that is filled: axis, first voxel along it, stop."""
-
-Voxels = tuple[Reals, NDArray[np.uint32], Reals]
-"""value, hits, weight : (voxels,) arrays of the state, `weight` empty where the method has none."""
-
-Bone = tuple[Singles, Singles, Singles, Singles, Singles]
-"""Where bone is, and from where it is seen.
-
-probability : (voxels,) float32; directions : (voxels, 3) float32; axes : (frames, 6) float32, the image's x and y axis in Reference;
-beam_x, beam_y : (n,) float32, the beams' directions along them.
-"""
-
-AifFactors = tuple[np.float32, np.float32, np.float32, bool]
-"""alpha, beta and maximum, and whether to compensate."""
-
-WeightedFactors = tuple[np.float32, np.float32, np.float32, np.float32]
-"""floor, gain, beta and maximum."""
-
-Evidence = tuple[Singles, NDArray[np.uint32], Singles, NDArray[np.int64]]
-"""What frames themselves tell.
-
-reach, begins, onset : (frames, n) arrays, the reach at the pixels, the pixels with an onset, rising, and the onset there;
-onsets : (frames,), how many pixels have one.
-"""
 
 
 @inlined

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import Floats, Integers, Mask, Matrix, Numbers, Reals, Singles
+from ...arrays import Floats, Integers, Mask, Reals, Singles
 from ...machine.numba_compile import compiled, inlined
 from ...machine.threads import checked_threads, in_parts
 from ...settings import LINEAR_METHODS, ReconstructionSettings
@@ -17,26 +17,12 @@ from ..evidence import ScanLines
 from ..layout import CENTER_TOLERANCE, PixelLayout
 from ..splat_engine import LEAST_SHARE, SplatEngine
 from ..state import VoxelState
-from .numba_kernels import OFFSET, ROW, START, STOP, Slab, Voxels, clip_to_slab, clip_to_volume
+from .groups import Pixels, Slab, SplatFrames, Voxels
+from .numba_kernels import OFFSET, ROW, START, STOP, clip_to_slab, clip_to_volume
 from .slabs import cut_into_slabs
 
 AVERAGE, LATEST, MAXIMUM = range(len(LINEAR_METHODS))
 ONCE, NEXT = np.uint32(1), np.uint64(1)
-
-SplatFrames = tuple[Numbers, Matrix, Integers, Integers, Integers]
-"""What is spread.
-
-images : (frames, rows, columns) uint8 or float32; matrices : (frames, 4, 4) float64, image_to_ijk; pieces : (n, 4) int64;
-columns : (frames, n, 2) int32, of each piece the first column that may matter to the slab and the one after the last;
-size : (3,) int64, voxels along i, j, k.
-"""
-
-Pixels = tuple[Floats, Singles]
-"""What is known of the layout's pixels.
-
-coordinates : (2, pixels) float64, column and row where they truly are, empty where they are as shown;
-importance : (pixels,) float32, empty where all count alike.
-"""
 
 
 @inlined

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
+from ...arrays import Matrix, Numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,8 +23,8 @@ class StoredVolume:
     """
 
     path: Path
-    array: np.ndarray
-    ijk_to_lps: np.ndarray
+    array: Numbers
+    ijk_to_lps: Matrix
     keys: tuple[str, ...] = ()
 
     @property

@@ -252,8 +252,8 @@ class Placement:
         if status is None:
             return Placed(poses.image_to_reference[0], "OK", transforms)
         culprit = next((name for name in problems if status.startswith(f"{name} ")), None)
-        said = Message("{transform} {problem}", transform=culprit, problem=problems[culprit]) if culprit else status
-        return Placed(None, said, transforms)
+        what = Message("{transform} {problem}", transform=culprit, problem=problems[culprit]) if culprit else status
+        return Placed(None, what, transforms)
 
     @staticmethod
     def _word(doubt: Doubt, problems: Mapping[TransformName, str]) -> str:

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...arrays import NumberType
 from ...bone.map import BoneMap
 from ...compounding.reconstructor import Reconstruction, Reconstructor
 from ...geometry.volume import VoxelGrid
@@ -76,7 +77,7 @@ class Inserter:
         self._reconstructor: Reconstructor | None = None
         self._notes: tuple[str, ...] = ()
         self._begin: Callable[[], None] | None = None
-        self._image_like: tuple[tuple[int, ...], np.dtype[np.number]] | None = None
+        self._image_like: tuple[tuple[int, ...], NumberType] | None = None
         self._insertions = 0
         self._seconds_per_frame = 0.0
         self._ready = 0.0

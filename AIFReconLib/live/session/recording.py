@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arrays import Numbers
+from ...arrays import Numbers, NumberType
 from ...errors import AIFReconError, OutputError
 from ...geometry.transform_graph import TransformStatus
 from ...io.disk.atomic import atomic_outputs, check_writable
@@ -40,7 +40,10 @@ REFRESH = 1.0
 """s between two headers at least."""
 
 REFRESH_BY_COST = 20.0
-"""Time between two headers at least, as a multiple of the time that the last one took to write: the header of an hour's frames is large, and appending must not wait for it."""
+"""Time between two headers at least, by the time that the last one took to write.
+
+The header of an hour's frames is large, and appending must not wait for it.
+"""
 
 _FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG") if hasattr(errno, name)}
 _FIRST_FRAME = "Seq_Frame0000_"
@@ -86,7 +89,7 @@ class Recorder:
         self.frames = 0
         self.failure: str | None = None
         self._shape: tuple[int, ...] = (0, 0)
-        self._dtype: np.dtype[np.number] = np.dtype(np.uint8)
+        self._dtype: NumberType = np.dtype(np.uint8)
         self._header: tuple[list[str], list[str]] = ([], [])
         self._pixels: FileIO | None = None
         self._fields: FileIO | None = None
