@@ -10,6 +10,33 @@ from __future__ import annotations
 
 import logging
 from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    # The names below, for editors and type checkers; a test compares
+    from .bone.from_sweep import bone_from_sweep
+    from .bone.map import BoneMap
+    from .compounding.reconstructor import Reconstruction, Reconstructor
+    from .errors import AIFReconError
+    from .evaluation.metrics import evaluate
+    from .geometry.transform_graph import TransformGraph
+    from .geometry.volume import Volume, VoxelGrid
+    from .imaging.beams import ProbeGeometry
+    from .imaging.region import ClipRectangle, Fan, ImageRegion
+    from .inspection.offset_estimate import estimate_time_offset
+    from .io.plus.configuration import read_plus_configuration
+    from .io.sequence.files import read_sequence
+    from .io.sequence.writer import write_sequence
+    from .io.transform.files import read_transform
+    from .io.volume.files import read_labels, read_volume, write_volume
+    from .live.pairing.synchronizer import SynchronizerSettings
+    from .live.replay.server import ReplayServer
+    from .live.session.session import LiveSession
+    from .live.wire.client import OpenIGTLinkClient
+    from .reconstruction import reconstruct
+    from .settings import ReconstructionSettings
+    from .sweep.frames import TrackedFrame, TrackedSequence
+    from .sweep.time_offset import with_time_offset
 
 from .machine.moved import find_moved_modules
 
@@ -48,7 +75,38 @@ _PUBLIC = {
     "write_volume": "io.volume.files",
 }
 
-__all__ = sorted(_PUBLIC)
+__all__ = [
+    "AIFReconError",
+    "BoneMap",
+    "ClipRectangle",
+    "Fan",
+    "ImageRegion",
+    "LiveSession",
+    "OpenIGTLinkClient",
+    "ProbeGeometry",
+    "Reconstruction",
+    "ReconstructionSettings",
+    "Reconstructor",
+    "ReplayServer",
+    "SynchronizerSettings",
+    "TrackedFrame",
+    "TrackedSequence",
+    "TransformGraph",
+    "Volume",
+    "VoxelGrid",
+    "bone_from_sweep",
+    "estimate_time_offset",
+    "evaluate",
+    "read_labels",
+    "read_plus_configuration",
+    "read_sequence",
+    "read_transform",
+    "read_volume",
+    "reconstruct",
+    "with_time_offset",
+    "write_sequence",
+    "write_volume",
+]
 
 find_moved_modules()
 
@@ -56,7 +114,7 @@ find_moved_modules()
 logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 
-def __getattr__(name: str):
+def __getattr__(name: str) -> Any:
     # Names are loaded when first used: Slicer imports this package at start-up, and SimpleITK alone takes longer than all else
     if name not in _PUBLIC:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -6,8 +6,7 @@ import logging
 from collections.abc import Iterable
 from dataclasses import replace
 
-import numpy as np
-
+from .arrays import Reals
 from .bone.map import BoneMap
 from .compounding.reconstructor import Reconstruction, Reconstructor, needs_beams
 from .compounding.splat_engine import uses_shares
@@ -44,7 +43,7 @@ def reconstruct(
     *,
     region: ImageRegion | None = None,
     probe: ProbeGeometry | None = None,
-    importance: np.ndarray | None = None,
+    importance: Reals | None = None,
     image_to_reference: str | None = None,
     reference: str | None = None,
     progress: Progress | None = None,
@@ -80,6 +79,7 @@ def reconstruct(
     asked = settings or ReconstructionSettings()
     settings = resolve_settings(asked, sequence.configuration, bone is not None, importance is not None)
     parts = reconstructor_parts(asked, settings, sequence.configuration, importance)
+    method = settings.method_for(bone is not None)
     report(progress, 0.0, "Looking at the sweep")
     poses = sweep_poses(sequence, image_to_reference, reference)
     poses.require_usable(sequence.name)
@@ -89,17 +89,17 @@ def reconstruct(
         raise NoUsableFramesError(
             "{sequence}: none of every {skip}th frames can be placed. Use a smaller --skip.", sequence=sequence.name, skip=settings.skip
         )
-    uses_beams = needs_beams(settings.method, settings)
+    uses_beams = needs_beams(method, settings)
     imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, region, probe)
     if grid is None and parts.grid is not None and image_to_reference is None and reference is None:
         grid = parts.grid
     if grid is None:
-        cost = bytes_per_voxel(settings.method, uses_beams, settings.best_cosine, uses_shares(settings, parts.importance))
+        cost = bytes_per_voxel(method, uses_beams, settings.best_cosine, uses_shares(settings, parts.importance))
         placed = poses.image_to_reference[chosen]
         scale = depth_scale(settings, imaging.region.mask(*sequence.frame_size), imaging.probe, pixel_spacing(placed[0]))
         grid = grid_around_sweep(placed, sequence.frame_size, imaging.region, settings.spacing_xyz(), cost, scale, parts.fits_spacing)
     report(progress, 0.02, "Preparing the volume")
-    bone_share = 0.15 if uses_beams else 0.02
+    bone_part = 0.15 if uses_beams else 0.02
     reconstructor = Reconstructor(
         grid,
         settings,
@@ -110,9 +110,9 @@ def reconstruct(
         importance=parts.importance,
         holes=parts.holes,
         fixed_point=parts.fixed_point,
-        progress=part(progress, 0.02, bone_share),
+        progress=part(progress, 0.02, bone_part),
     )
-    inserting = part(progress, bone_share, 0.95)
+    inserting = part(progress, bone_part, 0.95)
     with read_ahead(tracked_frames(sequence, poses, order)) as frames:
         reconstructor.insert(_reporting(frames, len(order), inserting))
     if not reconstructor.counts.inserted:

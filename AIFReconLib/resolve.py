@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
-import numpy as np
-
+from .arrays import Reals
 from .errors import BeamGeometryError, SettingsError
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
@@ -23,6 +22,9 @@ from .sweep.poses import SweepPoses
 
 if TYPE_CHECKING:
     from .sweep.configuration import PlusConfiguration
+
+
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +46,7 @@ class ReconstructorParts:
         What the configuration asks for and does not go with what the caller chose.
     """
 
-    importance: np.ndarray | None = None
+    importance: Reals | None = None
     holes: tuple[HoleFilling, ...] = ()
     threads: int | None = None
     fixed_point: bool = False
@@ -71,31 +73,32 @@ def resolve_settings(
             "Input hole_limit must be above 0 mm to fill holes by {holes}; got 0. Give --hole-limit MM.", holes=settings.holes
         )
 
-    def given(name: str, default=None):
-        own = getattr(settings, name)
-        own = getattr(configuration, name) if own is None else own
-        return default if own is None else own
-
     method = settings.method
     if method is None and not has_bone:
-        method = "average" if has_importance else given("method")
+        method = "average" if has_importance else configuration.method
     method = method or settings.method_for(has_bone)
-    spreads = settings.interpolation is not None or (method in LINEAR_METHODS and not settings.best_cosine)
+    interpolation = settings.interpolation
+    if interpolation is None and method in LINEAR_METHODS and not settings.best_cosine:
+        interpolation = configuration.interpolation
     return replace(
         settings,
         method=method,
-        spacing=given("spacing"),
-        skip=given("skip", 1),
-        interpolation=given("interpolation", "nearest") if spreads else "nearest",
-        pixel_rejection=given("pixel_rejection"),
+        spacing=configuration.spacing if settings.spacing is None else settings.spacing,
+        skip=_first_known(settings.skip, configuration.skip),
+        interpolation=interpolation or "nearest",
+        pixel_rejection=_first_known(settings.pixel_rejection, configuration.pixel_rejection),
     )
+
+
+def _first_known(own: Value | None, configured: Value | None) -> Value | None:
+    return configured if own is None else own
 
 
 def reconstructor_parts(
     asked: ReconstructionSettings,
     resolved: ReconstructionSettings,
     configuration: PlusConfiguration,
-    importance: np.ndarray | None = None,
+    importance: Reals | None = None,
 ) -> ReconstructorParts:
     """The parts for settings as `asked` by the caller and as `resolve_settings` returned them.
 
@@ -150,6 +153,20 @@ class Imaging:
     region: ImageRegion
     probe: ProbeGeometry | None
     notes: tuple[str, ...] = ()
+
+    def known_probe(self) -> ProbeGeometry:
+        """The probe.
+
+        Raises
+        ------
+        BeamGeometryError
+            When it is not known.
+        """
+        if self.probe is None:
+            raise BeamGeometryError(
+                "The directions of the beams are not known. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
+            )
+        return self.probe
 
 
 def known_imaging(

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
+from ..arrays import Array, Floats, Integers, Mask, Matrix, Numbers, Reals, Singles
 from ..errors import BeamGeometryError, GeometryError
 from ..geometry.transforms import pixel_spacing
 from ..geometry.volume import Volume, VoxelGrid
@@ -49,8 +50,8 @@ LEAST_SCORE = 0.4
 CREST = 1.0
 """mm in which the echo's brightest place is looked for: the score alone peaks on its far flank, where the shadow is deepest."""
 
-NEIGHBORHOOD, NEIGHBOR_DEPTH, NEIGHBOR_SHARE = 2.0, 2.0, 0.5
-"""Half of the scan lines within 2 mm to the sides must show bone at the same depth, give or take 2 mm."""
+NEIGHBORHOOD, NEIGHBOR_DEPTH, NEIGHBORS_NEEDED = 2.0, 2.0, 0.5
+"""Where neighbors of an echo are, mm to the sides; how much deeper or higher theirs may be, mm; which part of the lines must have one."""
 
 SLAB = 4.0
 """mm behind the surface that count as inside of bone, and in front of it as outside; nothing is known beyond."""
@@ -70,9 +71,9 @@ class BoneEchoes:
         `LEAST_SCORE` to 1.
     """
 
-    pixels: np.ndarray
-    beams: np.ndarray
-    scores: np.ndarray
+    pixels: Floats
+    beams: Floats
+    scores: Singles
 
 
 class BoneEchoFinder:
@@ -104,7 +105,8 @@ class BoneEchoFinder:
                 "Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
             )
         mask = imaging.region.mask(*size)
-        lines = scan_line_samples(*np.nonzero(mask)[::-1], spacing, imaging.probe)
+        at_row, at_column = np.nonzero(mask)
+        lines = scan_line_samples(at_column, at_row, spacing, imaging.probe)
         self._columns, self._rows, self._step = lines.columns, lines.rows, lines.step
         columns, rows = np.rint(self._columns).astype(np.int64), np.rint(self._rows).astype(np.int64)
         within = (columns >= 0) & (columns < size[0]) & (rows >= 0) & (rows < size[1])
@@ -113,7 +115,7 @@ class BoneEchoFinder:
         # A sector's lines diverge: their distance at half depth stands for all
         self._pitch = max(float(across[:, across.shape[1] // 2].mean()), 1e-3) if across.size else 1.0
         self._sigma = ECHO_ACROSS / self._pitch, ECHO_ALONG / self._step
-        self._share = np.maximum(ndimage.gaussian_filter(self._known.astype(np.float32), self._sigma), np.float32(1e-3))
+        self._reach = np.maximum(ndimage.gaussian_filter(self._known.astype(np.float32), self._sigma), np.float32(1e-3))
         samples = np.arange(self._rows.shape[1])
         self._from, self._to = (np.minimum(samples + round(mm / self._step), samples.size) for mm in (SHADOW_FROM, SHADOW_TO))
         known_before = _running_sum(self._known)
@@ -121,16 +123,16 @@ class BoneEchoFinder:
         depth = (samples - self._known.argmax(axis=1)[:, None]) * self._step
         self._eligible = self._known & (depth >= SKIN) & (self._behind * self._step >= SHADOW_LEAST)
 
-    def find(self, image: np.ndarray) -> BoneEchoes:
+    def find(self, image: Numbers) -> BoneEchoes:
         """The bone echoes of an image, (rows, columns); values below 0 and not finite count as 0."""
         image = np.maximum(np.nan_to_num(image.astype(np.float32), nan=0.0, posinf=0.0), 0.0)
-        values = ndimage.map_coordinates(image, np.stack([self._rows, self._columns]), order=1, mode="nearest")
+        values = ndimage.map_coordinates(image, np.stack([self._rows, self._columns]), np.float32, order=1, mode="nearest")
         values[~self._known] = 0.0
         lit = values[values > 0]
         scores = np.zeros(len(values), dtype=np.float32)
-        samples = np.zeros(len(values), dtype=np.int64)
+        samples: Integers = np.zeros(len(values), dtype=np.int64)
         if lit.size:
-            echo = ndimage.gaussian_filter(values, self._sigma) / self._share
+            echo = ndimage.gaussian_filter(values, self._sigma, output=np.float32) / self._reach
             sums = _running_sum(values)
             behind = (sums[:, self._to] - sums[:, self._from]) / np.maximum(self._behind, 1)
             score = np.where(self._eligible, (echo - behind) / (echo + behind + lit.mean()), 0.0)
@@ -144,12 +146,13 @@ class BoneEchoFinder:
         beams = (pixels - np.stack([self._columns[before], self._rows[before]], axis=-1)) / self._step
         return BoneEchoes(pixels, beams, scores[bone])
 
-    def _crest(self, echo: np.ndarray, samples: np.ndarray) -> np.ndarray:
+    def _crest(self, echo: Reals, samples: Integers) -> Integers:
         reach = round(CREST / self._step)
         near = np.clip(samples[:, None] + np.arange(-reach, 1), 0, echo.shape[1] - 1)
-        return near[np.arange(len(near)), np.take_along_axis(echo, near, axis=1).argmax(axis=1)]
+        crest: Integers = near[np.arange(len(near)), np.take_along_axis(echo, near, axis=1).argmax(axis=1)]
+        return crest
 
-    def _agreed(self, samples: np.ndarray, found: np.ndarray) -> np.ndarray:
+    def _agreed(self, samples: Integers, found: Mask) -> Mask:
         """Which lines that found bone have enough neighbors that found it at about the same depth, (lines,) bool."""
         reach = max(round(NEIGHBORHOOD / self._pitch), 1)
         depth = np.pad(np.where(found, samples * self._step, np.inf), reach, constant_values=np.inf)
@@ -157,7 +160,7 @@ class BoneEchoFinder:
         own = np.where(found, samples * self._step, 0.0)
         for shift in (*range(-reach, 0), *range(1, reach + 1)):
             agreeing += np.abs(depth[reach + shift : reach + shift + len(own)] - own) <= NEIGHBOR_DEPTH
-        return found & (agreeing >= NEIGHBOR_SHARE * 2 * reach)
+        return found & (agreeing >= NEIGHBORS_NEEDED * 2 * reach)
 
 
 def bone_from_sweep(
@@ -198,8 +201,9 @@ def bone_from_sweep(
     finder = BoneEchoFinder(sequence.frame_size, pixel_spacing(matrices[0]), imaging)
     for done, frame in enumerate(tracked_frames(sequence, poses, usable)):
         report(progress, done / len(usable), "Looking for bone in the sweep")
-        echoes = finder.find(frame.image)
-        image_to_ijk = grid.reference_to_ijk @ frame.image_to_reference
+        image, image_to_reference = frame.placed()
+        echoes = finder.find(image)
+        image_to_ijk = grid.reference_to_ijk @ image_to_reference
         np.maximum.at(best, _voxels(echoes.pixels, image_to_ijk, grid), echoes.scores)
         along = echoes.pixels[:, None, :] + offsets[None, :, None] * echoes.beams[:, None, :]
         at = _voxels(along.reshape(-1, 2), image_to_ijk, grid)
@@ -221,18 +225,19 @@ def bone_from_sweep(
     return BoneMap(Volume(probability, grid.ijk_to_reference), Volume(inside.astype(np.uint8), grid.ijk_to_reference))
 
 
-def _running_sum(lines: np.ndarray) -> np.ndarray:
+def _running_sum(lines: Array) -> Floats:
     """Sums before each sample of a line: (lines, samples + 1)."""
     return np.cumsum(np.pad(lines, ((0, 0), (1, 0))), axis=1, dtype=np.float64)
 
 
 def _padded(grid: VoxelGrid, voxels: int) -> VoxelGrid:
     """The grid with so many more voxels on every side."""
-    return VoxelGrid.from_spacing(grid.origin - voxels * grid.spacing, np.array(grid.size) + 2 * voxels, grid.spacing)
+    return VoxelGrid.from_spacing(grid.origin - voxels * grid.spacing, [n + 2 * voxels for n in grid.size], grid.spacing)
 
 
-def _voxels(pixels: np.ndarray, image_to_ijk: np.ndarray, grid: VoxelGrid) -> np.ndarray:
+def _voxels(pixels: Floats, image_to_ijk: Matrix, grid: VoxelGrid) -> Integers:
     """Flat voxel numbers [k, j, i] of pixels (n, 2), kept within the grid."""
     ijk = np.floor(pixels @ image_to_ijk[:3, :2].T + image_to_ijk[:3, 3] + 0.5).astype(np.int64)
     i, j, k = np.clip(ijk, 0, np.array(grid.size) - 1).T
-    return (k * grid.size[1] + j) * grid.size[0] + i
+    flat: Integers = (k * grid.size[1] + j) * grid.size[0] + i
+    return flat

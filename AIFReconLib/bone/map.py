@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
+from ..arrays import Floats, Integers, Mask, Matrix, Numbers, Singles
 from ..errors import GeometryError
 from ..geometry.volume import Volume, VoxelGrid
 from ..machine.threads import in_parts, optional_module, usable_cores
@@ -34,6 +35,8 @@ GAUSSIAN_REACH = 4.0
 PARTS = 8
 """Parts that filters and sampling are split into for several threads; always as many, so that results depend on no machine."""
 
+Box = tuple[slice, slice, slice]
+
 
 @dataclass(frozen=True, eq=False)
 class BoneOnGrid:
@@ -46,8 +49,8 @@ class BoneOnGrid:
         Where bone faces away from the sound, in Reference: along the beam on the near side of a surface.
     """
 
-    probability: np.ndarray
-    directions_reference: np.ndarray
+    probability: Singles
+    directions_reference: Singles
 
     @property
     def overlaps(self) -> bool:
@@ -80,7 +83,7 @@ class BoneMap:
         labels: Volume,
         sigma_voxels: float = SIGMA_VOXELS,
         sigma_mm: float | None = None,
-        labels_to_reference: np.ndarray | None = None,
+        labels_to_reference: Matrix | None = None,
         progress: Progress | None = None,
     ) -> BoneMap:
         """The paper's recipe: labels, magnitude of the 3D Sobel gradient, Gaussian, divided by the maximum.
@@ -127,7 +130,7 @@ class BoneMap:
         return bone_map
 
     @classmethod
-    def from_probability(cls, probability: Volume, probability_to_reference: np.ndarray | None = None) -> BoneMap:
+    def from_probability(cls, probability: Volume, probability_to_reference: Matrix | None = None) -> BoneMap:
         """A ready probability volume (a network's output), limited to 0 to 1; not finite values count as 0.
 
         Raises
@@ -178,7 +181,7 @@ class BoneMap:
         for axis in range(3):
             slope = sample(ndimage.sobel(potential, axis=2 - axis, mode="nearest"))
 
-            def turn(k: int, axis=axis, slope=slope) -> None:
+            def turn(k: int, axis: int = axis, slope: Singles = slope) -> None:
                 for component in range(3):
                     directions[k, ..., component] += to_reference[component, axis] * slope[k]
 
@@ -189,13 +192,13 @@ class BoneMap:
         return BoneOnGrid(probability, directions)
 
 
-def _smoothed(array: np.ndarray, sigma_kji: np.ndarray) -> np.ndarray:
+def _smoothed(array: Singles, sigma_kji: Floats) -> Singles:
     """A float32 array after a Gaussian, in place; axis by axis in parts, which share no line along it."""
     for axis, sigma in enumerate(sigma_kji):
         across = 1 if axis == 0 else 0
         edges = np.linspace(0, array.shape[across], min(PARTS, array.shape[across]) + 1).astype(int)
 
-        def smooth(part: int, axis=axis, sigma=sigma, across=across, edges=edges) -> None:
+        def smooth(part: int, axis: int = axis, sigma: float = sigma, across: int = across, edges: Integers = edges) -> None:
             lines = array[(slice(None),) * across + (slice(edges[part], edges[part + 1]),)]
             ndimage.gaussian_filter1d(lines, sigma, axis=axis, output=lines, mode="nearest", truncate=GAUSSIAN_REACH)
 
@@ -203,16 +206,17 @@ def _smoothed(array: np.ndarray, sigma_kji: np.ndarray) -> np.ndarray:
     return array
 
 
-def _sobel_magnitude(array: np.ndarray) -> np.ndarray:
+def _sobel_magnitude(array: Singles) -> Singles:
     squared = np.zeros_like(array)
     for axis in range(3):
         slope = ndimage.sobel(array, axis=axis, mode="nearest")
         slope *= slope
         squared += slope
-    return np.sqrt(squared, out=squared)
+    np.sqrt(squared, out=squared)
+    return squared
 
 
-def _normalize(vectors: np.ndarray) -> None:
+def _normalize(vectors: Singles) -> None:
     """Scale vectors [k, j, i, 3] to unit length in place, slab by slab; vectors too short to have a direction become zero."""
 
     def normalize(k: int) -> None:
@@ -226,20 +230,21 @@ def _normalize(vectors: np.ndarray) -> None:
     in_parts(normalize, len(vectors), usable_cores())
 
 
-def _box_around(mask: np.ndarray, margin: np.ndarray) -> tuple[slice, slice, slice]:
+def _box_around(mask: Mask, margin: Integers) -> Box:
     """The part of `mask` within `margin` (k, j, i) voxels of a True one."""
     (found,) = ndimage.find_objects(mask.view(np.uint8))
-    return tuple(slice(max(s.start - m, 0), min(s.stop + m, n)) for s, m, n in zip(found, margin, mask.shape, strict=True))
+    k, j, i = (slice(max(s.start - m, 0), min(s.stop + m, n)) for s, m, n in zip(found, margin, mask.shape, strict=True))
+    return k, j, i
 
 
-def _matrix_of_box(volume: Volume, box: tuple[slice, slice, slice]) -> np.ndarray:
+def _matrix_of_box(volume: Volume, box: Box) -> Matrix:
     """ijk_to_reference of the part `box` [k, j, i] of a volume."""
     shift = np.eye(4)
     shift[:3, 3] = [s.start for s in box[::-1]]
     return volume.ijk_to_reference @ shift
 
 
-def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[np.ndarray], np.ndarray]:
+def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[Numbers], Singles]:
     """A function that brings arrays [k, j, i] on the source's voxels onto the grid by linear interpolation, as float32.
 
     Notes
@@ -253,7 +258,7 @@ def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[np.ndarray], np.ndarr
     # The same voxels with and without it
     fast = optional_module("AIFReconLib.bone.numba_map")
 
-    def sample(array: np.ndarray) -> np.ndarray:
+    def sample(array: Numbers) -> Singles:
         result = np.zeros(grid.shape, dtype=np.float32)
         if box is not None:
             matrix = np.ascontiguousarray(to_source[2::-1, 2::-1])
@@ -287,7 +292,7 @@ def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[np.ndarray], np.ndarr
     return sample
 
 
-def _overlap(to_source: np.ndarray, grid: VoxelGrid, source: VoxelGrid) -> tuple[slice, slice, slice] | None:
+def _overlap(to_source: Matrix, grid: VoxelGrid, source: VoxelGrid) -> Box | None:
     """The box [k, j, i] of the grid outside of which the source and its rim of zeros have no voxel; None when they do not meet."""
     to_grid = np.linalg.inv(to_source)
     near, far = (-1, -1, -1), source.size
@@ -297,4 +302,5 @@ def _overlap(to_source: np.ndarray, grid: VoxelGrid, source: VoxelGrid) -> tuple
     stop = np.minimum(np.ceil(ijk.max(axis=0)).astype(int) + 2, grid.size)
     if (first >= stop).any():
         return None
-    return tuple(slice(int(a), int(b)) for a, b in zip(first[::-1], stop[::-1], strict=True))
+    k, j, i = (slice(int(a), int(b)) for a, b in zip(first[::-1], stop[::-1], strict=True))
+    return k, j, i

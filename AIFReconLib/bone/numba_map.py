@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import Floats, Singles
 from ..machine.numba_compile import compiled, inlined
 
 
 @inlined
-def found_at(array, k, j, i):
+def found_at(array: Singles, k: int, j: int, i: int) -> float:
     """A value of the array, 0 outside of it."""
     if 0 <= k < array.shape[0] and 0 <= j < array.shape[1] and 0 <= i < array.shape[2]:
         return float(array[k, j, i])
@@ -16,7 +17,14 @@ def found_at(array, k, j, i):
 
 
 @compiled
-def sample_linearly(array, matrix, offset, result, first, stop):
+def sample_linearly(
+    array: Singles,
+    matrix: Floats,
+    offset: Floats,
+    result: Singles,
+    first: tuple[int, int, int],
+    stop: tuple[int, int, int],
+) -> None:
     """Interpolate `array` at the voxels from `first` to before `stop` of `result`.
 
     Parameters

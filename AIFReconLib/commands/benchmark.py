@@ -27,13 +27,14 @@ from ..imaging.region import ImageRegion
 from ..io.disk.atomic import check_writable, write_text
 from ..live.wire.decoding import decode
 from ..live.wire.encoding import encode_image
-from ..live.wire.framing import Framer
+from ..live.wire.framing import Frame, Framer
 from ..machine.threads import optional_module, usable_cores
 from ..message import columns
 from ..progress import Progress, part, report
 from ..settings import BONE_METHODS, DEFAULT_SPACING, METHODS, ReconstructionSettings
 from ..sweep.frames import TrackedFrame
 from .console import ProgressBar
+from .options import Commands
 
 DEPTH, APEX, FAN_DEG = 96.0, 20.0, 30.0
 """mm that an image is deep and that its beams' apex lies above it, and the angle that the sweep is turned through."""
@@ -46,7 +47,7 @@ KEEPS_UP, JUST_KEEPS_UP, TOO_SLOW = "keeps up", "just keeps up", "does not keep 
 _ANY = "any method"
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "benchmark",
@@ -147,18 +148,22 @@ def answer(shares: dict[str, float], size: tuple[int, int], rate: float) -> str:
 
 def _seconds_to_receive(frame: TrackedFrame, repeats: int) -> float:
     """For one frame: its OpenIGTLink message, checksum and all."""
-    message = encode_image("Image_Reference", frame.timestamp, frame.image, frame.image_to_reference)
+    image, pose = frame.image, frame.image_to_reference
+    if image is None or pose is None:
+        return 0.0
+    message = encode_image("Image_Reference", frame.timestamp, image, pose)
 
     def receive() -> None:
         for whole in Framer().feed(message):
-            decode(whole)
+            if isinstance(whole, Frame):
+                decode(whole)
 
     return _median_seconds(receive, max(repeats, 5))
 
 
 def _seconds_to_insert(method: str, sweep: list[TrackedFrame], grid: VoxelGrid, repeats: int, progress: Progress | None) -> float:
     """For one frame, into a volume that is there already, with its bone map."""
-    rows, across = sweep[0].image.shape
+    rows, across = np.shape(sweep[0].image)
     bone = slab_of_bone(grid) if method in BONE_METHODS else None
     reconstructor = Reconstructor(grid, ReconstructionSettings(method=method), bone, probe=sector_probe(across, rows))
     return _median_seconds(lambda: reconstructor.insert(sweep), repeats, progress) / len(sweep)

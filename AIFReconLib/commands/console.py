@@ -75,7 +75,7 @@ class ProgressBar:
     def __enter__(self) -> Progress:
         return self._draw
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         self.clear()
 
     def clear(self) -> None:

@@ -25,6 +25,7 @@ from ..reconstruction import reconstruct
 from ..resolve import resolve_settings
 from ..settings import METHODS, ReconstructionSettings
 from .console import ProgressBar, program
+from .options import Commands
 from .simulate import SimulatedFiles, write_simulated_patient
 
 SPACING = 1.0
@@ -53,7 +54,7 @@ PRINTED = (
 """Metrics that are printed; the page and the CSV hold all."""
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "demo",

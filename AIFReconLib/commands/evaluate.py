@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
 
+from ..arrays import Matrix
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import comparison_png, require_matplotlib, within_spinous_process
 from ..evaluation.metrics import BoneMetrics, evaluate
@@ -22,7 +23,7 @@ from ..io.volume.files import read_labels, read_volume
 from ..message import columns
 from ..progress import part
 from .console import ProgressBar
-from .options import add_imaging_options, imaging_from, real_path, refuse_to_overwrite
+from .options import Commands, add_imaging_options, imaging_from, real_path, refuse_to_overwrite
 from .reconstruct import add_tracking_options
 
 EXAMPLE = """examples:
@@ -32,7 +33,7 @@ EXAMPLE = """examples:
 Volumes are to be compared under one sweep: it decides which bone counts. To compare sweeps, give the one that saw more for both."""
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "evaluate",
@@ -157,7 +158,7 @@ def _beams(arguments: argparse.Namespace) -> SweepBeams:
     )
 
 
-def _placed(volume: Volume, to_reference) -> Volume:
+def _placed(volume: Volume, to_reference: Matrix | None) -> Volume:
     return volume if to_reference is None else volume.placed_by(to_reference)
 
 

@@ -21,7 +21,7 @@ from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
 from .console import ProgressBar, program
-from .options import refuse_to_overwrite
+from .options import Commands, refuse_to_overwrite
 
 EXAMPLE = """examples:
   aifrecon import frames/ --poses poses.csv --transform ImageToTracker --spacing 0.1 0.1 --output sweep.igs.mha
@@ -30,7 +30,7 @@ EXAMPLE = """examples:
   aifrecon import images.npy --poses poses.json --transform TrackerToImage --spacing 0.2 0.2 --rate 20 --output sweep.nrrd"""
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "import",

@@ -26,6 +26,7 @@ from ..machine.threads import pause
 from ..sweep.configuration import NO_CONFIGURATION
 from .console import ProgressBar, show
 from .options import (
+    Commands,
     add_bone_options,
     add_imaging_options,
     add_importance_option,
@@ -44,10 +45,10 @@ EXAMPLE = """examples:
   aifrecon live --output volume.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --seconds 60"""
 
 DEVICE_TIMEOUT = 5.0
-"""s that a connected server may take to send its first image, and"""
+"""s that a connected server may take to send its first image."""
 
 SETTLING = 1.0
-"""s more in which other image devices may show up."""
+"""s after the first image in which other image devices may show up."""
 
 SCOUT_MARGIN = 5.0
 """mm added on each side of the box that was scouted."""
@@ -57,7 +58,7 @@ TERMINAL_INTERVAL, LINE_INTERVAL = 0.2, 5.0
 """s between two status lines, on a terminal and elsewhere."""
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "live",
@@ -314,7 +315,9 @@ def _what_else(statistics: LiveStatistics, result: Reconstruction) -> list[str]:
 def _recording_line(session: LiveSession) -> str | None:
     if session.recording_failure:
         return session.recording_failure
-    return f"recorded {session.recorder.frames} frames to {session.recorded}" if session.recorded else None
+    if session.recorder is None or session.recorded is None:
+        return None
+    return f"recorded {session.recorder.frames} frames to {session.recorded}"
 
 
 class StatusLine:

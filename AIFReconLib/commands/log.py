@@ -98,7 +98,7 @@ def _log_file(path: Path, others: list[Path]) -> logging.Handler:
         if begins not in (b"", FIRST_WORDS.encode()):
             raise OutputError("Cannot log to {path}: it is there and is no log. Choose another name for --log.", path=path)
         handler = _LogFile(path, encoding="utf-8", errors="backslashreplace")
-        if not begins:
+        if not begins and handler.stream is not None:
             handler.stream.write(f"{FIRST_WORDS}\n")
             handler.flush()
     except OutputError:

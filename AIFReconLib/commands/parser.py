@@ -14,7 +14,7 @@ import itertools
 import os
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from .. import __version__
 from ..errors import AIFReconError, OperationCanceled
@@ -41,12 +41,14 @@ _NO_MEMORY = (
 class OneLineParser(argparse.ArgumentParser):
     """Reports wrong arguments in one line, like every other error, and says what may have been meant."""
 
-    def __init__(self, *arguments, **options):
+    def __init__(self, *arguments: Any, **options: Any):
         super().__init__(*arguments, **options)
         self.register("type", float, _number)
         self.register("type", int, _whole_number)
 
-    def parse_known_args(self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None):
+    def parse_known_args(  # type: ignore[override]  # argparse calls it with these; its overloads are of namespaces of other kinds
+        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
+    ) -> tuple[argparse.Namespace, list[str]]:
         """Look for mistyped options first; otherwise what is missing without them would be named instead."""
         if args is not None and self._subparsers is None:
             self._refuse_unknown(args)

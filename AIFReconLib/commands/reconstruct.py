@@ -18,6 +18,7 @@ from ..reconstruction import reconstruct
 from ..sweep.poses import sweep_poses
 from .console import ProgressBar
 from .options import (
+    Commands,
     SpacingAction,
     add_bone_options,
     add_imaging_options,
@@ -40,7 +41,7 @@ EXAMPLE = """examples:
 SIDE_OUTPUTS = ("score", "hits", "mask", "cosine")
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "reconstruct",
@@ -74,7 +75,7 @@ def add_tracking_options(parser: argparse.ArgumentParser) -> None:
     tracking.add_argument("--reference", metavar="FRAME", help="frame to reconstruct in, e.g. Tracker (default: Reference)")
 
 
-def add_volume_options(parser: argparse.ArgumentParser):
+def add_volume_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     """The volumes to make, and their voxels; the answer is the group, for more of the kind."""
     volume = parser.add_argument_group("volume")
     where = volume.add_mutually_exclusive_group()
@@ -137,7 +138,7 @@ def run(arguments: argparse.Namespace) -> None:
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking))
 
 
-def report_of(result: Reconstruction, tracking: TrackingReport, outputs: dict[str, Path | None]) -> dict:
+def report_of(result: Reconstruction, tracking: TrackingReport, outputs: dict[str, Path | None]) -> dict[str, object]:
     """What was done, for JSON."""
     return {
         "method": result.method,

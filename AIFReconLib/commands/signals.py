@@ -33,7 +33,7 @@ class OrderlyEnd:
         By what.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.told = False
         self.signal = int(signal.SIGINT)
 
@@ -59,7 +59,7 @@ def orderly_end(end: OrderlyEnd | None = None) -> Iterator[OrderlyEnd]:
     """
     end = end or OrderlyEnd()
 
-    def interrupt(number: int, frame) -> None:
+    def interrupt(number: int, frame: FrameType | None) -> None:
         if _swallows(frame):
             again = threading.Timer(SOON, signal.raise_signal, [number])
             again.daemon = True

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import logging
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 from ..errors import SettingsError
 from ..message import Message
 from .numpy_engine import NumpyEngine
+
+if TYPE_CHECKING:
+    from .compiled.numba_engine import NumbaEngine
 
 logger = logging.getLogger(__name__)
 
 INSTALL_NUMBA = "pip install 'numba>=0.60'"
 
 
-def choose_engine(wanted: str) -> tuple[type, str | None]:
+def choose_engine(wanted: str) -> tuple[type[NumpyEngine] | type[NumbaEngine], str | None]:
     """The class of an engine, and what the user should know about the choice.
 
     Parameters

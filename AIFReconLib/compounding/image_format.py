@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Numbers, NumberType
 from ..errors import GeometryError
 from ..message import Message
 from ..settings import ReconstructionSettings
-from ..sweep.frames import TrackedFrame
 
 
 @dataclass(frozen=True)
@@ -23,36 +23,35 @@ class ImageKind:
     """
 
     shape: tuple[int, int]
-    dtype: np.dtype
+    dtype: NumberType
 
     @classmethod
-    def of(cls, frame: TrackedFrame) -> ImageKind:
-        """That of the first frame.
+    def of(cls, image: Numbers, number: int) -> ImageKind:
+        """That of the first image, of frame `number`.
 
         Raises
         ------
         GeometryError
             When its image is not one of gray pixels.
         """
-        image = frame.image
         if image.ndim != 2 or not image.size or image.dtype.kind not in "biuf":
             raise GeometryError(
                 "Input images must be gray, rows x columns of numbers; got {shape} {kind} in frame {number}.",
                 shape=image.shape,
                 kind=image.dtype,
-                number=frame.number,
+                number=number,
             )
-        return cls(image.shape, image.dtype)
+        rows, columns = image.shape
+        return cls((rows, columns), image.dtype)
 
-    def check(self, frame: TrackedFrame) -> None:
-        """Return if the image of a later frame is alike; else raise a GeometryError."""
-        image = frame.image
+    def check(self, image: Numbers, number: int) -> None:
+        """Return if the image of a later frame, `number`, is alike; else raise a GeometryError."""
         if image.shape != self.shape or image.dtype != self.dtype:
             raise GeometryError(
                 "Input images must all be alike; got {shape} {kind} in frame {number} after {first_shape} {first_type}.",
                 shape=image.shape,
                 kind=image.dtype,
-                number=frame.number,
+                number=number,
                 first_shape=self.shape,
                 first_type=self.dtype,
             )
@@ -66,7 +65,7 @@ class ImageKind:
         """The brightest value that an image can hold; infinite where neither the settings nor the type tell."""
         if settings.intensity_maximum is not None:
             return settings.intensity_maximum
-        return np.iinfo(self.dtype).max if self.dtype.kind in "iu" else np.inf
+        return float(np.iinfo(self.dtype.name).max) if self.dtype.kind in "iu" else np.inf
 
     def output_type(self, settings: ReconstructionSettings) -> str:
         """The pixel type of the volume: "uint8" or "float32"."""

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import Floats, Matrix
 from ..errors import GeometryError
 from ..message import Message
 from .transforms import invert
 
 
-def interpolate_pose(first: np.ndarray, second: np.ndarray, fraction: float) -> np.ndarray:
+def interpolate_pose(first: Matrix, second: Matrix, fraction: float) -> Matrix:
     """The pose at `fraction` of the way from `first` (0) to `second` (1).
 
     Parameters
@@ -54,7 +55,7 @@ def interpolate_pose(first: np.ndarray, second: np.ndarray, fraction: float) -> 
     return pose
 
 
-def interpolate_at(times: np.ndarray, poses: np.ndarray, time: float) -> np.ndarray:
+def interpolate_at(times: Floats, poses: Matrix, time: float) -> Matrix:
     """The pose at `time` from samples in time order.
 
     Parameters
@@ -86,13 +87,13 @@ def interpolate_at(times: np.ndarray, poses: np.ndarray, time: float) -> np.ndar
     return interpolate_pose(poses[before], poses[after], float((time - times[before]) / (times[after] - times[before])))
 
 
-def pose_change(first: np.ndarray, second: np.ndarray) -> tuple[float, float]:
+def pose_change(first: Matrix, second: Matrix) -> tuple[float, float]:
     """How far apart two poses are: distance of their origins (mm) and angle of the turn between them (radians, 0 to pi)."""
     _, angle = rotation_between(_polar(first)[0], _polar(second)[0])
     return float(np.linalg.norm(np.asarray(second)[:3, 3] - np.asarray(first)[:3, 3])), angle
 
 
-def rotation_between(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, float]:
+def rotation_between(first: Matrix, second: Matrix) -> tuple[Floats, float]:
     """Axis (3,), unit vector in the frame before `first`, and angle (radians, 0 to pi) with first @ turn(axis, angle) = second.
 
     Parameters
@@ -120,7 +121,7 @@ def rotation_between(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray,
     return (axis if axis @ skew >= 0.0 else -axis), angle
 
 
-def _polar(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _polar(matrix: Matrix) -> tuple[Matrix, Matrix]:
     """Rotation (mirrored where the matrix is) and symmetric stretch of the 3x3 part of a pose."""
     linear = np.asarray(matrix, dtype=np.float64)[:3, :3]
     if not np.isfinite(linear).all():
@@ -130,8 +131,9 @@ def _polar(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return left @ right, right.T @ (stretches[:, None] * right)
 
 
-def _turn(axis: np.ndarray, angle: float) -> np.ndarray:
+def _turn(axis: Floats, angle: float) -> Matrix:
     """The rotation by `angle` about a unit vector (Rodrigues' formula)."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
+    turn: Matrix = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
+    return turn

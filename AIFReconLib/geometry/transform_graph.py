@@ -12,7 +12,9 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..arrays import Matrix
 from ..errors import TransformError
 from ..message import Message
 from .transforms import as_matrix, invert, why_not_affine
@@ -84,7 +86,7 @@ class TransformName:
 class TransformSample:
     """One transform at one moment: matrix (4, 4) and what the tracker said of it."""
 
-    matrix: np.ndarray
+    matrix: Matrix
     status: TransformStatus = TransformStatus.OK
 
 
@@ -92,7 +94,7 @@ class TransformSample:
 class FoundTransform:
     """The answer of a look-up: the matrix, the status of the chain, and the transforms it is made of."""
 
-    matrix: np.ndarray
+    matrix: Matrix
     status: TransformStatus
     path: tuple[TransformName, ...]
 
@@ -107,8 +109,8 @@ class TransformGraph:
     Examples
     --------
     >>> graph = TransformGraph()
-    >>> graph.set("ImageToProbe", np.diag([0.2, 0.2, 0.2, 1.0]))
-    >>> graph.set("ProbeToReference", np.eye(4))
+    >>> graph.put("ImageToProbe", np.diag([0.2, 0.2, 0.2, 1.0]))
+    >>> graph.put("ProbeToReference", np.eye(4))
     >>> graph.lookup("Image", "Reference").describe_path()
     'ImageToProbe, ProbeToReference'
     """
@@ -123,10 +125,10 @@ class TransformGraph:
 
     @property
     def names(self) -> tuple[TransformName, ...]:
-        """The transforms that were set, in that order."""
+        """The transforms that were put in, in that order."""
         return tuple(self._transforms)
 
-    def set(self, name: str | TransformName, matrix, status: TransformStatus = TransformStatus.OK) -> None:
+    def put(self, name: str | TransformName, matrix: ArrayLike, status: TransformStatus = TransformStatus.OK) -> None:
         """Add a transform, or replace the one of the same name.
 
         Raises
@@ -140,14 +142,14 @@ class TransformGraph:
         self._put(name, TransformSample(as_matrix(matrix, Message("transform {name}", name=name)), status))
 
     def updated(self, transforms: dict[TransformName, TransformSample]) -> TransformGraph:
-        """A new graph with `transforms` (those of one tracked frame) set on top of this one."""
+        """A new graph with `transforms` (those of one tracked frame) put on top of this one."""
         graph = TransformGraph(self._transforms)
         for name, sample in transforms.items():
             graph._put(name, sample)
         return graph
 
     def lookup(self, source: str, target: str) -> FoundTransform:
-        """The transform from `source` to `target`, as a chain of what was set.
+        """The transform from `source` to `target`, as a chain of what was put in.
 
         Returns
         -------

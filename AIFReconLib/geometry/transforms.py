@@ -8,7 +8,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..arrays import Floats, Matrix
 from ..errors import GeometryError
 from ..message import Message
 
@@ -22,18 +24,17 @@ RIGIDITY_TOLERANCE = 0.02
 SHEAR_TOLERANCE = 0.1
 """Largest |cosine| between the two image axes. Fiducial calibrations are affine fits: 0.05 has been seen in use."""
 
-
 LAST_ROW_TOLERANCE = 1e-9
 """How far from 0 the last row of a transform may be."""
 
 LAST_ONE_TOLERANCE = 1e-5
-"""How far from 1 its last number may be: recordings hold 6 digits."""
+"""How far from 1 the last number of a transform's last row may be: recordings hold 6 digits."""
 
 LARGEST_NUMBER = 1e12
 """No transform in mm holds more; trackers write such numbers for a pose that they do not have."""
 
 
-def as_matrix(values, name: str = "matrix") -> np.ndarray:
+def as_matrix(values: ArrayLike, name: str = "matrix") -> Matrix:
     """`values` as a (4, 4) float64 array.
 
     Parameters
@@ -77,13 +78,13 @@ def as_matrix(values, name: str = "matrix") -> np.ndarray:
     return matrix
 
 
-def _ends_in_0_0_0_1(matrix: np.ndarray) -> bool:
+def _ends_in_0_0_0_1(matrix: Matrix) -> bool:
     """Whether the last row of a (4, 4) matrix is 0 0 0 1, as far as recorded digits go."""
     x, y, z, one = matrix[3].tolist()
-    return max(abs(x), abs(y), abs(z)) <= LAST_ROW_TOLERANCE and abs(one - 1.0) <= LAST_ONE_TOLERANCE
+    return bool(max(abs(x), abs(y), abs(z)) <= LAST_ROW_TOLERANCE and abs(one - 1.0) <= LAST_ONE_TOLERANCE)
 
 
-def why_not_affine(matrix: np.ndarray) -> Message | None:
+def why_not_affine(matrix: Matrix) -> Message | None:
     """What keeps a (4, 4) matrix from being a transform of points; None for a usable one."""
     # Asked of every frame: on 16 numbers Python is ten times as fast as numpy
     numbers = matrix.ravel().tolist()
@@ -96,7 +97,7 @@ def why_not_affine(matrix: np.ndarray) -> Message | None:
     return None
 
 
-def why_not_rigid(matrix: np.ndarray) -> Message | None:
+def why_not_rigid(matrix: Matrix) -> Message | None:
     """What keeps a (4, 4) pose from being a rotation and a translation; None for a rigid one."""
     problem = why_not_affine(matrix)
     if problem:
@@ -109,7 +110,7 @@ def why_not_rigid(matrix: np.ndarray) -> Message | None:
     return None
 
 
-def why_not_an_image_pose(image_to_reference: np.ndarray) -> Message | None:
+def why_not_an_image_pose(image_to_reference: Matrix) -> Message | None:
     """What keeps a (4, 4) image-to-reference matrix from placing pixels on a plane; None for a usable one."""
     problem = why_not_affine(image_to_reference)
     if problem:
@@ -123,7 +124,7 @@ def why_not_an_image_pose(image_to_reference: np.ndarray) -> Message | None:
     return None
 
 
-def invert(matrix: np.ndarray) -> np.ndarray:
+def invert(matrix: Matrix) -> Matrix:
     """The inverse of an affine (4, 4) matrix, last row exactly 0 0 0 1.
 
     Raises
@@ -132,25 +133,25 @@ def invert(matrix: np.ndarray) -> np.ndarray:
         When it is singular.
     """
     try:
-        inverse = np.linalg.inv(matrix)
+        inverse = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
     except np.linalg.LinAlgError:
         raise GeometryError("Input matrix must be invertible; got a singular matrix.") from None
     inverse[3] = (0.0, 0.0, 0.0, 1.0)
     return inverse
 
 
-def transform_points(a_to_b: np.ndarray, points_a: np.ndarray) -> np.ndarray:
+def transform_points(a_to_b: Matrix, points_a: ArrayLike) -> Floats:
     """Points (..., 3) of frame a in frame b."""
     return np.asarray(points_a, dtype=np.float64) @ a_to_b[:3, :3].T + a_to_b[:3, 3]
 
 
-def pixel_spacing(image_to_reference: np.ndarray) -> tuple[float, float]:
+def pixel_spacing(image_to_reference: Matrix) -> tuple[float, float]:
     """Column and row pitch (x, y) in mm: the lengths of the first two columns."""
     x, y = image_to_reference[:3, :2].T.tolist()
     return math.hypot(*x), math.hypot(*y)
 
 
-def image_plane_axes(image_to_reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def image_plane_axes(image_to_reference: Matrix) -> tuple[Floats, Floats]:
     """Orthonormal unit vectors (3,) in Reference along the image's columns (x) and rows (y).
 
     Notes
@@ -168,6 +169,6 @@ def image_plane_axes(image_to_reference: np.ndarray) -> tuple[np.ndarray, np.nda
     return half * (along + across), half * (along - across)
 
 
-def ras_to_lps(matrix_ras: np.ndarray) -> np.ndarray:
+def ras_to_lps(matrix_ras: Matrix) -> Matrix:
     """A transform between RAS frames, expressed between LPS frames. Its own inverse."""
     return LPS_FROM_RAS @ matrix_ras @ LPS_FROM_RAS

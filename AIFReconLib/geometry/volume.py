@@ -7,12 +7,15 @@ from __future__ import annotations
 
 import math
 import operator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..arrays import Floats, Matrix, Numbers
 from ..errors import GeometryError
 from ..machine.memory import MAXIMUM_VOXELS
 from .transforms import as_matrix, invert, transform_points
@@ -36,9 +39,9 @@ class VoxelGrid:
     """
 
     size: tuple[int, int, int]
-    ijk_to_reference: np.ndarray
+    ijk_to_reference: Matrix
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         try:
             size = tuple(operator.index(n) for n in self.size)
         except TypeError:
@@ -62,17 +65,19 @@ class VoxelGrid:
         object.__setattr__(self, "ijk_to_reference", matrix)
 
     @classmethod
-    def from_spacing(cls, origin_reference, size, spacing) -> VoxelGrid:
+    def from_spacing(cls, origin_reference: ArrayLike, size: Sequence[int], spacing: ArrayLike) -> VoxelGrid:
         """A grid along the axes of Reference. `origin_reference` (mm) is the center of voxel (0, 0, 0); `spacing` is mm, one or three."""
         matrix = np.eye(4)
         matrix[:3, :3] = np.diag(np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3))
         matrix[:3, 3] = origin_reference
-        return cls(tuple(size), matrix)
+        i, j, k = size
+        return cls((i, j, k), matrix)
 
     @property
     def shape(self) -> tuple[int, int, int]:
         """The shape of an array on this grid: [k, j, i]."""
-        return self.size[::-1]
+        i, j, k = self.size
+        return k, j, i
 
     @property
     def voxels(self) -> int:
@@ -80,21 +85,22 @@ class VoxelGrid:
         return self.size[0] * self.size[1] * self.size[2]
 
     @property
-    def spacing(self) -> np.ndarray:
+    def spacing(self) -> Floats:
         """Distance between voxel centers along i, j, k in mm, (3,) float64."""
-        return np.linalg.norm(self.ijk_to_reference[:3, :3], axis=0)
+        spacing: Floats = np.linalg.norm(self.ijk_to_reference[:3, :3], axis=0)
+        return spacing
 
     @property
-    def origin(self) -> np.ndarray:
+    def origin(self) -> Floats:
         """Center of voxel (0, 0, 0) in Reference, (3,) float64, mm."""
         return self.ijk_to_reference[:3, 3].copy()
 
     @cached_property
-    def reference_to_ijk(self) -> np.ndarray:
+    def reference_to_ijk(self) -> Matrix:
         """Reference (mm) to voxel numbers (i, j, k), (4, 4) float64."""
         return invert(self.ijk_to_reference)
 
-    def corners(self) -> np.ndarray:
+    def corners(self) -> Floats:
         """The centers of the 8 corner voxels in Reference, (8, 3) float64, mm."""
         last = np.array(self.size) - 1
         ijk = np.array([(i, j, k) for k in (0, last[2]) for j in (0, last[1]) for i in (0, last[0])], dtype=np.float64)
@@ -115,10 +121,10 @@ class Volume:
     ijk_to_reference : (4, 4) array_like, mm
     """
 
-    array: np.ndarray
-    ijk_to_reference: np.ndarray
+    array: Numbers
+    ijk_to_reference: Matrix
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.array.ndim != 3:
             raise GeometryError("Input volume array must have shape (k, j, i); got {shape}.", shape=self.array.shape)
         object.__setattr__(self, "ijk_to_reference", self.grid.ijk_to_reference)
@@ -126,9 +132,10 @@ class Volume:
     @cached_property
     def grid(self) -> VoxelGrid:
         """Where its voxels are."""
-        return VoxelGrid(self.array.shape[::-1], self.ijk_to_reference)
+        k, j, i = self.array.shape
+        return VoxelGrid((i, j, k), self.ijk_to_reference)
 
-    def placed_by(self, volume_to_reference: np.ndarray) -> Volume:
+    def placed_by(self, volume_to_reference: Matrix) -> Volume:
         """The same voxels moved by a (4, 4) transform, e.g. a CT put into Reference by its registration."""
         return Volume(self.array, as_matrix(volume_to_reference, "volume_to_reference") @ self.ijk_to_reference)
 

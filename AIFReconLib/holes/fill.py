@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from ..arrays import Bytes, Floats, Numbers
 from ..progress import Progress
 from ..settings import ReconstructionSettings
 from .filling import HoleFilling, within
@@ -12,15 +11,15 @@ from .plus_ways import fill_holes_by_kind
 
 
 def fill_as_asked(
-    values: np.ndarray,
-    mask: np.ndarray,
-    spacing: np.ndarray,
+    values: Numbers,
+    mask: Bytes,
+    spacing: Floats,
     settings: ReconstructionSettings,
     configured: tuple[HoleFilling, ...] = (),
     progress: Progress | None = None,
     *,
     threads: int | None = None,
-    score: np.ndarray | None = None,
+    score: Numbers | None = None,
 ) -> int:
     """Fill holes in place as the settings ask for, else as a configuration does; returns how many were filled.
 

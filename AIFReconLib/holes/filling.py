@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Floats
 from ..errors import SettingsError
 
 CUBE, GAUSSIAN, STICK = "cube", "gaussian", "stick"
@@ -29,7 +30,7 @@ class HoleFilling:
     stdev : float, voxels
         gaussian, gaussian by hits: standard deviation.
     known_ratio : float, 0 to 1
-        all but stick: a hole is filled where more than this share of size^3 voxels is measured.
+        all but stick: a hole is filled where more than this part of size^3 voxels is measured.
     sticks : int
         stick: how many of the shortest are averaged; those of one length count together.
 
@@ -45,7 +46,7 @@ class HoleFilling:
     known_ratio: float = 0.0
     sticks: int = 1
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise SettingsError("Input kind of hole filling must be one of {kinds}; got {kind!r}.", kinds=", ".join(KINDS), kind=self.kind)
         if not 1 <= self.size <= LARGEST_SIZE:
@@ -65,7 +66,7 @@ class HoleFilling:
         return max(self.size - 2, 0) if self.kind == STICK else (self.size - 1) // 2
 
 
-def within(kind: str, limit: float, spacing: np.ndarray) -> HoleFilling:
+def within(kind: str, limit: float, spacing: Floats) -> HoleFilling:
     """The way of this kind that reaches `limit` mm along the finest of these spacings (mm): cubes that far to each side, a Gaussian
     whose standard deviation is half of it, sticks that end that far on either side of a hole in the middle."""
     reach = min(int(np.floor(limit / np.min(spacing) + 1e-9)), (LARGEST_SIZE - 1) // 2)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy import ndimage
 
+from ..arrays import Bytes, Floats, Integers, Mask, Numbers
 from ..machine.threads import in_parts, optional_module, usable_cores
 from ..progress import Progress, report
 
@@ -23,18 +25,20 @@ MOST_ASKED = 130
 """Neighbors (a reach of 3 voxels) up to which holes ask them one after the other; beyond, a distance transform is faster."""
 
 PLANES_AT_ONCE = 4
-"""Planes [k] that a thread fills before it takes the next ones, and"""
+"""Planes [k] that a thread fills before it takes the next ones."""
 
 ROUND = 32
-"""how often it does so before progress is reported."""
+"""How often threads take `PLANES_AT_ONCE` planes before progress is reported."""
 
 NM_PER_MM = 1e6
 
+Box = tuple[slice, ...]
+
 
 def fill_holes(
-    values: np.ndarray,
-    mask: np.ndarray,
-    spacing: np.ndarray,
+    values: Numbers,
+    mask: Bytes,
+    spacing: Floats,
     limit: float,
     progress: Progress | None = None,
     *,
@@ -92,7 +96,7 @@ def fill_holes(
     return filled
 
 
-def neighbor_offsets(spacing: np.ndarray, limit: float, shape: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
+def neighbor_offsets(spacing: Floats, limit: float, shape: tuple[int, ...]) -> tuple[Integers, Integers]:
     """Every voxel within reach of another.
 
     Parameters
@@ -118,13 +122,21 @@ def neighbor_offsets(spacing: np.ndarray, limit: float, shape: tuple[int, int, i
     return np.stack(np.unravel_index(within, distance.shape), axis=1) - reach, distance.reshape(-1)[within]
 
 
-def _nanometers(offset_kji: list[np.ndarray], spacing_kji: np.ndarray) -> np.ndarray:
+def _nanometers(offset_kji: Sequence[Numbers], spacing_kji: Floats) -> Integers:
     """Lengths of offsets (in voxels) in whole nm, so that distances equal in mm are equal here whatever they were added up from."""
     squared = sum((along * pitch) ** 2 for along, pitch in zip(offset_kji, spacing_kji, strict=True))
-    return np.rint(np.sqrt(squared) * NM_PER_MM).astype(np.int64)
+    lengths: Floats = np.rint(np.sqrt(squared) * NM_PER_MM)
+    return lengths.astype(np.int64)
 
 
-def _fill_compiled(fill_slab, values, mask, offsets, threads: int | None, progress: Progress | None) -> int:
+def _fill_compiled(
+    fill_slab: Callable[[Numbers, Bytes, Integers, int, int], int],
+    values: Numbers,
+    mask: Bytes,
+    offsets: Integers,
+    threads: int | None,
+    progress: Progress | None,
+) -> int:
     """Fill the whole volume with the compiled search, a few planes at a time."""
     starts = range(0, mask.shape[0], PLANES_AT_ONCE)
     filled = np.zeros(len(starts), dtype=np.int64)
@@ -134,7 +146,7 @@ def _fill_compiled(fill_slab, values, mask, offsets, threads: int | None, progre
         report(progress, turn / rounds, "Filling holes")
         parts = range(turn * ROUND, min((turn + 1) * ROUND, len(starts)))
 
-        def fill(part: int, parts=parts) -> None:
+        def fill(part: int, parts: range = parts) -> None:
             first = starts[parts[part]]
             filled[parts[part]] = fill_slab(values, mask, offsets, first, min(first + PLANES_AT_ONCE, mask.shape[0]))
 
@@ -143,7 +155,7 @@ def _fill_compiled(fill_slab, values, mask, offsets, threads: int | None, progre
     return int(filled.sum())
 
 
-def _fill_near(values: np.ndarray, mask: np.ndarray, block, offsets: np.ndarray) -> int:
+def _fill_near(values: Numbers, mask: Bytes, block: Box, offsets: Integers) -> int:
     """Fill the holes in `block`, a part [k, j, i] of these voxels, that have one of few neighbors; returns how many.
 
     Notes
@@ -177,7 +189,7 @@ def _fill_near(values: np.ndarray, mask: np.ndarray, block, offsets: np.ndarray)
     return asked - left.size
 
 
-def _dilated(mask: np.ndarray, reach: np.ndarray) -> np.ndarray:
+def _dilated(mask: Mask, reach: Integers) -> Mask:
     """`mask` [k, j, i] grown to boxes of `reach` voxels to each side."""
     for axis, r in enumerate(reach):
         grown = mask.copy()
@@ -190,7 +202,7 @@ def _dilated(mask: np.ndarray, reach: np.ndarray) -> np.ndarray:
     return mask
 
 
-def _fill_block(values: np.ndarray, mask: np.ndarray, block, spacing_kji: np.ndarray, offsets: np.ndarray, distances: np.ndarray) -> int:
+def _fill_block(values: Numbers, mask: Bytes, block: Box, spacing_kji: Floats, offsets: Integers, distances: Integers) -> int:
     """Fill the holes in `block`, a part [k, j, i] of these voxels, from all of them; returns how many had a value within reach.
 
     Notes

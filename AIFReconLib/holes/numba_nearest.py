@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import Bytes, Integers, Numbers
 from ..machine.numba_compile import compiled
 
 EMPTY, MEASURED, FILLED = 0, 1, 2
 
 
 @compiled
-def fill_slab(values, mask, offsets, first, stop):
+def fill_slab(values: Numbers, mask: Bytes, offsets: Integers, first: int, stop: int) -> int:
     """Fill the holes of the planes [first, stop) of a volume [k, j, i]; returns how many.
 
     Parameters

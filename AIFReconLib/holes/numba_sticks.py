@@ -4,11 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import Floats, Integers, Mask, Numbers
 from ..machine.numba_compile import compiled
 
 
 @compiled
-def fill_along_sticks(flat_values, flat_known, places, steps, lengths, size, wanted, averages):
+def fill_along_sticks(
+    flat_values: Numbers,
+    flat_known: Mask,
+    places: Integers,
+    steps: Integers,
+    lengths: Floats,
+    size: int,
+    wanted: int,
+    averages: Floats,
+) -> None:
     """Fill holes at flat `places` of a padded volume.
 
     Parameters
@@ -52,13 +62,13 @@ def fill_along_sticks(flat_values, flat_known, places, steps, lengths, size, wan
             best = score.max()
             if best == 0.0:
                 break
-            share, weighted = 0.0, 0.0
+            scores, weighted = 0.0, 0.0
             for n in range(directions):
                 if score[n] == best:
                     weighted += best * value[n]
-                    share += best
+                    scores += best
                     used += 1
                     score[n] = 0.0
             total += weighted
-            weight += share
+            weight += scores
         averages[hole] = total / weight if used else np.nan

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import Bytes, Floats, Integers, Mask, Numbers
 from ..machine.threads import optional_module
 from ..progress import Progress, report
 from .averages import gaussian, gaussian_by_hits, inverse_distance, nearest_cube
@@ -29,13 +30,13 @@ HOLES_AT_ONCE = 200_000
 
 
 def fill_holes_by_kind(
-    values: np.ndarray,
-    mask: np.ndarray,
+    values: Numbers,
+    mask: Bytes,
     kinds: tuple[HoleFilling, ...],
     progress: Progress | None = None,
     *,
     engine: str = "auto",
-    score: np.ndarray | None = None,
+    score: Numbers | None = None,
 ) -> int:
     """Fill holes in place; returns how many were filled.
 
@@ -74,7 +75,7 @@ def fill_holes_by_kind(
         for kind in kinds:
             if not len(holes) or not known.any():
                 break
-            found, found_values = _FILLERS[kind.kind](values[low:high], known, holes, kind, engine=engine, hits=hits)
+            found, found_values = _fill(values[low:high], known, holes, kind, engine, hits)
             at = tuple((holes[found] + np.array([low, 0, 0])).T)
             values[at] = found_values if values.dtype.kind == "f" else np.floor(found_values + 0.5)
             mask[at] = FILLED
@@ -84,7 +85,16 @@ def fill_holes_by_kind(
     return filled
 
 
-def _fill_sticks(values, known, holes, kind: HoleFilling, *, engine: str, **_) -> tuple[np.ndarray, np.ndarray]:
+def _fill(values: Numbers, known: Mask, holes: Integers, kind: HoleFilling, engine: str, hits: Numbers | None) -> tuple[Mask, Floats]:
+    """Which holes are filled in this way, and with what."""
+    if kind.kind == STICK:
+        return _fill_sticks(values, known, holes, kind, engine)
+    if kind.kind == GAUSSIAN_BY_HITS:
+        return gaussian_by_hits(values, known, holes, kind, hits)
+    return _AVERAGES[kind.kind](values, known, holes, kind)
+
+
+def _fill_sticks(values: Numbers, known: Mask, holes: Integers, kind: HoleFilling, engine: str) -> tuple[Mask, Floats]:
     """Linear interpolation between known voxels on both sides, along the shortest sticks.
 
     Notes
@@ -101,10 +111,12 @@ def _fill_sticks(values, known, holes, kind: HoleFilling, *, engine: str, **_) -
     places = (holes + longest) @ strides
     parts = [slice(start, start + HOLES_AT_ONCE) for start in range(0, len(places), HOLES_AT_ONCE)]
     filled = [_fill_along_sticks(flat_values, padded.reshape(-1), places[part], strides, kind, engine) for part in parts]
-    return tuple(np.concatenate(arrays) for arrays in zip(*filled, strict=True))
+    return np.concatenate([found for found, _ in filled]), np.concatenate([averages for _, averages in filled])
 
 
-def _fill_along_sticks(flat_values, flat_known, places, strides, kind: HoleFilling, engine: str) -> tuple[np.ndarray, np.ndarray]:
+def _fill_along_sticks(
+    flat_values: Numbers, flat_known: Mask, places: Integers, strides: Integers, kind: HoleFilling, engine: str
+) -> tuple[Mask, Floats]:
     """The same for holes at flat `places` of a padded volume with these strides [k, j, i]."""
     lengths = np.linalg.norm(STICKS, axis=1)
     compiled = None if engine == "numpy" else optional_module("AIFReconLib.holes.numba_sticks")
@@ -130,7 +142,7 @@ def _fill_along_sticks(flat_values, flat_known, places, strides, kind: HoleFilli
     return found, _best_sticks(score[:, found], value[:, found], kind.sticks)
 
 
-def _steps(known: np.ndarray, places: np.ndarray, step: int, limits: np.ndarray) -> np.ndarray:
+def _steps(known: Mask, places: Integers, step: int, limits: Integers) -> Integers:
     """How many steps it takes from each place to a known voxel, at most `limits`; 0 for none. `known` is flat."""
     steps = np.zeros(len(places), dtype=np.int64)
     left = np.arange(len(places))
@@ -144,7 +156,7 @@ def _steps(known: np.ndarray, places: np.ndarray, step: int, limits: np.ndarray)
     return steps
 
 
-def _best_sticks(score: np.ndarray, value: np.ndarray, wanted: int) -> np.ndarray:
+def _best_sticks(score: Floats, value: Floats, wanted: int) -> Floats:
     """The average of the values (sticks, holes) with the best scores, weighted by these."""
     weighted, weights = np.zeros((2, score.shape[1]))
     used = np.zeros(score.shape[1], dtype=np.int64)
@@ -154,17 +166,11 @@ def _best_sticks(score: np.ndarray, value: np.ndarray, wanted: int) -> np.ndarra
         chosen = (score == best) & (best > 0) & (used < wanted)
         if not chosen.any():
             return weighted / weights
-        share = np.where(chosen, score, 0.0)
-        weighted += (share * value).sum(axis=0)
-        weights += share.sum(axis=0)
+        scores = np.where(chosen, score, 0.0)
+        weighted += (scores * value).sum(axis=0)
+        weights += scores.sum(axis=0)
         used += chosen.sum(axis=0)
         score[chosen] = 0.0
 
 
-_FILLERS = {
-    CUBE: nearest_cube,
-    GAUSSIAN: gaussian,
-    STICK: _fill_sticks,
-    GAUSSIAN_BY_HITS: gaussian_by_hits,
-    INVERSE_DISTANCE: inverse_distance,
-}
+_AVERAGES = {CUBE: nearest_cube, GAUSSIAN: gaussian, INVERSE_DISTANCE: inverse_distance}

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Singles
 from ..errors import BeamGeometryError
 
 LINEAR = "linear"
@@ -31,7 +32,7 @@ class ProbeGeometry:
     kind: str
     apex_px: tuple[float, float] | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.kind not in (LINEAR, SECTOR):
             raise BeamGeometryError("Input probe must be linear or sector; got {kind!r}.", kind=self.kind)
         if self.kind == SECTOR and (self.apex_px is None or len(self.apex_px) != 2 or not all(math.isfinite(v) for v in self.apex_px)):
@@ -39,7 +40,20 @@ class ProbeGeometry:
                 "Input apex of a sector probe must be a column and a row; got {apex!r}. Give --apex-px COLUMN ROW.", apex=self.apex_px
             )
 
-    def directions(self, columns: int, rows: int, spacing: tuple[float, float]) -> np.ndarray:
+    @property
+    def apex(self) -> tuple[float, float]:
+        """The apex (column, row) of a sector, px.
+
+        Raises
+        ------
+        BeamGeometryError
+            When the probe is linear: its beams meet nowhere.
+        """
+        if self.apex_px is None:
+            raise BeamGeometryError("A linear probe has no apex. Give --probe sector with --apex-px COLUMN ROW.")
+        return self.apex_px
+
+    def directions(self, columns: int, rows: int, spacing: tuple[float, float]) -> Singles:
         """Beam direction through every pixel.
 
         Parameters
@@ -58,8 +72,9 @@ class ProbeGeometry:
         if self.kind == LINEAR:
             directions[..., 1] = 1.0
             return directions
-        x = (np.arange(columns, dtype=np.float64) - self.apex_px[0])[None, :] * spacing[0]
-        y = (np.arange(rows, dtype=np.float64) - self.apex_px[1])[:, None] * spacing[1]
+        column, row = self.apex
+        x = (np.arange(columns, dtype=np.float64) - column)[None, :] * spacing[0]
+        y = (np.arange(rows, dtype=np.float64) - row)[:, None] * spacing[1]
         distance = np.hypot(x, y)
         distance[distance == 0] = np.inf
         directions[..., 0] = x / distance

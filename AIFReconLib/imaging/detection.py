@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
+from ..arrays import Floats, Integers, Mask
 from ..errors import BeamGeometryError
 from ..message import Message
 from .beams import LINEAR, SECTOR, ProbeGeometry
@@ -19,7 +20,7 @@ from .region import ClipRectangle, Fan, ImageRegion
 
 FRAMES_LOOKED_AT = 24
 LIT = 0.01
-"""A pixel is lit when it exceeds this share of the brightest pixel in any of the frames looked at."""
+"""A pixel is lit when it exceeds this part of the brightest pixel in any of the frames looked at."""
 
 VERTICAL_SLOPE = 0.03
 """Sides that lean less than this (columns per row) are those of a linear probe."""
@@ -27,12 +28,15 @@ VERTICAL_SLOPE = 0.03
 LINE_TOLERANCE_PX = 2.0
 """How far a side may be from its straight line."""
 
-
 DIRECTIONS = 64
 """Directions in which the outer radius of a sector is looked for."""
 
 BORDER_PX = 4
 """An area that ends closer to the image's border than this has no side there that can be seen."""
+
+
+Sides = tuple[tuple[float, float], tuple[float, float]]
+"""Left and right side of a lit area, each as (column at row 0, columns per row)."""
 
 
 @dataclass(frozen=True)
@@ -71,29 +75,29 @@ def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)
     return _sector(lit, sides, (int(columns[0]), int(rows[0])), spacing)
 
 
-def _lit_area(images: ImageStack) -> np.ndarray:
+def _lit_area(images: ImageStack) -> Mask:
     """The largest connected area that is lit in any of the frames looked at, without its holes, (rows, columns) bool."""
     if len(images) == 0:
-        raise _unrecognized("there are none")
+        raise _unrecognized(Message("there are none"))
     numbers = np.unique(np.linspace(0, len(images) - 1, FRAMES_LOOKED_AT).astype(int))
-    brightest = None
+    brightest = np.full(images.shape[1:], -np.inf, dtype=np.float32)
     for number in numbers:
         image = np.nan_to_num(np.asarray(images[int(number)], dtype=np.float32), posinf=0.0, neginf=0.0)
-        brightest = image if brightest is None else np.maximum(brightest, image)
+        np.maximum(brightest, image, out=brightest)
     if not brightest.size or brightest.max() <= 0:
-        raise _unrecognized("all images are black")
+        raise _unrecognized(Message("all images are black"))
     lit = ndimage.binary_closing(np.pad(brightest > LIT * brightest.max(), 4), iterations=4)[4:-4, 4:-4]
     # An opening drops rulers, text and borders that touch the sector by a thin line
     lit = ndimage.binary_opening(lit, iterations=2)
     labels, count = ndimage.label(lit)
     if count == 0:
-        raise _unrecognized("no connected bright area was found")
+        raise _unrecognized(Message("no connected bright area was found"))
     sizes = np.bincount(labels.ravel())
     sizes[0] = 0
     return ndimage.binary_fill_holes(labels == sizes.argmax())
 
 
-def _straight_sides(box: np.ndarray) -> tuple[tuple[float, float], tuple[float, float]] | None:
+def _straight_sides(box: Mask) -> Sides | None:
     """Left and right side of a lit box as (column at row 0, columns per row); None where they are not straight."""
     height, width = box.shape
     left = box.argmax(axis=1)
@@ -111,11 +115,11 @@ def _straight_sides(box: np.ndarray) -> tuple[tuple[float, float], tuple[float, 
     return sides[0], sides[1]
 
 
-def _robust_line(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
+def _robust_line(columns: Integers, rows: Integers) -> tuple[float, float] | None:
     """Offset and slope of the line that most points are on; None when fewer than 3 in 4 are."""
-    if x.size < 10:
+    if columns.size < 10:
         return None
-    x, y = x.astype(np.float64), y.astype(np.float64)
+    x, y = columns.astype(np.float64), rows.astype(np.float64)
     step = max(x.size // 3, 1)
     slope = float(np.median((y[step:] - y[:-step]) / (x[step:] - x[:-step])))
     offset = float(np.median(y - slope * x))
@@ -128,7 +132,7 @@ def _robust_line(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
     return (offset, slope) if near.mean() >= 0.75 else None
 
 
-def _rectangle(lit: np.ndarray, box: np.ndarray, sides, corner: tuple[int, int]) -> DetectedImaging:
+def _rectangle(lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int]) -> DetectedImaging:
     height, width = box.shape
     left, right = 0, width - 1
     if sides is not None:
@@ -146,7 +150,7 @@ def _rectangle(lit: np.ndarray, box: np.ndarray, sides, corner: tuple[int, int])
     return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
 
 
-def _sector(lit: np.ndarray, sides, corner: tuple[int, int], spacing: tuple[float, float]) -> DetectedImaging:
+def _sector(lit: Mask, sides: Sides, corner: tuple[int, int], spacing: tuple[float, float]) -> DetectedImaging:
     (left_offset, left_slope), (right_offset, right_slope) = sides
     # The outermost lit pixels lie inside the side, by half a pixel on average
     left_offset, right_offset = left_offset - 0.5, right_offset + 0.5
@@ -155,7 +159,7 @@ def _sector(lit: np.ndarray, sides, corner: tuple[int, int], spacing: tuple[floa
     row = (left_offset - right_offset) / (right_slope - left_slope)
     apex = (left_offset + left_slope * row + corner[0], row + corner[1])
     aspect = spacing[0] / spacing[1]
-    angles = tuple(math.degrees(math.atan(slope * aspect)) for slope in (left_slope, right_slope))
+    angles = (math.degrees(math.atan(left_slope * aspect)), math.degrees(math.atan(right_slope * aspect)))
     y, x = np.nonzero(lit)
     radius = np.hypot((x - apex[0]) * spacing[0], (y - apex[1]) * spacing[1])
     angle = np.degrees(np.arctan2((x - apex[0]) * spacing[0], (y - apex[1]) * spacing[1]))
@@ -177,11 +181,11 @@ def _sector(lit: np.ndarray, sides, corner: tuple[int, int], spacing: tuple[floa
     return DetectedImaging(ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan), words)
 
 
-def _outer_radius(radius: np.ndarray, share: np.ndarray) -> float:
-    """The radius that a sector reaches in some directions at least; `share` of each pixel is 0 at its left side, 1 at its right."""
+def _outer_radius(radius: Floats, across: Floats) -> float:
+    """The radius that a sector reaches in some directions at least; `across` of each pixel is 0 at its left side, 1 at its right."""
     farthest = np.zeros(DIRECTIONS)
-    within = (share >= 0) & (share < 1)
-    np.maximum.at(farthest, (share[within] * DIRECTIONS).astype(int), radius[within])
+    within = (across >= 0) & (across < 1)
+    np.maximum.at(farthest, (across[within] * DIRECTIONS).astype(int), radius[within])
     # Not quite the largest: a ruler that touches the sector sticks out in one direction or two
     return float(np.sort(farthest)[-4])
 

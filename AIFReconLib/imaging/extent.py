@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import Floats, Matrix
 from ..errors import GeometryError
 from ..geometry.volume import VoxelGrid
 from ..machine.memory import require_memory
@@ -13,13 +14,12 @@ from .sound_speed import DepthScale
 LARGEST_EXTENT = 5000.0
 """mm. Poses that span more are not those of one patient."""
 
-
 TIE_TOLERANCE = 1e-6
 """Voxels. Engines multiply matrices before they round, and so place a pixel that lies between two voxels on either side."""
 
 
 def grid_around_sweep(
-    image_to_reference: np.ndarray,
+    image_to_reference: Matrix,
     frame_size: tuple[int, int],
     region: ImageRegion,
     spacing: tuple[float, float, float],
@@ -72,16 +72,17 @@ def grid_around_sweep(
         np.maximum(most, points.max(axis=0), out=most)
     extent = most - least
     spacing = _fitted(spacing, extent) if fits_spacing else spacing
-    size = np.floor(extent / np.asarray(spacing) + (0.5 + TIE_TOLERANCE)) + 1
+    voxels = np.floor(extent / np.asarray(spacing) + (0.5 + TIE_TOLERANCE)) + 1
     if not np.isfinite(extent).all() or extent.max() > LARGEST_EXTENT:
         spans = " x ".join(f"{mm:.0f}" for mm in extent)
         raise GeometryError("The sweep spans {spans} mm, which no scan does. Are its poses in mm and in the right frame?", spans=spans)
-    size = tuple(int(n) for n in size)
+    i, j, k = (int(n) for n in voxels)
+    size = (i, j, k)
     require_memory(size, spacing, bytes_per_voxel)
     return VoxelGrid.from_spacing(least, size, spacing)
 
 
-def _fitted(spacing: tuple[float, float, float], extent: np.ndarray) -> tuple[float, float, float]:
+def _fitted(spacing: tuple[float, float, float], extent: Floats) -> tuple[float, float, float]:
     """The spacing with z such that voxels end where the box of size `extent` (mm) does; as it was in a box thinner than a voxel."""
     x, y, z = spacing
     intervals = np.floor(extent[2] / z)

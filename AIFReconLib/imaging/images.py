@@ -6,6 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
+from ..arrays import Numbers, NumberType
+
 
 class ImageStack(Protocol):
     """The images of a sequence, in memory or read from a file when asked for: a numpy array (n, rows, columns) is one."""
@@ -16,16 +18,16 @@ class ImageStack(Protocol):
         ...
 
     @property
-    def dtype(self) -> np.dtype:
+    def dtype(self) -> NumberType:
         """Type of a pixel."""
         ...
 
     def __len__(self) -> int: ...
 
-    def __getitem__(self, index: int) -> np.ndarray: ...
+    def __getitem__(self, index: int, /) -> Numbers: ...
 
 
-def luminance(image: np.ndarray) -> np.ndarray:
+def luminance(image: Numbers) -> Numbers:
     """Gray levels (rows, columns) of a color image (rows, columns, 3 or 4), in its own type; a fourth channel is not used."""
     red, green, blue = (image[..., channel].astype(np.float64) for channel in range(3))
     gray = REC_601[0] * red + REC_601[1] * green + REC_601[2] * blue

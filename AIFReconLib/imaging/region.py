@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import SettingsError
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class ClipRectangle:
     origin_px: tuple[float, float]
     size_px: tuple[float, float]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not all(math.isfinite(v) for v in (*self.origin_px, *self.size_px)) or min(self.size_px) < 0:
             raise SettingsError(
                 "Input clip rectangle must be X Y W H with W, H not negative; got {origin} {size}.",
@@ -75,8 +76,9 @@ class Fan:
     radii: tuple[float, float]
     pixel_size: tuple[float, float] = (1.0, 1.0)
 
-    def __post_init__(self):
-        object.__setattr__(self, "angles_deg", tuple(sorted(self.angles_deg)))
+    def __post_init__(self) -> None:
+        first, last = sorted(self.angles_deg)
+        object.__setattr__(self, "angles_deg", (first, last))
         if not -90 < self.angles_deg[0] < self.angles_deg[1] < 90:
             raise SettingsError("Input fan angles must differ and lie between -90 and 90 degrees; got {angles}.", angles=self.angles_deg)
         if not 0 <= self.radii[0] < self.radii[1] or not math.isfinite(self.radii[1]):
@@ -88,7 +90,7 @@ class Fan:
                 pixel_size=self.pixel_size,
             )
 
-    def mask(self, columns: int, rows: int) -> np.ndarray:
+    def mask(self, columns: int, rows: int) -> Mask:
         """Which pixels are inside, (rows, columns) bool."""
         x = np.arange(columns, dtype=np.float64)[None, :] - self.apex_px[0]
         y = np.arange(rows, dtype=np.float64)[:, None] - self.apex_px[1]
@@ -111,7 +113,7 @@ class ImageRegion:
     fan: Fan | None = None
     fan_detection: FanDetection | None = None
 
-    def mask(self, columns: int, rows: int) -> np.ndarray:
+    def mask(self, columns: int, rows: int) -> Mask:
         """Which pixels enter a volume, (rows, columns) bool.
 
         Raises
@@ -135,7 +137,7 @@ class ImageRegion:
         return mask
 
 
-def extreme_pixels(mask: np.ndarray) -> np.ndarray:
+def extreme_pixels(mask: Mask) -> Floats:
     """The first and last kept pixel of every row, (n, 2) float64 (column, row): their hull is the hull of all kept pixels."""
     rows = np.flatnonzero(mask.any(axis=1))
     first = mask[rows].argmax(axis=1)
@@ -174,20 +176,23 @@ def chosen_region(
     if not clip and not fan_angles_deg:
         return None
     fan, detection = configured.fan, configured.fan_detection
-    if fan_angles_deg:
-        about = apex_px or (fan.apex_px if fan else getattr(probe, "apex_px", None))
+    if fan_angles_deg and fan_radii_px:
+        about = apex_px
+        if about is None and fan is not None:
+            about = fan.apex_px
+        elif about is None and probe is not None:
+            about = probe.apex_px
         if about is None:
             raise SettingsError("A fan stands about the apex of a sector probe, which is not known. Give --apex-px COLUMN ROW.")
-        fan, detection = Fan(about, tuple(fan_angles_deg), tuple(fan_radii_px)), None
+        fan, detection = Fan(about, fan_angles_deg, fan_radii_px), None
     return ImageRegion(clip or configured.clip, fan, detection)
 
 
 DEPTHS = (0.15, 0.30, 0.50, 0.70)
-"""Where the arcs are that are looked at, as shares of the way from the fan's first to its last radius."""
-
+"""Where the arcs are that are looked at, as parts of the way from the fan's first to its last radius."""
 
 MARGIN_DEG = 3.0
-"""What is taken off each side of the lit part."""
+"""What is taken off each side of the lit part of a fan."""
 
 
 @dataclass(frozen=True)
@@ -205,7 +210,7 @@ class FanDetection:
     threshold: float = 30.0
     filter_radius_px: int = 10
 
-    def angles(self, image: np.ndarray, fan: Fan) -> tuple[float, float] | None:
+    def angles(self, image: Numbers, fan: Fan) -> tuple[float, float] | None:
         """The angles between which a frame shows something.
 
         Parameters
@@ -234,9 +239,9 @@ class FanDetection:
             return None
         first = max(math.degrees(widest[0]) + MARGIN_DEG, fan.angles_deg[0])
         last = min(math.degrees(widest[1]) - MARGIN_DEG, fan.angles_deg[1])
-        return tuple(sorted((first, last))) if first != last else None
+        return (min(first, last), max(first, last)) if first != last else None
 
-    def _arc(self, image: np.ndarray, fan: Fan, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    def _arc(self, image: Numbers, fan: Fan, radius: float) -> tuple[Floats, Mask]:
         """Angles along an arc, rad, and whether the pixels there are lit."""
         first, last = (math.radians(angle) for angle in fan.angles_deg)
         angles = first + np.arange(int((last - first) * radius)) / max(radius, 1e-9)
@@ -245,11 +250,12 @@ class FanDetection:
         inside = (column >= 0) & (column < image.shape[1]) & (row >= 0) & (row < image.shape[0])
         return angles[inside], image[row[inside], column[inside]] >= self.threshold
 
-    def _lit_parts(self, angles: np.ndarray, lit: np.ndarray, end: float) -> list[tuple[float, float]]:
+    def _lit_parts(self, angles: Floats, lit: Mask, end: float) -> list[tuple[float, float]]:
         """First and last angle of each lit part of an arc; one that does not end on it ends at `end`."""
         window = 2 * self.filter_radius_px
         count = np.cumsum(np.concatenate([[0], lit]))
-        parts, start = [], None
+        parts: list[tuple[float, float]] = []
+        start: float | None = None
         for place in range(window, len(angles)):
             inside = count[place] - count[place - window]
             if start is None and 2 * inside >= window:
@@ -260,9 +266,10 @@ class FanDetection:
         return parts if start is None else [*parts, (start, end)]
 
 
-def _rounded(numbers: np.ndarray) -> np.ndarray:
+def _rounded(numbers: Floats) -> Integers:
     """The nearest whole numbers, halves away from zero."""
-    return np.trunc(numbers + np.copysign(0.5, numbers)).astype(np.int64)
+    whole: Floats = np.trunc(numbers + np.copysign(0.5, numbers))
+    return whole.astype(np.int64)
 
 
 class PixelFilter:
@@ -278,16 +285,15 @@ class PixelFilter:
 
     def __init__(self, rejection: float | None, region: ImageRegion):
         self._rejection = rejection
-        self._region = region
-        self._narrows = region.fan is not None and region.fan_detection is not None
+        self._fan, self._detection = region.fan, region.fan_detection
 
-    def kept(self, image: np.ndarray) -> np.ndarray | None:
+    def kept(self, image: Numbers) -> Mask | None:
         """The pixels of an image that enter, (rows, columns) bool; None for all (of the region, which is applied elsewhere)."""
         kept = None if self._rejection is None else image >= self._rejection
-        if self._narrows:
-            angles = self._region.fan_detection.angles(image, self._region.fan)
+        if self._fan is not None and self._detection is not None:
+            angles = self._detection.angles(image, self._fan)
             if angles is None:
                 return np.zeros(image.shape, dtype=bool)
-            fan = replace(self._region.fan, angles_deg=angles).mask(image.shape[1], image.shape[0])
+            fan = replace(self._fan, angles_deg=angles).mask(image.shape[1], image.shape[0])
             kept = fan if kept is None else kept & fan
         return kept

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Floats, Integers
 from .beams import LINEAR, ProbeGeometry
 
 MOST_LINES = 512
@@ -25,13 +26,13 @@ class ScanLineSamples:
         The nearest sample of each pixel, flat in (lines, samples).
     """
 
-    columns: np.ndarray
-    rows: np.ndarray
+    columns: Floats
+    rows: Floats
     step: float
-    sample_of_pixel: np.ndarray
+    sample_of_pixel: Integers
 
 
-def scan_line_samples(columns: np.ndarray, rows: np.ndarray, spacing: tuple[float, float], probe: ProbeGeometry) -> ScanLineSamples:
+def scan_line_samples(columns: Integers, rows: Integers, spacing: tuple[float, float], probe: ProbeGeometry) -> ScanLineSamples:
     """Lay scan lines over pixels.
 
     Parameters
@@ -50,7 +51,8 @@ def scan_line_samples(columns: np.ndarray, rows: np.ndarray, spacing: tuple[floa
         left, top = int(columns.min()), int(rows.min())
         lines = np.meshgrid(np.arange(left, columns.max() + 1.0), np.arange(top, rows.max() + 1.0), indexing="ij")
         return ScanLineSamples(lines[0], lines[1], spacing[1], (columns - left) * lines[0].shape[1] + (rows - top))
-    x, y = (columns - probe.apex_px[0]) * spacing[0], (rows - probe.apex_px[1]) * spacing[1]
+    column, row = probe.apex
+    x, y = (columns - column) * spacing[0], (rows - row) * spacing[1]
     radius, angle, step = np.hypot(x, y), np.arctan2(x, y), min(spacing)
     first, last, spread = float(radius.min()), float(radius.max()), float(np.ptp(angle))
     samples = int(np.ceil((last - first) / step)) + 1
@@ -61,8 +63,8 @@ def scan_line_samples(columns: np.ndarray, rows: np.ndarray, spacing: tuple[floa
     line = np.floor((angle - angle.min()) / angle_step + 0.5).astype(np.int64)
     sample = np.floor((radius - first) / step + 0.5).astype(np.int64)
     return ScanLineSamples(
-        probe.apex_px[0] + radii * np.sin(angles) / spacing[0],
-        probe.apex_px[1] + radii * np.cos(angles) / spacing[1],
+        column + radii * np.sin(angles) / spacing[0],
+        row + radii * np.cos(angles) / spacing[1],
         step,
         line * samples + np.minimum(sample, samples - 1),
     )

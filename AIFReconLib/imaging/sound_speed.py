@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Floats, Mask, Matrix
+from ..errors import BeamGeometryError
 from ..settings import ReconstructionSettings
 from .beams import LINEAR, ProbeGeometry
 
@@ -34,16 +36,17 @@ class DepthScale:
     spacing: tuple[float, float]
 
     @classmethod
-    def of(cls, mask: np.ndarray, probe: ProbeGeometry, factor: float, spacing: tuple[float, float]) -> DepthScale:
+    def of(cls, mask: Mask, probe: ProbeGeometry, factor: float, spacing: tuple[float, float]) -> DepthScale:
         """The scale for images whose ultrasound is `mask` (rows, columns) bool: the face is where it begins."""
         rows, columns = np.nonzero(mask)
         if probe.kind == LINEAR:
             return cls(probe, factor, float(rows.min()), spacing)
-        radius = np.hypot((columns - probe.apex_px[0]) * spacing[0], (rows - probe.apex_px[1]) * spacing[1])
+        column, row = probe.apex
+        radius = np.hypot((columns - column) * spacing[0], (rows - row) * spacing[1])
         return cls(probe, factor, float(radius.min()), spacing)
 
     @property
-    def stretch(self) -> np.ndarray | None:
+    def stretch(self) -> Matrix | None:
         """What moves the pixels of a linear probe, (4, 4), true from shown pixels; None for a sector, whose rows become curved."""
         if self.probe.kind != LINEAR:
             return None
@@ -51,7 +54,7 @@ class DepthScale:
         matrix[1, 3] = self.face - self.factor * self.face
         return matrix
 
-    def moved(self, pixels: np.ndarray) -> np.ndarray:
+    def moved(self, pixels: Floats) -> Floats:
         """Where pixels truly are.
 
         Parameters
@@ -67,20 +70,33 @@ class DepthScale:
         stretch = self.stretch
         if stretch is not None:
             return np.stack([pixels[0], stretch[1, 1] * pixels[1] + stretch[1, 3]])
-        apex = np.array(self.probe.apex_px, dtype=np.float64)[:, None]
+        apex = np.array(self.probe.apex, dtype=np.float64)[:, None]
         offset = pixels - apex
         radius = np.hypot(offset[0] * self.spacing[0], offset[1] * self.spacing[1])
         # At the apex itself there is no direction to move in
         farther = np.divide(self.face + self.factor * (radius - self.face), radius, out=np.ones_like(radius), where=radius > 0)
-        return apex + farther * offset
+        moved: Floats = apex + farther * offset
+        return moved
 
 
 def depth_scale(
-    settings: ReconstructionSettings, mask: np.ndarray, probe: ProbeGeometry | None, spacing: tuple[float, float]
+    settings: ReconstructionSettings, mask: Mask, probe: ProbeGeometry | None, spacing: tuple[float, float]
 ) -> DepthScale | None:
-    """The scale that the settings ask for, of images whose ultrasound is `mask`; None where pixels are where they are shown."""
+    """The scale that the settings ask for, of images whose ultrasound is `mask`; None where pixels are where they are shown.
+
+    Raises
+    ------
+    BeamGeometryError
+        When pixels are elsewhere and the probe is not known.
+    """
     factor = depth_factor(settings)
-    return None if factor == 1.0 else DepthScale.of(mask, probe, factor, spacing)
+    if factor == 1.0:
+        return None
+    if probe is None:
+        raise BeamGeometryError(
+            "A speed of sound needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
+        )
+    return DepthScale.of(mask, probe, factor, spacing)
 
 
 def depth_factor(settings: ReconstructionSettings) -> float:

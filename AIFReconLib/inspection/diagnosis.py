@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Floats
 from ..errors import AIFReconError, BeamGeometryError, SequenceFormatError
-from ..geometry.transform_graph import TransformStatus
+from ..geometry.transform_graph import TransformName, TransformStatus
 from ..geometry.transforms import pixel_spacing
 from ..imaging.detection import detect_imaging
 from ..message import columns
@@ -45,12 +46,13 @@ class SequenceReport:
 
     def to_text(self) -> str:
         """The report for a terminal."""
-        transforms = [("transforms" if n == 0 else "", *row) for n, row in enumerate(self.transforms)] or [("transforms", "none")]
+        transforms: list[tuple[str, ...]] = [("transforms" if n == 0 else "", *row) for n, row in enumerate(self.transforms)]
+        transforms = transforms or [("transforms", "none")]
         name, *facts = self.facts
         tracking = self.tracking.rows() if self.tracking else []
         return "\n".join([name[1], columns([*facts, *tracking, *transforms]), "", *self.findings])
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, object]:
         """The report for JSON."""
         offset = self.time_offset
         return {
@@ -150,16 +152,14 @@ def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float]) -> 
         return f"cannot be looked at: {error}"
 
 
-def _describe_statuses(sequence: TrackedSequence, name) -> str:
+def _describe_statuses(sequence: TrackedSequence, name: TransformName) -> str:
     counts = sequence.status_counts(name)
     return ", ".join(f"{counts[status]} {status.value}" for status in TransformStatus if counts[status])
 
 
-def _timestamps(sequence: TrackedSequence) -> np.ndarray | None:
-    times = [record.timestamp for record in sequence.records]
-    if any(time is None or not np.isfinite(time) for time in times):
-        return None
-    return np.array(times)
+def _timestamps(sequence: TrackedSequence) -> Floats | None:
+    times = np.array([record.timestamp for record in sequence.records if record.timestamp is not None], dtype=np.float64)
+    return times if len(times) == len(sequence) and np.isfinite(times).all() else None
 
 
 def _about_time(sequence: TrackedSequence) -> list[str]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Floats, Integers, Matrix, Reals
 from ..progress import Progress, report
 from ..sweep.frames import TrackedSequence
 from ..sweep.pose_tracks import LONGEST_GAP
@@ -69,7 +70,7 @@ class OffsetEstimate:
     @property
     def out_of_step(self) -> bool:
         """Whether there is an offset beyond doubt."""
-        return self.time_offset is not None and abs(self.time_offset) > max(self.uncertainty, STEP)
+        return self.time_offset is not None and abs(self.time_offset) > max(self.uncertainty or 0.0, STEP)
 
     def to_text(self) -> str:
         """One sentence for a user."""
@@ -99,8 +100,8 @@ def estimate_time_offset(sequence: TrackedSequence, poses: SweepPoses, progress:
     OffsetEstimate
     """
     usable = poses.usable
-    stamps = [sequence.records[number].timestamp for number in usable]
-    if any(stamp is None or not np.isfinite(stamp) for stamp in stamps):
+    stamps = [stamp for number in usable if (stamp := sequence.records[number].timestamp) is not None]
+    if len(stamps) < len(usable) or not np.isfinite(stamps).all():
         return OffsetEstimate(reason="not every frame has a time stamp")
     times, first = np.unique(np.array(stamps, dtype=np.float64), return_index=True)
     if len(times) < FEWEST_FRAMES:
@@ -114,18 +115,20 @@ def estimate_time_offset(sequence: TrackedSequence, poses: SweepPoses, progress:
     dissimilarity = _dissimilarity(sequence, usable[first][chosen], progress)
     offsets = STEP * np.arange(-round(LARGEST / STEP), round(LARGEST / STEP) + 1)
     starts = np.arange(_BLOCKS) * len(chosen) // _BLOCKS
-    sums = np.array([_block_sums(track.weights(times[chosen] + offset, near), dissimilarity, starts) for offset in offsets])
+    sums: Floats = np.array([_block_sums(track.weights(times[chosen] + offset, near), dissimilarity, starts) for offset in offsets])
     best = _minimum(offsets, sums.sum(axis=(2, 3)))
     if best is None:
         return OffsetEstimate(reason="the images agree best at no offset within half a second, or at none much better than at others")
-    left_out = [_minimum(offsets, np.delete(np.delete(sums, b, axis=2), b, axis=3).sum(axis=(2, 3))) for b in range(_BLOCKS)]
-    spread = np.inf if None in left_out else np.sqrt((_BLOCKS - 1) / _BLOCKS * np.sum((np.array(left_out) - np.mean(left_out)) ** 2))
+    without = (np.delete(np.delete(sums, b, axis=2), b, axis=3) for b in range(_BLOCKS))
+    each = [_minimum(offsets, rest.sum(axis=(2, 3))) for rest in without]
+    left_out = np.array([offset for offset in each if offset is not None])
+    spread = np.sqrt((_BLOCKS - 1) / _BLOCKS * np.sum((left_out - np.mean(left_out)) ** 2)) if len(left_out) == _BLOCKS else np.inf
     if 2 * spread > LEAST_SURE:
         return OffsetEstimate(reason="parts of the sweep contradict each other")
     return OffsetEstimate(float(best), float(max(2 * spread, STEP / 2)))
 
 
-def corner_track(image_to_reference: np.ndarray, frame_size: tuple[int, int]) -> np.ndarray:
+def corner_track(image_to_reference: Matrix, frame_size: tuple[int, int]) -> Floats:
     """The four corners of every image as one point of a 12-dimensional space, (frames, 12).
 
     Notes
@@ -135,20 +138,21 @@ def corner_track(image_to_reference: np.ndarray, frame_size: tuple[int, int]) ->
     """
     columns, rows = frame_size
     corners = np.array([(c, r, 0.0, 1.0) for c in (0, columns - 1) for r in (0, rows - 1)])
-    return np.einsum("nij,kj->nki", image_to_reference[:, :3], corners).reshape(len(image_to_reference), 12) / 2.0
+    track: Floats = np.einsum("nij,kj->nki", image_to_reference[:, :3], corners).reshape(len(image_to_reference), 12) / 2.0
+    return track
 
 
 class _Track:
     """Where the image is over time."""
 
-    def __init__(self, times: np.ndarray, points: np.ndarray):
+    def __init__(self, times: Floats, points: Floats):
         self.times = times
         self.points = points
         self.velocities = np.gradient(points, times, axis=0)
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)[np.diff(times) <= LONGEST_GAP]
         self.typical_step = float(np.median(steps)) if len(steps) else 0.0
 
-    def weights(self, at: np.ndarray, near: float) -> np.ndarray:
+    def weights(self, at: Floats, near: float) -> Floats:
         """How much each pair of moments counts: same place, opposite ways, not one right after the other; (n, n)."""
         points = np.stack([np.interp(at, self.times, column) for column in self.points.T], axis=1)
         velocities = np.stack([np.interp(at, self.times, column) for column in self.velocities.T], axis=1)
@@ -167,7 +171,7 @@ class _Track:
         return weights
 
 
-def _dissimilarity(sequence: TrackedSequence, numbers: np.ndarray, progress: Progress | None) -> np.ndarray:
+def _dissimilarity(sequence: TrackedSequence, numbers: Integers, progress: Progress | None) -> Floats:
     """Mean squared difference of every two images, in patches; (n, n)."""
     columns, rows = sequence.frame_size
     size = max(1, max(columns, rows) // _PATCHES)
@@ -180,21 +184,23 @@ def _dissimilarity(sequence: TrackedSequence, numbers: np.ndarray, progress: Pro
     values = np.array(patches)
     values -= values.mean(axis=0)
     squares = (values**2).sum(axis=1)
-    return np.maximum(squares[:, None] + squares[None] - 2 * _products(values), 0)
+    dissimilarity: Floats = np.maximum(squares[:, None] + squares[None] - 2 * _products(values), 0)
+    return dissimilarity
 
 
-def _products(vectors: np.ndarray) -> np.ndarray:
+def _products(vectors: Floats) -> Floats:
     """Every vector times every other. (The matrix product would wake all cores for so small a task.)"""
-    return np.einsum("ik,jk->ij", vectors, vectors)
+    products: Floats = np.einsum("ik,jk->ij", vectors, vectors)
+    return products
 
 
-def _block_sums(weights: np.ndarray, dissimilarity: np.ndarray, starts: np.ndarray) -> np.ndarray:
+def _block_sums(weights: Floats, dissimilarity: Floats, starts: Integers) -> Floats:
     """Weighted dissimilarity and weight, summed over every two blocks of frames; (2, blocks, blocks)."""
     values = np.stack([weights * dissimilarity, weights])
     return np.add.reduceat(np.add.reduceat(values, starts, axis=1), starts, axis=2)
 
 
-def _minimum(offsets: np.ndarray, sums: np.ndarray) -> float | None:
+def _minimum(offsets: Reals, sums: Reals) -> float | None:
     """Where the mean dissimilarity is least, refined by a parabola; None where that is at an end or hardly a minimum."""
     with np.errstate(invalid="ignore", divide="ignore"):
         cost = np.where(sums[:, 1] > 0, sums[:, 0] / sums[:, 1], np.inf)

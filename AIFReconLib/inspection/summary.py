@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ..compounding.reconstructor import Reconstruction
 
 
-def summary_lines(result: Reconstruction, frames: int, seconds: float | None = None) -> list[Message]:
+def summary_lines(result: Reconstruction, frames: int, seconds: float | None = None) -> list[str]:
     """Method, frames, voxels, how many of them hold something, which frames were skipped and why, and what else is to be known.
 
     Parameters
@@ -38,13 +38,13 @@ def summary_lines(result: Reconstruction, frames: int, seconds: float | None = N
     )
     return [
         done if seconds is None else Message("{done}, in {seconds:.1f} s", done=done, seconds=seconds),
-        describe_shares(measured / grid.voxels, filled / grid.voxels if filled else None),
+        describe_coverage(measured / grid.voxels, filled / grid.voxels if filled else None),
         *(Message("skipped: {frames}: {reason}", frames=describe_frames(n), reason=reason) for reason, n in result.skipped.items()),
         *result.notes,
     ]
 
 
-def describe_shares(measured: float, filled: float | None = None) -> Message:
-    """How many of the voxels were measured and how many filled, shares from 0 to 1, in words."""
+def describe_coverage(measured: float, filled: float | None = None) -> Message:
+    """How many of the voxels were measured and how many filled, both from 0 to 1, in words."""
     said = Message("{share:.1f}% of the voxels measured", share=100 * measured)
     return said if filled is None else Message("{measured}, {share:.1f}% filled", measured=said, share=100 * filled)

@@ -6,6 +6,8 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
+from ..arrays import Floats, Matrix
+
 VIEWS = ((0, 1), (2, 1))
 """Axes across and down of each panel: seen along z, and along x."""
 
@@ -18,7 +20,7 @@ _AXES = "xyz"
 _COLUMN_COLOR, _ROW_COLOR = "#c0392b", "#1e8449"
 
 
-def draw_sweep(image_to_reference: np.ndarray, frame_size: tuple[int, int], title: str = "", reference: str = "Reference") -> str:
+def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: str = "", reference: str = "Reference") -> str:
     """The text of an SVG file.
 
     Parameters
@@ -54,22 +56,21 @@ def draw_sweep(image_to_reference: np.ndarray, frame_size: tuple[int, int], titl
         place = np.array([MARGIN + number * (PANEL + 2 * MARGIN), MARGIN])
         middle = (low + high)[list(axes)] / 2
 
-        def to_page(points, place=place, middle=middle, axes=axes):
-            return place + PANEL / 2 + (np.asarray(points)[..., list(axes)] - middle) * scale
-
-        parts += _panel(to_page, outlines, place, axes, scale, reference)
+        on_page = place + PANEL / 2 + (outlines[..., list(axes)] - middle) * scale
+        parts += _panel(on_page, place, axes, scale, reference)
     parts.append("</svg>\n")
     return "\n".join(parts)
 
 
-def _panel(to_page, outlines: np.ndarray, place: np.ndarray, axes: tuple[int, int], scale: float, reference: str) -> list[str]:
+def _panel(outlines: Floats, place: Floats, axes: tuple[int, int], scale: float, reference: str) -> list[str]:
+    """One view of the outlines, (frames, 4, 2) on the page."""
     across, down = (_AXES[axis] for axis in axes)
     parts = [f'<rect x="{place[0]:.1f}" y="{place[1]:.1f}" width="{PANEL:.0f}" height="{PANEL:.0f}" fill="none" stroke="#bbb"/>']
     for number, outline in enumerate(outlines):
         level = round(190 - 170 * number / max(len(outlines) - 1, 1))
-        points = " ".join(f"{x:.1f},{y:.1f}" for x, y in to_page(outline))
+        points = " ".join(f"{x:.1f},{y:.1f}" for x, y in outline)
         parts.append(f'<polygon points="{points}" fill="none" stroke="rgb({level},{level},{level})"/>')
-    origin, end_of_columns, _, end_of_rows = to_page(outlines[0])
+    origin, end_of_columns, _, end_of_rows = outlines[0]
     for end, color, label in ((end_of_columns, _COLUMN_COLOR, "columns"), (end_of_rows, _ROW_COLOR, "rows")):
         parts.append(
             f'<line x1="{origin[0]:.1f}" y1="{origin[1]:.1f}" x2="{end[0]:.1f}" y2="{end[1]:.1f}" stroke="{color}" stroke-width="2"/>'

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..arrays import Floats, Integers
 from ..holes.nearest import FILLED, MEASURED
 from ..message import Message, listed
 from ..sweep.frames import TrackedSequence
 from ..sweep.pose_tracks import LONGEST_GAP
 from ..sweep.poses import SweepPoses, describe_frames, time_order
 from .offset_estimate import corner_track
-from .summary import describe_shares
+from .summary import describe_coverage
 
 if TYPE_CHECKING:
     from ..compounding.reconstructor import Reconstruction
@@ -89,7 +90,7 @@ class TrackingReport:
 
     def rows(self) -> list[tuple[Message, str]]:
         """Names and values for a table."""
-        rows = [(Message("frames used"), Message("{used} of {frames}", used=self.used, frames=self.frames))]
+        rows: list[tuple[Message, str]] = [(Message("frames used"), Message("{used} of {frames}", used=self.used, frames=self.frames))]
         if self.longest_gap is not None:
             gap = Message("{seconds:.2f} s, after frame {number}", seconds=self.longest_gap, number=self.longest_gap_after)
             rows.append((Message("longest gap"), gap))
@@ -102,7 +103,7 @@ class TrackingReport:
         rows.append((Message("pose jumps"), str(len(self.jumps)) if self.jumps else Message("none")))
         if self.coverage is not None:
             measured, filled = (n / self.coverage.voxels for n in (self.coverage.measured, self.coverage.filled))
-            rows.append((Message("coverage"), describe_shares(measured, filled)))
+            rows.append((Message("coverage"), describe_coverage(measured, filled)))
         return rows
 
     def findings(self) -> list[str]:
@@ -112,7 +113,7 @@ class TrackingReport:
 
     def findings_on_poses(self) -> list[str]:
         """Sentences on what may be wrong with poses that count as valid."""
-        sentences = []
+        sentences: list[str] = []
         if self.jumps:
             shown = [jump.to_text() for jump in self.jumps[:3]]
             where = listed([*shown, "..."] if len(self.jumps) > 3 else shown, "; ")
@@ -123,7 +124,7 @@ class TrackingReport:
             )
         return sentences
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, object]:
         """For JSON: numbers rounded to 6 places, units in the names."""
         coverage = self.coverage
         return {
@@ -161,33 +162,39 @@ def tracking_report(sequence: TrackedSequence, poses: SweepPoses, result: Recons
         mask = result.mask.array
         coverage = Coverage(int(mask.size), int((mask == MEASURED).sum()), int((mask == FILLED).sum()))
     numbers = np.array([n for n in time_order(sequence) if poses.problems[n] is None], dtype=np.int64)
-    facts: dict = {}
+    found = TrackingReport(len(sequence), used, skipped, coverage=coverage)
     if len(numbers) > 1:
         track = corner_track(poses.image_to_reference[numbers], sequence.frame_size)
         steps = np.linalg.norm(np.diff(track, axis=0), axis=1)
-        facts |= {"median_step": float(np.median(steps)), "largest_step": float(steps.max())}
-        stamps = [sequence.records[n].timestamp for n in numbers]
-        if all(stamp is not None and np.isfinite(stamp) for stamp in stamps):
-            facts |= _facts_of_time(numbers, steps, np.array(stamps, dtype=np.float64))
-    return TrackingReport(len(sequence), used, skipped, coverage=coverage, **facts)
+        found = replace(found, median_step=float(np.median(steps)), largest_step=float(steps.max()))
+        stamps = [stamp for n in numbers if (stamp := sequence.records[n].timestamp) is not None]
+        if len(stamps) == len(numbers) and np.isfinite(stamps).all():
+            found = _with_times(found, numbers, steps, np.array(stamps, dtype=np.float64))
+    return found
 
 
-def _facts_of_time(numbers: np.ndarray, steps: np.ndarray, times: np.ndarray) -> dict:
-    """Gaps, speeds and jumps of frames with these numbers, distances and times, in order of time."""
+def _with_times(report: TrackingReport, numbers: Integers, steps: Floats, times: Floats) -> TrackingReport:
+    """With gaps, speeds and jumps of frames with these numbers, distances and times, in order of time."""
     gaps = np.diff(times)
     widest = int(np.argmax(gaps))
-    facts = {"duration": float(times[-1] - times[0]), "longest_gap": float(gaps[widest]), "longest_gap_after": int(numbers[widest])}
+    report = replace(
+        report,
+        duration=float(times[-1] - times[0]),
+        longest_gap=float(gaps[widest]),
+        longest_gap_after=int(numbers[widest]),
+    )
     near = (gaps > 0) & (gaps <= LONGEST_GAP)
-    if near.any():
-        speeds = np.where(near, steps / np.where(near, gaps, 1.0), 0.0)
-        median = float(np.median(speeds[near]))
-        jumps = np.flatnonzero(speeds > max(JUMP_SPEED, JUMP_FACTOR * median))
-        facts |= {
-            "median_speed": median,
-            "highest_speed": float(speeds.max()),
-            "jumps": tuple(PoseJump(int(numbers[n]), int(numbers[n + 1]), float(steps[n]), float(gaps[n])) for n in jumps),
-        }
-    return facts
+    if not near.any():
+        return report
+    speeds = np.where(near, steps / np.where(near, gaps, 1.0), 0.0)
+    median = float(np.median(speeds[near]))
+    jumps = np.flatnonzero(speeds > max(JUMP_SPEED, JUMP_FACTOR * median))
+    return replace(
+        report,
+        median_speed=median,
+        highest_speed=float(speeds.max()),
+        jumps=tuple(PoseJump(int(numbers[n]), int(numbers[n + 1]), float(steps[n]), float(gaps[n])) for n in jumps),
+    )
 
 
 def _rounded(value: float | None) -> float | None:

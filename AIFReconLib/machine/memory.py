@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
+from ..arrays import Floats
 from ..errors import InsufficientMemoryError
 from ..message import Message
 
 SAFETY = 0.9
-"""Share of the free memory that a volume may take."""
+"""Part of the free memory that a volume may take."""
 
 CONTROL_GROUP = Path("/sys/fs/cgroup")
 """Where Linux tells what a container may use."""
@@ -35,7 +37,9 @@ def available_memory() -> int | None:
     return max(min(limits), 0) if limits else None
 
 
-def require_memory(size: tuple[int, int, int], spacing, bytes_per_voxel: int, available: int | None = None) -> None:
+def require_memory(
+    size: tuple[int, int, int], spacing: Sequence[float] | Floats, bytes_per_voxel: int, available: int | None = None
+) -> None:
     """Raise `InsufficientMemoryError` unless a volume with this many bytes per voxel fits.
 
     Parameters
@@ -74,7 +78,7 @@ def _gigabytes(count: float) -> str:
     return f"{count / 1e9:.1f} GB" if count >= 1e8 else f"{count / 1e6:.1f} MB"
 
 
-def _spacing_that_fits(size: tuple[int, int, int], spacing, most_voxels: float) -> float | None:
+def _spacing_that_fits(size: tuple[int, int, int], spacing: Sequence[float] | Floats, most_voxels: float) -> float | None:
     """The finest handy spacing, the same along every axis, at which the same box has at most so many voxels; None for none."""
     # Half a voxel to spare, because the size was rounded
     extent = [(n - 0.5) * float(pitch) for n, pitch in zip(size, spacing, strict=True)]
@@ -100,6 +104,9 @@ def _system_free() -> int | None:
 
 
 def _windows_free() -> int | None:
+    # Said again, because a type checker on another system knows no windll
+    if sys.platform != "win32":
+        return None
     import ctypes
 
     class MemoryStatus(ctypes.Structure):

@@ -23,13 +23,14 @@ def read_ahead(items: Iterable[Item], ahead: int = AHEAD) -> Iterator[Iterator[I
     An error of the producer is raised where the item would have come. However the block is left, the thread has ended afterwards: it
     is told to stop, and does so when the item that it is at is done. Where the system allows no more threads, nothing is read ahead.
     """
-    waiting: queue.Queue = queue.Queue(maxsize=max(ahead, 1))
+    waiting: queue.Queue[tuple[Item] | BaseException | None] = queue.Queue(maxsize=max(ahead, 1))
     stopped = threading.Event()
 
-    def offer(kind: str, value) -> bool:
+    # An item in a tuple of its own, the error that ended them, or None for their end
+    def offer(result: tuple[Item] | BaseException | None) -> bool:
         while not stopped.is_set():
             try:
-                waiting.put((kind, value), timeout=0.1)
+                waiting.put(result, timeout=0.1)
                 return True
             except queue.Full:
                 continue
@@ -38,20 +39,20 @@ def read_ahead(items: Iterable[Item], ahead: int = AHEAD) -> Iterator[Iterator[I
     def produce() -> None:
         try:
             for item in items:
-                if not offer("item", item):
+                if not offer((item,)):
                     return
-            offer("end", None)
+            offer(None)
         except BaseException as error:
-            offer("error", error)
+            offer(error)
 
     def take() -> Iterator[Item]:
         while True:
-            kind, value = waiting.get()
-            if kind == "error":
-                raise value
-            if kind == "end":
+            result = waiting.get()
+            if result is None:
                 return
-            yield value
+            if isinstance(result, BaseException):
+                raise result
+            yield result[0]
 
     reader = threading.Thread(target=produce, name="reading ahead", daemon=True)
     if not start(reader):

@@ -88,12 +88,12 @@ class PlusConfiguration:
         return next(known, None)
 
     def grid(self, spacing: tuple[float, float, float] | None = None) -> VoxelGrid | None:
-        """The voxels that OutputOrigin, OutputExtent and OutputSpacing ask for; None where there is no OutputExtent.
+        """The voxels that OutputOrigin, OutputExtent and OutputSpacing ask for; None where they are not given.
 
         With another `spacing` (mm), the same box in voxels of that size: its first voxel's center stays where it was, and its size is
         that of the box rounded to whole voxels.
         """
-        if self.extent is None:
+        if self.extent is None or self.spacing is None:
             return None
         wanted = self.spacing if spacing is None else spacing
         first, last = np.array(self.extent[::2]), np.array(self.extent[1::2])

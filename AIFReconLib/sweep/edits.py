@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..arrays import Matrix, Numbers, NumberType
 from ..errors import SettingsError, TransformError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ..geometry.transforms import as_matrix, invert
@@ -51,10 +52,10 @@ class ImageView:
     def __len__(self) -> int:
         return self.shape[0]
 
-    def __getitem__(self, index: int) -> np.ndarray:
+    def __getitem__(self, index: int) -> Numbers:
         return np.asarray(self._images[self._numbers[operator.index(index)]])[self._part]
 
-    def __array__(self, dtype=None, copy=None) -> np.ndarray:
+    def __array__(self, dtype: NumberType | None = None, copy: bool | None = None) -> Numbers:
         if copy is False:
             raise ValueError("Images that are read one by one cannot become an array without a copy.")
         array = np.stack([self[index] for index in range(len(self))])
@@ -148,13 +149,15 @@ def rename(sequence: TrackedSequence, names: Mapping[str, str]) -> TrackedSequen
                 new=new,
                 twice=twice,
             )
-        sequence = _map_transforms(
-            sequence, lambda transforms, change=change: {change(name): sample for name, sample in transforms.items()}
-        )
+        sequence = _renamed(sequence, change)
     return sequence
 
 
-def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: np.ndarray, wrong: np.ndarray | None = None) -> TrackedSequence:
+def _renamed(sequence: TrackedSequence, change: Callable[[TransformName], TransformName]) -> TrackedSequence:
+    return _map_transforms(sequence, lambda transforms: {change(name): sample for name, sample in transforms.items()})
+
+
+def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, wrong: Matrix | None = None) -> TrackedSequence:
     """The recording with another calibration.
 
     Parameters
@@ -193,7 +196,7 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: np.ndarr
     sequence = _map_transforms(
         sequence, lambda transforms: {other: sample for other, sample in transforms.items() if other not in (name, name.inverse)}
     )
-    if others:
+    if others and wrong is not None:
         sequence = _with_images_moved(sequence, invert(as_matrix(wrong, "wrong calibration")) @ matrix, name.source)
     if others and not was_recorded:
         return sequence  # a second way from the image to the tracker would contradict the first sooner or later
@@ -208,7 +211,7 @@ def with_configured_transforms(sequence: TrackedSequence) -> TrackedSequence:
     return replace(sequence, transforms={**sequence.transforms, **added})
 
 
-def _with_images_moved(sequence: TrackedSequence, new_to_old: np.ndarray, image_frame: str) -> TrackedSequence:
+def _with_images_moved(sequence: TrackedSequence, new_to_old: Matrix, image_frame: str) -> TrackedSequence:
     """Transforms of the image with another definition of its pixels: new pixel to old pixel, (4, 4)."""
     old_to_new = invert(new_to_old)
 
@@ -233,15 +236,15 @@ def _map_transforms(sequence: TrackedSequence, change: Callable[[Transforms], Tr
 
 def _renaming(sequence: TrackedSequence, old: str, new: str) -> Callable[[TransformName], TransformName]:
     known = sequence.transform_names()
-    pair = [_parsed(old), _parsed(new)]
-    if all(pair):
-        if pair[0] not in known:
+    one, other = _parsed(old), _parsed(new)
+    if one and other:
+        if one not in known:
             there = ", ".join(map(str, known)) or Message("none")
             raise SettingsError(
                 "Input rename {old}={new} must name a transform of the recording; it has {there}.", old=old, new=new, there=there
             )
-        return lambda name: pair[1] if name == pair[0] else name
-    if any(pair) or not new:
+        return lambda name: other if name == one else name
+    if one or other or not new:
         raise SettingsError("Input rename {old}={new} must be two transforms (AToB=CToD) or two frames (A=B).", old=old, new=new)
     old, new = capital(old), capital(new)
     frames = {frame for name in known for frame in (name.source, name.target)}
@@ -262,7 +265,7 @@ def _parsed(text: str) -> TransformName | None:
         return None
 
 
-def _recorded(sequence: TrackedSequence, name: TransformName) -> np.ndarray | None:
+def _recorded(sequence: TrackedSequence, name: TransformName) -> Matrix | None:
     """The one matrix that the recording holds under `name`; None where it has none, or more than one."""
     samples = [transforms[name] for transforms in (sequence.transforms, *(r.transforms for r in sequence.records)) if name in transforms]
     usable = [sample.matrix for sample in samples if sample.status is TransformStatus.OK]

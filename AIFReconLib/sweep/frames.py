@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arrays import Matrix, Numbers
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ..imaging.images import ImageStack
 from .configuration import NO_CONFIGURATION, PlusConfiguration
@@ -32,11 +33,23 @@ class TrackedFrame:
         Its number in the recording or stream, for messages.
     """
 
-    image: np.ndarray | None
-    image_to_reference: np.ndarray | None
+    image: Numbers | None
+    image_to_reference: Matrix | None
     timestamp: float = 0.0
     status: str = "OK"
     number: int = 0
+
+    def placed(self) -> tuple[Numbers, Matrix]:
+        """Image and pose of a frame that is OK.
+
+        Raises
+        ------
+        ValueError
+            When it lacks one of them, which its status should have said.
+        """
+        if self.image is None or self.image_to_reference is None:
+            raise ValueError(f"Input frame {self.number} must have an image and a pose where its status is OK; got {self.status!r}.")
+        return self.image, self.image_to_reference
 
 
 @dataclass(frozen=True, eq=False)

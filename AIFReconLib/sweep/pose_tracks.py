@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ..arrays import Matrix
 from ..errors import GeometryError
 from ..geometry.pose_interpolation import interpolate_pose
 from ..geometry.transform_graph import TransformSample, TransformStatus
@@ -40,7 +41,7 @@ class PoseTrack:
     def __len__(self) -> int:
         return len(self.times)
 
-    def at(self, time: float, longest_gap: float = LONGEST_GAP, tolerance: float = SAME_TIME) -> tuple[np.ndarray | None, str | None]:
+    def at(self, time: float, longest_gap: float = LONGEST_GAP, tolerance: float = SAME_TIME) -> tuple[Matrix, None] | tuple[None, str]:
         """The pose at one moment, or why there is none.
 
         Parameters
@@ -70,8 +71,8 @@ class PoseTrack:
         start, stop = self.times[after - 1], self.times[after]
         if stop - start > longest_gap + SAME_TIME:
             return None, f"no valid pose between {start:.3f} and {stop:.3f} s"
-        share = (time - start) / (stop - start)
+        part = (time - start) / (stop - start)
         try:
-            return interpolate_pose(self._matrices[after - 1], self._matrices[after], float(share)), None
+            return interpolate_pose(self._matrices[after - 1], self._matrices[after], float(part)), None
         except GeometryError:
             return None, f"poses at {start:.3f} and {stop:.3f} s that cannot be interpolated"

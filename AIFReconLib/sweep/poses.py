@@ -6,11 +6,12 @@ out of view in some frames costs those frames and no others.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Integers, Matrix
 from ..errors import GeometryError, NoUsableFramesError, TransformError
 from ..geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
 from ..geometry.transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
@@ -35,13 +36,13 @@ class SweepPoses:
         What a user should know about the choice.
     """
 
-    image_to_reference: np.ndarray
+    image_to_reference: Matrix
     problems: tuple[str | None, ...]
     path: tuple[TransformName, ...]
     notes: tuple[str, ...] = ()
 
     @property
-    def usable(self) -> np.ndarray:
+    def usable(self) -> Integers:
         """The numbers of the frames that have an image and a valid pose, in file order."""
         return np.array([i for i, problem in enumerate(self.problems) if problem is None], dtype=np.int64)
 
@@ -53,7 +54,7 @@ class SweepPoses:
                 reasons.setdefault(problem, []).append(number)
         return reasons
 
-    def require_usable(self, name: str) -> np.ndarray:
+    def require_usable(self, name: str) -> Integers:
         """`usable`, or an error that says why there is none."""
         usable = self.usable
         if not usable.size:
@@ -130,7 +131,7 @@ def tracked_frames(sequence: TrackedSequence, poses: SweepPoses, numbers: Iterab
         )
 
 
-def time_order(sequence: TrackedSequence) -> np.ndarray:
+def time_order(sequence: TrackedSequence) -> Integers:
     """Frame numbers in order of their timestamps; in file order where a timestamp is missing, and among equal ones."""
     timestamps = [record.timestamp for record in sequence.records]
     if any(t is None or not np.isfinite(t) for t in timestamps):
@@ -138,7 +139,7 @@ def time_order(sequence: TrackedSequence) -> np.ndarray:
     return np.argsort(np.array(timestamps), kind="stable")
 
 
-def describe_frames(numbers: list[int], at_most: int = 4) -> Message:
+def describe_frames(numbers: Sequence[int], at_most: int = 4) -> Message:
     """Frame numbers in words: ``12 frames (0-8, 11, 13-14)``."""
     runs: list[list[int]] = []
     for number in numbers:
@@ -153,13 +154,15 @@ def describe_frames(numbers: list[int], at_most: int = 4) -> Message:
     return Message("{count} frames ({numbers})", count=len(numbers), numbers=which)
 
 
-def describe_skipped(skipped: Mapping[str, list[int]]) -> Message:
+def describe_skipped(skipped: Mapping[str, Sequence[int]]) -> Message:
     """Frames by reason, in words: ``no image: 1 frame (3); ProbeToTracker OUT_OF_VIEW: 2 frames (5-6)``."""
     words = (Message("{reason}: {frames}", reason=reason, frames=describe_frames(numbers)) for reason, numbers in skipped.items())
     return listed(words, "; ")
 
 
-def _find_chain(sequence, wanted: TransformName, recorded, configured) -> tuple[TransformName, ...]:
+def _find_chain(
+    sequence: TrackedSequence, wanted: TransformName, recorded: Iterable[TransformName], configured: Iterable[TransformName]
+) -> tuple[TransformName, ...]:
     """The chain from image to reference over everything that any frame or the configuration holds."""
     if wanted.source == wanted.target:
         raise TransformError(
@@ -168,7 +171,7 @@ def _find_chain(sequence, wanted: TransformName, recorded, configured) -> tuple[
     graph = TransformGraph()
     try:
         for name in dict.fromkeys([*configured, *recorded]):
-            graph.set(name, np.eye(4))
+            graph.put(name, np.eye(4))
     except TransformError as error:
         raise TransformError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
     try:
@@ -204,7 +207,7 @@ def _follow(
     recorded: dict[TransformName, TransformSample],
     static: dict[TransformName, TransformSample],
     image_frame: str,
-) -> tuple[np.ndarray, str | None]:
+) -> tuple[Matrix, str | None]:
     """The product of one frame's transforms along `path`, or what is wrong with the first link that cannot be used."""
     matrix = np.eye(4)
     for name in path:

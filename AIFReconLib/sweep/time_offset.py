@@ -54,20 +54,19 @@ def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap:
         raise SettingsError("Input longest_gap must be above 0 s; got {longest_gap!r}. Give it in seconds.", longest_gap=longest_gap)
     if time_offset == 0:
         return sequence
-    times = [record.timestamp for record in sequence.records]
-    if any(time is None or not np.isfinite(time) for time in times) or len(set(times)) < 2:
+    times = [record.timestamp for record in sequence.records if record.timestamp is not None]
+    if len(times) < len(sequence) or not np.isfinite(times).all() or len(set(times)) < 2:
         raise SettingsError(
             "{sequence}: a time offset needs a time stamp for every frame, and they must differ. Leave out --time-offset, or record "
             "the sweep with time stamps.",
             sequence=sequence.name,
         )
+    images_taken = [time + time_offset for time in times]
     names = dict.fromkeys(name for record in sequence.records for name in record.transforms)
-    tracks = {name: _track(sequence, name) for name in names}
+    tracks = {name: _track(sequence, name, times) for name in names}
     records, lost = [], 0
-    for record in sequence.records:
-        transforms = {
-            name: _sample(track, record.timestamp + time_offset, longest_gap, record.transforms.get(name)) for name, track in tracks.items()
-        }
+    for record, taken in zip(sequence.records, images_taken, strict=True):
+        transforms = {name: _sample(track, taken, longest_gap, record.transforms.get(name)) for name, track in tracks.items()}
         was = {name for name, sample in record.transforms.items() if sample.status is TransformStatus.OK}
         lost += any(transforms[name].status is not TransformStatus.OK for name in was)
         records.append(replace(record, transforms=transforms))
@@ -87,14 +86,15 @@ def _note(time_offset: float, lost: int) -> Message:
     return Message("{shift}; {count} frames have no pose then.", shift=shift, count=lost)
 
 
-def _track(sequence: TrackedSequence, name: TransformName) -> PoseTrack:
-    return PoseTrack((record.timestamp, record.transforms[name]) for record in sequence.records if name in record.transforms)
+def _track(sequence: TrackedSequence, name: TransformName, times: list[float]) -> PoseTrack:
+    samples = ((time, record.transforms.get(name)) for time, record in zip(times, sequence.records, strict=True))
+    return PoseTrack((time, sample) for time, sample in samples if sample is not None)
 
 
 def _sample(track: PoseTrack, time: float, longest_gap: float, recorded: TransformSample | None) -> TransformSample:
     """The pose at one moment; without one, the status that the frame had, unless that was OK."""
-    matrix, problem = track.at(time, longest_gap)
-    if problem is None:
+    matrix, _ = track.at(time, longest_gap)
+    if matrix is not None:
         return TransformSample(matrix)
-    known = recorded is not None and recorded.status is not TransformStatus.OK
-    return TransformSample(np.full((4, 4), np.nan), recorded.status if known else TransformStatus.MISSING)
+    status = TransformStatus.MISSING if recorded is None or recorded.status is TransformStatus.OK else recorded.status
+    return TransformSample(np.full((4, 4), np.nan), status)

@@ -23,7 +23,7 @@ ROOMS = (
     *("evaluation", "simulation", "reconstruction", "inspection", "compounding", "bone", "resolve"),
     *("io/foreign", "io/sequence", "io/plus", "io/volume", "io/transform", "io/metafile", "io/disk"),
     *("sweep", "imaging", "holes", "geometry", "machine"),
-    *("settings", "progress", "errors", "message"),
+    *("settings", "progress", "errors", "message", "arrays"),
 )
 """From the top to the bottom: a room may import those that come after it. Folders, and the files that lie beside them."""
 
@@ -152,7 +152,7 @@ def test_a_folder_can_be_taken_in_at_a_glance(folder):
 def test_at_the_root_of_the_library_lie_only_what_all_rooms_share_and_the_way_in():
     assert {file.stem for file in LIBRARY.glob("*.py")} == {
         *("__init__", "__main__", "reconstruction", "resolve"),
-        *("settings", "progress", "errors", "message"),
+        *("settings", "progress", "errors", "message", "arrays"),
     }
 
 

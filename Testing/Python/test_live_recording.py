@@ -148,7 +148,7 @@ def test_a_crash_between_any_two_writes_leaves_a_file_that_can_be_read(moment, t
 
     recorder = record(tmp_path / "scan.mha", frames(1))
     monkeypatch.setattr(recording, "REFRESH", 0.0)
-    monkeypatch.setattr(recording, "REFRESH_SHARE", 0.0)
+    monkeypatch.setattr(recording, "REFRESH_BY_COST", 0.0)
     monkeypatch.setattr(Recorder, "_write", staticmethod(die_at_moment(Recorder._write)))
     monkeypatch.setattr(os, "replace", die_at_moment(os.replace))
     with pytest.raises(Crash):

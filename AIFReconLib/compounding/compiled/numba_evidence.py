@@ -3,30 +3,33 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...arrays import Integers, Numbers, NumberType, Singles
 from ...machine.numba_compile import compiled, inlined
-from ..evidence import ScanLines
+from ..evidence import Scales, ScanLines
+from .groups import Evidence, Lengths, Places, Results, Room
 
 ZERO, ONE, TWO = np.float32(0), np.float32(1), np.float32(2)
 TINY = np.float32(np.finfo(np.float32).tiny)
 
 
 @inlined
-def limited(value):
+def limited(value: np.float32) -> np.float32:
     """`value` within 0 to 1."""
     value = value if value > ZERO else ZERO
     return value if value < ONE else ONE
 
 
 @inlined
-def copy(numbers, room):
+def copy(numbers: Numbers, room: Numbers) -> None:
     """Copy flat arrays. An assignment of whole arrays would ask at every number whether it is to be spread."""
     for n in range(room.size):
         room[n] = numbers[n]
 
 
 @inlined
-def read_lines(pixels, places, lit, first_lit, read):
+def read_lines(pixels: Numbers, places: Integers, lit: Integers, first_lit: Integers, read: Numbers) -> None:
     """Read the pixels at flat `places` (samples, lines) within the runs `lit`; the rest of `read` stays dark."""
     for sample in range(places.shape[0]):
         for run in range(first_lit[sample], first_lit[sample + 1]):
@@ -37,28 +40,28 @@ def read_lines(pixels, places, lit, first_lit, read):
 
 
 @inlined
-def sum_rows(one, other, third, total):
+def sum_rows(one: Numbers, other: Numbers, third: Numbers, total: Singles) -> None:
     """total = (one + other) + third. Few arrays in each loop, here and below, so that compilers make vectors of them."""
     for line in range(total.size):
         total[line] = (np.float32(one[line]) + np.float32(other[line])) + np.float32(third[line])
 
 
 @inlined
-def add_two_rows(total, one, other):
+def add_two_rows(total: Singles, one: Numbers, other: Numbers) -> None:
     """total = (total + one) + other."""
     for line in range(total.size):
         total[line] = (total[line] + np.float32(one[line])) + np.float32(other[line])
 
 
 @inlined
-def slide_sum(total, new, old):
+def slide_sum(total: Singles, new: Numbers, old: Numbers) -> None:
     """total = total + new - old: for whole numbers, whose sums are exact in any order."""
     for line in range(total.size):
         total[line] += np.float32(new[line]) - np.float32(old[line])
 
 
 @inlined
-def smooth_across(total, per_tap, per_line, deeper, bright, now):
+def smooth_across(total: Singles, per_tap: np.float32, per_line: np.float32, deeper: Singles, bright: Singles, now: Singles) -> None:
     """The mean over three neighboring lines of `total`, sums along the lines and of one more line on either side, not below 0.
 
     And the largest brightness from here on, `now`, of that and `deeper`.
@@ -71,31 +74,32 @@ def smooth_across(total, per_tap, per_line, deeper, bright, now):
 
 
 @inlined
-def share_arrived(now, per_reached):
-    """The share of sound that arrives."""
-    share = now * per_reached
-    share = share if share < ONE else ONE
-    return share * share
+def arrived(now: np.float32, per_reached: np.float32) -> np.float32:
+    """How much of the sound arrives, 0 to 1."""
+    reached = now * per_reached
+    reached = reached if reached < ONE else ONE
+    return reached * reached
 
 
 @inlined
-def write_reach(now, per_reached, least, reach):
+def write_reach(now: Singles, per_reached: np.float32, least: np.float32, reach: Singles) -> None:
     """The reach, of the largest brightness from here on."""
     for line in range(reach.size):
-        reach[line] = share_arrived(now[line], per_reached) + least
+        reach[line] = arrived(now[line], per_reached) + least
 
 
 @inlined
-def find_onset(bright, crest, now, later, per_fall, last_echo, per_echo, per_reached, found):
+def find_onset(bright: Singles, crest: Singles, now: Singles, later: Singles, scales: Scales, found: Singles) -> None:
     """How surely a shadow begins at one sample of each line."""
+    _, _, per_reached, per_fall, last_echo, per_echo, _ = scales
     for line in range(found.size):
         floor = crest[line] if crest[line] > TINY else TINY
         echo = limited((bright[line] / floor - last_echo) * per_echo)
-        found[line] = (limited((now[line] - later[line]) * per_fall) * echo) * (ONE - share_arrived(later[line], per_reached))
+        found[line] = (limited((now[line] - later[line]) * per_fall) * echo) * (ONE - arrived(later[line], per_reached))
 
 
 @inlined
-def mark_onset(sample, judged, found, reach):
+def mark_onset(sample: np.float32, judged: Singles, found: Singles, reach: Singles) -> None:
     """Drop onsets that are not before the line's `judged`, and turn the sign of the reach where one is left.
 
     Products with 0, 1 and -1 in place of choices, which compilers turn into jumps that processors cannot foresee.
@@ -107,7 +111,9 @@ def mark_onset(sample, judged, found, reach):
 
 
 @inlined
-def hand_out(sampled_reach, sampled_onset, samples, reach, begins, onset):
+def hand_out(
+    sampled_reach: Singles, sampled_onset: Singles, samples: Integers, reach: Singles, begins: NDArray[np.uint32], onset: Singles
+) -> int:
     """Give every pixel the reach at its sample, and write down the pixels with an onset, and the onset; returns how many these are."""
     count = 0
     for pixel in range(samples.size):
@@ -122,27 +128,20 @@ def hand_out(sampled_reach, sampled_onset, samples, reach, begins, onset):
 
 
 @compiled
-def judge(
-    image, pixel_of_sample, sample_of_pixel, lit, first_lit, active, taps, depth, crest, judged, scales, whole, room, reach, begins, onset
-):
+def judge(image: Numbers, places: Places, lengths: Lengths, scales: Scales, whole: bool, room: Room, results: Results) -> int:
     """Reach and onset of one frame.
 
     Parameters
     ----------
     image : (rows, columns) uint8 or float32 array, finite
-    pixel_of_sample, sample_of_pixel, lit, first_lit, active, taps, depth, crest, judged
-        Of `ScanLines`, `sample_of_pixel` for padded rows.
-    scales : tuple of 7 float32
-        See `ScanLines.scales`.
+    places : Places
+    lengths : Lengths
+    scales : Scales
     whole : bool
         Whether all pixels are whole numbers, small enough for their sums to be exact.
-    room : tuple of arrays
-        For a copy of the image, flat; for the pixels at the samples (samples, padded), of the image's type and 0 at first; for reach
-        and onset there, (samples, padded) float32. Best the same every time, so that it is in the cache.
-    reach : (n,) float32 array
-        Result: the reach at the layout's pixels.
-    begins, onset : (n,) uint32 and float32 arrays
-        Result: the numbers of the pixels with an onset, rising, and the onset there. They are few, and the others need no look.
+    room : Room
+        Best the same every time, so that it is in the cache.
+    results : Results
 
     Returns
     -------
@@ -154,7 +153,10 @@ def judge(
     Only as many rows as one sample needs are kept beside the results, so that they stay in the cache. Pixels get what is theirs at
     once: later it would no longer be in the cache, and scan lines lie across the rows of the image.
     """
-    per_tap, per_line, per_reached, per_fall, last_echo, per_echo, least = scales
+    pixel_of_sample, sample_of_pixel, lit, first_lit, active, judged = places
+    taps, depth, crest = lengths
+    per_tap, per_line, per_reached, _, _, _, least = scales
+    reach, begins, onset = results
     samples, count = pixel_of_sample.shape
     half = taps // 2
     judged_before = judged.astype(np.float32)
@@ -200,10 +202,7 @@ def judge(
                 below[shallower, start:stop],
                 below[now, start:stop],
                 below[later, start:stop],
-                per_fall,
-                last_echo,
-                per_echo,
-                per_reached,
+                scales,
                 found,
             )
             mark_onset(np.float32(place), judged_before[start:stop], found, sampled_reach[place, start:stop])
@@ -223,28 +222,28 @@ class FrameJudge:
         Of how many frames the evidence is kept.
     """
 
-    def __init__(self, scan_lines: ScanLines, dtype: np.dtype, maximum: float, places: int):
+    def __init__(self, scan_lines: ScanLines, dtype: NumberType, maximum: float, places: int):
         self.scan_lines = scan_lines
         self._dtype, self._scales = dtype, scan_lines.scales(maximum)
         self._reach, self._onset = np.empty((2, places, scan_lines.sample_of_pixel.size), np.float32)
         self._begins, self._onsets = np.empty(self._reach.shape, np.uint32), np.zeros(places, np.int64)
-        self._rooms: list[tuple[np.ndarray, ...]] = []
+        self._rooms: list[Room] = []
 
-    def judge(self, image: np.ndarray, frame: int) -> None:
+    def judge(self, image: Numbers, frame: int) -> None:
         """Judge the image that comes as number `frame` of those that are kept. Threads may do so at the same time."""
         lines = self.scan_lines
         try:
             room = self._rooms.pop()
         except IndexError:
             shape = lines.shape[0], lines.padded
-            read = np.empty(image.size, self._dtype), np.zeros(shape, self._dtype)
-            room = *read, np.empty(shape, np.float32), np.empty(shape, np.float32)
-        where = lines.pixel_of_sample, lines.padded_sample_of_pixel, lines.lit, lines.first_lit, lines.active
-        lengths = lines.taps, lines.depth, lines.crest, lines.judged
+            flat, read = np.empty(image.size, self._dtype), np.zeros(shape, self._dtype)
+            room = flat, read, np.empty(shape, np.float32), np.empty(shape, np.float32)
+        places = lines.pixel_of_sample, lines.padded_sample_of_pixel, lines.lit, lines.first_lit, lines.active, lines.judged
+        lengths = lines.taps, lines.depth, lines.crest
         results = self._reach[frame], self._begins[frame], self._onset[frame]
-        self._onsets[frame] = judge(image, *where, *lengths, self._scales, self._dtype == np.uint8, room, *results)
+        self._onsets[frame] = judge(image, places, lengths, self._scales, self._dtype == np.uint8, room, results)
         self._rooms.append(room)
 
-    def evidence(self, frames: int) -> tuple[np.ndarray, ...]:
+    def evidence(self, frames: int) -> Evidence:
         """Reach, pixels with an onset, and onset (see `judge`), (frames, n), and how many onsets, of the first frames."""
         return self._reach[:frames], self._begins[:frames], self._onset[:frames], self._onsets[:frames]

@@ -11,8 +11,11 @@ once per row; its voxel numbers and weights are then computed as vectors, and on
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...arrays import Floats, Integers, Matrix, Numbers, Singles
 from ...machine.numba_compile import compiled, inlined
+from .groups import AifFactors, Bone, Evidence, Frames, Slab, Voxels, WeightedFactors, Whole
 
 ZERO, ONE, ONCE = np.float32(0), np.float32(1), np.uint32(1)
 LARGEST_COMPENSATION = np.float32(3)
@@ -28,7 +31,7 @@ AVERAGE, LATEST, MAXIMUM = range(3)
 
 
 @inlined
-def first_column(step, base, bound, rising, low, high):
+def first_column(step: float, base: float, bound: float, rising: bool, low: Whole, high: Whole) -> Whole:
     """The first column of [low, high] at which a coordinate that rises has reached `bound`, or one that falls is below it.
 
     Division gives a guess; what decides is the rounded sum itself, as in `PixelLayout.voxels`, and it never turns back.
@@ -43,7 +46,7 @@ def first_column(step, base, bound, rising, low, high):
 
 
 @inlined
-def clipped(step, base, bottom, top, low, high):
+def clipped(step: float, base: float, bottom: float, top: float, low: Whole, high: Whole) -> tuple[Whole, Whole]:
     """The columns within [low, high) at which bottom <= step column + base < top."""
     if step == 0.0:
         return (low, high) if bottom <= base < top else (low, low)
@@ -54,7 +57,7 @@ def clipped(step, base, bottom, top, low, high):
 
 
 @compiled
-def clip_to_volume(matrices, pieces, size, axis, spans):
+def clip_to_volume(matrices: Matrix, pieces: Integers, size: Floats, axis: int, spans: Integers) -> None:
     """Find out which columns of every piece of a row fall into the volume, and between which voxels along `axis` they lie.
 
     Parameters
@@ -83,22 +86,24 @@ def clip_to_volume(matrices, pieces, size, axis, spans):
 
 
 @inlined
-def misses(spans, frame, piece, slab):
-    """Whether nothing of a piece lies in the slab (axis, first voxel, stop).
+def misses(spans: Integers, frame: int, piece: int, slab: Slab) -> bool:
+    """Whether nothing of a piece lies in the slab.
 
     A function of its own, so small that compilers put it into the loop: most pieces get no further.
     """
-    return spans[frame, piece, FARTHEST] < slab[1] or spans[frame, piece, NEAREST] >= slab[2]
+    beside: bool = spans[frame, piece, FARTHEST] < slab[1] or spans[frame, piece, NEAREST] >= slab[2]
+    return beside
 
 
 @inlined
-def span_in_slab(matrices, pieces, spans, frame, piece, slab):
+def span_in_slab(matrices: Matrix, pieces: Integers, spans: Integers, frame: int, piece: int, slab: Slab) -> tuple[Whole, Whole]:
     """The columns [low, high) of a piece that lie in the slab.
 
     Whole arrays come in, because a view for each of so many pieces would cost more than the rest.
     """
     axis, bottom, top = slab
-    low, high = np.int64(spans[frame, piece, LOW]), np.int64(spans[frame, piece, HIGH])
+    low: Whole = np.int64(spans[frame, piece, LOW])
+    high: Whole = np.int64(spans[frame, piece, HIGH])
     if spans[frame, piece, NEAREST] < bottom or spans[frame, piece, FARTHEST] >= top:
         base = matrices[frame, axis, 1] * pieces[piece, ROW] + (matrices[frame, axis, 3] + 0.5)
         low, high = clipped(matrices[frame, axis, 0], base, float(bottom), float(top), low, high)
@@ -106,21 +111,22 @@ def span_in_slab(matrices, pieces, spans, frame, piece, slab):
 
 
 @compiled
-def clip_to_slab(matrices, pieces, spans, slab, columns):
-    """Find out which columns of every piece lie in a slab (axis, first voxel, stop).
+def clip_to_slab(matrices: Matrix, pieces: Integers, spans: Integers, slab: Slab, columns: Integers) -> None:
+    """Find out which columns of every piece lie in a slab.
 
     Arguments as in `clip_to_volume`; the result, `columns` (frames, n, 2) int32, gets the first column and the one after the last.
     """
     for frame in range(matrices.shape[0]):
         for piece in range(pieces.shape[0]):
-            low, high = np.int64(0), np.int64(0)
+            low: Whole = np.int64(0)
+            high: Whole = np.int64(0)
             if not misses(spans, frame, piece, slab):
                 low, high = span_in_slab(matrices, pieces, spans, frame, piece, slab)
             columns[frame, piece, 0], columns[frame, piece, 1] = low, high
 
 
 @inlined
-def number_voxels(matrix, row, columns, size, voxels):
+def number_voxels(matrix: Matrix, row: int, columns: Floats, size: Floats, voxels: NDArray[np.uint32]) -> None:
     """Write the flat numbers of the voxels at `columns` (n,) float64 of a row, all within the volume, to `voxels` (more than n,).
 
     After them follows a number that is not that of the voxel before it: it ends the last run of pixels in one voxel without a test.
@@ -147,13 +153,13 @@ def number_voxels(matrix, row, columns, size, voxels):
 
 
 @inlined
-def columns_of(images):
+def columns_of(images: Numbers) -> Floats:
     """The columns of an image as float64: reading them is faster than to convert counters, which some processors do one by one."""
     return np.arange(images.shape[2]).astype(np.float64)
 
 
 @inlined
-def limited_cosine(beam_x, beam_y, facing_x, facing_y):
+def limited_cosine(beam_x: np.float32, beam_y: np.float32, facing_x: np.float32, facing_y: np.float32) -> np.float32:
     """`rules.cosine_of_incidence`."""
     cosine = beam_x * facing_x + beam_y * facing_y
     cosine = cosine if cosine > ZERO else ZERO
@@ -161,21 +167,20 @@ def limited_cosine(beam_x, beam_y, facing_x, facing_y):
 
 
 @compiled
-def insert_plain(rule, images, matrices, pieces, spans, slab, size, value, hits, entered):
+def insert_plain(rule: int, frames: Frames, slab: Slab, state: Voxels, entered: Integers) -> None:
     """Average (sums in float64), latest and maximum.
 
     Parameters
     ----------
     rule : int
-    images : (frames, rows, columns) uint8 or float32 array
-    matrices, pieces, size, spans
-        As in `clip_to_volume`.
-    slab : tuple of 3 int
-        Axis, first voxel along it, stop.
-    value, hits : (voxels,) arrays of the state
+    frames : Frames
+    slab : Slab
+    state : Voxels
     entered : (frames,) int64 array
         Result: raised by the pixels that entered.
     """
+    images, matrices, pieces, spans, size = frames
+    value, hits, _ = state
     columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)
     for frame in range(images.shape[0]):
         for piece in range(pieces.shape[0]):
@@ -204,8 +209,10 @@ def insert_plain(rule, images, matrices, pieces, spans, slab, size, value, hits,
 
 
 @compiled
-def insert_cosine(images, matrices, pieces, spans, slab, size, best, directions, axes, beam_x, beam_y):
-    """The best cosine of incidence of every voxel, `best` (voxels,) float32. Other arguments as in `insert_aif`."""
+def insert_cosine(frames: Frames, slab: Slab, best: Singles, bone: Bone) -> None:
+    """The best cosine of incidence of every voxel, `best` (voxels,) float32."""
+    images, matrices, pieces, spans, size = frames
+    _, directions, axes, beam_x, beam_y = bone
     columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)
     for frame in range(images.shape[0]):
         xx, xy, xz, yx, yy, yz = axes[frame]
@@ -228,26 +235,17 @@ def insert_cosine(images, matrices, pieces, spans, slab, size, best, directions,
 
 
 @compiled
-def insert_aif(
-    images, matrices, pieces, spans, slab, size, value, hits, entered, weight, probability, directions, axes, beam_x, beam_y, factors
-):
-    """The paper's running average.
-
-    Parameters
-    ----------
-    weight, probability : (voxels,) float32 arrays
-    directions : (voxels, 3) float32 array
-    axes : (frames, 6) float32 array
-        The image's x and y axis in Reference.
-    beam_x, beam_y : (n,) float32 arrays
-    factors : tuple
-        float32 alpha, beta and maximum, and whether to compensate.
+def insert_aif(frames: Frames, slab: Slab, state: Voxels, bone: Bone, factors: AifFactors, entered: Integers) -> None:
+    """The paper's running average. Arguments as in `insert_plain`, and those that have their own types.
 
     Notes
     -----
     What belongs to the voxel is held while its pixels last. Where no bone is expected its weight stays 0, and the rule comes down to
     the last pixel.
     """
+    images, matrices, pieces, spans, size = frames
+    value, hits, weight = state
+    probability, directions, axes, beam_x, beam_y = bone
     alpha, beta, maximum, compensated = factors
     columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)
     for frame in range(images.shape[0]):
@@ -294,7 +292,7 @@ def insert_aif(
 
 
 @inlined
-def first_from(numbers, frame, count, least):
+def first_from(numbers: Integers, frame: int, count: int, least: Whole) -> int:
     """Where in the rising `numbers[frame, :count]` those from `least` on begin."""
     low, high = 0, count
     while low < high:
@@ -308,43 +306,19 @@ def first_from(numbers, frame, count, least):
 
 @compiled
 def insert_weighted(
-    images,
-    matrices,
-    pieces,
-    spans,
-    slab,
-    size,
-    value,
-    hits,
-    entered,
-    weight,
-    probability,
-    directions,
-    axes,
-    beam_x,
-    beam_y,
-    factors,
-    reach,
-    begins,
-    onset,
-    onsets,
-):
-    """The weighted sum. Arguments as in `insert_aif`, and
-
-    Parameters
-    ----------
-    factors : tuple of float32
-        Floor, gain, beta and maximum.
-    reach, begins, onset : (frames, n) arrays
-        The reach at the pixels; the pixels with an onset, rising, and the onset there.
-    onsets : (frames,) int64 array
-        How many pixels have one.
+    frames: Frames, slab: Slab, state: Voxels, bone: Bone, factors: WeightedFactors, evidence: Evidence, entered: Integers
+) -> None:
+    """The weighted sum. Arguments as in `insert_plain`, and those that have their own types.
 
     Notes
     -----
     Without an onset, as nearly everywhere, the weight is floor R and the value is the pixel: the bone map is not looked at.
     """
+    images, matrices, pieces, spans, size = frames
+    value, hits, weight = state
+    probability, directions, axes, beam_x, beam_y = bone
     floor, gain, beta, maximum = factors
+    reach, begins, onset, onsets = evidence
     columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)
     width = images.shape[2]
     weights, raised = np.empty(width, np.float32), np.empty(width, np.float32)
@@ -360,9 +334,9 @@ def insert_weighted(
             number_voxels(matrices[frame], row, columns[low:high], size, voxels)
             beam = pieces[piece, OFFSET] + low - pieces[piece, START]
             along_x, along_y, pixels = beam_x[beam : beam + count], beam_y[beam : beam + count], images[frame, row, low:high]
-            shares = reach[frame, beam : beam + count]
+            reached = reach[frame, beam : beam + count]
             for n in range(count):
-                weights[n] = floor * shares[n]
+                weights[n] = floor * reached[n]
             for n in range(count):
                 pixel = np.float32(pixels[n])
                 raised[n] = weights[n] * (pixel if pixel < maximum else maximum)
@@ -372,7 +346,7 @@ def insert_weighted(
                     break
                 voxel, pixel = voxels[n], np.float32(pixels[n])
                 gate = onset[frame, place] * probability[voxel]
-                w = (floor + gate) * shares[n]
+                w = (floor + gate) * reached[n]
                 if gate > ZERO:
                     x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
                     facing_x, facing_y = (x * xx + y * xy) + z * xz, (x * yx + y * yy) + z * yz
@@ -382,14 +356,14 @@ def insert_weighted(
                     pixel *= ONE + (gain * gate) * (inverse if cosine > beta else ONE)
                 weights[n] = w
                 raised[n] = w * (pixel if pixel < maximum else maximum)
-            n = np.uint32(0)
-            while n < count:
-                voxel, start = voxels[n], n
-                total, share = value[voxel], weight[voxel]
-                while voxels[n] == voxel:
-                    total += raised[n]
-                    share += weights[n]
-                    n += ONCE
-                value[voxel], weight[voxel] = total, share
-                hits[voxel] += n - start
+            next_pixel = np.uint32(0)
+            while next_pixel < count:
+                voxel, start = voxels[next_pixel], next_pixel
+                total, weighed = value[voxel], weight[voxel]
+                while voxels[next_pixel] == voxel:
+                    total += raised[next_pixel]
+                    weighed += weights[next_pixel]
+                    next_pixel += ONCE
+                value[voxel], weight[voxel] = total, weighed
+                hits[voxel] += next_pixel - start
             entered[frame] += count

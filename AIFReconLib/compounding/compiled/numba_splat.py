@@ -8,12 +8,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...arrays import Floats, Integers, Mask, Reals, Singles
 from ...machine.numba_compile import compiled, inlined
 from ...machine.threads import checked_threads, in_parts
-from ...settings import LINEAR_METHODS
+from ...settings import LINEAR_METHODS, ReconstructionSettings
 from ..batch import BATCH_FRAMES, FrameBatch
+from ..evidence import ScanLines
 from ..layout import CENTER_TOLERANCE, PixelLayout
 from ..splat_engine import LEAST_SHARE, SplatEngine
+from ..state import VoxelState
+from .groups import Pixels, Slab, SplatFrames, Voxels
 from .numba_kernels import OFFSET, ROW, START, STOP, clip_to_slab, clip_to_volume
 from .slabs import cut_into_slabs
 
@@ -22,7 +26,7 @@ ONCE, NEXT = np.uint32(1), np.uint64(1)
 
 
 @inlined
-def place_along(along, columns, rows, tolerance, places):
+def place_along(along: Floats, columns: Floats, rows: Floats, tolerance: float, places: Floats) -> None:
     """`PixelLayout.places` of pixels along one axis, (n,): `along` is a row of the matrix."""
     for n in range(places.size):
         place = along[0] * columns[n] + along[1] * rows[n] + along[3]
@@ -31,61 +35,66 @@ def place_along(along, columns, rows, tolerance, places):
 
 
 @inlined
-def give(voxel, share, pixel, value, weight, hits):
+def give(voxel: np.uint64, share: float, pixel: np.float32, state: Voxels) -> None:
     """A share of a pixel enters the average of a voxel."""
+    value, hits, weight = state
     hits[voxel] += ONCE
     value[voxel] += share * pixel
     weight[voxel] += share
 
 
 @inlined
-def give_to_all(first, line, plane, part_i, part_j, part_k, factor, pixel, value, weight, hits):
+def give_to_all(
+    first: np.uint64, line: int, plane: int, part: tuple[float, float, float], factor: float, pixel: np.float32, state: Voxels
+) -> None:
     """A pixel enters the averages of all eight voxels around it, of which `first` is the lower one."""
+    part_i, part_j, part_k = part
     rest_i, rest_j, rest_k = 1.0 - part_i, 1.0 - part_j, 1.0 - part_k
     one, two, three, four = rest_i * rest_j, part_i * rest_j, rest_i * part_j, part_i * part_j
     below, far = first + np.uint64(line), first + np.uint64(plane)
     beyond = below + np.uint64(plane)
-    give(first, (one * rest_k) * factor, pixel, value, weight, hits)
-    give(first + NEXT, (two * rest_k) * factor, pixel, value, weight, hits)
-    give(below, (three * rest_k) * factor, pixel, value, weight, hits)
-    give(below + NEXT, (four * rest_k) * factor, pixel, value, weight, hits)
-    give(far, (one * part_k) * factor, pixel, value, weight, hits)
-    give(far + NEXT, (two * part_k) * factor, pixel, value, weight, hits)
-    give(beyond, (three * part_k) * factor, pixel, value, weight, hits)
-    give(beyond + NEXT, (four * part_k) * factor, pixel, value, weight, hits)
+    give(first, (one * rest_k) * factor, pixel, state)
+    give(first + NEXT, (two * rest_k) * factor, pixel, state)
+    give(below, (three * rest_k) * factor, pixel, state)
+    give(below + NEXT, (four * rest_k) * factor, pixel, state)
+    give(far, (one * part_k) * factor, pixel, state)
+    give(far + NEXT, (two * part_k) * factor, pixel, state)
+    give(beyond, (three * part_k) * factor, pixel, state)
+    give(beyond + NEXT, (four * part_k) * factor, pixel, state)
 
 
 @compiled
 def spread(
-    rule, images, matrices, pieces, columns, slab, size, coordinates, importance, tolerance, least_share, value, weight, hits, entered
-):
+    rule: int,
+    frames: SplatFrames,
+    slab: Slab,
+    pixels: Pixels,
+    tolerance: float,
+    least_share: float,
+    state: Voxels,
+    entered: Integers,
+) -> None:
     """Pixels enter those of the eight voxels around them that lie in a slab.
 
     Parameters
     ----------
     rule : AVERAGE, LATEST or MAXIMUM
-    images : (frames, rows, columns) uint8 or float32 array
-    matrices : (frames, 4, 4) float64 array, image_to_ijk
-    pieces : (n, 4) int64 array
-    columns : (frames, n, 2) int32 array
-        Of each piece, the first column that may matter to the slab and the one after the last.
-    slab : tuple of 3 int
-        Axis, first voxel along it, stop.
-    size : (3,) int64 array, voxels along i, j, k
-    coordinates : (2, pixels) float64 array
-        Column and row where the layout's pixels truly are; empty where they are as shown.
-    importance : (pixels,) float32 array
-        Empty where all count alike.
+    frames : SplatFrames
+    slab : Slab
+    pixels : Pixels
     tolerance : float, voxels
         As in `PixelLayout.places`.
     least_share : float
         Smallest share of a pixel with which it acts, for rules other than AVERAGE.
-    value, weight, hits : (voxels,) arrays
-        The state; `weight` is looked at for AVERAGE alone.
+    state : Voxels
+        `weight` is looked at for AVERAGE alone.
     entered : (frames,) int64 array
         Result: raised by the pixels that enter and whose lower corner lies in the slab.
     """
+    images, matrices, pieces, columns, size = frames
     axis, bottom, top = slab
+    coordinates, importance = pixels
+    value, hits, _ = state
     line, plane = size[0], size[0] * size[1]
     last_i, last_j, last_k = float(size[0] - 1), float(size[1] - 1), float(size[2] - 1)
     equal, as_shown = importance.size == 0, coordinates.size == 0
@@ -124,7 +133,7 @@ def spread(
                 first = (low_k * plane + low_j * line) + low_i
                 if rule == AVERAGE and bottom <= lower < top - 1 and part_i > 0.0 and part_j > 0.0 and part_k > 0.0:
                     # As nearly always; the loop below would do the same, slowly
-                    give_to_all(np.uint64(first), line, plane, part_i, part_j, part_k, factor, pixel, value, weight, hits)
+                    give_to_all(np.uint64(first), line, plane, (part_i, part_j, part_k), factor, pixel, state)
                     continue
                 for corner in range(8):
                     right, down, behind = corner & 1, (corner >> 1) & 1, corner >> 2
@@ -136,7 +145,7 @@ def spread(
                         continue
                     voxel = np.uint64(first + right + down * line + behind * plane)
                     if rule == AVERAGE:
-                        give(voxel, share * factor, pixel, value, weight, hits)
+                        give(voxel, share * factor, pixel, state)
                         continue
                     hits[voxel] += ONCE
                     value[voxel] = pixel if rule == LATEST else max(value[voxel], pixel)
@@ -148,25 +157,36 @@ class NumbaSplatEngine(SplatEngine):
     name = "numba"
     frames_at_once = BATCH_FRAMES
 
-    def __init__(self, state, grid_size, settings, importance=None, threads: int | None = None):
+    def __init__(
+        self,
+        state: VoxelState,
+        grid_size: tuple[int, int, int],
+        settings: ReconstructionSettings,
+        importance: Reals | None = None,
+        threads: int | None = None,
+    ):
         super().__init__(state, grid_size, settings, importance)
         self.threads = checked_threads(threads)
         self._size = np.array(grid_size, dtype=np.int64)
 
-    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: None = None) -> list[int]:
+    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None = None) -> list[int]:
         """As `SplatEngine.insert`."""
-        importance = np.empty(0, np.float32) if self._importance is None else self._weights(layout)
-        counting = None if self._importance is None else layout.filled(importance > 0)
+        importance = self._weights(layout)
+        counting = None if importance is None else layout.filled(importance > 0)
+        if importance is None:
+            importance = np.empty(0, np.float32)
         if not batch.measured:
             return self._insert_alike(batch, slice(0, len(batch)), layout, counting, importance)
-        entered = []
+        entered: list[int] = []
         for place in range(len(batch)):
-            kept = layout.within_window(batch.measured[place]) if place in batch.measured else None
-            both = kept if counting is None else counting if kept is None else kept & counting
+            both = counting
+            if place in batch.measured:
+                kept = layout.within_window(batch.measured[place])
+                both = kept if counting is None else kept & counting
             entered += self._insert_alike(batch, slice(place, place + 1), layout, both, importance)
         return entered
 
-    def _insert_alike(self, batch: FrameBatch, frames: slice, layout: PixelLayout, counting, importance) -> list[int]:
+    def _insert_alike(self, batch: FrameBatch, frames: slice, layout: PixelLayout, counting: Mask | None, importance: Singles) -> list[int]:
         """Frames of which the same pixels of the window count, (rows, columns) bool; None: all of the layout's."""
         images, matrices = batch.images[frames], batch.image_to_ijk[frames]
         pieces = layout.pieces if counting is None else layout.pieces_within(layout.mask & counting)
@@ -177,7 +197,7 @@ class NumbaSplatEngine(SplatEngine):
         entered = np.zeros((len(edges) - 1, len(images)), np.int64)
         state = self.state
         coordinates = np.empty((2, 0)) if layout.moved is None else layout.moved
-        arrays = state.value, np.empty(0) if state.weight is None else state.weight, state.hits
+        voxels = state.value, state.hits, np.empty(0) if state.weight is None else state.weight
 
         def put(part: int) -> None:
             slab = axis, int(edges[part]), int(edges[part + 1])
@@ -187,9 +207,9 @@ class NumbaSplatEngine(SplatEngine):
                 clip_to_slab(matrices, pieces, spans, (axis, slab[1] - 1, slab[2] + 1), columns)
             else:
                 columns[:] = pieces[:, [START, STOP]]
-            where = images, matrices, pieces, columns, slab, self._size, coordinates
+            where = images, matrices, pieces, columns, self._size
             rule = LINEAR_METHODS.index(state.method)
-            spread(rule, *where, importance, CENTER_TOLERANCE, LEAST_SHARE, *arrays, entered[part])
+            spread(rule, where, slab, (coordinates, importance), CENTER_TOLERANCE, LEAST_SHARE, voxels, entered[part])
 
         in_parts(put, len(edges) - 1, self.threads)
         return [int(n) for n in entered.sum(axis=0)]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...arrays import Integers, Matrix, Numbers
 from ..layout import PixelLayout
 
 SLABS = 8
 """Slabs that a batch is cut into: what frames share of one fits into a core's cache, and threads end at about the same time."""
 
 
-def cut_into_slabs(matrices: np.ndarray, layout: PixelLayout, size: np.ndarray) -> tuple[int, np.ndarray]:
+def cut_into_slabs(matrices: Matrix, layout: PixelLayout, size: Numbers) -> tuple[int, Integers]:
     """The axis across which to cut, and the edges of the slabs along it, for frames at these places.
 
     Parameters

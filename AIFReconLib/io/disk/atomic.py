@@ -145,5 +145,5 @@ def _output_errors(path: str | Path) -> Iterator[None]:
         raise
     except OSError as error:
         other = Message("{reason}. Choose another path.", reason=error.strerror or str(error))
-        cause = _REMEDIES.get(errno.errorcode.get(error.errno, ""), other)
+        cause = _REMEDIES.get(errno.errorcode.get(error.errno or 0, ""), other)
         raise OutputError("Cannot write {path}: {problem}", path=path, problem=cause) from error

@@ -17,7 +17,7 @@ from pathlib import Path
 try:
     import fcntl
 except ImportError:  # Windows
-    fcntl = None
+    fcntl = None  # type: ignore[assignment]  # a module elsewhere
 
 PREFIX = ".aifrecon-"
 _NAME = re.compile(re.escape(PREFIX) + r"[a-z0-9_]{8}")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...arrays import Matrix
 from ...errors import GeometryError, TransformFileError
 from ...geometry.transform_graph import TransformName
 from ...geometry.transforms import as_matrix
@@ -20,7 +21,7 @@ MAXIMUM_BYTES = 2**16
 _ITK_MAGIC = "#Insight Transform File"
 
 
-def read_calibration(path: str | Path, name: TransformName | None = None, image_frame: str = "Image") -> tuple[TransformName, np.ndarray]:
+def read_calibration(path: str | Path, name: TransformName | None = None, image_frame: str = "Image") -> tuple[TransformName, Matrix]:
     """Name and matrix of a calibration, pixels to mm.
 
     Parameters
@@ -55,6 +56,7 @@ def read_calibration(path: str | Path, name: TransformName | None = None, image_
     require_regular_file(path, TransformFileError)
     if suffix in (*HDF5_SUFFIXES, ".tfm") or _text(path).startswith(_ITK_MAGIC):
         return name, read_transform(path)
+    wrong: Message | NotANumberError | None
     try:
         numbers = parse_numbers(_text(path).replace(",", " ").replace(";", " ").replace("[", " ").replace("]", " "))
         wrong = Message("got {count}", count=len(numbers)) if len(numbers) != 16 else None
@@ -70,7 +72,7 @@ def read_calibration(path: str | Path, name: TransformName | None = None, image_
     return name, _usable(path, np.array(numbers))
 
 
-def _usable(path: Path, matrix: np.ndarray) -> np.ndarray:
+def _usable(path: Path, matrix: Matrix) -> Matrix:
     try:
         return as_matrix(matrix, "calibration")
     except GeometryError as error:

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...arrays import Floats, Numbers
 from ...errors import FileFormatError
 from ...message import Message
 from ..sequence.file_images import MAXIMUM_FRAMES
 from .images import DecodedImages, ImportedImages, decoding, describe_stack, library
+
+if TYPE_CHECKING:
+    from pydicom import Dataset
 
 _CENTIMETERS = 3
 """PhysicalUnitsXDirection of an ultrasound region in cm."""
@@ -32,11 +38,12 @@ def open_dicom(files: list[Path]) -> ImportedImages:
     frames = [(path, frame) for path, header in headers for frame in range(_frame_count(header))]
     single = len(frames) == len(headers)
 
-    def decode(number: int) -> np.ndarray:
+    def decode(number: int) -> Numbers:
         path, frame = frames[number]
         what = Message("{path}, frame {number}: its pixels cannot be decoded", path=path, number=frame)
         with decoding(what, Message("Export it uncompressed, or install pylibjpeg[all].")):
-            return pixels.pixel_array(path, index=frame)
+            image: Numbers = pixels.pixel_array(path, index=frame)
+            return image
 
     stack = DecodedImages(len(frames), decode, lambda n: Message("{path}, frame {number}", path=frames[n][0], number=frames[n][1]))
     first = headers[0][1]
@@ -49,7 +56,8 @@ def open_dicom(files: list[Path]) -> ImportedImages:
     )
 
 
-def _header(pydicom, path: Path):
+def _header(pydicom: ModuleType, path: Path) -> Dataset:
+    header: Dataset
     with decoding(Message("{path}: it cannot be read as DICOM", path=path), Message("Export it again.")):
         header = pydicom.dcmread(path, stop_before_pixels=True)
         # Values are decoded when first asked for, so what is wrong with one shows here
@@ -67,26 +75,26 @@ def _header(pydicom, path: Path):
     return header
 
 
-def _frame_count(header) -> int:
+def _frame_count(header: Dataset) -> int:
     return max(int(getattr(header, "NumberOfFrames", 1) or 1), 1)
 
 
-def _times(header, count: int) -> np.ndarray | None:
+def _times(header: Dataset, count: int) -> Floats | None:
     """Times of the frames of one file, in s from its first: FrameTimeVector holds increments in ms, FrameTime one for all."""
     vector = getattr(header, "FrameTimeVector", None)
     if vector is not None and count > 1 and len(vector) == count:
         return np.cumsum(np.array([float(value) for value in vector])) / 1000.0
     step = getattr(header, "FrameTime", None)
-    return np.arange(count) * float(step) / 1000.0 if step and count > 1 else None
+    return np.arange(count, dtype=np.float64) * float(step) / 1000.0 if step and count > 1 else None
 
 
-def _spacing(header) -> tuple[float, float] | None:
+def _spacing(header: Dataset) -> tuple[float, float] | None:
     """Size of a pixel in mm: of the first ultrasound region, else PixelSpacing (which lists rows first); None where neither is positive."""
     found = _stated_spacing(header)
     return found if found is not None and np.isfinite(found).all() and min(found) > 0 else None
 
 
-def _stated_spacing(header) -> tuple[float, float] | None:
+def _stated_spacing(header: Dataset) -> tuple[float, float] | None:
     for region in getattr(header, "SequenceOfUltrasoundRegions", None) or ():
         units = (getattr(region, "PhysicalUnitsXDirection", 0), getattr(region, "PhysicalUnitsYDirection", 0))
         if units == (_CENTIMETERS, _CENTIMETERS):

@@ -6,9 +6,12 @@ import contextlib
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from importlib import import_module
+from types import ModuleType
 
 import numpy as np
 
+from ...arrays import Floats, Numbers, NumberType
 from ...errors import AIFReconError, FileFormatError
 from ...imaging.images import ImageStack, luminance
 from ...message import Message, one_line
@@ -38,7 +41,7 @@ class ImportedImages:
     stack: ImageStack
     description: str
     names: tuple[str, ...] | None = None
-    times: np.ndarray | None = None
+    times: Floats | None = None
     spacing: tuple[float, float] | None = None
 
 
@@ -58,11 +61,11 @@ class DecodedImages(ImagesOnDemand):
     Size and type are those of the first frame; a frame that differs is an error that names it. Colors become luminance.
     """
 
-    def __init__(self, count: int, decode: Callable[[int], np.ndarray], where: Callable[[int], Message]):
+    def __init__(self, count: int, decode: Callable[[int], Numbers], where: Callable[[int], str]):
         self._decode, self._where = decode, where
-        self._last: tuple[int, np.ndarray] | None = None
+        self._last: tuple[int, Numbers] | None = None
         self.shape: tuple[int, ...] = (count,)
-        self.dtype = np.dtype(np.uint8)
+        self.dtype: NumberType = np.dtype(np.uint8)
         first = self._gray(0)
         self.shape, self.dtype = (count, *first.shape), first.dtype
         if count > MAXIMUM_FRAMES or first.nbytes > MAXIMUM_FRAME_BYTES:
@@ -73,7 +76,7 @@ class DecodedImages(ImagesOnDemand):
                 bytes=first.nbytes,
             )
 
-    def _image(self, index: int) -> np.ndarray:
+    def _image(self, index: int) -> Numbers:
         image = self._gray(index)
         if image.shape != self.shape[1:] or image.dtype != self.dtype:
             raise FileFormatError(
@@ -84,7 +87,7 @@ class DecodedImages(ImagesOnDemand):
             )
         return image
 
-    def _gray(self, index: int) -> np.ndarray:
+    def _gray(self, index: int) -> Numbers:
         if self._last is not None and self._last[0] == index:
             return self._last[1].copy()
         image = np.asarray(self._decode(index))
@@ -122,14 +125,12 @@ class FlippedImages:
     def __len__(self) -> int:
         return len(self._stack)
 
-    def __getitem__(self, index: int) -> np.ndarray:
+    def __getitem__(self, index: int) -> Numbers:
         return np.ascontiguousarray(self._stack[index][self._flips])
 
 
-def library(name: str, purpose: Message):
+def library(name: str, purpose: Message) -> ModuleType:
     """An optional package, or an error that says how to get it."""
-    from importlib import import_module
-
     package = name.split(".")[0]
     try:
         return import_module(name)
@@ -168,10 +169,10 @@ def decoding(what: Message, advice: Message) -> Iterator[None]:
         ) from error
 
 
-def describe_stack(count: int, what: str, shape: tuple[int, ...], dtype) -> str:
+def describe_stack(count: int, what: str, shape: tuple[int, ...], dtype: NumberType) -> str:
     """``12 PNG pictures of 640 x 480 pixels, uint8``."""
     return f"{count} {what} of {_words(shape, dtype)}"
 
 
-def _words(shape: tuple[int, ...], dtype) -> Message:
+def _words(shape: tuple[int, ...], dtype: NumberType) -> Message:
     return Message("{columns} x {rows} pixels, {kind}", columns=shape[1], rows=shape[0], kind=np.dtype(dtype).name)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...arrays import Floats, Integers, Mask, Matrix
 from ...errors import SettingsError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ...geometry.transforms import invert, why_not_an_image_pose, why_not_rigid
@@ -17,6 +18,12 @@ from .pose_files import PoseTable
 from .pose_rows import PoseFormat, in_millimeters
 
 IMAGE_FRAME = "Image"
+
+_Place = tuple[Matrix, dict[TransformName, TransformSample], str]
+"""Poses, transforms of the header, and in words where the image is."""
+
+_Pairs = tuple[list[TransformSample], Floats | None, str]
+"""One sample per image, times, and in words how that was done."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +50,12 @@ class ImportSettings:
     transform: TransformName
     spacing: tuple[float, float] | None = None
     origin_px: tuple[float, float] | None = None
-    calibration: tuple[TransformName, np.ndarray] | None = None
+    calibration: tuple[TransformName, Matrix] | None = None
     orientation: str = IN_MEMORY
     rate: float | None = None
     form: PoseFormat = field(default_factory=PoseFormat)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         parse_orientation(self.orientation)
         if self.spacing is not None and not (np.isfinite(self.spacing).all() and min(self.spacing) > 0):
             raise SettingsError("Input spacing must be two numbers above 0, in mm per pixel; got {spacing!r}.", spacing=self.spacing)
@@ -73,7 +80,7 @@ def import_sequence(images: ImportedImages, poses: PoseTable, settings: ImportSe
     name = settings.transform
     places_image = IMAGE_FRAME in (name.source, name.target)
     matrices = poses.matrices
-    good = np.isfinite(matrices).all(axis=(1, 2))
+    good = np.array([np.isfinite(matrix).all() for matrix in matrices], dtype=bool)
     if not good.any():
         raise SettingsError(
             "The poses must hold at least one that is valid; all {count} are missing. Export them again.", count=len(matrices)
@@ -100,7 +107,7 @@ def import_sequence(images: ImportedImages, poses: PoseTable, settings: ImportSe
     return TrackedSequence(stack, records, transforms=header), understood
 
 
-def _are_rigid(matrices: np.ndarray, numbers: np.ndarray, name: TransformName, settings: ImportSettings) -> bool:
+def _are_rigid(matrices: Matrix, numbers: Integers, name: TransformName, settings: ImportSettings) -> bool:
     """Whether all poses are rigid; poses that are neither that nor those of an image are refused by their number."""
     reasons = [why_not_rigid(matrix) for matrix in matrices]
     if not any(reasons):
@@ -117,7 +124,7 @@ def _are_rigid(matrices: np.ndarray, numbers: np.ndarray, name: TransformName, s
     return False
 
 
-def _placed(matrices: np.ndarray, rigid: bool, places_image: bool, images: ImportedImages, settings: ImportSettings):
+def _placed(matrices: Matrix, rigid: bool, places_image: bool, images: ImportedImages, settings: ImportSettings) -> _Place:
     """Poses that take pixels where they are the image's; header transforms; and where the image is, in words."""
     name = settings.transform
     spacing = settings.spacing or images.spacing
@@ -143,7 +150,7 @@ def _placed(matrices: np.ndarray, rigid: bool, places_image: bool, images: Impor
     return matrices, {}, f"pixels of {spacing[0]:g} x {spacing[1]:g} mm{source}, {name} places pixel {origin[0]:g} {origin[1]:g}"
 
 
-def _placed_by_probe(matrices: np.ndarray, spacing, settings: ImportSettings):
+def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, settings: ImportSettings) -> _Place:
     """The same for poses of a probe: its calibration goes into the header."""
     name = settings.transform
     ends = (name.source, name.target)
@@ -181,13 +188,13 @@ def _placed_by_probe(matrices: np.ndarray, spacing, settings: ImportSettings):
     return matrices, {}, f"not in the recording: give {IMAGE_FRAME}To{name.source} with --config when reconstructing"
 
 
-def _pixels_to_mm(spacing: tuple[float, float], origin_px: tuple[float, float]) -> np.ndarray:
+def _pixels_to_mm(spacing: tuple[float, float], origin_px: tuple[float, float]) -> Matrix:
     matrix = np.diag([spacing[0], spacing[1], (spacing[0] + spacing[1]) / 2, 1.0])
     matrix[:2, 3] = -spacing[0] * origin_px[0], -spacing[1] * origin_px[1]
     return matrix
 
 
-def _sample(matrix: np.ndarray, poses: PoseTable, number: int) -> TransformSample:
+def _sample(matrix: Matrix, poses: PoseTable, number: int) -> TransformSample:
     """A pose with the status that the file gives it, and MISSING where it has no numbers."""
     status = TransformStatus.parse(poses.statuses[number]) if poses.statuses else TransformStatus.OK
     if status is TransformStatus.OK and not np.isfinite(matrix).all():
@@ -195,12 +202,12 @@ def _sample(matrix: np.ndarray, poses: PoseTable, number: int) -> TransformSampl
     return TransformSample(matrix, status)
 
 
-def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSample]):
+def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSample]) -> _Pairs:
     """One sample per image, times, and how that was done."""
     count = len(images.stack)
     missing = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
     if poses.images is not None:
-        return _paired_by_name(images, poses, samples, missing)
+        return _paired_by_name(images, poses.images, poses.times, samples, missing)
     if len(samples) == count:
         times = poses.times if poses.times is not None else images.times
         return samples, times, "image by image, in order"
@@ -223,12 +230,18 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
     )
 
 
-def _paired_by_name(images: ImportedImages, poses: PoseTable, samples: list[TransformSample], missing: TransformSample):
+def _paired_by_name(
+    images: ImportedImages,
+    names: tuple[str, ...],
+    times: Floats | None,
+    samples: list[TransformSample],
+    missing: TransformSample,
+) -> _Pairs:
     """Poses of images by the names of their files, whatever their folder."""
     if images.names is None:
         raise SettingsError("The poses name an image each, but the images are all in one file. Leave out that column (--columns, with -).")
     rows: dict[str, int] = {}
-    for number, text in enumerate(poses.images):
+    for number, text in enumerate(names):
         name = text.replace("\\", "/").rsplit("/", 1)[-1]
         if rows.setdefault(name, number) != number:
             raise SettingsError(
@@ -246,17 +259,16 @@ def _paired_by_name(images: ImportedImages, poses: PoseTable, samples: list[Tran
             image=images.names[0],
         )
     paired = [missing if number is None else samples[number] for number in known]
-    times = None
-    if poses.times is not None and found == len(known):
-        times = poses.times[known]
+    numbers = [number for number in known if number is not None]
+    times = times[numbers] if times is not None and found == len(known) else None
     return paired, times, f"by name: {found} of {len(known)} images have a pose, {len(rows) - found} poses have no image"
 
 
-def _span(times: np.ndarray) -> str:
+def _span(times: Floats) -> str:
     return f"{times.min():.3f} to {times.max():.3f} s"
 
 
-def _doubts(matrices: np.ndarray, good: np.ndarray, settings: ImportSettings) -> list[str]:
+def _doubts(matrices: Matrix, good: Mask, settings: ImportSettings) -> list[str]:
     """What looks like a wrong unit."""
     extent = float(np.ptp(matrices[good][:, :3, 3], axis=0).max())
     doubts = []

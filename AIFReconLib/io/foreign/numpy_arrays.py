@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...arrays import Numbers, NumberType
 from ...errors import FileFormatError
 from ...message import Message
 from ..disk.regular_files import file_stamp, stamp
@@ -45,12 +46,12 @@ def open_numpy(path: Path) -> ImportedImages:
     return ImportedImages(stack, describe_stack(count, "frames", stack.shape[1:], stack.dtype) + f" in {path.name}")
 
 
-def _frame_reader(path: Path, shape: tuple[int, ...], dtype: np.dtype, offset: int) -> Callable[[int], np.ndarray]:
+def _frame_reader(path: Path, shape: tuple[int, ...], dtype: NumberType, offset: int) -> Callable[[int], Numbers]:
     """A function that reads frame n from the file, provided that it is still the one that was opened."""
     frame_bytes = int(np.prod(shape)) * dtype.itemsize
     opened = file_stamp(path)
 
-    def read(number: int) -> np.ndarray:
+    def read(number: int) -> Numbers:
         try:
             with open(path, "rb") as file:
                 same = stamp(os.fstat(file.fileno())) == opened

@@ -49,7 +49,7 @@ def open_images(paths: Sequence[str | Path]) -> ImportedImages:
     return kind[1](files)
 
 
-def natural_order(path: Path) -> list:
+def natural_order(path: Path) -> list[int | str]:
     """A key that sorts 2 before 10."""
     # Every second piece is a number; isdigit would also take a superscript for one
     return [int(word) if place % 2 else word.lower() for place, word in enumerate(re.split(r"([0-9]+)", path.name))]

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
+from ...arrays import Numbers
 from ...errors import FileFormatError
 from ...message import Message
 from ..disk.regular_files import file_stamp
@@ -31,7 +34,7 @@ def open_pictures(files: list[Path]) -> ImportedImages:
     pages = [(path, page) for path in files for page in range(_page_count(image_module, path))]
     several = len(pages) > len(files)
 
-    def decode(number: int) -> np.ndarray:
+    def decode(number: int) -> Numbers:
         path, page = pages[number]
         pixels = decoded(path, page)
         # Asked afterwards: it may have changed before or meanwhile
@@ -39,7 +42,7 @@ def open_pictures(files: list[Path]) -> ImportedImages:
             raise FileFormatError("{path}: the file has changed since it was opened. Import it again.", path=path)
         return pixels
 
-    def decoded(path: Path, page: int) -> np.ndarray:
+    def decoded(path: Path, page: int) -> Numbers:
         # From a file object, not a path: Pillow maps some files into memory, and one that is cut while mapped ends the program
         with _readable(path), open(path, "rb") as file, image_module.open(file, formats=_FORMATS) as picture:
             picture.seek(page)
@@ -58,10 +61,10 @@ def open_pictures(files: list[Path]) -> ImportedImages:
     return ImportedImages(stack, describe_stack(len(pages), what, stack.shape[1:], stack.dtype), names)
 
 
-def _page_count(image_module, path: Path) -> int:
+def _page_count(image_module: ModuleType, path: Path) -> int:
     with _readable(path), open(path, "rb") as file, image_module.open(file, formats=_FORMATS) as picture:
         return int(getattr(picture, "n_frames", 1))
 
 
-def _readable(path: Path):
+def _readable(path: Path) -> AbstractContextManager[None]:
     return decoding(Message("{path}: it cannot be read as a picture", path=path), Message("Export it again."))

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from ...arrays import Floats, Matrix
 from ...errors import FileFormatError, SettingsError
 from ...message import Message, listed, one_line, shorten
 from ..disk.small_files import read_bytes
@@ -53,8 +55,8 @@ class PoseTable:
         How the file was read, in words.
     """
 
-    matrices: np.ndarray
-    times: np.ndarray | None
+    matrices: Matrix
+    times: Floats | None
     images: tuple[str, ...] | None
     statuses: tuple[str, ...] | None
     understood: tuple[str, ...]
@@ -113,7 +115,7 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
     )
 
 
-def _words(rows, name: str) -> tuple[str, ...] | None:
+def _words(rows: list[tuple[str, Row]], name: str) -> tuple[str, ...] | None:
     return tuple(str(row[name]) for _, row in rows) if name in rows[0][1] else None
 
 
@@ -129,7 +131,8 @@ def _text(path: Path) -> str:
 
 def _text_rows(path: Path, text: str, form: PoseFormat) -> tuple[list[tuple[str, Row]], tuple[str, ...]]:
     """Rows as (place, fields) of a table in text."""
-    table, comment = [], None
+    table: list[tuple[int, list[str]]] = []
+    comment = None
     for number, line in enumerate(text.splitlines(), start=1):
         if line.lstrip().startswith(("#", "%", "//")):
             comment = comment if table else line.lstrip(" #%/")
@@ -148,9 +151,9 @@ def _text_rows(path: Path, text: str, form: PoseFormat) -> tuple[list[tuple[str,
         header = list(form.columns)
     if header is None and all(len(cells) == 4 for _, cells in table):
         return _matrix_blocks(path, table), ("four rows of four numbers each",)
-    names = canonical_names(header) if header is not None else _names_of_numbers(path, len(table[0][1]), form)
+    names: Sequence[str | None] = _names_of_numbers(path, len(table[0][1]), form) if header is None else canonical_names(header)
     unused = [word for word, name in zip(header or (), names) if name is None and word != "-"]
-    rows = [
+    rows: list[tuple[str, Row]] = [
         (Message("line {line} (frame {number})", line=number, number=n), _row(path, number, n, cells, names))
         for n, (number, cells) in enumerate(table)
     ]
@@ -188,7 +191,7 @@ def _names_of_numbers(path: Path, count: int, form: PoseFormat) -> list[str]:
     )
 
 
-def _row(path: Path, line: int, number: int, cells: list[str], names: list[str | None]) -> Row:
+def _row(path: Path, line: int, number: int, cells: list[str], names: Sequence[str | None]) -> Row:
     if len(cells) == len(names) + 1 and not cells[-1]:
         cells = cells[:-1]  # a separator at the end of the line
     if len(cells) != len(names):
@@ -219,7 +222,7 @@ def _row(path: Path, line: int, number: int, cells: list[str], names: list[str |
     return row
 
 
-def _matrix_blocks(path: Path, table) -> list[tuple[str, Row]]:
+def _matrix_blocks(path: Path, table: list[tuple[int, list[str]]]) -> list[tuple[str, Row]]:
     """Matrices of four lines each."""
     if len(table) % 4:
         raise FileFormatError(
@@ -227,7 +230,7 @@ def _matrix_blocks(path: Path, table) -> list[tuple[str, Row]]:
             path=path,
             count=len(table),
         )
-    rows = []
+    rows: list[tuple[str, Row]] = []
     for start in range(0, len(table), 4):
         row: Row = {}
         for place in range(4):
@@ -246,7 +249,7 @@ _JSON_PARTS = {
     "euler": "euler angles eulerangles",
 }
 _PART_OF = {spelling: name for name, spellings in _JSON_PARTS.items() for spelling in spellings.split()}
-_PART_FIELDS = {
+_PART_FIELDS: dict[str, dict[int, tuple[str, ...]]] = {
     "matrix": {16: MATRIX, 12: MATRIX[:12]},
     "translation": {3: TRANSLATION},
     "quaternion": {4: UNORDERED_QUATERNION},
@@ -272,7 +275,7 @@ def _json_rows(path: Path, text: str) -> tuple[list[tuple[str, Row]], tuple[str,
     if not isinstance(document, list):
         raise FileFormatError("{path}: it must hold a list of poses; got {kind}. Export it again.", path=path, kind=type(document).__name__)
     unused: dict[str, None] = {}
-    rows = []
+    rows: list[tuple[str, Row]] = []
     for number, item in enumerate(document):
         place = Message("pose {number}", number=number)
         row: Row = {}
@@ -291,7 +294,7 @@ def _json_rows(path: Path, text: str) -> tuple[list[tuple[str, Row]], tuple[str,
     return rows, ((f"keys that are not used: {', '.join(unused)}",) if unused else ())
 
 
-def _json_part(path: Path, place: str, part: str, value) -> Row:
+def _json_part(path: Path, place: str, part: str, value: object) -> Row:
     """The fields of a list or object of numbers."""
     if isinstance(value, dict) and part != "matrix":
         names = {name: key for key in value if (name := _PART_AXES[part] + key.lower()) in _AXES[part]}
@@ -305,8 +308,8 @@ def _json_part(path: Path, place: str, part: str, value) -> Row:
             )
         return {name: _json_number(path, listed([place, key]), value[key]) for name, key in names.items()}
     numbers = [number for line in value for number in (line if isinstance(line, list) else [line])] if isinstance(value, list) else [value]
-    names = _PART_FIELDS[part].get(len(numbers))
-    if names is None:
+    fields = _PART_FIELDS[part].get(len(numbers))
+    if fields is None:
         expected = listed(_PART_FIELDS[part], " or ")
         raise FileFormatError(
             "{path}: {place} must be {expected} numbers; got {found}. Export it again.",
@@ -315,10 +318,10 @@ def _json_part(path: Path, place: str, part: str, value) -> Row:
             expected=expected,
             found=len(numbers),
         )
-    return {name: _json_number(path, place, number) for name, number in zip(names, numbers)}
+    return {name: _json_number(path, place, number) for name, number in zip(fields, numbers)}
 
 
-def _json_number(path: Path, place: str, value) -> float:
+def _json_number(path: Path, place: str, value: object) -> float:
     if value is None:
         return float("nan")
     if isinstance(value, bool) or not isinstance(value, int | float):

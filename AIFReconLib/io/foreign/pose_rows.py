@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from ...arrays import Matrix
 from ...errors import AIFReconError, SettingsError
 from ...message import Message
 
@@ -73,7 +74,7 @@ class PoseFormat:
     length_unit: str = "mm"
     column_major: bool = False
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.quaternion_order not in (None, *QUATERNION_ORDERS):
             raise SettingsError(
                 "Input quaternion_order must be xyzw or wxyz; got {quaternion_order!r}. See the tracker's manual.",
@@ -151,7 +152,7 @@ def kind_of_pose(names: Sequence[str | None], form: PoseFormat) -> str:
     raise _what_is_needed(names)
 
 
-def pose_of(values: Mapping[str, float], form: PoseFormat) -> np.ndarray | None:
+def pose_of(values: Mapping[str, float], form: PoseFormat) -> Matrix | None:
     """The pose (4, 4) that the numbers of one row give, lengths as written; None where they hold NaN or a quaternion of zeros.
 
     Raises
@@ -179,7 +180,7 @@ def pose_of(values: Mapping[str, float], form: PoseFormat) -> np.ndarray | None:
     # What a row holds besides is not looked at, in the order of `kind_of_pose`
     if set(QUATERNION) <= set(values):
         quaternion = np.array([values[name] for name in QUATERNION])
-    elif set(UNORDERED_QUATERNION) <= set(values):
+    elif form.quaternion_order is not None and set(UNORDERED_QUATERNION) <= set(values):
         by_axis = dict(zip(form.quaternion_order, (values[name] for name in UNORDERED_QUATERNION)))
         quaternion = np.array([by_axis[axis] for axis in "xyzw"])
     else:
@@ -194,8 +195,10 @@ def pose_of(values: Mapping[str, float], form: PoseFormat) -> np.ndarray | None:
     return matrix
 
 
-def _turned(matrix: np.ndarray, values: Mapping[str, float], form: PoseFormat) -> np.ndarray | None:
+def _turned(matrix: Matrix, values: Mapping[str, float], form: PoseFormat) -> Matrix | None:
     """`matrix`, a translation, with the rotation of the row's Euler angles; None where they hold NaN."""
+    if form.euler_order is None:
+        raise _what_is_needed(list(values))
     names = [f"r{axis.lower()}" for axis in form.euler_order] if set(EULER) <= set(values) else UNNAMED_EULER
     angles = [values[name] for name in names]
     if not np.isfinite([*matrix[:3, 3], *angles]).all():
@@ -204,7 +207,7 @@ def _turned(matrix: np.ndarray, values: Mapping[str, float], form: PoseFormat) -
     return matrix
 
 
-def in_millimeters(matrices: np.ndarray, form: PoseFormat, takes_pixels: bool) -> np.ndarray:
+def in_millimeters(matrices: Matrix, form: PoseFormat, takes_pixels: bool) -> Matrix:
     """Poses (n, 4, 4) with lengths in mm. Where they take pixels, their axes are lengths too."""
     scaled = matrices.copy()
     scaled[:, :3, 3] *= LENGTH_UNITS[form.length_unit]

@@ -6,10 +6,13 @@ import os
 import re
 import subprocess
 import weakref
+from collections.abc import Callable
 from pathlib import Path
+from typing import IO, cast
 
 import numpy as np
 
+from ...arrays import Bytes, Floats
 from ...errors import FileFormatError
 from ...message import Message, one_line
 from .images import DecodedImages, ImportedImages, describe_stack, library
@@ -52,11 +55,11 @@ class _Video:
     def __init__(self, program: str, path: Path):
         self._command = [program, "-v", "error", "-nostdin", *_ONLY_THIS_FILE, "-i", f"file:{os.path.realpath(path)}", *_EVERY_FRAME]
         self._path = path
-        self._process: subprocess.Popen | None = None
-        self._stop = None
+        self._stream: IO[bytes] | None = None
+        self._stop: Callable[[], object] | None = None
         self._next = 0
 
-    def times(self) -> np.ndarray:
+    def times(self) -> Floats:
         """Times of all frames in s, from a first pass that decodes them: headers guess."""
         try:
             done = subprocess.run(
@@ -75,21 +78,22 @@ class _Video:
             raise self._failure(_shown(done.stderr) or Message("it holds no frames"))
         return np.array(stamps) * (int(base[1]) / int(base[2]))
 
-    def frame(self, number: int) -> np.ndarray:
+    def frame(self, number: int) -> Bytes:
         """One frame, (rows, columns) uint8."""
-        if self._process is None or number < self._next:
-            self._start()
+        stream = self._stream
+        if stream is None or number < self._next:
+            stream = self._stream = self._start()
         while True:
-            image = self._read()
+            image = self._read(stream)
             self._next += 1
             if self._next > number:
                 return image
 
-    def _start(self) -> None:
+    def _start(self) -> IO[bytes]:
         if self._stop is not None:
             self._stop()
         try:
-            self._process = subprocess.Popen(
+            process = subprocess.Popen(
                 [*self._command, "-f", "image2pipe", "-pix_fmt", "gray", "-c:v", "pgm", "-"],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
@@ -97,12 +101,13 @@ class _Video:
             )
         except OSError as error:
             raise self._failure(_shown(str(error))) from error
-        self._stop = weakref.finalize(self, _end, self._process)
+        stream = cast("IO[bytes]", process.stdout)
+        self._stop = weakref.finalize(self, _end, process, stream)
         self._next = 0
+        return stream
 
-    def _read(self) -> np.ndarray:
+    def _read(self, stream: IO[bytes]) -> Bytes:
         """The next picture in the stream: PGM, three short lines and the pixels."""
-        stream = self._process.stdout
         lines = [stream.readline(64) for _ in range(3)]
         size = re.fullmatch(rb"(\d+) (\d+)\n", lines[1])
         if lines[0] != b"P5\n" or size is None:
@@ -125,8 +130,8 @@ def _shown(text: str) -> str:
     return one_line(text.strip())[:200]
 
 
-def _end(process: subprocess.Popen) -> None:
+def _end(process: subprocess.Popen[bytes], stream: IO[bytes]) -> None:
     """Stop the decoder, whether it has finished or not."""
     process.kill()
-    process.stdout.close()
+    stream.close()
     process.wait()

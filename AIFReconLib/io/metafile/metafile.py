@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from io import BufferedReader
 from pathlib import Path
 from typing import BinaryIO
 
@@ -73,7 +74,7 @@ class Metafile:
         return self.error("{path}: {problem}", path=self.path, problem=Message(problem, **values))
 
     @contextlib.contextmanager
-    def open_payload(self) -> Iterator[BinaryIO]:
+    def open_payload(self) -> Iterator[BufferedReader]:
         """The data file, open for reading, provided that it is still the one whose header was read.
 
         Raises

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -14,13 +14,10 @@ from ...geometry.transforms import as_matrix
 from ...imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ...imaging.region import ClipRectangle, Fan, ImageRegion
 from ...message import Message
-from ...sweep.configuration import PlusConfiguration
+from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from .reconstruction import build, read_reconstruction
 from .xml_attributes import Attributes
 from .xml_tree import parse_xml
-
-if TYPE_CHECKING:
-    pass
 
 
 def read_plus_configuration(path: str | Path) -> PlusConfiguration:
@@ -37,15 +34,16 @@ def read_plus_configuration(path: str | Path) -> PlusConfiguration:
         raise ConfigurationError(
             "{path}: its root element must be PlusConfiguration; got {found}. Give a Plus configuration file.", path=path, found=root.tag
         )
-    values = {"transforms": _read_transforms(path, root)}
+    transforms = _read_transforms(path, root)
     reconstruction = _find_reconstruction(root)
-    if reconstruction is not None:
-        values.update(read_reconstruction(path, reconstruction))
+    configuration = NO_CONFIGURATION if reconstruction is None else read_reconstruction(path, reconstruction)
+    configuration = replace(configuration, path=path, transforms=transforms)
     conversion = root.find("ScanConversion")
     conversion = next(root.iter("ScanConversion"), None) if conversion is None else conversion
     if conversion is not None:
-        values["probe"], values["scan_region"] = _read_scan_conversion(Attributes(path, conversion, "ScanConversion"))
-    return PlusConfiguration(path=path, **values)
+        probe, region = _read_scan_conversion(Attributes(path, conversion, "ScanConversion"))
+        configuration = replace(configuration, probe=probe, scan_region=region)
+    return configuration
 
 
 def _read_transforms(path: Path, root: Element) -> dict[TransformName, TransformSample]:
@@ -84,34 +82,39 @@ def _find_reconstruction(root: Element) -> Element | None:
 
 def _read_scan_conversion(attributes: Attributes) -> tuple[ProbeGeometry, ImageRegion | None]:
     """The probe, and the part of the image that holds ultrasound, in MF pixels."""
-    geometry = attributes.word("TransducerGeometry", ("CURVILINEAR", "LINEAR"))
-    if geometry is None:
-        attributes.required_text("TransducerGeometry")
-    spacing = attributes.positive(attributes.required_numbers(2, "OutputImageSpacingMmPerPixel"), "OutputImageSpacingMmPerPixel")
-    center = attributes.numbers(2, "TransducerCenterPixel")
-    size = attributes.numbers(2, "OutputImageSizePixel")
-    if center is None and size is None:
+    geometry = attributes.required_word("TransducerGeometry", ("CURVILINEAR", "LINEAR"))
+    x, y = attributes.positive(attributes.required_numbers(2, "OutputImageSpacingMmPerPixel"), "OutputImageSpacingMmPerPixel")
+    center = attributes.pair("TransducerCenterPixel")
+    size = attributes.pair("OutputImageSizePixel")
+    row = None
+    if center is not None:
+        column, row = center
+    elif size is not None:
+        column = size[0] / 2
+    else:
         raise attributes.failure("TransducerCenterPixel", "is missing, and OutputImageSizePixel too. Add one of them.")
-    return (_read_curvilinear if geometry == "CURVILINEAR" else _read_linear)(attributes, spacing, center, size)
+    return (_read_curvilinear if geometry == "CURVILINEAR" else _read_linear)(attributes, (x, y), column, row)
 
 
-def _read_curvilinear(attributes: Attributes, spacing, center, size) -> tuple[ProbeGeometry, ImageRegion | None]:
-    """Apex at the center of the transducer's curvature: RadiusStartMm above the middle of its face."""
-    first = attributes.required_numbers(1, "RadiusStartMm")[0]
-    last = attributes.required_numbers(1, "RadiusStopMm")[0]
-    angles = attributes.required_numbers(1, "ThetaStartDeg") + attributes.required_numbers(1, "ThetaStopDeg")
-    x, y = center or (size[0] / 2, first / spacing[1])
-    apex = (x, y - first / spacing[1])
-    fan = build(attributes, "ThetaStartDeg", Fan, apex, angles, (first, last), spacing)
+def _read_curvilinear(
+    attributes: Attributes, spacing: tuple[float, float], column: float, row: float | None
+) -> tuple[ProbeGeometry, ImageRegion | None]:
+    """Apex at the center of the transducer's curvature: RadiusStartMm above the middle of its face, (column, row)."""
+    radii = attributes.required_number("RadiusStartMm"), attributes.required_number("RadiusStopMm")
+    angles = attributes.required_number("ThetaStartDeg"), attributes.required_number("ThetaStopDeg")
+    rows = radii[0] / spacing[1]
+    apex = (column, (rows if row is None else row) - rows)
+    fan = build(attributes, "ThetaStartDeg", lambda: Fan(apex, angles, radii, spacing))
     return ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan)
 
 
-def _read_linear(attributes: Attributes, spacing, center, size) -> tuple[ProbeGeometry, ImageRegion | None]:
+def _read_linear(
+    attributes: Attributes, spacing: tuple[float, float], column: float, row: float | None
+) -> tuple[ProbeGeometry, ImageRegion | None]:
     """A rectangle below the transducer's face, as wide as that and as deep as the image."""
     width = attributes.positive(attributes.numbers(1, "TransducerWidthMm"), "TransducerWidthMm")
     depth = attributes.positive(attributes.numbers(1, "ImagingDepthMm"), "ImagingDepthMm")
     if width is None or depth is None:
         return ProbeGeometry(LINEAR), None
-    x, y = center or (size[0] / 2, 0.0)
     size_px = (width[0] / spacing[0], depth[0] / spacing[1])
-    return ProbeGeometry(LINEAR), ImageRegion(clip=ClipRectangle((x - size_px[0] / 2, y), size_px))
+    return ProbeGeometry(LINEAR), ImageRegion(clip=ClipRectangle((column - size_px[0] / 2, row or 0.0), size_px))

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import SimpleITK as sitk
 
+from ...arrays import Numbers, Singles
 from ...errors import ConfigurationError, FileFormatError
 from ...sweep.configuration import PlusConfiguration
 from ..disk.itk import itk_path, short_cause
@@ -28,7 +29,7 @@ _READERS = {
 """ITK's name of the reader, by suffix."""
 
 
-def read_importance_mask(path: str | Path) -> np.ndarray:
+def read_importance_mask(path: str | Path) -> Singles:
     """The weight of each pixel, (rows, columns) float32 array, 0 to 1, in MF orientation.
 
     Parameters
@@ -68,7 +69,7 @@ def read_importance_mask(path: str | Path) -> np.ndarray:
         raise FileFormatError(
             "{path}: it cannot be read as an importance mask: {cause}. Give a PNG image.", path=path, cause=short_cause(error)
         ) from error
-    array = sitk.GetArrayFromImage(image)
+    array: Numbers = sitk.GetArrayFromImage(image)
     if array.dtype != np.uint8 or image.GetNumberOfComponentsPerPixel() != 1 or array.squeeze().ndim != 2:
         found = f"{' x '.join(map(str, image.GetSize()))} {image.GetPixelIDTypeAsString()}"
         raise FileFormatError("{path}: an importance mask must be an 8-bit gray image; got {found}. Convert it.", path=path, found=found)
@@ -97,7 +98,7 @@ def _check_chunks(path: Path) -> None:
         raise FileFormatError("{path}: it cannot be read as an importance mask: it is damaged or no PNG image. Save it again.", path=path)
 
 
-def configured_importance(configuration: PlusConfiguration) -> np.ndarray | None:
+def configured_importance(configuration: PlusConfiguration) -> Singles | None:
     """The weight of each pixel that a configuration asks for, as `read_importance_mask` returns it; None where it asks for none.
 
     Raises

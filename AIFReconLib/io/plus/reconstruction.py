@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 from xml.etree.ElementTree import Element
 
 from ...errors import AIFReconError
@@ -10,7 +13,10 @@ from ...geometry.transform_graph import capital
 from ...holes.filling import CUBE, GAUSSIAN, GAUSSIAN_BY_HITS, INVERSE_DISTANCE, STICK, HoleFilling
 from ...imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from ...message import Message
+from ...sweep.configuration import PlusConfiguration
 from .xml_attributes import Attributes
+
+Thing = TypeVar("Thing")
 
 _METHODS = {"MEAN": "average", "LATEST": "latest", "MAXIMUM": "maximum", "IMPORTANCE_MASK": "average"}
 _INTERPOLATIONS = {"NEAREST_NEIGHBOR": "nearest", "LINEAR": "linear"}
@@ -28,8 +34,8 @@ _HONORED = frozenset(
 )
 
 
-def read_reconstruction(path: Path, element: Element) -> dict:
-    """The fields of `PlusConfiguration` that VolumeReconstruction gives.
+def read_reconstruction(path: Path, element: Element) -> PlusConfiguration:
+    """What VolumeReconstruction says.
 
     Raises
     ------
@@ -42,28 +48,33 @@ def read_reconstruction(path: Path, element: Element) -> dict:
     rejection = attributes.number(0.0, "PixelRejectionThreshold")
     fan = _read_fan(attributes)
     interpolation = attributes.word("Interpolation", tuple(_INTERPOLATIONS))
-    return {
-        "image_frame": capital(attributes.text("ImageCoordinateFrame") or "") or None,
-        "reference_frame": capital(attributes.text("ReferenceCoordinateFrame") or "") or None,
-        "spacing": attributes.positive(attributes.numbers(3, "OutputSpacing"), "OutputSpacing"),
-        "origin": attributes.numbers(3, "OutputOrigin"),
-        "extent": _read_extent(attributes),
-        "region": ImageRegion(_read_clip(attributes), fan, _read_fan_detection(attributes, fan)),
-        "method": _read_method(attributes),
-        "interpolation": interpolation and _INTERPOLATIONS[interpolation],
-        "uses_importance_mask": _uses_importance_mask(attributes),
-        "importance_mask": _read_importance_mask(path, attributes),
-        "pixel_rejection": rejection if rejection > 0 else None,
-        "holes": _read_holes(path, attributes),
-        "threads": threads[0] if threads[0] > 0 else None,
-        "skip": max(skip[0], 1),
-        "fixed_point": (attributes.text("Optimization") or "").upper() == "FULL",
-        "fits_spacing": attributes.switch("RecomputeOutputSpacing"),
-        "warnings": _not_honored(attributes),
-    }
+    return PlusConfiguration(
+        image_frame=capital(attributes.text("ImageCoordinateFrame") or "") or None,
+        reference_frame=capital(attributes.text("ReferenceCoordinateFrame") or "") or None,
+        spacing=attributes.positive(_read_point(attributes, "OutputSpacing"), "OutputSpacing"),
+        origin=_read_point(attributes, "OutputOrigin"),
+        extent=_read_extent(attributes),
+        region=ImageRegion(_read_clip(attributes), fan, _read_fan_detection(attributes, fan)),
+        method=_read_method(attributes),
+        interpolation=_INTERPOLATIONS[interpolation] if interpolation else None,
+        uses_importance_mask=_uses_importance_mask(attributes),
+        importance_mask=_read_importance_mask(path, attributes),
+        pixel_rejection=rejection if rejection > 0 else None,
+        holes=_read_holes(path, attributes),
+        threads=threads[0] if threads[0] > 0 else None,
+        skip=max(skip[0], 1),
+        fixed_point=(attributes.text("Optimization") or "").upper() == "FULL",
+        fits_spacing=attributes.switch("RecomputeOutputSpacing"),
+        warnings=_not_honored(attributes),
+    )
 
 
-def _read_extent(attributes: Attributes) -> tuple[int, ...] | None:
+def _read_point(attributes: Attributes, name: str) -> tuple[float, float, float] | None:
+    numbers = attributes.numbers(3, name)
+    return None if numbers is None else (numbers[0], numbers[1], numbers[2])
+
+
+def _read_extent(attributes: Attributes) -> tuple[int, int, int, int, int, int] | None:
     """First and last voxel along x, y, z; all zero stands for none, as in templates."""
     extent = attributes.integers(6, "OutputExtent")
     if extent is None or extent == _NO_EXTENT:
@@ -73,27 +84,28 @@ def _read_extent(attributes: Attributes) -> tuple[int, ...] | None:
         raise attributes.failure("OutputExtent", "must be first and last voxel along x, y and z, rising; got {got!r}. Correct it.", got=got)
     if attributes.text("OutputSpacing") is None:
         raise attributes.failure("OutputSpacing", "is missing, and OutputExtent counts voxels. Add it to the element.")
-    return extent
+    first_x, last_x, first_y, last_y, first_z, last_z = extent
+    return first_x, last_x, first_y, last_y, first_z, last_z
 
 
 def _read_clip(attributes: Attributes) -> ClipRectangle | None:
-    size = attributes.numbers(2, "ClipRectangleSize") or (0.0, 0.0)
-    origin = attributes.numbers(2, "ClipRectangleOrigin") or (0.0, 0.0)
+    size = attributes.pair("ClipRectangleSize") or (0.0, 0.0)
+    origin = attributes.pair("ClipRectangleOrigin") or (0.0, 0.0)
     if 0 in size:
         return None
-    return build(attributes, "ClipRectangleSize", ClipRectangle, origin, size)
+    return build(attributes, "ClipRectangleSize", lambda: ClipRectangle(origin, size))
 
 
 def _read_fan(attributes: Attributes) -> Fan | None:
-    angles = attributes.numbers(2, "FanAnglesDeg", "FanAngles") or (0.0, 0.0)
-    apex = attributes.numbers(2, "FanOriginPixel", "FanOrigin") or (0.0, 0.0)
+    angles = attributes.pair("FanAnglesDeg", "FanAngles") or (0.0, 0.0)
+    apex = attributes.pair("FanOriginPixel", "FanOrigin") or (0.0, 0.0)
     radii = (
         attributes.number(0.0, "FanRadiusStartPixel"),
         attributes.number(_DEFAULT_FAN_RADIUS_STOP, "FanRadiusStopPixel", "FanDepth"),
     )
     if not any(angles):
         return None
-    return build(attributes, "FanAnglesDeg", Fan, apex, angles, radii)
+    return build(attributes, "FanAnglesDeg", lambda: Fan(apex, angles, radii))
 
 
 def _read_fan_detection(attributes: Attributes, fan: Fan | None) -> FanDetection | None:
@@ -151,21 +163,16 @@ def _read_holes(path: Path, attributes: Attributes) -> tuple[HoleFilling, ...]:
     kinds = []
     for number, element in enumerate(attributes.element.iterfind("HoleFilling/HoleFillingElement"), start=1):
         one = Attributes(path, element, f"HoleFillingElement[{number}]")
-        one.required_text("Type")
-        kind = one.word("Type", ("STICK", *cubes))
-        if kind == "STICK":
-            length, sticks = (_whole(one, name) for name in ("StickLengthLimit", "NumberOfSticksToUse"))
-            kinds.append(build(one, "StickLengthLimit", HoleFilling, STICK, length, 1.0, 0.0, sticks))
+        word = one.required_word("Type", ("STICK", *cubes))
+        if word == "STICK":
+            kind, place = STICK, "StickLengthLimit"
+            size, stdev, ratio, sticks = one.required_integer(place), 1.0, 0.0, one.required_integer("NumberOfSticksToUse")
         else:
-            size, ratio = _whole(one, "Size"), one.required_numbers(1, "MinimumKnownVoxelsRatio")[0]
-            stdev = one.required_numbers(1, "Stdev")[0] if kind.startswith("GAUSSIAN") else 1.0
-            kinds.append(build(one, "Size", HoleFilling, cubes[kind], size, stdev, ratio))
+            kind, place = cubes[word], "Size"
+            size, ratio, sticks = one.required_integer(place), one.required_number("MinimumKnownVoxelsRatio"), 1
+            stdev = one.required_number("Stdev") if word.startswith("GAUSSIAN") else 1.0
+        kinds.append(build(one, place, partial(HoleFilling, kind, size, stdev, ratio, sticks)))
     return tuple(kinds)
-
-
-def _whole(attributes: Attributes, name: str) -> int:
-    attributes.required_text(name)
-    return attributes.integers(1, name)[0]
 
 
 def _not_honored(attributes: Attributes) -> tuple[str, ...]:
@@ -177,7 +184,7 @@ def _not_honored(attributes: Attributes) -> tuple[str, ...]:
         place = attributes.place
         warnings.append(Message("{place}@{attribute}={value} {problem}.", place=place, attribute=attribute, value=value, problem=problem))
 
-    if attributes.text("Optimization") and attributes.text("Optimization").upper() not in ("NONE", "FULL"):
+    if (attributes.text("Optimization") or "NONE").upper() not in ("NONE", "FULL"):
         warn("Optimization", Message("has no effect: voxels are those of NONE, in double precision"))
     if attributes.number(1, "SkipInterval") < 1:
         warn("SkipInterval", Message("means 1, every frame: it must be at least that"))
@@ -197,9 +204,9 @@ def _not_honored(attributes: Attributes) -> tuple[str, ...]:
     return tuple(warnings)
 
 
-def build(attributes: Attributes, attribute: str, kind, *values):
-    """An object of the library from values in the file; its complaint becomes the file's."""
+def build(attributes: Attributes, attribute: str, make: Callable[[], Thing]) -> Thing:
+    """What `make` makes of values in the file; its complaint becomes the file's."""
     try:
-        return kind(*values)
+        return make()
     except AIFReconError as error:
         raise attributes.failure(attribute, "cannot be used. {problem}", problem=error) from error

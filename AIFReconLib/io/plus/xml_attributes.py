@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TypeVar
 from xml.etree.ElementTree import Element
 
 from ...errors import ConfigurationError
@@ -13,6 +14,10 @@ from ..metafile.text_values import NotANumberError, parse_numbers
 
 LARGEST_INTEGER = 2**31 - 1
 """As in Plus."""
+
+
+Value = TypeVar("Value")
+Given = TypeVar("Given", tuple[float, ...], tuple[int, ...], tuple[float, float, float] | None, tuple[float, ...] | None)
 
 
 class Attributes:
@@ -50,10 +55,7 @@ class Attributes:
 
     def required_text(self, name: str) -> str:
         """An attribute that must be there."""
-        text = self.text(name)
-        if text is None:
-            raise self.failure(name, "is missing. Add it to the element.")
-        return text
+        return self._required(self.text(name), name)
 
     def numbers(self, count: int, *names: str) -> tuple[float, ...] | None:
         """`count` finite numbers; None when the attribute is not there."""
@@ -71,8 +73,20 @@ class Attributes:
 
     def required_numbers(self, count: int, name: str) -> tuple[float, ...]:
         """`count` finite numbers that must be there."""
-        self.required_text(name)
-        return self.numbers(count, name)
+        return self._required(self.numbers(count, name), name)
+
+    def pair(self, *names: str) -> tuple[float, float] | None:
+        """Two finite numbers; None when the attribute is not there."""
+        numbers = self.numbers(2, *names)
+        return None if numbers is None else (numbers[0], numbers[1])
+
+    def required_number(self, name: str) -> float:
+        """One finite number that must be there."""
+        return self.required_numbers(1, name)[0]
+
+    def required_integer(self, name: str) -> int:
+        """One whole number that must be there."""
+        return self._required(self.integers(1, name), name)[0]
 
     def number(self, default: float, *names: str) -> float:
         """One finite number; `default` when the attribute is not there."""
@@ -85,13 +99,13 @@ class Attributes:
         if numbers is None:
             return None
         if any(number != int(number) for number in numbers):
-            raise self.failure(self._present(names), "must be whole; got {text!r}. Correct it.", text=shorten(self.text(*names)))
+            raise self.failure(self._present(names), "must be whole; got {text!r}. Correct it.", text=shorten(self.text(*names) or ""))
         if max(map(abs, numbers)) > LARGEST_INTEGER:
-            raise self.failure(self._present(names), "must be of 32 bits; got {text!r}. Correct it.", text=shorten(self.text(*names)))
+            raise self.failure(self._present(names), "must be of 32 bits; got {text!r}. Correct it.", text=shorten(self.text(*names) or ""))
         return tuple(int(number) for number in numbers)
 
-    def positive(self, numbers: tuple[float, ...] | None, name: str) -> tuple[float, ...] | None:
-        """The same numbers, each of which must be above 0."""
+    def positive(self, numbers: Given, name: str) -> Given:
+        """The same numbers, each of which must be above 0; None stays None."""
         if numbers is not None and min(numbers) <= 0:
             raise self.failure(name, "must be positive; got {numbers}. Correct it.", numbers=" ".join(f"{number:g}" for number in numbers))
         return numbers
@@ -105,9 +119,18 @@ class Attributes:
             raise self.failure(name, "must be {choices}; got {text!r}. Correct it.", choices=" or ".join(choices), text=shorten(text))
         return text.upper()
 
+    def required_word(self, name: str, choices: Sequence[str]) -> str:
+        """One of `choices`, in any case, that must be there."""
+        return self._required(self.word(name, choices), name)
+
     def switch(self, name: str) -> bool:
         """ON or TRUE; False when the attribute is not there."""
         return self.word(name, ("ON", "OFF", "TRUE", "FALSE")) in ("ON", "TRUE")
+
+    def _required(self, value: Value | None, name: str) -> Value:
+        if value is None:
+            raise self.failure(name, "is missing. Add it to the element.")
+        return value
 
     def _present(self, names: Sequence[str]) -> str:
         return next(name for name in names if self.element.get(name, "").strip())

@@ -45,7 +45,7 @@ def parse_xml(path: Path) -> Element:
         depth -= 1
         builder.end(tag)
 
-    def refuse_doctype(*_) -> None:
+    def refuse_doctype(*_: object) -> None:
         raise ConfigurationError("{path}: a DOCTYPE declaration is not allowed in a configuration. Remove it.", path=path)
 
     parser = expat.ParserCreate()

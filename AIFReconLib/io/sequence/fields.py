@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
+from ...arrays import Matrix
 from ...errors import SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ...message import Message, one_line, shorten
@@ -129,7 +130,7 @@ def _record(metafile: Metafile, where: str, fields: dict[str, str]) -> FrameReco
 
 def _take_transforms(metafile: Metafile, where: str, fields: dict[str, str]) -> tuple[dict[TransformName, TransformSample], dict[str, str]]:
     """The transforms among `fields`, and the rest. A status alone makes a transform that is NaN."""
-    matrices: dict[TransformName, np.ndarray] = {}
+    matrices: dict[TransformName, Matrix] = {}
     statuses: dict[TransformName, TransformStatus] = {}
     others: dict[str, str] = {}
     order: dict[TransformName, None] = {}
@@ -170,7 +171,7 @@ def _transform_name(key: str) -> TransformName | None:
     return None
 
 
-def _matrix(metafile: Metafile, where: str, text: str) -> np.ndarray:
+def _matrix(metafile: Metafile, where: str, text: str) -> Matrix:
     """(4, 4) float64. NaN is allowed: recorders write it for poses that they do not have."""
     try:
         numbers = parse_numbers(text)

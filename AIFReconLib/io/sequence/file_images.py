@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import BinaryIO
+
 import numpy as np
 
+from ...arrays import Numbers
 from ...imaging.images import luminance
 from ..metafile.metafile import RAW, Metafile
 from ..metafile.payload import Inflater, PayloadError
@@ -43,7 +46,7 @@ class FileImages(ImagesOnDemand):
         self._stream: Inflater | None = None
         self._last: tuple[int, bytes] | None = None
 
-    def _image(self, index: int) -> np.ndarray:
+    def _image(self, index: int) -> Numbers:
         _, rows, columns = self.shape
         image = np.frombuffer(self._read(index), self._metafile.dtype)
         if self._metafile.channels > 1:
@@ -80,7 +83,7 @@ class FileImages(ImagesOnDemand):
             self._last = (index, data)
         return data
 
-    def _decode(self, file, index: int) -> bytes:
+    def _decode(self, file: BinaryIO, index: int) -> bytes:
         start = index * self._frame_bytes
         if self._stream is None or self._stream.position > start:
             self._stream = Inflater(self._metafile.data_offset, self._metafile.data_length)

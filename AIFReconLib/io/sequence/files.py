@@ -8,7 +8,7 @@ from pathlib import Path
 from ...errors import SequenceFormatError
 from ...imaging.images import ImageStack
 from ...message import Message
-from ...sweep.configuration import PlusConfiguration
+from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import TrackedSequence
 from ...sweep.pose_tracks import LONGEST_GAP
 from ..metafile.opening import read_metafile
@@ -94,7 +94,7 @@ def read_sequence(
         records=records,
         fields={key: value for key, value in fields.items() if not is_image_key(key)},
         transforms=transforms,
-        configuration=configuration,
+        configuration=NO_CONFIGURATION if configuration is None else configuration,
         path=Path(path),
         notes=notes,
     )

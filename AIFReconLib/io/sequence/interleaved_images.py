@@ -10,6 +10,7 @@ from typing import BinaryIO
 
 import numpy as np
 
+from ...arrays import Numbers
 from ...imaging.images import luminance
 from ..metafile.metafile import RAW, Metafile
 from ..metafile.payload import Inflater, PayloadError
@@ -58,7 +59,7 @@ class InterleavedImages(ImagesOnDemand):
         self._frame_bytes = metafile.pixel_bytes // frames
         self._sorted: BinaryIO | None = None
 
-    def _image(self, index: int) -> np.ndarray:
+    def _image(self, index: int) -> Numbers:
         if self._sorted is None:
             self._sorted = self._sort()
         metafile, (_, rows, columns) = self._metafile, self.shape

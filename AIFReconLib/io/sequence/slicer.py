@@ -14,8 +14,9 @@ from urllib.parse import unquote
 
 import numpy as np
 
+from ...arrays import Matrix
 from ...errors import GeometryError
-from ...geometry.transform_graph import TransformSample
+from ...geometry.transform_graph import TransformName, TransformSample
 from ...geometry.transforms import LPS_FROM_RAS, as_matrix
 from ...message import Message, shorten
 from ...sweep.frames import FrameRecord
@@ -56,7 +57,8 @@ def slicer_records(
     """
     others: dict[str, str] = {}
     per_frame: dict[int, dict[str, str]] = {}
-    times, notes = None, ()
+    times: list[float] | None = None
+    notes: tuple[str, ...] = ()
     for key, value in fields.items():
         item = _ITEM_KEY.fullmatch(key)
         axis = _AXIS_KEY.fullmatch(key)
@@ -86,7 +88,7 @@ def slicer_records(
     return changed, others, notes
 
 
-def node_geometry(metafile: Metafile) -> np.ndarray | None:
+def node_geometry(metafile: Metafile) -> Matrix | None:
     """IJKToRAS that the volume node of every frame has, (4, 4), pixels to the node's own RAS in mm; None for the identity.
 
     Raises
@@ -119,7 +121,7 @@ def node_geometry(metafile: Metafile) -> np.ndarray | None:
     return None if np.abs(matrix - np.eye(4)).max() < _IDENTITY_TOLERANCE else matrix
 
 
-def place_frames(records: list[FrameRecord], image_frame: str, pixel_to_node: np.ndarray) -> list[FrameRecord]:
+def place_frames(records: list[FrameRecord], image_frame: str, pixel_to_node: Matrix) -> list[FrameRecord]:
     """Records whose transforms from the image frame take pixels, where they took the RAS coordinates of Slicer's volume node.
 
     Parameters
@@ -131,7 +133,7 @@ def place_frames(records: list[FrameRecord], image_frame: str, pixel_to_node: np
         `node_geometry`.
     """
 
-    def placed(name, sample: TransformSample) -> TransformSample:
+    def placed(name: TransformName, sample: TransformSample) -> TransformSample:
         with np.errstate(all="ignore"):  # a pose that is recorded as infinite is judged later, like any other
             if name.source == image_frame:
                 return replace(sample, matrix=sample.matrix @ pixel_to_node)
@@ -148,7 +150,7 @@ def is_interleaved(metafile: Metafile) -> bool:
     return is_slicer_sequence(metafile) and in_time[:1] == [True] and not any(in_time[1:])
 
 
-def _times(metafile: Metafile, key: str, text: str, frames: int) -> tuple[list[float | None] | None, tuple[str, ...]]:
+def _times(metafile: Metafile, key: str, text: str, frames: int) -> tuple[list[float] | None, tuple[str, ...]]:
     """Times in s of all frames, where the axis is one of time."""
     words = [unquote(word) for word in text.split()]
     if len(words) != frames:

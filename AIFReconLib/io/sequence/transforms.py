@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...arrays import Matrix
 from ...errors import SequenceFormatError, SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ...message import Message, shorten
@@ -50,7 +51,7 @@ def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | N
     """
     path = Path(path)
     per_frame = _frame_fields(path)
-    present = dict.fromkeys(_stem(key) for fields in per_frame.values() for key in fields if _stem(key))
+    present = dict.fromkeys(stem for fields in per_frame.values() for key in fields if (stem := _stem(key)))
     wanted = next((word for word in present if word.removesuffix(_MATRIX_SUFFIX).lower() == name.lower()), None)
     if wanted is None and len(present) != 1:
         there = ", ".join(present) or Message("none")
@@ -61,7 +62,7 @@ def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | N
             there=there,
         )
     stem = wanted or next(iter(present))
-    samples = []
+    samples: list[tuple[float | None, TransformSample]] = []
     # One for all frames that the file leaves out, of which there may be a million
     absent = (None, TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING))
     for number in range(max(per_frame) + 1):
@@ -108,11 +109,17 @@ def pair_transforms(
     return records, tuple(notes)
 
 
-def _pair(records, name: TransformName, samples, path: Path, longest_gap: float) -> tuple[list[FrameRecord], str]:
-    image_times = [record.timestamp for record in records]
-    timed = all(time is not None for time in image_times) and all(time is not None for time, _ in samples)
-    if timed:
-        track = PoseTrack(samples)
+def _pair(
+    records: list[FrameRecord],
+    name: TransformName,
+    samples: list[tuple[float | None, TransformSample]],
+    path: Path,
+    longest_gap: float,
+) -> tuple[list[FrameRecord], str]:
+    image_times = [record.timestamp for record in records if record.timestamp is not None]
+    timed = [(time, sample) for time, sample in samples if time is not None]
+    if len(image_times) == len(records) and len(timed) == len(samples):
+        track = PoseTrack(timed)
         found = [track.at(time, longest_gap, ROUNDED)[0] for time in image_times]
         paired = [TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING) if m is None else TransformSample(m) for m in found]
         if not sum(m is not None for m in found):
@@ -188,9 +195,10 @@ def _stem(key: str) -> str | None:
     return next((key.removesuffix(suffix) for suffix in (_STATUS_SUFFIX, _MATRIX_SUFFIX) if key.endswith(suffix)), None)
 
 
-def _matrix(path: Path, frame: int, key: str, text: str | None) -> np.ndarray:
+def _matrix(path: Path, frame: int, key: str, text: str | None) -> Matrix:
     if text is None:
         return np.full((4, 4), np.nan)
+    wrong: Message | NotANumberError | None
     try:
         numbers = parse_numbers(text)
         wrong = Message("got {count}", count=len(numbers)) if len(numbers) != 16 else None
@@ -217,6 +225,6 @@ def _time(path: Path, frame: int, text: str | None) -> float | None:
             "{path}: frame {frame}, Timestamp must be a number of seconds; got {text!r}. Save the transform sequence again.",
             path=path,
             frame=frame,
-            text=shorten(text),
+            text=shorten(text or ""),
         )
     return time

@@ -5,7 +5,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, Protocol
 
 import numpy as np
 
@@ -39,6 +39,21 @@ _SIZE_DIGITS = 20
 """Places kept free for CompressedDataSize, which is known last and written first."""
 
 Entries = Iterable[tuple[str, str]]
+
+
+class Encoder(Protocol):
+    """What compresses the pixels: an object of zlib's."""
+
+    def compress(self, data: memoryview, /) -> bytes:
+        """A part of the compressed data."""
+        ...
+
+    def flush(self) -> bytes:
+        """The rest of them."""
+        ...
+
+
+PixelWriter = Callable[[BinaryIO, Encoder | None], None]
 
 
 def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool = True, progress: Progress | None = None) -> None:
@@ -76,7 +91,7 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
         *_checked(frame_entries(sequence.records), reserved=False),
     ]
 
-    def write_pixels(file: BinaryIO, encoder=None) -> None:
+    def write_pixels(file: BinaryIO, encoder: Encoder | None) -> None:
         _write_pixels(
             file, sequence.images, code, encoder, lambda fraction: report(progress, fraction, Message("Writing {file}", file=path.name))
         )
@@ -104,7 +119,7 @@ def check_sequence_name(path: Path) -> None:
         check_pair_name(path)
 
 
-def _write_metaimage(path: Path, sequence, code: str, entries: Entries, compress: bool, write_pixels: Callable) -> None:
+def _write_metaimage(path: Path, sequence: TrackedSequence, code: str, entries: Entries, compress: bool, write_pixels: PixelWriter) -> None:
     with atomic_output(path) as temporary, open(temporary, "wb") as file:
         blank = " " * _SIZE_DIGITS
         place = _write_lines(file, _metaimage_lines(sequence, code, entries, blank if compress else None, "LOCAL"), "CompressedDataSize = ")
@@ -116,7 +131,9 @@ def _write_metaimage(path: Path, sequence, code: str, entries: Entries, compress
             file.write(str(length).ljust(_SIZE_DIGITS).encode("ascii"))
 
 
-def _write_header_and_data(path: Path, sequence, code: str, entries: Entries, compress: bool, write_pixels: Callable) -> None:
+def _write_header_and_data(
+    path: Path, sequence: TrackedSequence, code: str, entries: Entries, compress: bool, write_pixels: PixelWriter
+) -> None:
     data_path = path.with_suffix(".zraw" if compress else ".raw")
     with atomic_outputs(data_path, path) as (temporary_data, temporary):
         with open(temporary_data, "wb") as file:
@@ -126,13 +143,13 @@ def _write_header_and_data(path: Path, sequence, code: str, entries: Entries, co
             _write_lines(file, _metaimage_lines(sequence, code, entries, length if compress else None, data_path.name))
 
 
-def _write_nrrd(path: Path, sequence, code: str, entries: Entries, compress: bool, write_pixels: Callable) -> None:
+def _write_nrrd(path: Path, sequence: TrackedSequence, code: str, entries: Entries, compress: bool, write_pixels: PixelWriter) -> None:
     with atomic_output(path) as temporary, open(temporary, "wb") as file:
         _write_lines(file, _nrrd_lines(sequence, code, entries, compress))
         write_pixels(file, zlib.compressobj(_COMPRESSION_LEVEL, wbits=16 + zlib.MAX_WBITS) if compress else None)
 
 
-def _metaimage_lines(sequence, code: str, entries: Entries, compressed_size: str | None, data_file: str) -> Iterator[str]:
+def _metaimage_lines(sequence: TrackedSequence, code: str, entries: Entries, compressed_size: str | None, data_file: str) -> Iterator[str]:
     columns, rows = sequence.frame_size
     yield "ObjectType = Image"
     yield "NDims = 3"
@@ -157,7 +174,7 @@ def _metaimage_lines(sequence, code: str, entries: Entries, compressed_size: str
     yield f"ElementDataFile = {data_file}"
 
 
-def _nrrd_lines(sequence, code: str, entries: Entries, compress: bool) -> Iterator[str]:
+def _nrrd_lines(sequence: TrackedSequence, code: str, entries: Entries, compress: bool) -> Iterator[str]:
     columns, rows = sequence.frame_size
     yield "NRRD0004"
     yield "# Complete NRRD file format specification at:"
@@ -188,7 +205,7 @@ def _write_lines(file: BinaryIO, lines: Iterable[str], watched: str | None = Non
     return place
 
 
-def _write_pixels(file: BinaryIO, images: ImageStack, code: str, encoder, tell: Callable[[float], None]) -> None:
+def _write_pixels(file: BinaryIO, images: ImageStack, code: str, encoder: Encoder | None, tell: Callable[[float], None]) -> None:
     shape = tuple(images.shape[1:])
     tell(0.0)
     for index in range(len(images)):

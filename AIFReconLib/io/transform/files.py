@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import SimpleITK as sitk
 
+from ...arrays import Matrix
 from ...errors import GeometryError, OutputError, TransformFileError
 from ...geometry.transforms import as_matrix, invert, ras_to_lps
 from ...message import shorten
@@ -30,7 +31,7 @@ MAXIMUM_BYTES = 2**24
 """A linear transform takes a few thousand."""
 
 
-def read_transform(path: str | Path) -> np.ndarray:
+def read_transform(path: str | Path) -> Matrix:
     """The matrix of a linear transform node that Slicer saved: from the node's frame to its parent, in RAS.
 
     Parameters
@@ -62,7 +63,7 @@ def read_transform(path: str | Path) -> np.ndarray:
         ) from error
 
 
-def write_transform(node_to_parent: np.ndarray, path: str | Path) -> None:
+def write_transform(node_to_parent: Matrix, path: str | Path) -> None:
     """Write a linear transform so that Slicer loads it as a node with this matrix.
 
     Parameters

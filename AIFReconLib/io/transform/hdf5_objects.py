@@ -47,7 +47,7 @@ def root_group(data: bytes) -> int:
         raise DamagedError
     if sizes != b"\x08\x08" or base != 0 or end > len(data):
         raise DamagedError
-    return root
+    return int(root)
 
 
 def piece(data: bytes, start: int, length: int) -> bytes:

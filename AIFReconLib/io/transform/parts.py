@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import SimpleITK as sitk
 
+from ...arrays import Matrix
 from ...errors import AIFReconError
 
 COMPOSITE = "CompositeTransform"
 
-_KINDS = {
+_KINDS: dict[str, tuple[Callable[[], sitk.Transform], int, tuple[int, ...]]] = {
     "AffineTransform": (lambda: sitk.AffineTransform(3), 12, (3,)),
     "MatrixOffsetTransformBase": (lambda: sitk.AffineTransform(3), 12, (3,)),
     "Rigid3DTransform": (lambda: sitk.AffineTransform(3), 12, (3,)),
@@ -46,7 +48,7 @@ class TransformPart:
     fixed: tuple[float, ...] = ()
 
 
-def composed(parts: list[TransformPart]) -> np.ndarray:
+def composed(parts: list[TransformPart]) -> Matrix:
     """The matrix of a file's transforms, (4, 4), mm: of the only one, or of those behind a CompositeTransform, the last applied first.
 
     Raises
@@ -80,7 +82,7 @@ def _name(part: TransformPart) -> str:
     return words[1]
 
 
-def _matrix(part: TransformPart) -> np.ndarray:
+def _matrix(part: TransformPart) -> Matrix:
     name = _name(part)
     if name not in _KINDS:
         raise TransformPartError("must be linear; got {kind}. Give a rigid or affine registration.", kind=name[:60])

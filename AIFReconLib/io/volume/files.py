@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import SimpleITK as sitk
 
+from ...arrays import Matrix, Numbers
 from ...errors import FileFormatError, GeometryError, OutputError, VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
@@ -76,7 +77,7 @@ def read_labels(path: str | Path) -> Volume:
                 count=stored.components,
                 kind=array.dtype,
             )
-        array = (array > 0).any(axis=-1).astype(np.uint8)
+        array = np.asarray((array > 0).any(axis=-1), dtype=np.uint8)
     return _as_volume(stored, _as_labels(stored.path, array))
 
 
@@ -195,7 +196,7 @@ def _read_nifti(path: Path) -> StoredVolume:
     return StoredVolume(path, sitk.GetArrayFromImage(image), ijk_to_lps)
 
 
-def _as_volume(stored: StoredVolume, array: np.ndarray) -> Volume:
+def _as_volume(stored: StoredVolume, array: Numbers) -> Volume:
     """Place an array [k, j, i] where the file says: the only way from LPS files into memory."""
     try:
         return Volume(array, LPS_FROM_RAS @ stored.ijk_to_lps)
@@ -203,7 +204,7 @@ def _as_volume(stored: StoredVolume, array: np.ndarray) -> Volume:
         raise VolumeFormatError("{path}: its place in space cannot be used. {problem}", path=stored.path, problem=error) from error
 
 
-def _as_image(path: Path, array: np.ndarray, ijk_to_reference: np.ndarray) -> sitk.Image:
+def _as_image(path: Path, array: Numbers, ijk_to_reference: Matrix) -> sitk.Image:
     """The counterpart of `_as_volume`."""
     ijk_to_lps = LPS_FROM_RAS @ ijk_to_reference
     spacing = np.linalg.norm(ijk_to_lps[:3, :3], axis=0)
@@ -219,7 +220,7 @@ def _as_image(path: Path, array: np.ndarray, ijk_to_reference: np.ndarray) -> si
     return image
 
 
-def _as_labels(path: Path, array: np.ndarray) -> np.ndarray:
+def _as_labels(path: Path, array: Numbers) -> Numbers:
     """Whole numbers; floating-point voxels that are whole become int32."""
     if array.dtype.kind == "f":
         if not np.isfinite(array).all() or (array != np.rint(array)).any() or np.abs(array).max() >= 2**31:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...arrays import Floats, Matrix, Numbers
 from ...errors import InsufficientMemoryError
 from ...machine.memory import SAFETY, available_memory
 from ...message import shorten
@@ -100,7 +101,7 @@ def _space_axes(metafile: Metafile) -> list[int]:
     return space
 
 
-def _payload(metafile: Metafile) -> np.ndarray:
+def _payload(metafile: Metafile) -> Numbers:
     """All values in the order of the file, 1D, in the file's byte order."""
     available = available_memory()
     if available is not None and metafile.pixel_bytes > SAFETY * available:
@@ -111,7 +112,7 @@ def _payload(metafile: Metafile) -> np.ndarray:
             available=available / 1e9,
         )
     values = np.empty(metafile.pixel_bytes // metafile.dtype.itemsize, metafile.dtype)
-    view = memoryview(values.view(np.uint8))
+    view = values.view(np.uint8).data
     with metafile.open_payload() as file:
         try:
             if metafile.encoding == RAW:
@@ -130,7 +131,7 @@ def _payload(metafile: Metafile) -> np.ndarray:
     return values
 
 
-def _metaimage_place(metafile: Metafile) -> np.ndarray:
+def _metaimage_place(metafile: Metafile) -> Matrix:
     """ijk_to_lps of a MetaImage header, (4, 4), mm: the rows of TransformMatrix are the directions of the axes."""
     spacing = _numbers(metafile, ("ElementSpacing", "ElementSize"), 3, "1 1 1")
     directions = _numbers(metafile, ("TransformMatrix", "Rotation", "Orientation"), 9, "1 0 0 0 1 0 0 0 1").reshape(3, 3)
@@ -139,13 +140,13 @@ def _metaimage_place(metafile: Metafile) -> np.ndarray:
     return _placed(directions.T * spacing, _numbers(metafile, ("Offset", "Position", "Origin"), 3, "0 0 0"))
 
 
-def _numbers(metafile: Metafile, keys: tuple[str, ...], count: int, otherwise: str) -> np.ndarray:
+def _numbers(metafile: Metafile, keys: tuple[str, ...], count: int, otherwise: str) -> Floats:
     """The finite numbers under the first of `keys` that is there."""
     key = next((key for key in keys if key in metafile.entries), keys[0])
     return _parse(metafile, key, metafile.entries.get(key, otherwise), count)
 
 
-def _nrrd_place(metafile: Metafile, space: list[int]) -> np.ndarray:
+def _nrrd_place(metafile: Metafile, space: list[int]) -> Matrix:
     """ijk_to_lps of an NRRD header, (4, 4), mm."""
     entries = metafile.entries
     name = entries.get("space", "").lower()
@@ -177,7 +178,7 @@ def _nrrd_place(metafile: Metafile, space: list[int]) -> np.ndarray:
     return _placed(to_lps[:, None] * np.array(columns).T, to_lps * origin)
 
 
-def _spacings(metafile: Metafile, axes: list[int]) -> np.ndarray:
+def _spacings(metafile: Metafile, axes: list[int]) -> Floats:
     """The spacings of these axes; 1 mm where there are none."""
     text = metafile.entries.get("spacings")
     if text is None:
@@ -189,7 +190,7 @@ def _spacings(metafile: Metafile, axes: list[int]) -> np.ndarray:
     return spacing
 
 
-def _vector(metafile: Metafile, key: str, text: str) -> np.ndarray:
+def _vector(metafile: Metafile, key: str, text: str) -> Floats:
     """``(1,0,0)``."""
     inside = text.strip()
     if not (inside.startswith("(") and inside.endswith(")")):
@@ -197,7 +198,7 @@ def _vector(metafile: Metafile, key: str, text: str) -> np.ndarray:
     return _parse(metafile, key, inside[1:-1].replace(",", " "), 3)
 
 
-def _parse(metafile: Metafile, key: str, text: str, count: int) -> np.ndarray:
+def _parse(metafile: Metafile, key: str, text: str, count: int) -> Floats:
     try:
         numbers = np.array(parse_numbers(text))
     except ValueError:
@@ -209,7 +210,7 @@ def _parse(metafile: Metafile, key: str, text: str, count: int) -> np.ndarray:
     return numbers
 
 
-def _placed(axes: np.ndarray, origin: np.ndarray) -> np.ndarray:
+def _placed(axes: Floats, origin: Floats) -> Matrix:
     """A (4, 4) matrix of three columns, mm per voxel, and the center of the first voxel."""
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = axes, origin

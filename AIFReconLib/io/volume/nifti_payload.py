@@ -50,7 +50,7 @@ def check_nifti(path: Path, error: type[FileFormatError]) -> None:
 
 def _header_length(head: bytes) -> int:
     """348 or 540; the byte order is told by it."""
-    return struct.unpack(_byte_order(head) + "i", head[:4])[0]
+    return int(struct.unpack(_byte_order(head) + "i", head[:4])[0])
 
 
 def _byte_order(head: bytes) -> str:
@@ -81,4 +81,5 @@ def _needed_bytes(head: bytes) -> int:
         )
     if _BITS.get(kind) != bits:
         raise PayloadError("are of a type that is not read: {kind}, of {bits} bits", kind=kind, bits=bits)
-    return int(offset) + (math.prod(sizes[:count]) * bits + 7) // 8
+    voxels: int = math.prod(sizes[:count])
+    return int(offset) + (voxels * int(bits) + 7) // 8

@@ -8,9 +8,10 @@ from typing import Protocol
 
 import numpy as np
 
+from ...arrays import Matrix
 from ...errors import TransformError
 from ...geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus, capital
-from ...message import Message
+from ...message import Message, said
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.poses import chain_ends, sweep_poses
@@ -22,6 +23,10 @@ PROBE = "Probe"
 STATUS_SUFFIX = "TransformStatus"
 
 UNCONFIRMED = "pose not confirmed (no transform or status of its tool is sent)"
+
+
+Doubt = str | tuple[TransformName, TransformStatus]
+"""What makes an image's own matrix unusable: a sentence, or a transform's name with its status."""
 
 
 class PlacementSettings(Protocol):
@@ -52,7 +57,7 @@ class PlacementSettings(Protocol):
 class Placed:
     """The pose of an image (None without), its status, and all of its transforms."""
 
-    image_to_reference: np.ndarray | None
+    image_to_reference: Matrix | None
     status: str
     transforms: dict[TransformName, TransformSample]
 
@@ -91,7 +96,7 @@ class Placement:
         self._configuration = configuration
         self._configured = configuration.transforms
         self.wanted, self._named = chain_ends(configuration, settings.image_to_reference, settings.reference)
-        self._paths: dict[tuple, tuple[TransformName, ...] | None] = {}
+        self._paths: dict[tuple[str, str, frozenset[TransformName], bool], tuple[TransformName, ...] | None] = {}
 
     def embedded_frame(self, message: ImageMessage) -> str | None:
         """The frame to which the image's own matrix leads; None where it is not used."""
@@ -172,7 +177,7 @@ class Placement:
 
     def _confirm(
         self, message: ImageMessage, frame: str, transforms: Mapping[TransformName, TransformSample], told: frozenset[TransformName]
-    ):
+    ) -> tuple[TransformStatus, Doubt | None]:
         """Status of the image's own matrix, and what makes it unusable: a transform's name with its status, or a sentence."""
         names = frozenset(transforms)
         deciding = self._deciding(message, frame, names, told)
@@ -224,7 +229,7 @@ class Placement:
         graph = TransformGraph()
         try:
             for name in dict.fromkeys([*self._configured, *sorted(names, key=str)]):
-                graph.set(name, np.eye(4))
+                graph.put(name, np.eye(4))
             path = graph.lookup(source, target).path
         except TransformError:
             return None
@@ -237,7 +242,7 @@ class Placement:
         try:
             poses = sweep_poses(sequence, named, self.wanted.target)
         except TransformError as error:
-            self.problem = error.args[0]
+            self.problem = said(error)
             ends = {"source": self.wanted.source, "target": self.wanted.target}
             if "Two paths" in self.problem:
                 return Placed(None, Message("two ways lead from {source} to {target}", **ends), transforms)
@@ -247,11 +252,11 @@ class Placement:
         if status is None:
             return Placed(poses.image_to_reference[0], "OK", transforms)
         culprit = next((name for name in problems if status.startswith(f"{name} ")), None)
-        said = Message("{transform} {problem}", transform=culprit, problem=problems[culprit]) if culprit else status
-        return Placed(None, said, transforms)
+        what = Message("{transform} {problem}", transform=culprit, problem=problems[culprit]) if culprit else status
+        return Placed(None, what, transforms)
 
     @staticmethod
-    def _word(doubt, problems: Mapping[TransformName, str]) -> str:
+    def _word(doubt: Doubt, problems: Mapping[TransformName, str]) -> str:
         if isinstance(doubt, str):
             return doubt
         name, status = doubt

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...arrays import Matrix
 from ...geometry.pose_interpolation import interpolate_pose, pose_change
 from ...geometry.transform_graph import TransformSample, TransformStatus
 from ...geometry.transforms import why_not_rigid
@@ -136,9 +137,9 @@ class PoseHistory:
         return Answer(MISSING, Message("stale") if self._times else None)
 
 
-def _is_like(first: np.ndarray, second: np.ndarray) -> bool:
+def _is_like(first: Matrix, second: Matrix) -> bool:
     """Whether two matrices that are not rigid, as an image's with its pixel size, are finite and have the same axes' lengths."""
     if not (np.isfinite(first).all() and np.isfinite(second).all()):
         return False
-    lengths = [np.linalg.norm(matrix[:3, :3], axis=0) for matrix in (first, second)]
-    return bool(lengths[0].min() > 0.0 and np.allclose(*lengths, rtol=0.02))
+    one, other = (np.linalg.norm(matrix[:3, :3], axis=0) for matrix in (first, second))
+    return bool(one.min() > 0.0 and np.allclose(one, other, rtol=0.02))

@@ -57,7 +57,7 @@ class SynchronizerSettings:
     patience: float = 0.25
     trust_image_pose: bool = False
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name, least in (("time_offset", -60.0), ("longest_gap", 0.0), ("patience", 0.0)):
             value = getattr(self, name)
             if not least <= value <= 60.0:
@@ -120,7 +120,7 @@ class Synchronizer:
         self._image_arrival = 0
         self._image_time: float | None = None
         self._decided_time: float | None = None
-        self._stamps: dict[object, float] = {}
+        self._stamps: dict[str | TransformName, float] = {}
         self._known_times: deque[float] = deque(maxlen=REMEMBERED_TIMES)
         self._times_before: frozenset[float] = frozenset()
 
@@ -171,7 +171,7 @@ class Synchronizer:
 
     def flush(self) -> list[LiveFrame]:
         """Decide every waiting image as it stands: the stream is over."""
-        frames = [self._decide(waiting, True) for waiting in self._waiting]
+        frames = [frame for waiting in self._waiting if (frame := self._decide(waiting, True)) is not None]
         self._waiting.clear()
         return frames
 
@@ -219,7 +219,7 @@ class Synchronizer:
             # It came too late for its image; the next one waits for it
             self._expected |= {name}
 
-    def _time_of(self, message: ImageMessage | TransformMessage, who: object) -> float:
+    def _time_of(self, message: ImageMessage | TransformMessage, who: str | TransformName) -> float:
         """The message's time. Servers that do not stamp send 0 again and again: then the time of arrival serves."""
         last, self._stamps[who] = self._stamps.get(who), message.timestamp
         return message.received if message.timestamp == 0.0 and last == 0.0 else message.timestamp

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ...arrays import Floats, Integers, Matrix
 from ...errors import GeometryError, SettingsError, TransformError
 from ...geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
 from ...geometry.transforms import invert, why_not_affine
-from ...sweep.frames import TrackedSequence
+from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.poses import chain_ends, sweep_poses, time_order
 from ..wire.encoding import encode_image, encode_transform, why_not_sendable
 
@@ -113,7 +114,9 @@ class ReplayFrames:
                 parts.append(encode_transform(str(name), timestamp, matrix if valid else np.eye(4), version=version, metadata=metadata))
         return b"".join(parts)
 
-    def _image_chain(self, image_to_reference, reference, named: bool) -> tuple[TransformName, tuple[TransformName, ...]]:
+    def _image_chain(
+        self, image_to_reference: str | None, reference: str | None, named: bool
+    ) -> tuple[TransformName, tuple[TransformName, ...]]:
         """The transform that places the image, and the chain that it is made of; no chain where nothing leads there and none was named."""
         image, _ = chain_ends(self._sequence.configuration, image_to_reference, reference)
         try:
@@ -128,10 +131,10 @@ class ReplayFrames:
             return (name,)
         graph = TransformGraph()
         for known in self._known:
-            graph.set(known, np.eye(4))
+            graph.put(known, np.eye(4))
         return graph.lookup(name.source, name.target).path
 
-    def _follow(self, path: tuple[TransformName, ...], samples: dict) -> tuple[np.ndarray, TransformStatus]:
+    def _follow(self, path: tuple[TransformName, ...], samples: Mapping[TransformName, TransformSample]) -> tuple[Matrix, TransformStatus]:
         """The product along a chain and its status. As in Plus, a status that is not OK does not change the product."""
         matrix, status = np.eye(4), TransformStatus.OK
         for name in path:
@@ -147,7 +150,7 @@ class ReplayFrames:
                 return np.eye(4), TransformStatus.INVALID if status is TransformStatus.OK else status
         return matrix, status
 
-    def _metadata(self, record, timestamp: float) -> dict[str, str]:
+    def _metadata(self, record: FrameRecord, timestamp: float) -> dict[str, str]:
         """What rides on an image: every recorded transform with its status, the fields of the frame, and the time."""
         metadata = {key: str(value) for key, value in record.fields.items() if key != _FRAME_NUMBER}
         for name, sample in record.transforms.items():
@@ -158,7 +161,7 @@ class ReplayFrames:
         return metadata
 
 
-def _times(sequence: TrackedSequence, order: np.ndarray, rate: float | None) -> tuple[np.ndarray, float]:
+def _times(sequence: TrackedSequence, order: Integers, rate: float | None) -> tuple[Floats, float]:
     """Offsets of the frames in order, and the duration of a round, s."""
     count = len(order)
     if rate is not None:
@@ -167,8 +170,8 @@ def _times(sequence: TrackedSequence, order: np.ndarray, rate: float | None) -> 
                 "Input rate must be above 0 and at most {highest:g} frames/s; got {rate!r}.", highest=1 / SHORTEST_INTERVAL, rate=rate
             )
         return np.arange(count) / rate, count / rate
-    recorded = [record.timestamp for record in sequence.records]
-    if any(time is None or not np.isfinite(time) for time in recorded) or (count > 1 and max(recorded) == min(recorded)):
+    recorded = [record.timestamp for record in sequence.records if record.timestamp is not None]
+    if len(recorded) < len(sequence) or not np.isfinite(recorded).all() or (count > 1 and max(recorded) == min(recorded)):
         raise SettingsError("{sequence} has no recorded times to follow. Give the rate to replay it at (--rate).", sequence=sequence.name)
     times = np.array(recorded)[order]
     intervals = np.maximum(np.diff(times), SHORTEST_INTERVAL)

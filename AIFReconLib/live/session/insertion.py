@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...arrays import NumberType
 from ...bone.map import BoneMap
 from ...compounding.reconstructor import Reconstruction, Reconstructor
 from ...geometry.volume import VoxelGrid
@@ -79,7 +80,7 @@ class Inserter:
         self._reconstructor: Reconstructor | None = None
         self._notes: tuple[str, ...] = ()
         self._begin: Callable[[], None] | None = None
-        self._image_like: tuple | None = None
+        self._image_like: tuple[tuple[int, ...], NumberType] | None = None
         self._insertions = 0
         self._seconds_per_frame = 0.0
         self._ready = 0.0
@@ -161,7 +162,7 @@ class Inserter:
                 self._changed.wait_for(lambda: self._waiting_bytes < MOST_WAITING_BYTES or self._closed)
             elif frame.status == "OK" and live:
                 admitted = self._keep_up.admit(self._waiting_frames * self._seconds_per_frame)
-                if not admitted or self._waiting_bytes + frame.image.nbytes > MOST_WAITING_BYTES:
+                if not admitted or self._waiting_bytes + _bytes(frame) > MOST_WAITING_BYTES:
                     frame = replace(frame, image=None, status=TOO_SLOW)
             if frame.status != "OK":
                 frame = replace(frame, image=None)
@@ -229,11 +230,13 @@ class Inserter:
 
     def _insert(self, frame: LiveFrame, round_: int, live: bool) -> None:
         if frame.status == "OK":
+            image, _ = frame.placed()
+            like = image.shape, image.dtype
             if self.error is not None or self._reconstructor is None:
                 frame = replace(frame, image=None, status=AFTER_ERROR)
             elif self._image_like is None:
-                self._image_like = (frame.image.shape, frame.image.dtype)
-            elif self._image_like != (frame.image.shape, frame.image.dtype):
+                self._image_like = like
+            elif self._image_like != like:
                 frame = replace(frame, image=None, status=OTHER_SIZE)
         with self._turnstile:
             # Whoever wants the volume stands here, and comes next

@@ -18,10 +18,12 @@ import errno
 import logging
 import os
 import time
+from io import FileIO
 from pathlib import Path
 
 import numpy as np
 
+from ...arrays import Numbers, NumberType
 from ...errors import AIFReconError, OutputError
 from ...geometry.transform_graph import TransformStatus
 from ...io.disk.atomic import atomic_outputs, check_writable
@@ -30,18 +32,21 @@ from ...io.metafile.metafile import UNFINISHED
 from ...io.sequence.fields import frame_entries
 from ...io.sequence.files import read_sequence
 from ...io.sequence.writer import check_sequence_name, write_sequence
-from ...message import Message
+from ...message import Message, said
 from ...progress import Progress
-from ...sweep.frames import TrackedSequence
+from ...sweep.frames import FrameRecord, TrackedSequence
 from ..pairing.synchronizer import LiveFrame
 
 logger = logging.getLogger(__name__)
 
 REFRESH = 1.0
-"""s between two headers at least, and"""
+"""s between two headers at least."""
 
-REFRESH_SHARE = 20.0
-"""times as long as the last one took to write: the header of an hour's frames is large, and appending must not wait for it."""
+REFRESH_BY_COST = 20.0
+"""Time between two headers at least, by the time that the last one took to write.
+
+The header of an hour's frames is large, and appending must not wait for it.
+"""
 
 _FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG") if hasattr(errno, name)}
 _FIRST_FRAME = "Seq_Frame0000_"
@@ -86,27 +91,29 @@ class Recorder:
             )
         self.frames = 0
         self.failure: str | None = None
-        self._shape: tuple[int, int] | None = None
-        self._dtype: np.dtype | None = None
+        self._shape: tuple[int, ...] = (0, 0)
+        self._dtype: NumberType = np.dtype(np.uint8)
         self._header: tuple[list[str], list[str]] = ([], [])
-        self._pixels = self._fields = None
+        self._pixels: FileIO | None = None
+        self._fields: FileIO | None = None
         self._fields_length = 0
         self._listed = 0
         self._refreshed = 0.0
         self._cost = 0.0
 
     def append(self, frame: LiveFrame) -> None:
-        """Record a frame. Does nothing after a failure."""
-        if self.failure is not None:
+        """Record a frame. Does nothing after a failure, or with a frame that has no image."""
+        image = frame.image
+        if self.failure is not None or image is None:
             return
         try:
-            if self._pixels is None:
-                self._start(frame.image)
-            self._append(frame)
-            if time.monotonic() - self._refreshed >= max(REFRESH, REFRESH_SHARE * self._cost):
+            if self._pixels is None or self._fields is None:
+                self._pixels, self._fields = self._start(image)
+            self._append(image, frame.record, self._pixels, self._fields)
+            if time.monotonic() - self._refreshed >= max(REFRESH, REFRESH_BY_COST * self._cost):
                 self.refresh()
         except AIFReconError as error:
-            self._stop(error.args[0])
+            self._stop(said(error))
         except OSError as error:
             self._fail(error)
 
@@ -164,7 +171,7 @@ class Recorder:
     def _frame_bytes(self) -> int:
         return self._shape[0] * self._shape[1] * self._dtype.itemsize
 
-    def _start(self, image: np.ndarray) -> None:
+    def _start(self, image: Numbers) -> tuple[FileIO, FileIO]:
         """Create the files, and the header around the lines of the frames as the sequence writer makes it."""
         self._shape, self._dtype = image.shape, image.dtype
         with workspace(self.path.absolute().parent) as folder:
@@ -174,27 +181,27 @@ class Recorder:
         place = lines.index(next(line for line in lines if line.startswith(_FIRST_FRAME)))
         self._header = (lines[:place], [line for line in lines[place:] if not line.startswith(_FIRST_FRAME)])
         # Without buffers of our own, what was written survives the program
-        self._pixels = open(self._pixels_path, "xb", buffering=0)  # noqa: SIM115 (closed in _close)
-        self._fields = open(self._fields_path, "xb", buffering=0)  # noqa: SIM115
+        self._pixels = pixels = open(self._pixels_path, "xb", buffering=0)  # noqa: SIM115 (closed in close)
+        return pixels, open(self._fields_path, "xb", buffering=0)
 
-    def _append(self, frame: LiveFrame) -> None:
-        image, status = frame.image, None
+    def _append(self, image: Numbers, record: FrameRecord, pixels: FileIO, fields: FileIO) -> None:
+        status = None
         if image.shape != self._shape or image.dtype != self._dtype:
             image, status = np.zeros(self._shape, self._dtype), TransformStatus.INVALID
         lines = []
-        for key, value in frame_entries([frame.record]):
+        for key, value in frame_entries([record]):
             name = key.removeprefix(_FIRST_FRAME)
             text = status.value if status is not None and name == "ImageStatus" else value
             lines.append(f"Seq_Frame{self.frames:04d}_{name} = {text}\n")
-        self._write(self._pixels, np.ascontiguousarray(image, dtype=self._dtype.newbyteorder("<")))
-        text = "".join(lines).encode("utf-8", errors="surrogateescape")
-        self._write(self._fields, text)
-        self._fields_length += len(text)
+        self._write(pixels, np.ascontiguousarray(image, dtype=self._dtype.newbyteorder("<")).data)
+        written = "".join(lines).encode("utf-8", errors="surrogateescape")
+        self._write(fields, memoryview(written))
+        self._fields_length += len(written)
         self.frames += 1
 
     @staticmethod
-    def _write(file, data) -> None:
-        rest = memoryview(data).cast("B")
+    def _write(file: FileIO, data: memoryview) -> None:
+        rest = data.cast("B")
         while rest:
             rest = rest[file.write(rest) :]
 

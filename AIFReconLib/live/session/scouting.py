@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from ...arrays import Matrix, Numbers
 from ...errors import NoUsableFramesError
 from ...geometry.transforms import pixel_spacing
 from ...geometry.volume import VoxelGrid
@@ -35,16 +36,17 @@ class ScoutedFrames:
     def __init__(self, byte_limit: int = 512 * 2**20):
         self.usable = 0
         self._kept: list[tuple[LiveFrame, int]] = []
-        self._others: dict[tuple[str, int], array] = {}
-        self._poses: list[np.ndarray] = []
+        self._others: dict[tuple[str, int], array[int]] = {}
+        self._poses: list[Matrix] = []
         self._left = byte_limit
 
     def add(self, frame: LiveFrame, round_: int) -> None:
         """Keep a frame; `round_` is the count that it belongs to."""
         if frame.status == "OK":
+            image, image_to_reference = frame.placed()
             self.usable += 1
-            self._poses.append(frame.image_to_reference)
-            self._left -= frame.image.nbytes
+            self._poses.append(image_to_reference)
+            self._left -= image.nbytes
         if frame.status == "OK" and self._left >= 0:
             self._kept.append((frame, round_))
         else:
@@ -71,13 +73,14 @@ class ScoutedFrames:
         ------
         NoUsableFramesError
         """
-        kept = [frame for frame, _ in self._kept]
-        kept = [frame for frame in kept if frame.image.shape == kept[0].image.shape and frame.image.dtype == kept[0].image.dtype]
-        if not kept:
+        placed = [(*frame.placed(), frame.timestamp) for frame, _ in self._kept]
+        if not placed:
             raise NoUsableFramesError("Not one tracked frame was seen yet. Check that the probe and the reference are visible, then scan.")
-        images = _Images([frame.image for frame in kept])
-        poses = SweepPoses(np.stack([frame.image_to_reference for frame in kept]), (None,) * len(kept), ())
-        return TrackedSequence(images, [FrameRecord(frame.timestamp) for frame in kept]), poses
+        first, _, _ = placed[0]
+        placed = [kept for kept in placed if kept[0].shape == first.shape and kept[0].dtype == first.dtype]
+        images, matrices, times = zip(*placed, strict=True)
+        poses = SweepPoses(np.stack(matrices), (None,) * len(placed), ())
+        return TrackedSequence(_Images(images), [FrameRecord(time) for time in times]), poses
 
     def grid(
         self, imaging: Imaging, settings: ReconstructionSettings, bytes_per_voxel: int, margin: float = 0.0, fits_spacing: bool = False
@@ -103,14 +106,14 @@ class ScoutedFrames:
         spacing = settings.spacing_xyz()
         grid = grid_around_sweep(poses, (columns, rows), imaging.region, spacing, bytes_per_voxel, scale, fits_spacing)
         more = np.ceil(margin / grid.spacing).astype(int)
-        size = tuple(int(n) for n in np.array(grid.size) + 2 * more)
+        size = [n + 2 * int(extra) for n, extra in zip(grid.size, more, strict=True)]
         return VoxelGrid.from_spacing(grid.origin - more * grid.spacing, size, grid.spacing)
 
 
 class _Images:
     """Images in a list, as an `ImageStack` that copies none."""
 
-    def __init__(self, images: list[np.ndarray]):
+    def __init__(self, images: Sequence[Numbers]):
         self._images = images
         self.shape = (len(images), *images[0].shape)
         self.dtype = images[0].dtype
@@ -118,5 +121,5 @@ class _Images:
     def __len__(self) -> int:
         return len(self._images)
 
-    def __getitem__(self, index: int) -> np.ndarray:
+    def __getitem__(self, index: int) -> Numbers:
         return self._images[index]

@@ -8,13 +8,13 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
+from ...arrays import Reals
 from ...bone.map import BoneMap
 from ...compounding.reconstructor import Reconstruction, needs_beams
 from ...compounding.state import bytes_per_voxel
 from ...errors import AIFReconError, OutputError, SettingsError
 from ...geometry.volume import VoxelGrid
+from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
 from ...imaging.sound_speed import depth_factor
 from ...message import Message, said
@@ -99,8 +99,8 @@ class LiveSession:
         grid: VoxelGrid | None = None,
         *,
         region: ImageRegion | None = None,
-        probe=None,
-        importance: np.ndarray | None = None,
+        probe: ProbeGeometry | None = None,
+        importance: Reals | None = None,
         configuration: PlusConfiguration | None = None,
         synchronizer: SynchronizerSettings | None = None,
         record: str | Path | None = None,
@@ -113,12 +113,13 @@ class LiveSession:
         self.settings = resolve_settings(asked, configuration, bone is not None, importance is not None)
         parts = reconstructor_parts(asked, self.settings, configuration, importance)
         self._fits_spacing = parts.fits_spacing
-        self._uses_beams = needs_beams(self.settings.method, self.settings)
+        self._method = self.settings.method_for(bone is not None)
+        self._uses_beams = needs_beams(self._method, self.settings)
         self._needs_probe = self._uses_beams or depth_factor(self.settings) != 1.0
         if self._uses_beams and bone is None:
             raise SettingsError(
                 "Method {method} needs to know where bone is. Give labels or a bone probability, or choose method average.",
-                method=self.settings.method,
+                method=self._method,
             )
         self._region, self._probe = region, probe
         self._imaging = known_imaging(configuration, self._needs_probe, region, probe)
@@ -133,7 +134,9 @@ class LiveSession:
         self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts)
         self._grid = grid
         self._lock = threading.RLock()
-        self._phase = SCOUTING if grid is None else RECONSTRUCTING if self._imaging else LOOKING
+        self._phase = RECONSTRUCTING if self._imaging else LOOKING
+        if grid is None:
+            self._phase = SCOUTING
         self._scouted = ScoutedFrames()
         self._paused = False
         self._prepared = self._started = self._closed = False
@@ -186,7 +189,7 @@ class LiveSession:
         with self._lock:
             self._scouted, self._phase = ScoutedFrames(), SCOUTING
 
-    def grid_from_scout(self, spacing=None, margin: float = 0.0) -> VoxelGrid:
+    def grid_from_scout(self, spacing: float | tuple[float, float, float] | None = None, margin: float = 0.0) -> VoxelGrid:
         """The box around the frames seen since scouting began.
 
         Parameters
@@ -204,7 +207,7 @@ class LiveSession:
         with self._lock:
             fits = self._fits_spacing and spacing is None
             settings = self.settings if spacing is None else replace(self.settings, spacing=spacing)
-            cost = bytes_per_voxel(self.settings.method, self._uses_beams, self.settings.best_cosine, shares=True)
+            cost = bytes_per_voxel(self._method, self._uses_beams, self.settings.best_cosine, shares=True)
             return self._scouted.grid(self._find_imaging(self._scouted), settings, cost, margin, fits)
 
     def use_grid(self, grid: VoxelGrid) -> None:
@@ -214,7 +217,7 @@ class LiveSession:
             if self._imaging is None and self._scouted.usable < FRAMES_LOOKED_AT and not self._closed:
                 self._phase = LOOKING
             else:
-                self._begin()
+                self._begin(grid)
 
     def stop(self, progress: Progress | None = None) -> None:
         """Receive no more, insert and record what was received, and finish the recording. Can be called again.
@@ -236,7 +239,7 @@ class LiveSession:
             try:
                 self.recorded = self.recorder.finish(progress)
             except OutputError as error:
-                self._unfinished = error.args[0]
+                self._unfinished = said(error)
                 logger.exception("A recording could not be finished")
             except AIFReconError as error:
                 self._unfinished = Message(
@@ -253,7 +256,7 @@ class LiveSession:
         self.start()
         return self
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         self.stop()
 
     # ---- what is seen of it
@@ -294,7 +297,7 @@ class LiveSession:
         tracking = NO_IMAGES if latest is None or now - latest.received > SILENCE else tracking_words(latest.status, self._reference)
         error, source = self.error, self._source.statistics
         return LiveStatistics(
-            phase=FAILED if error is not None and self._phase != STOPPED else PAUSED if self._paused else self._phase,
+            phase=self._phase_shown(error),
             connection=self._source.state,
             tracking=tracking,
             dropped=source.dropped,
@@ -307,11 +310,17 @@ class LiveSession:
             **self._meter.counts(now),
         )
 
+    def _phase_shown(self, error: Exception | None) -> str:
+        """The phase for the user, to whom a failure matters more than a pause, and a pause more than what is paused."""
+        if error is not None and self._phase != STOPPED:
+            return FAILED
+        return PAUSED if self._paused else self._phase
+
     def _start_inserting(self) -> None:
         if not self._prepared:
             self._prepared = True
-            if self._phase == RECONSTRUCTING:
-                self._begin()
+            if self._grid is not None and self._phase == RECONSTRUCTING:
+                self._begin(self._grid)
             self._inserter.start()
 
     def _recent_trouble(self, now: float) -> str | None:
@@ -359,19 +368,19 @@ class LiveSession:
     def _hand_on(self, frame: LiveFrame, round_: int) -> None:
         if self._paused:
             self._meter.skip(WHILE_PAUSED, round_)
-        elif frame.number % self.settings.skip:
+        elif frame.number % (self.settings.skip or 1):
             self._meter.skip(LEFT_OUT, round_)
         elif self._phase in (SCOUTING, LOOKING):
             self._scouted.add(frame, round_)
-            if self._phase == LOOKING and self._scouted.usable >= FRAMES_LOOKED_AT:
-                self._begin()
+            if self._grid is not None and self._phase == LOOKING and self._scouted.usable >= FRAMES_LOOKED_AT:
+                self._begin(self._grid)
         else:
             self._inserter.put(frame, round_)
 
-    def _begin(self) -> None:
+    def _begin(self, grid: VoxelGrid) -> None:
         """Reconstruct from now on, what was kept first."""
         kept, self._scouted = self._scouted, ScoutedFrames()
-        self._inserter.begin(self._grid, lambda: self._find_imaging(kept))
+        self._inserter.begin(grid, lambda: self._find_imaging(kept))
         for frame, round_ in kept:
             self._inserter.put(frame, round_, live=False)
         self._phase = RECONSTRUCTING
@@ -379,8 +388,8 @@ class LiveSession:
     def _close_scouting(self) -> None:
         """Account for the frames that still wait for a grid or for more of them."""
         with self._lock:
-            if self._phase == LOOKING and self._scouted.usable:
-                self._begin()
+            if self._grid is not None and self._phase == LOOKING and self._scouted.usable:
+                self._begin(self._grid)
             for frame, round_ in self._scouted:
                 self._meter.skip(SCOUTED if frame.status == "OK" else frame.status, round_)
             self._scouted.clear()

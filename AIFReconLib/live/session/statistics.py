@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections import Counter, deque
 from dataclasses import dataclass, field
+from typing import TypedDict
 
 import numpy as np
 
@@ -84,18 +85,31 @@ class LiveStatistics:
         return sum(self.skipped.values())
 
 
+class Counts(TypedDict):
+    """The fields of `LiveStatistics` that a `Meter` counts."""
+
+    frames_received: int
+    inserted: int
+    waiting: int
+    skipped: dict[str, int]
+    frame_rate: float
+    latency_p50: float
+    latency_p99: float
+
+
 class Meter:
     """Counts frames; every method may be called from any thread."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._lock = threading.Lock()
+        self._round = 0
         self._arrivals: deque[float] = deque(maxlen=1024)
         self.restart()
 
     def restart(self) -> int:
         """Begin at zero; the answer is the number of the new count, which later calls name."""
         with self._lock:
-            self._round = getattr(self, "_round", 0) + 1
+            self._round += 1
             self._received = self._inserted = 0
             self._skipped: Counter[str] = Counter()
             self._latencies: deque[float] = deque(maxlen=LATENCIES)
@@ -123,21 +137,21 @@ class Meter:
                 known = reason in self._skipped or len(self._skipped) < _REASONS_KEPT
                 self._skipped[reason if known else OTHER_REASONS] += 1
 
-    def counts(self, now: float) -> dict:
+    def counts(self, now: float) -> Counts:
         """The fields of `LiveStatistics` that are counted here, at the time `now`, s of `time.monotonic`."""
         with self._lock:
             recent = [time for time in self._arrivals if now - time <= RATE_WINDOW]
             span = recent[-1] - recent[0] if len(recent) > 1 else 0.0
             p50, p99 = np.percentile(self._latencies, (50, 99)) if self._latencies else (np.nan, np.nan)
-            return {
-                "frames_received": self._received,
-                "inserted": self._inserted,
-                "skipped": dict(self._skipped.most_common()),
-                "waiting": self._received - self._inserted - self._skipped.total(),
-                "frame_rate": (len(recent) - 1) / span if span > 0 else 0.0,
-                "latency_p50": float(p50),
-                "latency_p99": float(p99),
-            }
+            return Counts(
+                frames_received=self._received,
+                inserted=self._inserted,
+                skipped=dict(self._skipped.most_common()),
+                waiting=self._received - self._inserted - self._skipped.total(),
+                frame_rate=(len(recent) - 1) / span if span > 0 else 0.0,
+                latency_p50=float(p50),
+                latency_p99=float(p99),
+            )
 
 
 def tracking_words(status: str, reference: str) -> str:

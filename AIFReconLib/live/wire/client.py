@@ -12,7 +12,7 @@ import threading
 import time
 
 from ...errors import LiveConnectionError, LiveMessageError, SettingsError
-from ...message import Message
+from ...message import Message, said
 from .connection import check_port, open_connection
 from .decoding import USED_TYPES, codec, decode
 from .encoding import encode_status_request
@@ -146,7 +146,7 @@ class OpenIGTLinkClient:
         self.start()
         return self
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         self.stop()
 
     # ---- what was received
@@ -217,7 +217,7 @@ class _Run:
             try:
                 connection = open_connection(client.host, client.port, client._connect_timeout, self.stopping.is_set)
             except LiveConnectionError as error:
-                reason = error.args[0]
+                reason = said(error)
                 self.first_error = None if self.attempted.is_set() else error
             else:
                 if connection is None:
@@ -314,7 +314,7 @@ class _Run:
             except LiveMessageError as error:
                 with self._lock:
                     self._counters.refused += 1
-                self._emit("refused", error.args[0], "contents")
+                self._emit("refused", said(error), "contents")
 
     def _emit(self, kind: EventKind, detail: Message, trouble: str | None = None) -> None:
         """Queue an event; those about the same trouble at most once in a while, because counters tell the rest."""

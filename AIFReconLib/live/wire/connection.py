@@ -60,22 +60,22 @@ def open_connection(host: str, port: int, timeout: float, stopped: Callable[[], 
     deadline = time.monotonic() + timeout
     code = errno.ETIMEDOUT
     for family, kind, protocol, _, address in addresses:
-        connection = socket.socket(family, kind, protocol)
+        connection, opened = socket.socket(family, kind, protocol), False
         try:
             code = _connect(connection, address, deadline, stopped)
             if code == 0 and not stopped():
                 _prepare(connection)
-                opened, connection = connection, None
-                return opened
+                opened = True
+                return connection
         finally:
-            if connection is not None:
+            if not opened:
                 connection.close()
         if stopped():
             return None
     raise _failure(code, host, port, timeout)
 
 
-def _connect(connection: socket.socket, address, deadline: float, stopped: Callable[[], bool]) -> int:
+def _connect(connection: socket.socket, address: tuple[str | int | bytes, ...], deadline: float, stopped: Callable[[], bool]) -> int:
     """Connect; returns 0, or the error's number."""
     connection.setblocking(False)
     code = connection.connect_ex(address)

@@ -11,11 +11,16 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 POLYNOMIAL = 0x42F0E1EBA9EA3693
 WORD_BITS = 64
 SMALL = 512
 """Messages up to this many bytes are walked byte by byte: array operations cost more than they save."""
+
+Words = NDArray[np.uint64]
+"""Numbers modulo the polynomial, in wire order."""
+
 BLOCK = 8192
 """Words multiplied at a time, so that they stay in the processor's cache."""
 _MASK = (1 << WORD_BITS) - 1
@@ -43,7 +48,7 @@ def crc64(data: bytes | bytearray | memoryview) -> int:
     return _walk(words.tobytes())
 
 
-def _walk(data) -> int:
+def _walk(data: bytes | bytearray | memoryview) -> int:
     """The sum by its definition, a byte at a time."""
     table = _byte_table()
     value = 0
@@ -52,7 +57,7 @@ def _walk(data) -> int:
     return value
 
 
-def _add_multiplied(target: np.ndarray, words: np.ndarray, tables: np.ndarray) -> None:
+def _add_multiplied(target: Words, words: Words, tables: Words) -> None:
     """Add every word times the constant of `tables` to `target`; all are in wire order, whatever the machine's byte order."""
     for start in range(0, len(words), BLOCK):
         octets = words[start : start + BLOCK].view(np.uint8).reshape(-1, 8).astype(np.intp)
@@ -62,7 +67,7 @@ def _add_multiplied(target: np.ndarray, words: np.ndarray, tables: np.ndarray) -
 
 
 @lru_cache(maxsize=64)
-def _tables(power: int) -> np.ndarray:
+def _tables(power: int) -> Words:
     """Products of every byte at each of the 8 places of a word with x^(64 2^power), modulo the polynomial; (8, 256), in wire order."""
     factor = POLYNOMIAL  # x^64
     for _ in range(power):
@@ -81,7 +86,8 @@ def _tables(power: int) -> np.ndarray:
 @lru_cache(maxsize=1)
 def _byte_table() -> list[int]:
     """Products of every byte with x^64, modulo the polynomial."""
-    return _tables(0)[7].view(">u8").tolist()
+    products: list[int] = _tables(0)[7].view(">u8").tolist()
+    return products
 
 
 def _times_x(value: int) -> int:

@@ -6,10 +6,15 @@ message that is whole and still makes no sense is the sender's mistake, and is r
 
 from __future__ import annotations
 
+import importlib
 import struct
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 
+from ...arrays import Matrix
 from ...errors import LiveConnectionError, LiveMessageError
 from ...geometry.transform_graph import TransformStatus
 from ...geometry.transforms import LPS_FROM_RAS
@@ -25,11 +30,13 @@ MOST_TOOLS = 1000
 
 _TRACKED_TOOL = struct.Struct(">20sBB12f")
 _STATUS = struct.Struct(">Hq20s")
+Decoded = ImageMessage | TransformMessage | StatusMessage
+
 _COLOR_CHANNELS = (3, 4)
 _LPS = "lps"
 
 
-def codec():
+def codec() -> ModuleType:
     """The messages of pyigtl, which is imported when it is needed: everything but a live stream works without it.
 
     Raises
@@ -38,13 +45,13 @@ def codec():
         When it is not installed.
     """
     try:
-        from pyigtl import messages
+        messages = importlib.import_module("pyigtl.messages")
     except ImportError:
         raise LiveConnectionError("A live stream needs the Python package pyigtl, which is not installed: pip install pyigtl") from None
     return messages
 
 
-def decode(frame: Frame, received: float = 0.0) -> tuple[ImageMessage | TransformMessage | StatusMessage, ...]:
+def decode(frame: Frame, received: float = 0.0) -> tuple[Decoded, ...]:
     """The messages in a frame: one; none if its type is not used; several for TDATA, which holds a transform for each tool.
 
     Parameters
@@ -76,7 +83,7 @@ def _describe(header: Header) -> Message:
     return Message("{kind} message of {device!r}", kind=header.kind, device=header.device)
 
 
-def _unpack(frame: Frame):
+def _unpack(frame: Frame) -> Any:
     """The message as pyigtl decodes it; of a type that it does not know, the metadata alone."""
     header = frame.header
     message = codec().MessageBase.create_message(header.kind) or codec().MessageBase()
@@ -172,7 +179,7 @@ def _content(frame: Frame) -> tuple[bytes, dict[str, str]]:
     return frame.body[start : len(frame.body) - metadata_header - metadata_body], message.metadata
 
 
-def _status_of(matrix: np.ndarray, status: str | None, valid: str | None = None) -> TransformStatus:
+def _status_of(matrix: Matrix, status: str | None, valid: str | None = None) -> TransformStatus:
     """What the sender says of a transform; a matrix that holds no numbers is invalid, whatever it says."""
     if not np.isfinite(matrix).all():
         return TransformStatus.INVALID
@@ -181,4 +188,9 @@ def _status_of(matrix: np.ndarray, status: str | None, valid: str | None = None)
     return TransformStatus.INVALID if valid is not None and valid.strip().upper() in ("0", "FALSE") else TransformStatus.OK
 
 
-_DECODERS = {"IMAGE": _image, "TRANSFORM": _transform, "TDATA": _tracking_data, "STATUS": _status}
+_DECODERS: dict[str, Callable[[Frame, float], tuple[Decoded, ...]]] = {
+    "IMAGE": _image,
+    "TRANSFORM": _transform,
+    "TDATA": _tracking_data,
+    "STATUS": _status,
+}

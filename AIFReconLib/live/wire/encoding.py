@@ -6,6 +6,7 @@ import struct
 
 import numpy as np
 
+from ...arrays import Matrix, Numbers
 from ...message import Message
 from .crc64 import crc64
 from .messages import STATUS_OK
@@ -65,8 +66,8 @@ def encode_message(
 def encode_image(
     device: str,
     timestamp: float,
-    image: np.ndarray,
-    image_to_sender: np.ndarray,
+    image: Numbers,
+    image_to_sender: Matrix,
     *,
     version: int = 1,
     metadata: dict[str, str] | None = None,
@@ -102,9 +103,7 @@ def encode_image(
     return encode_message("IMAGE", device, timestamp, content + pixels, version=version, metadata=metadata)
 
 
-def encode_transform(
-    device: str, timestamp: float, matrix: np.ndarray, *, version: int = 1, metadata: dict[str, str] | None = None
-) -> bytes:
+def encode_transform(device: str, timestamp: float, matrix: Matrix, *, version: int = 1, metadata: dict[str, str] | None = None) -> bytes:
     """A TRANSFORM message of a (4, 4) matrix, in mm."""
     content = struct.pack(">12f", *np.asarray(matrix, dtype=np.float64)[:3].T.ravel())
     return encode_message("TRANSFORM", device, timestamp, content, version=version, metadata=metadata)

@@ -199,11 +199,11 @@ class Framer:
         self._effort = EFFORT * len(self._buffer)
         self._skipped_before = self._skipped
 
-    def _search(self) -> Recovery | None:
+    def _search(self) -> Frame | Damage | Recovery | None:
         """The first whole message with a right checksum among the bytes that are there."""
         for start in self._possible_starts():
             header = parse_header(self._buffer, start)
-            if len(self._buffer) < start + HEADER_SIZE + header.size:
+            if header is None or len(self._buffer) < start + HEADER_SIZE + header.size:
                 continue
             body = self._body(start, header) if header.size <= self._effort else None
             if body is not None and crc64(body) == header.crc:

@@ -9,8 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-import numpy as np
-
+from ...arrays import Matrix, Numbers
 from ...geometry.transform_graph import TransformStatus
 
 EventKind = Literal["connected", "disconnected", "stalled", "resynchronized", "dropped", "refused"]
@@ -43,8 +42,8 @@ class ImageMessage:
 
     device: str
     timestamp: float
-    image: np.ndarray
-    image_to_sender: np.ndarray
+    image: Numbers
+    image_to_sender: Matrix
     metadata: dict[str, str] = field(default_factory=dict)
     received: float = 0.0
     header_version: int = 1
@@ -70,7 +69,7 @@ class TransformMessage:
 
     device: str
     timestamp: float
-    matrix: np.ndarray
+    matrix: Matrix
     status: TransformStatus = TransformStatus.OK
     metadata: dict[str, str] = field(default_factory=dict)
     received: float = 0.0

@@ -19,8 +19,15 @@ ENDED = Message("stopped")
 class SourceStatistics(Protocol):
     """What a session asks of a source's counters."""
 
-    dropped: int
-    dropped_images: int
+    @property
+    def dropped(self) -> int:
+        """Messages that nobody took in time."""
+        ...
+
+    @property
+    def dropped_images(self) -> int:
+        """Images among them."""
+        ...
 
 
 class MessageSource(Protocol):
@@ -33,7 +40,7 @@ class MessageSource(Protocol):
 
     @property
     def statistics(self) -> SourceStatistics:
-        """Counters; `dropped` is the number of messages, `dropped_images` of images among them, that nobody took in time."""
+        """Counters."""
         ...
 
     def start(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from .messages import ImageMessage, StreamEvent, StreamMessage
 
@@ -11,6 +12,8 @@ DEVICES = 1000
 """Devices that are listed by name; a server that makes up ever new names must not fill the memory."""
 
 OTHERS = "(others)"
+
+Key = TypeVar("Key", str, tuple[str, str])
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,7 @@ class StreamStatistics:
 class Counters:
     """The changing side of `StreamStatistics`; whoever holds it guards it."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.received: Counter[tuple[str, str]] = Counter()
         self.unused: Counter[str] = Counter()
         self.refused = 0
@@ -92,7 +95,7 @@ class Counters:
         self.discarded_images += isinstance(message, ImageMessage)
 
     @staticmethod
-    def _key(counter: Counter, key, others):
+    def _key(counter: Counter[Key], key: Key, others: Key) -> Key:
         return key if key in counter or len(counter) < DEVICES else others
 
     def snapshot(self, now: float, dropped: int, dropped_images: int) -> StreamStatistics:
