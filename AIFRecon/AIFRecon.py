@@ -25,14 +25,14 @@ except ImportError:
     # Loaded from source: Slicer knows this folder alone, and the library stands beside it
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
-from AIFReconGui.dependentWidgets import updateButtons, updateDependentWidgets
-from AIFReconScene import readiness
+from AIFReconGui.panel.dependentWidgets import updateButtons, updateDependentWidgets
+from AIFReconScene.inputs import readiness
+from AIFReconScene.inputs.parameters import readingFrom, settingsFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
-from AIFReconScene.parameters import readingFrom, settingsFrom, takeConfigured
-from AIFReconScene.sweepReport import SweepReport
-from AIFReconScene.sweepStatus import SweepStatus
+from AIFReconScene.sweep.sweepReport import SweepReport
+from AIFReconScene.sweep.sweepStatus import SweepStatus
 
-from AIFReconLib.pose_tracks import LONGEST_GAP
+from AIFReconLib.sweep.pose_tracks import LONGEST_GAP
 
 
 class AIFRecon(ScriptedLoadableModule):
@@ -59,7 +59,7 @@ class AIFRecon(ScriptedLoadableModule):
         Called once every module is made, at start or later. Before that no class of Sequences, Markups or another C++ module exists.
         """
         from AIFReconGui.sampleData import registerSampleData
-        from AIFReconScene.sliceDisplay import registerLayouts
+        from AIFReconScene.display.sliceDisplay import registerLayouts
 
         registerSampleData()
         registerLayouts()
@@ -85,14 +85,15 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def setup(self) -> None:
         """Load the .ui file and connect it; called when the module is first opened."""
         ScriptedLoadableModuleWidget.setup(self)
-        from AIFReconGui.boxChooser import BoxChooser
-        from AIFReconGui.livePanel import LivePanel
+        from AIFReconGui.libraryLog import LibraryLog
         from AIFReconGui.longWork import LongWork
-        from AIFReconGui.pathField import PATHS, PathField
-        from AIFReconGui.reportPanel import ReportPanel
-        from AIFReconGui.segmentsChooser import SegmentsChooser
-        from AIFReconScene.boneOutlines import BoneOutlines
-        from AIFReconScene.inputWatch import InputWatch
+        from AIFReconGui.panel.boxChooser import BoxChooser
+        from AIFReconGui.panel.livePanel import LivePanel
+        from AIFReconGui.panel.pathField import PATHS, PathField
+        from AIFReconGui.panel.reportPanel import ReportPanel
+        from AIFReconGui.panel.segmentsChooser import SegmentsChooser
+        from AIFReconScene.display.boneOutlines import BoneOutlines
+        from AIFReconScene.inputs.inputWatch import InputWatch
 
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
         self.layout.addWidget(uiWidget)
@@ -107,6 +108,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             ReportPanel(self.ui, self.logic.trackingReport),
         )
         self._work = LongWork(uiWidget)
+        self._libraryLog = LibraryLog()
         self._live = LivePanel(self.ui, self._work, self._onParametersModified)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
 
@@ -128,6 +130,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.setParameterNode(None)
         self.removeObservers()
         self.logic.cleanup()
+        self._libraryLog.detach()
 
     def enter(self) -> None:
         """The user opens the module."""
@@ -231,7 +234,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
     """
 
     def __init__(self) -> None:
-        from AIFReconScene.display import SceneDisplay
+        from AIFReconScene.display.display import SceneDisplay
 
         ScriptedLoadableModuleLogic.__init__(self)
         self.display = SceneDisplay()
@@ -258,7 +261,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         or missing one, `timeOffset` (s) and `longestGap` (s) are those of `with_time_offset`. Returns the browser node. An AIFReconError
         says what is wrong, where, and what to do; the scene is then as before.
         """
-        from AIFReconScene.sequenceNodes import browserFromSequence
+        from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
         from AIFReconLib import read_sequence, with_time_offset
 
@@ -279,7 +282,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         progress : callable or None
             ``progress(fraction, message) -> bool``; False cancels.
         inputs : dict or None
-            More about the inputs: the fields of `AIFReconScene.inputs.Inputs`, as ``{"boneSigmaMm": 4.0, "region": roiNode}``.
+            More about the inputs: the fields of `AIFReconScene.inputs.inputs.Inputs`, as ``{"boneSigmaMm": 4.0, "region": roiNode}``.
         **settings
             The fields of `AIFReconLib.ReconstructionSettings`, as ``method="average", spacing=0.5``.
 
@@ -288,7 +291,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         volume : vtkMRMLScalarVolumeNode
             Or an AIFReconError with what is wrong and what to do, OperationCanceled after a cancel; the scene is then as before.
         """
-        from AIFReconScene.inputs import Inputs
+        from AIFReconScene.inputs.inputs import Inputs
 
         from AIFReconLib import ReconstructionSettings
 
@@ -316,7 +319,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def loadRecording(self, parameters, progress=None) -> str:
         """Read the chosen recording and select it; the spacing follows a configuration that tells one."""
-        from AIFReconScene.firstLook import showInputs
+        from AIFReconScene.display.firstLook import showInputs
 
         configuration = parameters.configurationPath if parameters.configurationPath.is_file() else None
         browser = self.readRecording(parameters.recordingPath, configuration, progress, **readingFrom(parameters))
@@ -327,7 +330,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def apply(self, parameters, progress=None) -> str:
         """Reconstruct what the parameters ask for, show it over the CT, and return what was done in a few lines."""
-        from AIFReconScene.inputs import Inputs
+        from AIFReconScene.inputs.inputs import Inputs
 
         from AIFReconLib.progress import part
 
@@ -340,20 +343,20 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def compare(self, parameters, progress=None) -> str:
         """Reconstruct with every method that is compared, show the volumes side by side and measure them; returns what was done."""
-        from AIFReconScene.comparison import compareMethods
-        from AIFReconScene.inputs import Inputs
+        from AIFReconScene.inputs.inputs import Inputs
+        from AIFReconScene.volumes.comparison import compareMethods
 
         comparison = compareMethods(Inputs.fromParameters(parameters), settingsFrom(parameters), progress)
         self.display.showComparison(comparison, parameters)
         return comparison.report
 
     def _reconstruct(self, inputs, settings, output, keep, progress):
-        from AIFReconScene.inputs import reconstructed
-        from AIFReconScene.volumeNodes import outputNodes
+        from AIFReconScene.inputs.inputs import reconstructed
+        from AIFReconScene.volumes.volumeNodes import outputNodes
 
+        from AIFReconLib.inspection.summary import summary_lines
         from AIFReconLib.message import listed
         from AIFReconLib.progress import part
-        from AIFReconLib.summary import summary_lines
 
         result, sequence = reconstructed(inputs, settings, part(progress, 0.0, 0.95))
         self._tracking.remember(inputs, sequence, result)
@@ -371,10 +374,10 @@ class AIFReconTest(ScriptedLoadableModuleTest):
 
     def test_the_simulated_patient_s_bone_appears_where_the_ct_shows_it(self):
         """The peaks across the segmented surface lie on it."""
-        from AIFReconScene.boneNodes import labelsFromNode
-        from AIFReconScene.metricsTable import measureVolumes
-        from AIFReconScene.phantomSample import loadPhantom
+        from AIFReconScene.inputs.boneNodes import labelsFromNode
         from AIFReconScene.transforms import ijkToRAS
+        from AIFReconScene.volumes.metricsTable import measureVolumes
+        from AIFReconScene.volumes.phantomSample import loadPhantom
 
         from AIFReconLib import Volume
 

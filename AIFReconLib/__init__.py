@@ -8,47 +8,113 @@ Reference is taken as RAS, and only files hold LPS.
 
 from __future__ import annotations
 
+import logging
 from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    # The names below, for editors and type checkers; a test compares
+    from .bone.from_sweep import bone_from_sweep
+    from .bone.map import BoneMap
+    from .compounding.reconstructor import Reconstruction, Reconstructor
+    from .errors import AIFReconError
+    from .evaluation.metrics import evaluate
+    from .geometry.transform_graph import TransformGraph
+    from .geometry.volume import Volume, VoxelGrid
+    from .imaging.beams import ProbeGeometry
+    from .imaging.region import ClipRectangle, Fan, ImageRegion
+    from .inspection.offset_estimate import estimate_time_offset
+    from .io.plus.configuration import read_plus_configuration
+    from .io.sequence.files import read_sequence
+    from .io.sequence.writer import write_sequence
+    from .io.transform.files import read_transform
+    from .io.volume.files import read_labels, read_volume, write_volume
+    from .live.pairing.synchronizer import SynchronizerSettings
+    from .live.replay.server import ReplayServer
+    from .live.session.session import LiveSession
+    from .live.wire.client import OpenIGTLinkClient
+    from .reconstruction import reconstruct
+    from .settings import ReconstructionSettings
+    from .sweep.frames import TrackedFrame, TrackedSequence
+    from .sweep.time_offset import with_time_offset
+
+from .machine.moved import find_moved_modules
 
 __version__ = "0.1.0"
 
 _PUBLIC = {
     "AIFReconError": "errors",
-    "BoneMap": "bone",
-    "Fan": "region",
-    "ClipRectangle": "region",
-    "ImageRegion": "region",
-    "LiveSession": "live.session",
-    "OpenIGTLinkClient": "live.openigtlink",
-    "ProbeGeometry": "beams",
+    "BoneMap": "bone.map",
+    "Fan": "imaging.region",
+    "ClipRectangle": "imaging.region",
+    "ImageRegion": "imaging.region",
+    "LiveSession": "live.session.session",
+    "OpenIGTLinkClient": "live.wire.client",
+    "ProbeGeometry": "imaging.beams",
     "Reconstruction": "compounding.reconstructor",
     "ReconstructionSettings": "settings",
     "Reconstructor": "compounding.reconstructor",
-    "ReplayServer": "live.replay",
-    "SynchronizerSettings": "live.synchronizer",
-    "TrackedFrame": "frames",
-    "TrackedSequence": "frames",
-    "TransformGraph": "transform_graph",
-    "Volume": "volume",
-    "VoxelGrid": "volume",
-    "bone_from_sweep": "sweep_bone",
-    "estimate_time_offset": "offset_estimate",
+    "ReplayServer": "live.replay.server",
+    "SynchronizerSettings": "live.pairing.synchronizer",
+    "TrackedFrame": "sweep.frames",
+    "TrackedSequence": "sweep.frames",
+    "TransformGraph": "geometry.transform_graph",
+    "Volume": "geometry.volume",
+    "VoxelGrid": "geometry.volume",
+    "bone_from_sweep": "bone.from_sweep",
+    "estimate_time_offset": "inspection.offset_estimate",
     "evaluate": "evaluation.metrics",
-    "read_labels": "io.volume_files",
-    "read_plus_configuration": "io.plus_config",
-    "read_sequence": "io.sequence_files",
-    "read_transform": "io.volume_files",
-    "read_volume": "io.volume_files",
+    "read_labels": "io.volume.files",
+    "read_plus_configuration": "io.plus.configuration",
+    "read_sequence": "io.sequence.files",
+    "read_transform": "io.volume.files",
+    "read_volume": "io.volume.files",
     "reconstruct": "reconstruction",
-    "with_time_offset": "time_offset",
-    "write_sequence": "io.sequence_writer",
-    "write_volume": "io.volume_files",
+    "with_time_offset": "sweep.time_offset",
+    "write_sequence": "io.sequence.writer",
+    "write_volume": "io.volume.files",
 }
 
-__all__ = sorted(_PUBLIC)
+__all__ = [
+    "AIFReconError",
+    "BoneMap",
+    "ClipRectangle",
+    "Fan",
+    "ImageRegion",
+    "LiveSession",
+    "OpenIGTLinkClient",
+    "ProbeGeometry",
+    "Reconstruction",
+    "ReconstructionSettings",
+    "Reconstructor",
+    "ReplayServer",
+    "SynchronizerSettings",
+    "TrackedFrame",
+    "TrackedSequence",
+    "TransformGraph",
+    "Volume",
+    "VoxelGrid",
+    "bone_from_sweep",
+    "estimate_time_offset",
+    "evaluate",
+    "read_labels",
+    "read_plus_configuration",
+    "read_sequence",
+    "read_transform",
+    "read_volume",
+    "reconstruct",
+    "with_time_offset",
+    "write_sequence",
+    "write_volume",
+]
+
+find_moved_modules()
+
+# What is worth knowing afterwards is logged under this name; nothing is shown unless a program wants it
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 
-def __getattr__(name: str):
+def __getattr__(name: str) -> Any:
     # Names are loaded when first used: Slicer imports this package at start-up, and SimpleITK alone takes longer than all else
     if name not in _PUBLIC:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

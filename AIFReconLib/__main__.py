@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 
-from .orderly_end import OrderlyEnd, orderly_end
+from .commands.signals import OrderlyEnd, orderly_end
 
 LEAST_ADDRESS_SPACE = 800 * 2**20
 """Bytes that loading the libraries takes. With less, some of them end the program in words of their own, or wait forever."""
@@ -29,7 +29,7 @@ def main() -> int:
         with orderly_end(end):
             if problem := _too_little_address_space():
                 return _fail(problem, 2)
-            from .cli import main as run
+            from .commands.parser import main as run
     except KeyboardInterrupt:
         end.told = True
     except MemoryError:

@@ -88,7 +88,7 @@ def _shown(value: object) -> object:
     return value
 
 
-def _placeholders(template: str) -> set[tuple] | None:
+def _placeholders(template: str) -> set[tuple[str | None, str | None, str | None]] | None:
     """Names, conversions and formats in braces; None where the braces do not match."""
     try:
         return {(name, conversion, form) for _, name, form, conversion in string.Formatter().parse(template) if name is not None}
@@ -96,9 +96,9 @@ def _placeholders(template: str) -> set[tuple] | None:
         return None
 
 
-def said(error: BaseException) -> str:
+def said(error: BaseException) -> Message:
     """What an error says: the `Message` that it was raised with, where it was raised with one."""
-    return error.args[0] if error.args and isinstance(error.args[0], Message) else str(error)
+    return error.args[0] if error.args and isinstance(error.args[0], Message) else Message(str(error))
 
 
 def translated(value: object, translate: Callable[[str], str]) -> object:
@@ -106,3 +106,10 @@ def translated(value: object, translate: Callable[[str], str]) -> object:
     if isinstance(value, BaseException):
         value = said(value)
     return value.translated(translate) if isinstance(value, Message) else value
+
+
+def columns(rows: Iterable[Iterable[str]], indent: str = "  ") -> str:
+    """Rows of words as aligned columns, one line each."""
+    table = [[str(cell) for cell in row] for row in rows]
+    widths = [max((len(row[c]) for row in table if c < len(row)), default=0) for c in range(max(map(len, table), default=0))]
+    return "\n".join((indent + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False))).rstrip() for row in table)

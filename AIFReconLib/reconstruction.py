@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-import numpy as np
-
-from .beams import SECTOR, ProbeGeometry
-from .bone import BoneMap
+from .arrays import Reals
+from .bone.map import BoneMap
 from .compounding.reconstructor import Reconstruction, Reconstructor, needs_beams
 from .compounding.splat_engine import uses_shares
 from .compounding.state import bytes_per_voxel
-from .configured import configured_parts, resolve_settings
-from .detection import detect_imaging
-from .errors import BeamGeometryError, NoUsableFramesError
-from .extent import grid_around_sweep
-from .frames import TrackedFrame, TrackedSequence
-from .message import Message
-from .poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames
+from .errors import NoUsableFramesError
+from .geometry.transforms import pixel_spacing
+from .geometry.volume import VoxelGrid
+from .imaging.beams import ProbeGeometry
+from .imaging.extent import grid_around_sweep
+from .imaging.region import ImageRegion
+from .imaging.sound_speed import depth_factor, depth_scale
+from .machine.read_ahead import read_ahead
 from .progress import Progress, part, report
-from .read_ahead import read_ahead
-from .region import ImageRegion
+from .resolve import reconstructor_parts, resolve_imaging, resolve_settings
 from .settings import ReconstructionSettings
-from .sound_speed import depth_factor, depth_scale
-from .transforms import pixel_spacing
-from .volume import VoxelGrid
+from .sweep.frames import TrackedFrame, TrackedSequence
+from .sweep.poses import describe_skipped, sweep_poses, time_order, tracked_frames
+
+logger = logging.getLogger(__name__)
 
 
 def _reporting(frames: Iterable[TrackedFrame], count: int, progress: Progress | None) -> Iterable[TrackedFrame]:
@@ -33,51 +33,6 @@ def _reporting(frames: Iterable[TrackedFrame], count: int, progress: Progress | 
     for done, frame in enumerate(frames):
         report(progress, done / count, "Reconstructing")
         yield frame
-
-
-@dataclass(frozen=True)
-class Imaging:
-    """How the images are to be read: the pixels that count, the probe where it is known, and where that knowledge is from."""
-
-    region: ImageRegion
-    probe: ProbeGeometry | None
-    notes: tuple[str, ...] = ()
-
-
-def configured_region(sequence: TrackedSequence) -> ImageRegion | None:
-    """The pixels that the sequence's configuration calls ultrasound: of its volume reconstruction, else of its scan conversion."""
-    candidates = (getattr(sequence.configuration, name, None) for name in ("region", "scan_region"))
-    return next((region for region in candidates if region is not None and (region.clip or region.fan)), None)
-
-
-def resolve_imaging(
-    sequence: TrackedSequence, poses: SweepPoses, need_probe: bool, region: ImageRegion | None = None, probe: ProbeGeometry | None = None
-) -> Imaging:
-    """Probe and region: as given, else from the configuration, else recognized in the images.
-
-    Raises
-    ------
-    BeamGeometryError
-        When the probe is needed and cannot be told.
-    """
-    configuration = sequence.configuration
-    notes: list[str] = []
-    probe = probe or getattr(configuration, "probe", None)
-    region = region or configured_region(sequence)
-    if probe is None and region is not None and region.fan is not None:
-        probe = ProbeGeometry(SECTOR, region.fan.apex_px)
-    if region is None or (need_probe and probe is None):
-        try:
-            detected = detect_imaging(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
-        except BeamGeometryError as error:
-            if need_probe and probe is None:
-                raise BeamGeometryError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
-            detected = None
-        if detected is not None:
-            notes.append(Message("Recognized in the images: {probe}.", probe=detected.description))
-            probe = probe or detected.probe
-            region = region or detected.region
-    return Imaging(region or ImageRegion(), probe, tuple(notes))
 
 
 def reconstruct(
@@ -88,7 +43,7 @@ def reconstruct(
     *,
     region: ImageRegion | None = None,
     probe: ProbeGeometry | None = None,
-    importance: np.ndarray | None = None,
+    importance: Reals | None = None,
     image_to_reference: str | None = None,
     reference: str | None = None,
     progress: Progress | None = None,
@@ -123,7 +78,8 @@ def reconstruct(
     """
     asked = settings or ReconstructionSettings()
     settings = resolve_settings(asked, sequence.configuration, bone is not None, importance is not None)
-    parts = configured_parts(asked, settings, sequence.configuration, importance)
+    parts = reconstructor_parts(asked, settings, sequence.configuration, importance)
+    method = settings.method_for(bone is not None)
     report(progress, 0.0, "Looking at the sweep")
     poses = sweep_poses(sequence, image_to_reference, reference)
     poses.require_usable(sequence.name)
@@ -133,17 +89,17 @@ def reconstruct(
         raise NoUsableFramesError(
             "{sequence}: none of every {skip}th frames can be placed. Use a smaller --skip.", sequence=sequence.name, skip=settings.skip
         )
-    uses_beams = needs_beams(settings.method, settings)
+    uses_beams = needs_beams(method, settings)
     imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, region, probe)
     if grid is None and parts.grid is not None and image_to_reference is None and reference is None:
         grid = parts.grid
     if grid is None:
-        cost = bytes_per_voxel(settings.method, uses_beams, settings.best_cosine, uses_shares(settings, parts.importance))
+        cost = bytes_per_voxel(method, uses_beams, settings.best_cosine, uses_shares(settings, parts.importance))
         placed = poses.image_to_reference[chosen]
         scale = depth_scale(settings, imaging.region.mask(*sequence.frame_size), imaging.probe, pixel_spacing(placed[0]))
         grid = grid_around_sweep(placed, sequence.frame_size, imaging.region, settings.spacing_xyz(), cost, scale, parts.fits_spacing)
     report(progress, 0.02, "Preparing the volume")
-    bone_share = 0.15 if uses_beams else 0.02
+    bone_part = 0.15 if uses_beams else 0.02
     reconstructor = Reconstructor(
         grid,
         settings,
@@ -154,9 +110,9 @@ def reconstruct(
         importance=parts.importance,
         holes=parts.holes,
         fixed_point=parts.fixed_point,
-        progress=part(progress, 0.02, bone_share),
+        progress=part(progress, 0.02, bone_part),
     )
-    inserting = part(progress, bone_share, 0.95)
+    inserting = part(progress, bone_part, 0.95)
     with read_ahead(tracked_frames(sequence, poses, order)) as frames:
         reconstructor.insert(_reporting(frames, len(order), inserting))
     if not reconstructor.counts.inserted:
@@ -172,5 +128,7 @@ def reconstruct(
         sequence.images[last]
     result = reconstructor.finish(part(progress, 0.95, 1.0))
     report(progress, 1.0, "Reconstructed")
-    warnings = getattr(sequence.configuration, "warnings", ())
-    return replace(result, notes=(*warnings, *parts.notes, *poses.notes, *imaging.notes, *result.notes))
+    logger.info(
+        "%s: %d of %d frames by %s into %s voxels", sequence.name, result.frames_inserted, len(sequence), settings.method, grid.size
+    )
+    return replace(result, notes=(*sequence.configuration.warnings, *parts.notes, *poses.notes, *imaging.notes, *result.notes))

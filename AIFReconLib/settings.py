@@ -6,10 +6,10 @@ The command line, the Slicer module and the documentation take them from here.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from numbers import Integral, Real
-from typing import Any
+from typing import TypedDict, TypeVar, cast
 
 from .errors import SettingsError
 
@@ -27,18 +27,33 @@ DEFAULT_SPACING = 0.5
 """mm, where neither the caller nor a configuration says."""
 
 
+Value = TypeVar("Value")
+
+
+class Rule(TypedDict):
+    """What a parameter may be, and what a user interface says of it: the metadata of its field."""
+
+    help: str
+    unit: str
+    minimum: float | None
+    maximum: float | None
+    choices: tuple[str, ...] | None
+    default: object
+    whole: bool
+
+
 def parameter(
-    default: Any,
+    default: Value,
     help: str,
     *,
     unit: str = "",
     minimum: float | None = None,
     maximum: float | None = None,
-    choices=None,
+    choices: tuple[str, ...] | None = None,
     whole: bool = False,
-) -> Any:
+) -> Value:
     """A dataclass field that carries what a user interface needs to know of it: where its default is None, None may be given."""
-    rule = {"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices, "default": default, "whole": whole}
+    rule = Rule(help=help, unit=unit, minimum=minimum, maximum=maximum, choices=choices, default=default, whole=whole)
     return field(default=default, metadata=rule)
 
 
@@ -128,8 +143,8 @@ class ReconstructionSettings:
         0.02, "weighted: weight of a pixel that shows no bone, against 1 of one that does", minimum=1e-6, maximum=1.0
     )
 
-    def __post_init__(self):
-        rules = {spec.name: spec.metadata for spec in fields(self)}
+    def __post_init__(self) -> None:
+        rules = {spec.name: rule_of(spec.metadata) for spec in fields(self)}
         for name, rule in rules.items():
             if name == "spacing" and isinstance(self.spacing, Iterable) and not isinstance(self.spacing, str):
                 along_axes = tuple(self.spacing)
@@ -153,7 +168,12 @@ class ReconstructionSettings:
         return spacing if isinstance(spacing, tuple) else (float(spacing),) * 3
 
 
-def check_value(name: str, value: Any, rule: dict[str, Any]) -> None:
+def rule_of(metadata: Mapping[str, object]) -> Rule:
+    """The metadata of a settings' field as what it is."""
+    return cast("Rule", metadata)
+
+
+def check_value(name: str, value: object, rule: Rule) -> None:
     """Raise `SettingsError` unless `value` (a number, a word, a bool or None) obeys a field's metadata."""
     if value is None and rule["default"] is None:
         return
@@ -172,12 +192,17 @@ def check_value(name: str, value: Any, rule: dict[str, Any]) -> None:
         if whole:
             raise SettingsError("Input {name} must be a whole number; got {value!r}.", name=name, value=value)
         raise SettingsError("Input {name} must be a finite number; got {value!r}.", name=name, value=value)
+    number = float(value)
     unit = f" {rule['unit']}" if rule["unit"] else ""
-    if rule["minimum"] is not None and value < rule["minimum"]:
+    if rule["minimum"] is not None and number < rule["minimum"]:
         raise SettingsError(
             "Input {name} must be at least {minimum:g}{unit}; got {value!r}.", name=name, minimum=rule["minimum"], unit=unit, value=value
         )
-    if rule["maximum"] is not None and value > rule["maximum"]:
+    if rule["maximum"] is not None and number > rule["maximum"]:
         raise SettingsError(
             "Input {name} must be at most {maximum:g}{unit}; got {value!r}.", name=name, maximum=rule["maximum"], unit=unit, value=value
         )
+
+
+LINEAR_METHODS = ("average", "latest", "maximum")
+"""In the order of the rules' numbers in `numba_splat`."""

@@ -1,6 +1,6 @@
 """Long work of the panel: with progress and cancel, its errors shown in the panel's words."""
 
-from AIFReconScene.nodesAtWork import NodesAtWork
+from AIFReconScene.inputs.nodesAtWork import NodesAtWork
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 

@@ -3,7 +3,7 @@
 import pathlib
 from typing import Annotated
 
-from AIFReconScene.parameters import (
+from AIFReconScene.inputs.parameters import (
     PARAMETERS,
     BoneDirection,
     Engine,
@@ -27,8 +27,8 @@ from slicer import (
 )
 from slicer.parameterNodeWrapper import Minimum, WithinRange, parameterNodeWrapper
 
-from AIFReconLib.pose_tracks import LONGEST_GAP
-from AIFReconLib.time_offset import LARGEST_OFFSET
+from AIFReconLib.sweep.pose_tracks import LONGEST_GAP
+from AIFReconLib.sweep.time_offset import LARGEST_OFFSET
 
 FARTHEST = 100000.0
 """Pixels: as far as a place may lie from the image's corner."""

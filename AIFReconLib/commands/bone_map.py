@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..bone import BoneMap
-from ..console import ProgressBar
-from ..io.volume_files import check_volume_path, read_labels
-from .options import add_sigma_options, refuse_to_overwrite
+from ..bone.map import BoneMap
+from ..io.volume.files import check_volume_path, read_labels
+from .console import ProgressBar
+from .options import Commands, add_sigma_options, refuse_to_overwrite
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "bone-map",

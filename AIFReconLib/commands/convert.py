@@ -5,16 +5,15 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import numpy as np
-
-from ..console import ProgressBar
+from ..arrays import Matrix
 from ..errors import SettingsError, TransformError
-from ..frames import TrackedSequence
-from ..io.calibration_files import read_calibration
-from ..io.sequence_writer import SUFFIXES, check_sequence_name, write_sequence
-from ..sequence_edits import crop, recalibrate, rename, select_frames, with_configured_transforms
-from ..transform_graph import TransformName
-from .options import refuse_to_overwrite
+from ..geometry.transform_graph import TransformName
+from ..io.foreign.calibration import read_calibration
+from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
+from ..sweep.edits import crop, recalibrate, rename, select_frames, with_configured_transforms
+from ..sweep.frames import TrackedSequence
+from .console import ProgressBar
+from .options import Commands, refuse_to_overwrite
 from .sequence_options import add_sequence_options, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
@@ -25,7 +24,7 @@ EXAMPLE = """examples:
   aifrecon convert Image.seq.nrrd sweep.igs.mha --transform-sequence ImageToReference=Transform.seq.mha"""
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "convert",
@@ -109,6 +108,6 @@ def _named_file(text: str) -> tuple[TransformName | None, Path]:
         return None, Path(text)
 
 
-def _calibration(text: str) -> tuple[TransformName, np.ndarray]:
+def _calibration(text: str) -> tuple[TransformName, Matrix]:
     name, path = _named_file(text)
     return read_calibration(path, name)

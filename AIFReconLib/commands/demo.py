@@ -8,22 +8,24 @@ from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
-from ..bone import BoneMap
-from ..configured import resolve_settings
-from ..console import ProgressBar, columns, program
+from ..bone.map import BoneMap
 from ..evaluation.figures import compare_figure, require_matplotlib
 from ..evaluation.metrics import BoneMetrics, evaluate
 from ..evaluation.quantities import metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
-from ..io.atomic import write_text
-from ..io.sequence_files import read_sequence
-from ..io.transform_files import read_transform
-from ..io.volume_files import read_labels, read_volume
+from ..geometry.volume import Volume
+from ..io.disk.atomic import write_text
+from ..io.sequence.files import read_sequence
+from ..io.transform.files import read_transform
+from ..io.volume.files import read_labels, read_volume
+from ..message import columns
 from ..progress import part
 from ..reconstruction import reconstruct
+from ..resolve import resolve_settings
 from ..settings import METHODS, ReconstructionSettings
-from ..volume import Volume
+from .console import ProgressBar, program
+from .options import Commands
 from .simulate import SimulatedFiles, write_simulated_patient
 
 SPACING = 1.0
@@ -52,7 +54,7 @@ PRINTED = (
 """Metrics that are printed; the page and the CSV hold all."""
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "demo",

@@ -8,19 +8,22 @@ from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
 
-from ..console import ProgressBar, columns
+from ..arrays import Matrix
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import comparison_png, require_matplotlib, within_spinous_process
 from ..evaluation.metrics import BoneMetrics, evaluate
 from ..evaluation.quantities import metrics_csv, table, what_counted
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import BEAM_THICKNESS, SweepBeams, bone_truth
-from ..io.atomic import check_writable, write_text
-from ..io.sequence_files import read_sequence
-from ..io.volume_files import read_labels, read_transform, read_volume
+from ..geometry.volume import Volume
+from ..io.disk.atomic import check_writable, write_text
+from ..io.sequence.files import read_sequence
+from ..io.transform.files import read_transform
+from ..io.volume.files import read_labels, read_volume
+from ..message import columns
 from ..progress import part
-from ..volume import Volume
-from .options import add_imaging_options, imaging_from, real_path, refuse_to_overwrite
+from .console import ProgressBar
+from .options import Commands, add_imaging_options, imaging_from, real_path, refuse_to_overwrite
 from .reconstruct import add_tracking_options
 
 EXAMPLE = """examples:
@@ -30,7 +33,7 @@ EXAMPLE = """examples:
 Volumes are to be compared under one sweep: it decides which bone counts. To compare sweeps, give the one that saw more for both."""
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "evaluate",
@@ -144,7 +147,7 @@ def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
 
 def _beams(arguments: argparse.Namespace) -> SweepBeams:
     sequence = read_sequence(arguments.sweep, config=arguments.config)
-    region, probe = imaging_from(arguments, sequence)
+    region, probe = imaging_from(arguments, sequence.configuration, sequence.images)
     return SweepBeams.of_sequence(
         sequence,
         image_to_reference=arguments.image_to_reference,
@@ -155,7 +158,7 @@ def _beams(arguments: argparse.Namespace) -> SweepBeams:
     )
 
 
-def _placed(volume: Volume, to_reference) -> Volume:
+def _placed(volume: Volume, to_reference: Matrix | None) -> Volume:
     return volume if to_reference is None else volume.placed_by(to_reference)
 
 

@@ -7,21 +7,21 @@ from pathlib import Path
 
 import numpy as np
 
-from ..console import ProgressBar, program
 from ..errors import AIFReconError
-from ..frames import TrackedSequence
-from ..importing import IMAGE_FRAME, ImportSettings, import_sequence
-from ..io.atomic import check_writable, write_text
-from ..io.calibration_files import read_calibration
-from ..io.imported_images import open_images
-from ..io.pose_files import read_poses
-from ..io.pose_rows import ANGLE_UNITS, LENGTH_UNITS, QUATERNION_ORDERS, PoseFormat
-from ..io.sequence_writer import SUFFIXES, check_sequence_name, write_sequence
-from ..poses import SweepPoses, sweep_poses
-from ..sweep_drawing import draw_sweep
-from ..tracking_report import tracking_report
-from ..transform_graph import TransformName
-from .options import refuse_to_overwrite
+from ..geometry.transform_graph import TransformName
+from ..inspection.sweep_drawing import draw_sweep
+from ..inspection.tracking_report import tracking_report
+from ..io.disk.atomic import check_writable, write_text
+from ..io.foreign.calibration import read_calibration
+from ..io.foreign.importing import IMAGE_FRAME, ImportSettings, import_sequence
+from ..io.foreign.openers import open_images
+from ..io.foreign.pose_files import read_poses
+from ..io.foreign.pose_rows import ANGLE_UNITS, LENGTH_UNITS, QUATERNION_ORDERS, PoseFormat
+from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import SweepPoses, sweep_poses
+from .console import ProgressBar, program
+from .options import Commands, refuse_to_overwrite
 
 EXAMPLE = """examples:
   aifrecon import frames/ --poses poses.csv --transform ImageToTracker --spacing 0.1 0.1 --output sweep.igs.mha
@@ -30,7 +30,7 @@ EXAMPLE = """examples:
   aifrecon import images.npy --poses poses.json --transform TrackerToImage --spacing 0.2 0.2 --rate 20 --output sweep.nrrd"""
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "import",

@@ -6,13 +6,14 @@ import argparse
 import json
 from pathlib import Path
 
-from ..console import ProgressBar
-from ..diagnosis import diagnose
+from ..inspection.diagnosis import diagnose
+from .console import ProgressBar
+from .options import Commands
 from .reconstruct import add_tracking_options
 from .sequence_options import add_sequence_options, sequence_from
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "info",

@@ -13,19 +13,20 @@ from typing import TextIO
 import numpy as np
 
 from ..compounding.reconstructor import Reconstruction
-from ..console import ProgressBar, show
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
-from ..frames import TrackedSequence
-from ..io.plus_config import read_plus_configuration
-from ..io.volume_files import check_volume_path, read_volume
-from ..live.openigtlink import OpenIGTLinkClient
-from ..live.placement import UNCONFIRMED
-from ..live.replay import PLUS_PORT
-from ..live.session import SCOUTING, LiveSession
-from ..live.session_statistics import LiveStatistics
-from ..live.synchronizer import SynchronizerSettings
-from ..orderly_end import pause
+from ..io.plus.configuration import read_plus_configuration
+from ..io.volume.files import check_volume_path, read_volume
+from ..live.pairing.placement import UNCONFIRMED
+from ..live.pairing.synchronizer import SynchronizerSettings
+from ..live.replay.server import PLUS_PORT
+from ..live.session.session import SCOUTING, LiveSession
+from ..live.session.statistics import LiveStatistics
+from ..live.wire.client import OpenIGTLinkClient
+from ..machine.threads import pause
+from ..sweep.configuration import NO_CONFIGURATION
+from .console import ProgressBar, show
 from .options import (
+    Commands,
     add_bone_options,
     add_imaging_options,
     add_importance_option,
@@ -44,10 +45,10 @@ EXAMPLE = """examples:
   aifrecon live --output volume.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --seconds 60"""
 
 DEVICE_TIMEOUT = 5.0
-"""s that a connected server may take to send its first image, and"""
+"""s that a connected server may take to send its first image."""
 
 SETTLING = 1.0
-"""s more in which other image devices may show up."""
+"""s after the first image in which other image devices may show up."""
 
 SCOUT_MARGIN = 5.0
 """mm added on each side of the box that was scouted."""
@@ -57,7 +58,7 @@ TERMINAL_INTERVAL, LINE_INTERVAL = 0.2, 5.0
 """s between two status lines, on a terminal and elsewhere."""
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "live",
@@ -165,14 +166,13 @@ def _session(arguments: argparse.Namespace) -> LiveSession:
             "--bone-from-sweep looks at a whole recorded sweep, which a live scan has not yet. Give --bone-labels or --bone-probability, "
             "or --record the scan and reconstruct it afterwards."
         )
-    configuration = read_plus_configuration(arguments.config) if arguments.config else None
-    unseen = TrackedSequence(np.empty((0, 0, 0), np.uint8), [], configuration=configuration)
-    region, probe = imaging_from(arguments, unseen)
+    configuration = read_plus_configuration(arguments.config) if arguments.config else NO_CONFIGURATION
+    region, probe = imaging_from(arguments, configuration)
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     with ProgressBar() as progress:
-        bone = bone_from(arguments, unseen, progress=progress)
+        bone = bone_from(arguments, None, progress=progress)
     grid = read_volume(arguments.grid_like).grid if arguments.grid_like else None
-    if grid is None and configuration is not None and not (arguments.reference or arguments.image_to_reference):
+    if grid is None and not (arguments.reference or arguments.image_to_reference):
         grid = configuration.grid(None if settings.spacing is None else settings.spacing_xyz())
     synchronizer = SynchronizerSettings(
         image_device=arguments.image,
@@ -315,7 +315,9 @@ def _what_else(statistics: LiveStatistics, result: Reconstruction) -> list[str]:
 def _recording_line(session: LiveSession) -> str | None:
     if session.recording_failure:
         return session.recording_failure
-    return f"recorded {session.recorder.frames} frames to {session.recorded}" if session.recorded else None
+    if session.recorder is None or session.recorded is None:
+        return None
+    return f"recorded {session.recorder.frames} frames to {session.recorded}"
 
 
 class StatusLine:

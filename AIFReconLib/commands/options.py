@@ -4,38 +4,48 @@ from __future__ import annotations
 
 import argparse
 import os
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import TypeAlias
 
-import numpy as np
-
-from ..beams import LINEAR, SECTOR, ProbeGeometry
-from ..bone import SIGMA_VOXELS, BoneMap
-from ..detection import detect_imaging
+from ..arrays import Singles
+from ..bone.from_sweep import bone_from_sweep
+from ..bone.map import SIGMA_VOXELS, BoneMap
 from ..errors import OutputError, SettingsError
-from ..frames import TrackedSequence
-from ..io.importance_mask import read_importance_mask
-from ..io.metafile import data_files
-from ..io.volume_files import read_labels, read_transform, read_volume
-from ..poses import sweep_poses
+from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
+from ..imaging.detection import detect_imaging
+from ..imaging.images import ImageStack
+from ..imaging.region import ClipRectangle, ImageRegion, chosen_region
+from ..io.metafile.opening import data_files
+from ..io.plus.importance_mask import read_importance_mask
+from ..io.transform.files import read_transform
+from ..io.volume.files import read_labels, read_volume
 from ..progress import Progress
-from ..reconstruction import configured_region, resolve_imaging
-from ..region import ClipRectangle, ImageRegion, chosen_region
-from ..settings import ReconstructionSettings
-from ..sweep_bone import bone_from_sweep
+from ..resolve import resolve_imaging
+from ..settings import ReconstructionSettings, rule_of
+from ..sweep.configuration import PlusConfiguration
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import sweep_poses
 
-PARAMETERS = {spec.name: spec.metadata for spec in fields(ReconstructionSettings)}
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+"""What a command adds itself to."""
+
+PARAMETERS = {spec.name: rule_of(spec.metadata) for spec in fields(ReconstructionSettings)}
 
 
-def add_setting(group, name: str, flag: str | None = None, metavar: str | None = None) -> None:
+def add_setting(group: argparse._ActionsContainer, name: str, flag: str | None = None, metavar: str | None = None) -> None:
     """Declare the option of one reconstruction parameter from its entry in `settings`."""
     rule = PARAMETERS[name]
     spec = next(spec for spec in fields(ReconstructionSettings) if spec.name == name)
     default, number = spec.default, int if rule["whole"] else float
     unit = f" [{rule['unit']}]" if rule["unit"] else ""
     shown = "" if default is None else f" (default: {default:g})" if isinstance(default, int | float) else f" (default: {default})"
-    options = {"choices": rule["choices"]} if rule["choices"] else {"type": number, "metavar": metavar or "N"}
-    group.add_argument(flag or "--" + name.replace("_", "-"), dest=name, help=rule["help"] + unit + shown, **options)
+    option, words = flag or "--" + name.replace("_", "-"), rule["help"] + unit + shown
+    if rule["choices"]:
+        group.add_argument(option, dest=name, help=words, choices=rule["choices"])
+    else:
+        group.add_argument(option, dest=name, help=words, type=number, metavar=metavar or "N")
 
 
 def settings_from(arguments: argparse.Namespace) -> ReconstructionSettings:
@@ -47,10 +57,18 @@ def settings_from(arguments: argparse.Namespace) -> ReconstructionSettings:
 class SpacingAction(argparse.Action):
     """One number, or three."""
 
-    def __call__(self, parser, namespace, values, option_string=None):
-        if len(values) not in (1, 3):
-            parser.error(f"argument {option_string}: takes one number or three (x y z), got {len(values)}")
-        setattr(namespace, self.dest, values[0] if len(values) == 1 else tuple(values))
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[object] | None,
+        option_string: str | None = None,
+    ) -> None:
+        """Take the number, or the three."""
+        numbers = tuple(values or ())
+        if len(numbers) not in (1, 3):
+            parser.error(f"argument {option_string}: takes one number or three (x y z), got {len(numbers)}")
+        setattr(namespace, self.dest, numbers[0] if len(numbers) == 1 else numbers)
 
 
 def add_bone_options(parser: argparse.ArgumentParser) -> None:
@@ -74,7 +92,7 @@ def add_bone_options(parser: argparse.ArgumentParser) -> None:
     add_setting(bone, "bone_direction")
 
 
-def add_sigma_options(group) -> None:
+def add_sigma_options(group: argparse._ActionsContainer) -> None:
     """Smoothing of the bone map, in voxels or mm."""
     sigma = group.add_mutually_exclusive_group()
     sigma.add_argument(
@@ -89,14 +107,14 @@ def add_sigma_options(group) -> None:
 
 def bone_from(
     arguments: argparse.Namespace,
-    sequence: TrackedSequence,
+    sequence: TrackedSequence | None,
     region: ImageRegion | None = None,
     probe: ProbeGeometry | None = None,
     progress: Progress | None = None,
 ) -> BoneMap | None:
     """The bone map that the options name, placed in Reference; None where they name none.
 
-    `sequence`, `region` and `probe` (as `imaging_from` returns them) are looked at for --bone-from-sweep alone.
+    `sequence`, `region` and `probe` (as `imaging_from` returns them) are looked at for --bone-from-sweep alone; a live scan has none yet.
     """
     if arguments.bone_from_sweep:
         if arguments.bone_transform:
@@ -105,6 +123,8 @@ def bone_from(
             raise SettingsError(
                 "--bone-from-sweep takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels."
             )
+        if sequence is None:
+            raise SettingsError("--bone-from-sweep looks at a recorded sweep. Give --bone-labels or --bone-probability.")
         poses = sweep_poses(sequence, arguments.image_to_reference, arguments.reference)
         poses.require_usable(sequence.name)
         return bone_from_sweep(sequence, poses, resolve_imaging(sequence, poses, True, region, probe), progress=progress)
@@ -120,7 +140,7 @@ def bone_from(
     return None
 
 
-def add_imaging_options(parser: argparse.ArgumentParser):
+def add_imaging_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     """Probe, clip rectangle and fan; the answer is the group, for more of the kind."""
     image = parser.add_argument_group("image", "what the image shows; default: the configuration's, else recognized by the black surround")
     image.add_argument("--probe", choices=("auto", LINEAR, SECTOR), default="auto", help="shape of the beams (default: auto)")
@@ -133,7 +153,7 @@ def add_imaging_options(parser: argparse.ArgumentParser):
     return image
 
 
-def add_importance_option(group) -> None:
+def add_importance_option(group: argparse._ActionsContainer) -> None:
     """How much each pixel counts."""
     group.add_argument(
         "--importance-mask",
@@ -143,27 +163,25 @@ def add_importance_option(group) -> None:
     )
 
 
-def importance_from(arguments: argparse.Namespace) -> np.ndarray | None:
+def importance_from(arguments: argparse.Namespace) -> Singles | None:
     """The weight of each pixel that the options give, as `read_importance_mask` returns it."""
     return read_importance_mask(arguments.importance_mask) if arguments.importance_mask else None
 
 
-def imaging_from(arguments: argparse.Namespace, sequence: TrackedSequence) -> tuple[ImageRegion | None, ProbeGeometry | None]:
-    """Region and probe that the options ask for; None where they leave it to the configuration or the images."""
-    configured = configured_region(sequence)
+def imaging_from(
+    arguments: argparse.Namespace, configuration: PlusConfiguration, images: ImageStack | None = None
+) -> tuple[ImageRegion | None, ProbeGeometry | None]:
+    """Region and probe that the options ask for; None where they leave it to the configuration or the images (None before a scan)."""
     apex = tuple(arguments.apex_px) if arguments.apex_px else None
-    probe = _probe(arguments.probe, apex, sequence)
+    probe = _probe(arguments.probe, apex, configuration, images)
     clip = ClipRectangle(tuple(arguments.clip_px[:2]), tuple(arguments.clip_px[2:])) if arguments.clip_px else None
-    known = probe or configured_probe(sequence)
-    return chosen_region(configured, clip, arguments.fan_angles_deg, arguments.fan_radius_px, apex, known), probe
+    known = probe or configuration.probe
+    return chosen_region(configuration.imaged_region, clip, arguments.fan_angles_deg, arguments.fan_radius_px, apex, known), probe
 
 
-def configured_probe(sequence: TrackedSequence) -> ProbeGeometry | None:
-    """The probe of the sequence's configuration, if it tells."""
-    return getattr(sequence.configuration, "probe", None)
-
-
-def _probe(kind: str, apex: tuple[float, float] | None, sequence: TrackedSequence) -> ProbeGeometry | None:
+def _probe(
+    kind: str, apex: tuple[float, float] | None, configuration: PlusConfiguration, images: ImageStack | None
+) -> ProbeGeometry | None:
     if kind == LINEAR:
         if apex:
             raise SettingsError("A linear probe has no apex. Leave out --apex-px, or give --probe sector.")
@@ -172,7 +190,11 @@ def _probe(kind: str, apex: tuple[float, float] | None, sequence: TrackedSequenc
         return ProbeGeometry(SECTOR, apex)
     if kind != SECTOR:
         return None
-    known = configured_probe(sequence) or detect_imaging(sequence.images).probe  # the apex in pixels does not depend on their size
+    known = configuration.probe
+    if known is None:
+        if images is None:
+            raise SettingsError("A sector probe has an apex, which is not known before the scan. Give --apex-px COLUMN ROW.")
+        known = detect_imaging(images).probe  # the apex in pixels does not depend on their size
     if known.kind != SECTOR:
         raise SettingsError(
             "The images or the configuration show a linear probe, not a sector. Give --apex-px COLUMN ROW to say otherwise."

@@ -9,15 +9,16 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..compounding.reconstructor import Reconstruction
-from ..console import ProgressBar
-from ..io.atomic import check_writable, write_text
-from ..io.volume_files import check_volume_path, read_volume
-from ..poses import sweep_poses
+from ..inspection.summary import summary_lines
+from ..inspection.tracking_report import TrackingReport, tracking_report
+from ..io.disk.atomic import check_writable, write_text
+from ..io.volume.files import check_volume_path, read_volume
 from ..progress import part
 from ..reconstruction import reconstruct
-from ..summary import summary_lines
-from ..tracking_report import TrackingReport, tracking_report
+from ..sweep.poses import sweep_poses
+from .console import ProgressBar
 from .options import (
+    Commands,
     SpacingAction,
     add_bone_options,
     add_imaging_options,
@@ -40,7 +41,7 @@ EXAMPLE = """examples:
 SIDE_OUTPUTS = ("score", "hits", "mask", "cosine")
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "reconstruct",
@@ -74,7 +75,7 @@ def add_tracking_options(parser: argparse.ArgumentParser) -> None:
     tracking.add_argument("--reference", metavar="FRAME", help="frame to reconstruct in, e.g. Tracker (default: Reference)")
 
 
-def add_volume_options(parser: argparse.ArgumentParser):
+def add_volume_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     """The volumes to make, and their voxels; the answer is the group, for more of the kind."""
     volume = parser.add_argument_group("volume")
     where = volume.add_mutually_exclusive_group()
@@ -112,7 +113,7 @@ def run(arguments: argparse.Namespace) -> None:
         check_writable(arguments.report)
     with ProgressBar() as progress:
         sequence = sequence_from(arguments)
-        region, probe = imaging_from(arguments, sequence)
+        region, probe = imaging_from(arguments, sequence.configuration, sequence.images)
         bone = bone_from(arguments, sequence, region, probe, part(progress, 0.0, 0.1))
         grid = read_volume(arguments.grid_like).grid if arguments.grid_like else None
         result = reconstruct(
@@ -137,7 +138,7 @@ def run(arguments: argparse.Namespace) -> None:
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking))
 
 
-def report_of(result: Reconstruction, tracking: TrackingReport, outputs: dict[str, Path | None]) -> dict:
+def report_of(result: Reconstruction, tracking: TrackingReport, outputs: dict[str, Path | None]) -> dict[str, object]:
     """What was done, for JSON."""
     return {
         "method": result.method,

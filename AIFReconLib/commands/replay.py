@@ -6,8 +6,9 @@ import argparse
 from contextlib import suppress
 from pathlib import Path
 
-from ..io.sequence_files import read_sequence
-from ..live.replay import PLUS_PORT, ReplayServer
+from ..io.sequence.files import read_sequence
+from ..live.replay.server import PLUS_PORT, ReplayServer
+from .options import Commands
 from .reconstruct import add_tracking_options
 
 EXAMPLE = """examples:
@@ -16,7 +17,7 @@ EXAMPLE = """examples:
   aifrecon live --port 18944 --output volume.nrrd        (in a second terminal)"""
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "replay",

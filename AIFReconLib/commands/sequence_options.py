@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
-from ..frames import TrackedSequence
-from ..io.sequence_files import read_sequence
-from ..pose_tracks import LONGEST_GAP
-from ..time_offset import with_time_offset
+from ..io.sequence.files import read_sequence
+from ..sweep.frames import TrackedSequence
+from ..sweep.pose_tracks import LONGEST_GAP
+from ..sweep.time_offset import with_time_offset
 
 
 class NamedFileAction(argparse.Action):
     """NAME=FILE, as often as wanted; collected in a dict."""
 
-    def __call__(self, parser, namespace, values, option_string=None):
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[object] | None,
+        option_string: str | None = None,
+    ) -> None:
+        """Add one to those before."""
+        if not isinstance(values, str):
+            raise TypeError("NamedFileAction takes one value at a time: leave out nargs.")
         name, equals, file = values.partition("=")
         if not (equals and name.strip() and file.strip()):
             parser.error(f"argument {option_string}: takes NAME=FILE, as in ImageToReference=Transform.seq.mha, got {values!r}")

@@ -3,22 +3,38 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from ..console import ProgressBar
+from ..arrays import Floats
 from ..errors import OutputError, SettingsError
-from ..io.atomic import write_text
-from ..io.sequence_writer import write_sequence
-from ..io.transform_files import write_transform
+from ..io.disk.atomic import write_text
+from ..io.sequence.writer import write_sequence
+from ..io.transform.files import write_transform
 from ..progress import Progress, part
 from ..simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from ..simulation.phased_array import PhasedArray
-from ..simulation.scan import freehand_sweep, multi_angle_sweep, plus_configuration_xml, random_rigid, simulate_sweep, single_angle_sweep
+from ..simulation.scan import (
+    ProbePath,
+    ScannedBack,
+    freehand_sweep,
+    multi_angle_sweep,
+    plus_configuration_xml,
+    random_rigid,
+    simulate_sweep,
+    single_angle_sweep,
+)
+from .console import ProgressBar
+from .options import Commands
 
-PATHS = {"multi-angle": multi_angle_sweep, "single-angle": single_angle_sweep, "freehand": freehand_sweep}
+PATHS: dict[str, Callable[[ScannedBack, int], ProbePath]] = {
+    "multi-angle": multi_angle_sweep,
+    "single-angle": single_angle_sweep,
+    "freehand": freehand_sweep,
+}
 
 
 @dataclass(frozen=True)
@@ -30,11 +46,11 @@ class SimulatedFiles:
     ct: Path
     labels: Path
     ct_to_reference: Path
-    center_ras: np.ndarray
+    center_ras: Floats
     """A place worth looking at: the root of the middle spinous process, (3,) mm in Reference."""
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "simulate",

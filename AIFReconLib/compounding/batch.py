@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import Mask, Matrix, Numbers, NumberType, Singles
+
 BATCH_BYTES = 16 * 2**20
-"""Most bytes of images that wait together, and"""
+"""Most bytes of images that wait together."""
 
 BATCH_FRAMES = 16
-"""most frames: more would not spread the cost of starting threads any thinner."""
+"""Most frames that wait together: more would not spread the cost of starting threads any thinner."""
 
 
 class FrameBatch:
@@ -34,15 +36,15 @@ class FrameBatch:
         By position in the batch: which pixels of an image count, where not all do: those that are finite and were kept.
     """
 
-    def __init__(self, shape: tuple[int, int], dtype: np.dtype, frames: int):
+    def __init__(self, shape: tuple[int, int], dtype: NumberType, frames: int):
         # float32 is what every rule computes with; 8 bits are kept as they are because they are a quarter of that
         kept = np.dtype(np.uint8 if dtype == np.uint8 else np.float32)
         room = max(min(frames, BATCH_BYTES // (kept.itemsize * shape[0] * shape[1])), 1)
-        self.images = np.empty((room, *shape), kept)
+        self.images: Numbers = np.empty((room, *shape), kept)
         self.image_to_ijk = np.empty((room, 4, 4))
-        self.axes = np.empty((room, 6), np.float32)
+        self.axes: Singles = np.empty((room, 6), np.float32)
         self.numbers: list[int] = []
-        self.measured: dict[int, np.ndarray] = {}
+        self.measured: dict[int, Mask] = {}
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -54,11 +56,11 @@ class FrameBatch:
 
     def add(
         self,
-        image: np.ndarray,
-        image_to_ijk: np.ndarray,
-        axes: tuple[np.ndarray, np.ndarray],
+        image: Numbers,
+        image_to_ijk: Matrix,
+        axes: tuple[Singles, Singles],
         number: int,
-        kept: np.ndarray | None = None,
+        kept: Mask | None = None,
     ) -> None:
         """Copy a frame in; of its pixels only those `kept` (rows, columns) count, all by default."""
         place = len(self.numbers)

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import logging
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 from ..errors import SettingsError
 from ..message import Message
 from .numpy_engine import NumpyEngine
 
+if TYPE_CHECKING:
+    from .compiled.numba_engine import NumbaEngine
+
+logger = logging.getLogger(__name__)
+
 INSTALL_NUMBA = "pip install 'numba>=0.60'"
 
 
-def choose_engine(wanted: str) -> tuple[type, str | None]:
+def choose_engine(wanted: str) -> tuple[type[NumpyEngine] | type[NumbaEngine], str | None]:
     """The class of an engine, and what the user should know about the choice.
 
     Parameters
@@ -34,7 +41,7 @@ def choose_engine(wanted: str) -> tuple[type, str | None]:
             )
         return NumpyEngine, None
     try:
-        from .numba_engine import NumbaEngine
+        from .compiled.numba_engine import NumbaEngine
     # A numba that does not fit its numpy or its Python fails in whatever way it likes
     except Exception as error:
         cause = next(iter(str(error).splitlines()), "")
@@ -45,5 +52,6 @@ def choose_engine(wanted: str) -> tuple[type, str | None]:
                 reason=reason,
                 command=INSTALL_NUMBA,
             ) from error
+        logger.warning("%s; the numpy engine stands in", reason, exc_info=True)
         return NumpyEngine, Message("Warning: {reason}; the slower numpy engine was used. The voxels are the same.", reason=reason)
     return NumbaEngine, None

@@ -13,15 +13,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..beams import ProbeGeometry
-from ..scan_lines import scan_line_samples
+from ..arrays import Integers, Mask, Singles
+from ..imaging.beams import ProbeGeometry
+from ..imaging.scan_lines import scan_line_samples
 from .layout import PixelLayout
 
 SMOOTHING = 1.25
 """mm along the beam over which speckle is averaged before brightness is judged."""
 
 SMOOTHING_LINES = 3
-"""The same across, in scan lines."""
+"""Scan lines across which speckle is averaged before brightness is judged."""
 
 ONSET_DEPTH = 3.0
 """mm. A shadow must have begun this far behind bone: an oblique echo with its smoothing is about as long as this."""
@@ -33,20 +34,22 @@ LEAST_SHADOW = 8.0
 """mm. Darkness shorter than this, at the end of a scan line, is no evidence of a shadow."""
 
 REACHED = 0.35
-"""Share of the gray scale that a scan line must still attain, here or deeper, for sound to count as having fully arrived."""
+"""Part of the gray scale that a scan line must still attain, here or deeper, for sound to count as having fully arrived."""
 
 LEAST_REACH = 0.01
 """Weight left to pixels in full shadow, so that a voxel seen by shadowed beams alone shows their mean and not nothing."""
 
 FALL = 0.16
-"""Share of the gray scale by which brightness must fall for a full-blown onset (with 8 bit over 58 dB: 9 dB)."""
+"""Part of the gray scale by which brightness must fall for a full-blown onset (with 8 bit over 58 dB: 9 dB)."""
 
 LAST_ECHO = 0.9
-"""Share of the brightest echo from `CREST` before it to the end of the line that a pixel must have to count as the shadow's source."""
-
+"""Part of the brightest echo from `CREST` before it to the end of the line that a pixel must have to count as the shadow's source."""
 
 VECTOR = 16
 """Scan lines that compiled code takes at a time."""
+
+Scales = tuple[np.float32, np.float32, np.float32, np.float32, np.float32, np.float32, np.float32]
+"""What brightness is multiplied with: 1 / taps, 1 / 3, 1 / reached, 1 / fall, the last echo, 1 / (1 - last echo), least reach."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +64,8 @@ class FrameEvidence:
         E: how surely a shadow begins there.
     """
 
-    reach: np.ndarray
-    onset: np.ndarray
+    reach: Singles
+    onset: Singles
 
 
 class ScanLines:
@@ -135,7 +138,7 @@ class ScanLines:
         self.judged = (ends - max(self._samples(LEAST_SHADOW), self.depth)).astype(np.int32)
         self._is_judged = np.arange(samples)[:, None] < self.judged
 
-    def _active(self, inside: np.ndarray) -> np.ndarray:
+    def _active(self, inside: Mask) -> Integers:
         """`active`, of the samples (samples, lines) that have a pixel.
 
         Notes
@@ -157,12 +160,13 @@ class ScanLines:
         starts, stops = starts // VECTOR * VECTOR, np.minimum(-(-(stops + 1) // VECTOR) * VECTOR, inside.shape[1])
         return np.stack([np.minimum(starts, stops), stops], axis=1)
 
-    def scales(self, full_scale: float) -> tuple[np.float32, ...]:
-        """What brightness is multiplied with: 1 / taps, 1 / 3, 1 / reached, 1 / fall, the last echo, 1 / (1 - last echo), least reach."""
-        inverse = [1 / self.taps, 1 / SMOOTHING_LINES, 1 / (REACHED * full_scale), 1 / (FALL * full_scale)]
-        return tuple(np.float32(v) for v in (*inverse, LAST_ECHO, 1 / (1 - LAST_ECHO), LEAST_REACH))
+    def scales(self, full_scale: float) -> Scales:
+        """What brightness is judged by."""
+        per_tap, per_line = np.float32(1 / self.taps), np.float32(1 / SMOOTHING_LINES)
+        per_reached, per_fall = np.float32(1 / (REACHED * full_scale)), np.float32(1 / (FALL * full_scale))
+        return per_tap, per_line, per_reached, per_fall, np.float32(LAST_ECHO), np.float32(1 / (1 - LAST_ECHO)), np.float32(LEAST_REACH)
 
-    def evidence(self, values: np.ndarray, full_scale: float) -> FrameEvidence:
+    def evidence(self, values: Singles, full_scale: float) -> FrameEvidence:
         """Judge one frame.
 
         Parameters
@@ -175,7 +179,7 @@ class ScanLines:
         Notes
         -----
         With q the smoothed brightness along a scan line, S(r) = max of q from r to the end of the line (all of it for r < 0), M the full
-        scale: A(r) = min(1, S(r) / (0.35 M))^2 is the share of sound that arrives at r or deeper, and R = A(r) + 0.01;
+        scale: A(r) = min(1, S(r) / (0.35 M))^2 is how much of the sound arrives at r or deeper, and R = A(r) + 0.01;
         E = clip((S(r) - S(r')) / (0.16 M)) clip((q(r) / S(r - 1 mm) - 0.9) / 0.1) (1 - A(r')), r' = r + 3 mm, where clip limits to 0 to 1:
         brightness falls here, this is the crest of the last bright place, and nothing arrives behind it. E is 0 in the last 8 mm of a
         line.
@@ -204,17 +208,17 @@ class ScanLines:
         arrived *= arrived
         onset = np.zeros_like(below)
         now, later = below[: -self.depth], below[self.depth :]
-        found, share = onset[: -self.depth], brightness[: -self.depth]
+        found, ratio = onset[: -self.depth], brightness[: -self.depth]
         np.subtract(now, later, out=found)
         found *= per_fall
         np.minimum(np.maximum(found, dark, out=found), np.float32(1), out=found)
         crest = np.empty_like(now)
         crest[: self.crest] = below[0]
         crest[self.crest :] = now[: -self.crest]
-        share /= np.maximum(crest, np.float32(np.finfo(np.float32).tiny), out=crest)
-        share -= last_echo
-        share *= per_echo
-        found *= np.minimum(np.maximum(share, dark, out=share), np.float32(1), out=share)
+        ratio /= np.maximum(crest, np.float32(np.finfo(np.float32).tiny), out=crest)
+        ratio -= last_echo
+        ratio *= per_echo
+        found *= np.minimum(np.maximum(ratio, dark, out=ratio), np.float32(1), out=ratio)
         found *= np.float32(1) - arrived[self.depth :]
         onset *= self._is_judged
         arrived += least
@@ -224,7 +228,7 @@ class ScanLines:
         return round(length / self.step)
 
 
-def _first_and_last(marked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _first_and_last(marked: Mask) -> tuple[Integers, Integers]:
     """Of each column of a bool array (n, m): its first and its last True; n and -1 where there is none."""
     some = marked.any(axis=0)
     return np.where(some, marked.argmax(axis=0), len(marked)), np.where(some, len(marked) - 1 - marked[::-1].argmax(axis=0), -1)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..beams import ProbeGeometry
-from ..region import ImageRegion
-from ..sound_speed import DepthScale
+from ..arrays import Array, Floats, Integers, Mask, Matrix, Numbers, Singles
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion
+from ..imaging.sound_speed import DepthScale
 
 SPACING_TOLERANCE = 1e-3
 """Relative change of pixel spacing at which beam directions are computed anew; recorded matrices jitter in the sixth digit."""
@@ -19,6 +22,12 @@ ROWS_AT_ONCE = 64
 
 CENTER_TOLERANCE = 1e-6
 """Voxels. The box around a sweep begins at a pixel's center, which rounding must not put outside of it."""
+
+FIXED_POINT_ONE = 2**14
+"""What stands for 1 where pixels are placed as by Plus's Optimization=FULL."""
+
+
+Value = TypeVar("Value", bound=np.generic)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,36 +51,36 @@ class PixelLayout:
     size: tuple[int, int]
     spacing: tuple[float, float]
     window: tuple[int, int, int, int]
-    inside: np.ndarray
-    beam_x: np.ndarray | None
-    beam_y: np.ndarray | None
-    moved: np.ndarray | None = None
+    inside: Integers
+    beam_x: Singles | None
+    beam_y: Singles | None
+    moved: Floats | None = None
 
     @cached_property
-    def mask(self) -> np.ndarray:
+    def mask(self) -> Mask:
         """Which pixels of the window count, (rows, columns) bool."""
         top, bottom, left, right = self.window
         mask = np.zeros((bottom - top) * (right - left), dtype=bool)
         mask[self.inside] = True
         return mask.reshape(bottom - top, right - left)
 
-    def filled(self, values: np.ndarray) -> np.ndarray:
+    def filled(self, values: NDArray[Value]) -> NDArray[Value]:
         """Values of the pixels that count, (n,), as an image over the window, (rows, columns); 0 or False elsewhere."""
         image = np.zeros(self.mask.shape, dtype=values.dtype)
         image[self.mask] = values
         return image
 
-    def within_window(self, image: np.ndarray) -> np.ndarray:
+    def within_window(self, image: NDArray[Value]) -> NDArray[Value]:
         """The window of an image (rows, columns), without a copy."""
         top, bottom, left, right = self.window
         return image[top:bottom, left:right]
 
     @cached_property
-    def pieces(self) -> np.ndarray:
+    def pieces(self) -> Integers:
         """Rows of these pixels in unbroken pieces; see `pieces_within`."""
         return self.pieces_within(self.mask)
 
-    def pieces_within(self, mask: np.ndarray) -> np.ndarray:
+    def pieces_within(self, mask: Mask) -> Integers:
         """The pixels of a part of the layout as unbroken pieces of rows, in row-major order.
 
         Parameters
@@ -117,22 +126,22 @@ class PixelLayout:
         return self.size == size and all(abs(new - old) <= SPACING_TOLERANCE * old for new, old in zip(spacing, self.spacing, strict=True))
 
     @cached_property
-    def _numbers(self) -> np.ndarray:
+    def _numbers(self) -> Integers:
         """The numbers of all pixels that count; made once, for new memory costs more than what is written into it."""
         numbers = np.arange(self.inside.size)
         numbers.flags.writeable = False
         return numbers
 
-    def has_any(self, kept: np.ndarray) -> bool:
+    def has_any(self, kept: Mask) -> bool:
         """Whether any of the pixels that count is among those `kept`, (rows, columns) bool of the whole image."""
         return bool((self.within_window(kept) & self.mask).any())
 
-    def values(self, image: np.ndarray) -> np.ndarray:
+    def values(self, image: Array) -> Singles:
         """The pixels that count, (n,) float32, of an image (rows, columns)."""
         return self._counting(self.within_window(image)).astype(np.float32)
 
     @cached_property
-    def coordinates(self) -> np.ndarray:
+    def coordinates(self) -> Floats:
         """Column and row in the image of the pixels that count, (2, n) float64, as shown."""
         top, _, left, right = self.window
         rows, columns = np.divmod(self.inside, right - left)
@@ -147,7 +156,7 @@ class PixelLayout:
         (left, top), (right, bottom) = self.moved.min(axis=1), self.moved.max(axis=1)
         return float(left), float(right), float(top), float(bottom)
 
-    def places(self, image_to_ijk: np.ndarray, pixels: np.ndarray) -> np.ndarray:
+    def places(self, image_to_ijk: Matrix, pixels: Integers) -> Floats:
         """Where pixels lie between voxels.
 
         Parameters
@@ -167,7 +176,7 @@ class PixelLayout:
         whole = np.rint(ijk)
         return np.where(np.abs(ijk - whole) < CENTER_TOLERANCE, whole, ijk)
 
-    def voxels(self, image_to_ijk: np.ndarray, grid_size: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
+    def voxels(self, image_to_ijk: Matrix, grid_size: tuple[int, int, int]) -> tuple[Integers, Integers]:
         """Which voxel each pixel falls into.
 
         Parameters
@@ -188,44 +197,46 @@ class PixelLayout:
         engine sums in this order, so that pixels on the border of two voxels fall into the same one everywhere.
         """
         if self.moved is not None:
-            return self._voxels_moved(image_to_ijk, grid_size)
+            return self._voxels_moved(self.moved, image_to_ijk, grid_size)
         top, bottom, left, right = self.window
         columns, rows = np.arange(left, right, dtype=np.float64), np.arange(top, bottom, dtype=np.float64)
         along_rows = image_to_ijk[:3, 1, None] * rows + (image_to_ijk[:3, 3, None] + 0.5)
         along_columns = image_to_ijk[:3, 0, None] * columns
         ends = along_rows[:, [0, -1], None] + along_columns[:, None, [0, -1]]
         leaves = (ends.min(axis=(1, 2)) < 0.0) | (ends.max(axis=(1, 2)) >= grid_size)
-        outside = np.zeros((rows.size, columns.size), dtype=bool) if leaves.any() else None
-        voxels = np.empty((rows.size, columns.size), np.int64 if outside is None else np.float64)
+        all_inside = not leaves.any()
+        outside = np.zeros((0, 0) if all_inside else (rows.size, columns.size), dtype=bool)
+        numbers: Numbers = np.empty((rows.size, columns.size), np.int64 if all_inside else np.float64)
         lines = [_floors_along_one(along_rows[axis, :, None], along_columns[axis, None]) for axis in range(3)]
         for first in range(0, rows.size, ROWS_AT_ONCE):
-            part, flat = slice(first, first + ROWS_AT_ONCE), 0.0
+            part, flat = slice(first, first + ROWS_AT_ONCE), np.zeros(())
             for axis in (2, 1, 0):
-                if lines[axis] is None:
+                line = lines[axis]
+                if line is None:
                     position = along_rows[axis, part, None] + along_columns[axis, None]
                     np.floor(position, out=position)
                 else:
-                    position = lines[axis][part] if len(lines[axis]) == rows.size else lines[axis]
+                    position = line[part] if len(line) == rows.size else line
                 if leaves[axis]:
                     outside[part] |= (position < 0.0) | (position >= grid_size[axis])
                 # Voxel numbers stay below 2^31: exact in float64, and cheaper to add up there than as integers
                 flat = flat * grid_size[axis] + position
-            voxels[part] = flat
-        voxels = self._counting(voxels)
-        if outside is None:
-            return self._numbers, voxels
+            numbers[part] = flat
+        voxels = self._counting(numbers)
+        if all_inside:
+            return self._numbers, voxels.astype(np.int64, copy=False)
         pixels = np.flatnonzero(~self._counting(outside))
         return pixels, voxels[pixels].astype(np.int64)
 
-    def _counting(self, window: np.ndarray) -> np.ndarray:
+    def _counting(self, window: NDArray[Value]) -> NDArray[Value]:
         """Of an array over the window, what belongs to the pixels that count, (n,); a view where all do."""
         flat = window.reshape(-1)
         return flat if flat.size == self.inside.size else flat[self.inside]
 
-    def _voxels_moved(self, image_to_ijk: np.ndarray, grid_size: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
+    def _voxels_moved(self, moved: Floats, image_to_ijk: Matrix, grid_size: tuple[int, int, int]) -> tuple[Integers, Integers]:
         """The same for pixels that are not where they are shown."""
-        column, row = self.moved
-        flat: np.ndarray | float = 0.0
+        column, row = moved
+        flat: Floats = np.zeros(())
         outside = np.zeros(self.inside.size, dtype=bool)
         for axis in (2, 1, 0):
             position = image_to_ijk[axis, 1] * row
@@ -239,7 +250,7 @@ class PixelLayout:
         return pixels, flat[pixels].astype(np.int64)
 
 
-def _floors_along_one(along_rows: np.ndarray, along_columns: np.ndarray) -> np.ndarray | None:
+def _floors_along_one(along_rows: Floats, along_columns: Floats) -> Floats | None:
     """The floors of `along_rows` (r, 1) + `along_columns` (1, c) as (r, 1) or (1, c), where one of both decides; None where not.
 
     Notes
@@ -247,8 +258,20 @@ def _floors_along_one(along_rows: np.ndarray, along_columns: np.ndarray) -> np.n
     So it is where an image lies in line with the grid. Neither turns back, and no more do their rounded sums: where the floors at both
     ends of a row are the same, so are all between them.
     """
-    ends = np.floor(along_rows + along_columns[:, [0, -1]])
+    ends: Floats = np.floor(along_rows + along_columns[:, [0, -1]])
     if np.array_equal(ends[:, 0], ends[:, 1]):
         return ends[:, :1]
     ends = np.floor(along_rows[[0, -1]] + along_columns)
     return ends[:1] if np.array_equal(ends[0], ends[1]) else None
+
+
+def in_fixed_point(image_to_ijk: Matrix) -> Matrix:
+    """A (4, 4) matrix with its numbers rounded as IGSIO's fixed-point type holds them.
+
+    Notes
+    -----
+    With whole columns and rows, places are then whole numbers of 2^-14 voxel, which doubles add up exactly: pixels fall into the voxels
+    of IGSIO's integer arithmetic. A pixel moves by at most (columns + rows + 1) 2^-15 voxels along an axis.
+    """
+    rounded: Matrix = np.rint(image_to_ijk * FIXED_POINT_ONE) / FIXED_POINT_ONE
+    return rounded

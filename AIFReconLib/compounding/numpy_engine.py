@@ -7,17 +7,22 @@ has pixels, instead of as many scalar ones as the image has.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from ..bone import BoneOnGrid
+from ..arrays import Integers, Singles
+from ..bone.map import BoneOnGrid
 from ..settings import ReconstructionSettings
 from . import rules
 from .batch import FrameBatch
 from .evidence import ScanLines
 from .layout import PixelLayout
 from .state import VoxelState
+
+NOTHING: Singles = np.empty(0, np.float32)
 
 LONG_RUN = 64
 """Pixels in the order of their voxels, on average, from which on the sort that merges such runs is the faster one."""
@@ -37,13 +42,13 @@ class VoxelGroups:
         Where each voxel's pixels begin in `order`, and how many there are.
     """
 
-    order: np.ndarray
-    voxels: np.ndarray
-    starts: np.ndarray
-    counts: np.ndarray
+    order: Integers
+    voxels: Integers
+    starts: Integers
+    counts: Integers
 
     @classmethod
-    def of(cls, voxels_of_pixels: np.ndarray) -> VoxelGroups:
+    def of(cls, voxels_of_pixels: Integers) -> VoxelGroups:
         """Group the pixels of `voxels_of_pixels` (m,) int64."""
         bits = max(int(voxels_of_pixels.size - 1).bit_length(), 1)
         keys = (voxels_of_pixels << bits) | np.arange(voxels_of_pixels.size)
@@ -59,11 +64,31 @@ class VoxelGroups:
         fullest_first = np.argsort((most - counts).astype(np.min_scalar_type(most)), kind="stable")
         return cls(order, keys[starts][fullest_first], starts[fullest_first], counts[fullest_first])
 
-    def rounds(self):
+    def rounds(self) -> Iterator[tuple[int, Integers]]:
         """Yield (n, positions) per round: the first n voxels take the pixels at `positions`."""
         for turn in range(int(self.counts[0])):
             active = int(np.searchsorted(-self.counts, -turn, side="left"))
             yield active, self.order[self.starts[:active] + turn]
+
+
+class _Beams(NamedTuple):
+    """The beams through pixels of a frame: their components along its axes, (m,), and these axes, (3,) in Reference."""
+
+    x: Singles
+    y: Singles
+    x_axis: Singles
+    y_axis: Singles
+
+    @classmethod
+    def of(cls, layout: PixelLayout, pixels: Integers | slice, axes: Singles) -> _Beams:
+        """Those through `pixels` of a layout; none where it has no beams."""
+        if layout.beam_x is None or layout.beam_y is None:
+            return cls(NOTHING, NOTHING, axes[:3], axes[3:])
+        return cls(layout.beam_x[pixels], layout.beam_y[pixels], axes[:3], axes[3:])
+
+    def of_pixels(self, pixels: Integers) -> _Beams:
+        """Some of them."""
+        return _Beams(self.x[pixels], self.y[pixels], self.x_axis, self.y_axis)
 
 
 class NumpyEngine:
@@ -98,8 +123,8 @@ class NumpyEngine:
         self._maximum = np.float32(maximum)
         self._alpha, self._beta = np.float32(settings.alpha), np.float32(settings.beta)
         self._floor, self._gain = np.float32(settings.weight_floor), np.float32(settings.bone_gain)
-        self._probability = None if bone is None else bone.probability.reshape(-1)
-        self._directions = None if bone is None else bone.directions_reference.reshape(-1, 3)
+        self._probability = NOTHING if bone is None else bone.probability.reshape(-1)
+        self._directions = NOTHING if bone is None else bone.directions_reference.reshape(-1, 3)
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
         """Put frames into the volume.
@@ -127,20 +152,20 @@ class NumpyEngine:
         entered = pixels.size
         if not entered:
             return 0
-        if entered == all_values.size:
-            # All of them: a view is enough
-            pixels = slice(None)
-        values, beam_x, beam_y = (None if array is None else array[pixels] for array in (all_values, layout.beam_x, layout.beam_y))
-        image_axes = batch.axes[place].reshape(2, 3)
+        # A view is enough where all enter
+        chosen = slice(None) if entered == all_values.size else pixels
+        values, beams = all_values[chosen], _Beams.of(layout, chosen, batch.axes[place])
         state, method = self.state, self.state.method
         np.add.at(state.hits, voxels, np.uint32(1))
         if state.cosine is not None:
-            np.maximum.at(state.cosine, voxels, self._cosine(voxels, beam_x, beam_y, image_axes))
+            np.maximum.at(state.cosine, voxels, self._cosine(voxels, beams))
         if method in ("aif", "aif-compensated"):
-            self._insert_aif(values, voxels, beam_x, beam_y, image_axes)
+            self._insert_aif(values, voxels, beams)
         elif method == "weighted":
+            if scan_lines is None:
+                raise ValueError("Input scan_lines must be given for method weighted; got None.")
             evidence = scan_lines.evidence(all_values, float(self._maximum))
-            self._insert_weighted(values, voxels, beam_x, beam_y, image_axes, evidence.reach[pixels], evidence.onset[pixels])
+            self._insert_weighted(values, voxels, beams, evidence.reach[chosen], evidence.onset[chosen])
         elif method == "average":
             np.add.at(state.value, voxels, values.astype(np.float64))
         elif method == "latest":
@@ -149,45 +174,45 @@ class NumpyEngine:
             np.maximum.at(state.value, voxels, values)
         return entered
 
-    def _insert_weighted(self, values, voxels, beam_x, beam_y, image_axes, reach, onset) -> None:
+    def _insert_weighted(self, values: Singles, voxels: Integers, beams: _Beams, reach: Singles, onset: Singles) -> None:
         """The weighted sum. Where no shadow begins, as nearly everywhere, its gate is closed: the bone map is not looked at."""
         weight, value = self._floor * reach, np.minimum(values, self._maximum)
         begins = np.flatnonzero(onset > 0)
         at = voxels[begins]
         gate = rules.weighted_gate(onset[begins], self._probability[at])
-        cosine = self._cosine(at, beam_x[begins], beam_y[begins], image_axes)
+        cosine = self._cosine(at, beams.of_pixels(begins))
         weight[begins] = rules.weighted_weight(gate, reach[begins], self._floor)
         value[begins] = rules.weighted_value(values[begins], gate, cosine, self._gain, self._beta, self._maximum)
         value *= weight
         np.add.at(self.state.value, voxels, value)
-        np.add.at(self.state.weight, voxels, weight)
+        np.add.at(self.state.weights, voxels, weight)
 
-    def _cosine(self, voxels: np.ndarray, beam_x, beam_y, image_axes) -> np.ndarray:
+    def _cosine(self, voxels: Integers, beams: _Beams) -> Singles:
         x, y, z = self._directions[voxels].T
-        return rules.cosine_of_incidence(beam_x, beam_y, rules.facing(x, y, z, image_axes[0]), rules.facing(x, y, z, image_axes[1]))
+        return rules.cosine_of_incidence(beams.x, beams.y, rules.facing(x, y, z, beams.x_axis), rules.facing(x, y, z, beams.y_axis))
 
-    def _insert_aif(self, values, voxels, beam_x, beam_y, image_axes) -> None:
+    def _insert_aif(self, values: Singles, voxels: Integers, beams: _Beams) -> None:
         """The paper's rule. The bone map is read once per voxel, not once per pixel."""
         state = self.state
         bone = np.flatnonzero(self._probability[voxels] != 0)
-        limited = np.minimum(values, self._maximum)
+        limited: Singles = np.minimum(values, self._maximum)
         if not bone.size:
             state.value[voxels] = limited
             return
         groups = VoxelGroups.of(voxels[bone])
         at = groups.voxels
-        value, count = state.value[at], state.weight[at]
+        value, count = state.value[at].astype(np.float32, copy=False), state.weights[at].astype(np.float32, copy=False)
         # Where no bone is expected the weight stays 0, and the rule comes down to the last pixel; elsewhere this is overwritten below
         state.value[voxels] = limited
         x, y, z = self._directions[at].T
-        facing_x, facing_y = rules.facing(x, y, z, image_axes[0]), rules.facing(x, y, z, image_axes[1])
+        facing_x, facing_y = rules.facing(x, y, z, beams.x_axis), rules.facing(x, y, z, beams.y_axis)
         probability = self._probability[at]
         compensated = state.method == "aif-compensated"
         for active, positions in groups.rounds():
             now, taken = slice(0, active), bone[positions]
-            cosine = rules.cosine_of_incidence(beam_x[taken], beam_y[taken], facing_x[now], facing_y[now])
+            cosine = rules.cosine_of_incidence(beams.x[taken], beams.y[taken], facing_x[now], facing_y[now])
             weight = rules.paper_angle_weight(cosine, self._beta, compensated) * probability[now]
             new = rules.paper_value(values[taken], weight, self._alpha, self._maximum)
             value[now] = rules.paper_update(value[now], count[now], new)
             count[now] += weight
-        state.value[at], state.weight[at] = value, count
+        state.value[at], state.weights[at] = value, count

@@ -6,32 +6,36 @@ from array import array
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..beams import SECTOR, ProbeGeometry
-from ..bone import BoneMap, BoneOnGrid
+from ..arrays import Mask, Matrix, Numbers, Reals, Singles
+from ..bone.map import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, SettingsError
-from ..frames import TrackedFrame
-from ..hole_kinds import HoleFilling, fill_as_asked
-from ..memory import require_memory
+from ..geometry.transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
+from ..geometry.volume import Volume, VoxelGrid
+from ..holes.fill import fill_as_asked
+from ..holes.filling import HoleFilling
+from ..imaging.beams import SECTOR, ProbeGeometry
+from ..imaging.region import ImageRegion, PixelFilter
+from ..imaging.sound_speed import depth_factor, depth_scale
+from ..machine.memory import require_memory
 from ..message import Message
-from ..pixel_filter import PixelFilter
 from ..progress import Progress
-from ..region import ImageRegion
 from ..settings import BONE_METHODS, ReconstructionSettings
-from ..sound_speed import depth_factor, depth_scale
-from ..transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
-from ..volume import Volume, VoxelGrid
+from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .engines import choose_engine
 from .evidence import ScanLines
-from .fixed_point import in_fixed_point
-from .image_kind import ImageKind
-from .layout import PixelLayout
+from .image_format import ImageKind
+from .layout import PixelLayout, in_fixed_point
 from .numpy_engine import NumpyEngine
-from .splat_engine import check_shares, splat_engine, uses_shares
+from .splat_engine import SplatEngine, check_shares, splat_engine, uses_shares
 from .state import VoxelState, bytes_per_voxel
+
+if TYPE_CHECKING:
+    from .compiled.numba_engine import NumbaEngine
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +83,7 @@ class FrameCounts:
     """Which frames entered and which did not; their numbers in arrays, because a scan of hours may skip most of its frames."""
 
     inserted: int = 0
-    skipped: dict[str, array] = field(default_factory=dict)
+    skipped: dict[str, array[int]] = field(default_factory=dict)
 
     def skip(self, reason: str, number: int) -> None:
         """Count frame `number` as skipped for `reason`."""
@@ -88,6 +92,15 @@ class FrameCounts:
     def copy(self) -> FrameCounts:
         """The counts as they are now."""
         return FrameCounts(self.inserted, {reason: numbers[:] for reason, numbers in self.skipped.items()})
+
+
+@dataclass(frozen=True)
+class _Work:
+    """What the first image decides: the kind of all images, the engine, and the batch that waits for it."""
+
+    images: ImageKind
+    engine: NumpyEngine | NumbaEngine | SplatEngine
+    batch: FrameBatch
 
 
 class Reconstructor:
@@ -141,7 +154,7 @@ class Reconstructor:
         probe: ProbeGeometry | None = None,
         region: ImageRegion | None = None,
         threads: int | None = None,
-        importance: np.ndarray | None = None,
+        importance: Reals | None = None,
         holes: tuple[HoleFilling, ...] = (),
         fixed_point: bool = False,
         progress: Progress | None = None,
@@ -178,21 +191,21 @@ class Reconstructor:
         self._engine_class, note = choose_engine(self.settings.engine)
         if note is not None:
             self._notes.append(note)
-        if moves_pixels and probe.kind == SECTOR and not self._shares and self._engine_class is not NumpyEngine:
+        curves_rows = moves_pixels and probe is not None and probe.kind == SECTOR
+        if curves_rows and not self._shares and self._engine_class is not NumpyEngine:
             # The other engine wants rows of pixels to be straight lines
             self._engine_class = NumpyEngine
             self._notes.append(Message("A sector's speed of sound is corrected for by the slower numpy engine. The voxels are the same."))
         self._threads = threads
         cost = bytes_per_voxel(self.method, self._needs_beams, self.settings.best_cosine, self._shares)
         require_memory(grid.size, grid.spacing, cost)
-        self._bone = self._place_bone(bone, progress) if self._needs_beams else None
+        self._bone = self._place_bone(bone, progress) if bone is not None and self._needs_beams else None
         self._state: VoxelState | None = VoxelState.empty(grid, self.method, self.settings.best_cosine, self._shares)
         self._layout: PixelLayout | None = None
-        self._stretch: np.ndarray | None = None
+        self._stretch: Matrix | None = None
         self._scan_lines: ScanLines | None = None
-        self._engine = None
-        self._batch: FrameBatch | None = None
         self._images: ImageKind | None = None
+        self._work: _Work | None = None
 
     def insert(self, frames: TrackedFrame | Iterable[TrackedFrame]) -> None:
         """Put a frame, or several in their order, into the volume.
@@ -206,12 +219,12 @@ class Reconstructor:
             When an image is not one of gray pixels, or its size or pixel type differs from that of the first. The frames before it have
             entered.
         """
-        self._require_unfinished()
+        state = self._unfinished()
         if isinstance(frames, TrackedFrame):
             frames = (frames,)
         try:
             for frame in frames:
-                self._add(frame)
+                self._add(frame, state)
         finally:
             self._compute()
 
@@ -226,19 +239,18 @@ class Reconstructor:
 
     def capture(self) -> Callable[[Progress | None], Reconstruction]:
         """Copy the voxels as they are now; the answer makes a volume of them, once, while more frames may already enter."""
-        self._require_unfinished()
-        return partial(self._result, self._state.copy(), self.counts.copy(), tuple(self._notes))
+        return partial(self._result, self._unfinished().copy(), self.counts.copy(), tuple(self._notes))
 
     def finish(self, progress: Progress | None = None) -> Reconstruction:
         """The final volume. No frame can follow: the bone map is released and the state handed over, which saves the memory of both."""
-        self._require_unfinished()
-        state, self._state = self._state, None
-        self._bone = self._engine = self._batch = None
+        state = self._unfinished()
+        self._state = self._bone = self._work = None
         return self._result(state, self.counts.copy(), tuple(self._notes), progress)
 
-    def _require_unfinished(self) -> None:
+    def _unfinished(self) -> VoxelState:
         if self._state is None:
             raise RuntimeError("finish() was called: this reconstructor has handed over its volume. Make a new one.")
+        return self._state
 
     def _result(self, state: VoxelState, counts: FrameCounts, notes: tuple[str, ...], progress: Progress | None) -> Reconstruction:
         """The volumes of a state that is not used any more."""
@@ -273,30 +285,33 @@ class Reconstructor:
             )
         return placed
 
-    def _add(self, frame: TrackedFrame) -> None:
+    def _add(self, frame: TrackedFrame, state: VoxelState) -> None:
         """Put a frame into the batch; what waits there is computed when it is full or the frame does not fit to it."""
         problem = self._why_not(frame)
         if problem is not None:
             self.counts.skip(problem, frame.number)
             return
-        image, pose = frame.image, frame.image_to_reference
-        if self._engine is None:
-            self._start(frame)
-        self._images.check(frame)
+        image, pose = frame.placed()
+        if self._work is None:
+            self._work = self._start(ImageKind.of(image, frame.number), state)
+        work = self._work
+        work.images.check(image, frame.number)
         spacing = pixel_spacing(pose)
         size = image.shape[1], image.shape[0]
         if self._layout is None or not self._layout.fits(size, spacing):
             self._compute()
             self._layout = self._lay_out(size, spacing)
-            self._scan_lines = ScanLines(self._layout, self._probe) if self.method == "weighted" else None
+            if self._probe is not None and self.method == "weighted":
+                self._scan_lines = ScanLines(self._layout, self._probe)
         kept = self._filter.kept(image)
         if kept is not None and not self._layout.has_any(kept):
             self.counts.skip(Message("nothing bright enough in the image"), frame.number)
             return
-        axes = tuple(axis.astype(np.float32) for axis in image_plane_axes(pose))
+        x_axis, y_axis = image_plane_axes(pose)
+        axes = x_axis.astype(np.float32), y_axis.astype(np.float32)
         image_to_ijk = self.grid.reference_to_ijk @ pose if self._stretch is None else self.grid.reference_to_ijk @ pose @ self._stretch
-        self._batch.add(image, in_fixed_point(image_to_ijk) if self._fixed_point else image_to_ijk, axes, frame.number, kept)
-        if self._batch.full:
+        work.batch.add(image, in_fixed_point(image_to_ijk) if self._fixed_point else image_to_ijk, axes, frame.number, kept)
+        if work.batch.full:
             self._compute()
 
     def _lay_out(self, size: tuple[int, int], spacing: tuple[float, float]) -> PixelLayout:
@@ -308,24 +323,19 @@ class Reconstructor:
 
     def _compute(self) -> None:
         """Bring what waits into the volume."""
-        batch = self._batch
-        if not batch:
+        work, layout = self._work, self._layout
+        if work is None or layout is None or not work.batch:
             return
+        batch = work.batch
         try:
-            entered = self._engine.insert(batch, self._layout, self._scan_lines)
+            entered = work.engine.insert(batch, layout, self._scan_lines)
             for place, (number, pixels) in enumerate(zip(batch.numbers, entered, strict=True)):
                 if pixels:
                     self.counts.inserted += 1
                 else:
-                    self.counts.skip(self._why_nothing_entered(batch.measured.get(place)), number)
+                    self.counts.skip(_why_nothing_entered(layout, batch.measured.get(place)), number)
         finally:
             batch.clear()
-
-    def _why_nothing_entered(self, measured: np.ndarray | None) -> Message:
-        """Of a frame of which these pixels, (rows, columns) bool, were measured; None: all."""
-        if measured is not None and not self._layout.has_any(measured):
-            return Message("no pixel in the image is a finite number")
-        return Message("outside the volume")
 
     @staticmethod
     def _why_not(frame: TrackedFrame) -> str | None:
@@ -338,26 +348,33 @@ class Reconstructor:
         problem = why_not_an_image_pose(frame.image_to_reference)
         return Message("image pose {problem}", problem=problem) if problem else None
 
-    def _start(self, frame: TrackedFrame) -> None:
-        images = ImageKind.of(frame)
+    def _start(self, images: ImageKind, state: VoxelState) -> _Work:
         self._images = images
         self._notes += images.warnings(self.method, self.settings)
+        engine: NumpyEngine | NumbaEngine | SplatEngine
         if self._shares:
-            self._engine = splat_engine(self.settings)(self._state, self.grid.size, self.settings, self._importance, self._threads)
+            engine = splat_engine(self.settings)(state, self.grid.size, self.settings, self._importance, self._threads)
         else:
             maximum = images.maximum(self.settings)
-            self._engine = self._engine_class(self._state, self.grid.size, self.settings, maximum, self._bone, self._threads)
-        self._batch = FrameBatch(images.shape, images.dtype, self._engine.frames_at_once)
+            engine = self._engine_class(state, self.grid.size, self.settings, maximum, self._bone, self._threads)
+        return _Work(images, engine, FrameBatch(images.shape, images.dtype, engine.frames_at_once))
 
-    def _to_output_type(self, values: np.ndarray) -> np.ndarray:
+    def _to_output_type(self, values: Singles) -> Numbers:
         wanted = self._images.output_type(self.settings) if self._images else self.settings.output_type
         if wanted != "uint8":
             return values
         np.floor(np.clip(values, 0.0, 255.0, out=values) + np.float32(0.5), out=values)
         return values.astype(np.uint8)
 
-    def _volume(self, array: np.ndarray) -> Volume:
+    def _volume(self, array: Numbers) -> Volume:
         return Volume(array, self.grid.ijk_to_reference)
+
+
+def _why_nothing_entered(layout: PixelLayout, measured: Mask | None) -> Message:
+    """Of a frame of which these pixels, (rows, columns) bool, were measured; None: all."""
+    if measured is not None and not layout.has_any(measured):
+        return Message("no pixel in the image is a finite number")
+    return Message("outside the volume")
 
 
 def needs_beams(method: str, settings: ReconstructionSettings) -> bool:

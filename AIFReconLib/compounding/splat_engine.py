@@ -7,16 +7,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import Floats, Integers, Mask, Matrix, Reals, Singles
 from ..errors import SettingsError
+from ..machine.threads import optional_module
 from ..message import Message, listed
-from ..settings import ReconstructionSettings
-from ..threads import optional_module
+from ..settings import LINEAR_METHODS, ReconstructionSettings
 from .batch import FrameBatch
+from .evidence import ScanLines
 from .layout import PixelLayout
 from .state import VoxelState
-
-LINEAR_METHODS = ("average", "latest", "maximum")
-"""In the order of the rules' numbers in `numba_splat`."""
 
 LEAST_SHARE = 0.125
 """Latest and maximum: a pixel acts on the corners that get at least this much of it, as all eight do from the middle."""
@@ -28,12 +27,12 @@ PIXELS_AT_ONCE = 65_536
 """How many pixels spread at a time: it bounds the memory, and what is used again is still in the cache."""
 
 
-def uses_shares(settings: ReconstructionSettings, importance: np.ndarray | None) -> bool:
+def uses_shares(settings: ReconstructionSettings, importance: Reals | None) -> bool:
     """Whether a reconstruction is this engine's."""
     return settings.interpolation == "linear" or importance is not None
 
 
-def check_shares(method: str, settings: ReconstructionSettings, importance: np.ndarray | None) -> None:
+def check_shares(method: str, settings: ReconstructionSettings, importance: Reals | None) -> None:
     """Raise `SettingsError` where linear interpolation or an importance mask does not fit the method."""
     if settings.interpolation == "linear" and (method not in LINEAR_METHODS or settings.best_cosine):
         wish = Message("method {method}", method=method) if method not in LINEAR_METHODS else Message("the cosine of incidence")
@@ -73,7 +72,7 @@ class SplatEngine:
         state: VoxelState,
         grid_size: tuple[int, int, int],
         settings: ReconstructionSettings,
-        importance: np.ndarray | None = None,
+        importance: Reals | None = None,
         threads: int | None = None,
     ):
         self.state = state
@@ -81,7 +80,7 @@ class SplatEngine:
         self._linear = settings.interpolation == "linear"
         self._importance = importance
 
-    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: None = None) -> list[int]:
+    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None = None) -> list[int]:
         """Put frames into the volume; returns how many pixels entered of each. `scan_lines` is not looked at.
 
         Raises
@@ -96,9 +95,8 @@ class SplatEngine:
         counts = np.ones(len(values), dtype=bool)
         if place in batch.measured:
             counts &= layout.values(batch.measured[place]) > 0
-        importance = None
-        if self._importance is not None:
-            importance = self._weights(layout)
+        importance = self._weights(layout)
+        if importance is not None:
             counts &= importance > 0
         pixels = np.flatnonzero(counts)
         if not self._linear:
@@ -111,15 +109,15 @@ class SplatEngine:
             )
         return entered
 
-    def _insert_nearest(self, image_to_ijk, layout: PixelLayout, values, counts, importance) -> int:
+    def _insert_nearest(self, image_to_ijk: Matrix, layout: PixelLayout, values: Singles, counts: Mask, importance: Reals | None) -> int:
         """Pixels that enter one voxel each."""
         pixels, voxels = layout.voxels(image_to_ijk, self._grid_size)
         kept = counts[pixels]
         pixels, voxels = pixels[kept], voxels[kept]
         self._add(voxels, values[pixels], None if importance is None else importance[pixels])
-        return pixels.size
+        return int(pixels.size)
 
-    def _spread(self, places: np.ndarray, values: np.ndarray, importance: np.ndarray | None) -> int:
+    def _spread(self, places: Floats, values: Singles, importance: Reals | None) -> int:
         """Pixels at `places` (3, n) float64, [i, j, k] in voxels, enter the voxels around them; returns how many could.
 
         Notes
@@ -150,7 +148,7 @@ class SplatEngine:
         self._add(voxels[enough], values[pixel], share)
         return values.size
 
-    def _add(self, voxels: np.ndarray, values: np.ndarray, weights: np.ndarray | None) -> None:
+    def _add(self, voxels: Integers, values: Singles, weights: Reals | None) -> None:
         """Contributions (n,), in order."""
         state = self.state
         np.add.at(state.hits, voxels, np.uint32(1))
@@ -161,10 +159,12 @@ class SplatEngine:
         else:
             weights = np.ones(len(values)) if weights is None else weights.astype(np.float64)
             np.add.at(state.value, voxels, weights * values)
-            np.add.at(state.weight, voxels, weights)
+            np.add.at(state.weights, voxels, weights)
 
-    def _weights(self, layout: PixelLayout) -> np.ndarray:
-        """The importance of the pixels that count, (n,) float32."""
+    def _weights(self, layout: PixelLayout) -> Singles | None:
+        """The importance of the pixels that count, (n,) float32; None where all count alike."""
+        if self._importance is None:
+            return None
         columns, rows = layout.size
         if self._importance.shape != (rows, columns):
             got = f"{self._importance.shape[1]} x {self._importance.shape[0]}"
@@ -180,5 +180,6 @@ class SplatEngine:
 def splat_engine(settings: ReconstructionSettings) -> type[SplatEngine]:
     """The compiled engine where pixels spread and numba is there and not ruled out; else `SplatEngine`."""
     wanted = settings.interpolation == "linear" and settings.engine != "numpy"
-    module = optional_module("AIFReconLib.compounding.numba_splat") if wanted else None
-    return SplatEngine if module is None else module.NumbaSplatEngine
+    module = optional_module("AIFReconLib.compounding.compiled.numba_splat") if wanted else None
+    engine: type[SplatEngine] = SplatEngine if module is None else module.NumbaSplatEngine
+    return engine

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..arrays import Reals, Singles
+from ..geometry.volume import VoxelGrid
 from ..settings import BONE_METHODS
-from ..volume import VoxelGrid
 
 MAP_BYTES = 4 + 3 * 4
 """Probability and direction of the bone map, per voxel."""
@@ -36,15 +38,15 @@ class VoxelState:
     """
 
     method: str
-    hits: np.ndarray
-    value: np.ndarray
-    weight: np.ndarray | None
-    cosine: np.ndarray | None
+    hits: NDArray[np.uint32]
+    value: Reals
+    weight: Reals | None
+    cosine: Singles | None
 
     @classmethod
     def empty(cls, grid: VoxelGrid, method: str, best_cosine: bool, shares: bool = False) -> VoxelState:
         """State before the first frame. With `shares`, an average keeps the sum of what pixels count."""
-        value = np.zeros(grid.voxels, dtype=np.float64 if method == "average" else np.float32)
+        value: Reals = np.zeros(grid.voxels, dtype=np.float64 if method == "average" else np.float32)
         if method == "maximum":
             value.fill(-np.inf)
         return cls(
@@ -55,7 +57,20 @@ class VoxelState:
             cosine=np.zeros(grid.voxels, dtype=np.float32) if best_cosine else None,
         )
 
-    def intensity(self) -> np.ndarray:
+    @property
+    def weights(self) -> Reals:
+        """`weight`, for methods that keep one.
+
+        Raises
+        ------
+        ValueError
+            When this one does not.
+        """
+        if self.weight is None:
+            raise ValueError(f"Input state must be one that keeps weights; method {self.method} has none here.")
+        return self.weight
+
+    def intensity(self) -> Singles:
         """The reconstructed values, (voxels,) float32; 0 where nothing was measured.
 
         It may be the state's own array, so no frame may follow; take a `copy` first where one will.
@@ -63,12 +78,13 @@ class VoxelState:
         if self.method in ("average", "weighted"):
             divisor = self.hits if self.weight is None else self.weight
             result = np.zeros(self.value.shape, dtype=np.float32)
-            return np.divide(self.value, divisor, out=result, where=self.hits > 0, casting="same_kind")
+            np.divide(self.value, divisor, out=result, where=self.hits > 0, casting="same_kind")
+            return result
         if self.method == "maximum":
             np.copyto(self.value, 0, where=self.hits == 0)
-        return self.value
+        return self.value.astype(np.float32, copy=False)
 
-    def score(self) -> np.ndarray:
+    def score(self) -> Singles:
         """How much good evidence each voxel has, (voxels,) float32: the sum of weights; methods without weights count each pixel as 1.
 
         May be the state's own array.
@@ -83,7 +99,7 @@ class VoxelState:
         return [spec.name for spec in fields(self) if isinstance(getattr(self, spec.name), np.ndarray)]
 
 
-def _no_weights(voxels: int, method: str, shares: bool) -> np.ndarray | None:
+def _no_weights(voxels: int, method: str, shares: bool) -> Reals | None:
     if method in BONE_METHODS:
         return np.zeros(voxels, dtype=np.float32)
     return np.zeros(voxels, dtype=np.float64) if shares and method == "average" else None

@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import importlib.util
 import io
+from collections.abc import Collection
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..arrays import Floats
 from ..errors import OutputError
-from ..io.atomic import atomic_output
-from ..volume import Volume, VoxelGrid
+from ..geometry.volume import Volume, VoxelGrid
+from ..io.disk.atomic import atomic_output
 from .slices import AXIAL, CORONAL, SAGITTAL, Plane, cut, extent_along
 from .surface import BoneSurface
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 CT_WINDOW = (-200.0, 700.0)
 """Hounsfield units shown from black to white: soft tissue and bone."""
@@ -48,7 +56,7 @@ def compare_figure(
     path: str | Path,
     ct: Volume,
     reconstructions: dict[str, Volume],
-    center_ras,
+    center_ras: ArrayLike,
     bone: Volume | None = None,
     mask: Volume | None = None,
     title: str = "",
@@ -81,7 +89,12 @@ def compare_figure(
 
 
 def comparison_png(
-    ct: Volume, reconstructions: dict[str, Volume], center_ras, bone: Volume | None = None, mask: Volume | None = None, title: str = ""
+    ct: Volume,
+    reconstructions: dict[str, Volume],
+    center_ras: ArrayLike,
+    bone: Volume | None = None,
+    mask: Volume | None = None,
+    title: str = "",
 ) -> bytes:
     """The picture of `compare_figure` as the bytes of a PNG file."""
     png = io.BytesIO()
@@ -89,7 +102,7 @@ def comparison_png(
     return png.getvalue()
 
 
-def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> np.ndarray:
+def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> Floats:
     """A place worth looking at: in the middle of the spinous process that is nearest to the middle of a volume, (3,) mm in RAS.
 
     Notes
@@ -106,10 +119,13 @@ def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> np.ndarray:
         points = surface.points_reference[inside & (surface.labels == label)]
         edges.append(points[points[:, 1] <= np.quantile(points[:, 1], 0.01)].mean(axis=0))
     away = [abs(edge[2] - corners[:, 2].mean()) for edge in edges]
-    return edges[int(np.argmin(away))] + (0.0, SPINOUS_LENGTH / 2, 0.0)
+    place: Floats = edges[int(np.argmin(away))] + (0.0, SPINOUS_LENGTH / 2, 0.0)
+    return place
 
 
-def _draw(ct: Volume, reconstructions: dict[str, Volume], center_ras, bone: Volume | None, mask: Volume | None, title: str):
+def _draw(
+    ct: Volume, reconstructions: dict[str, Volume], center_ras: ArrayLike, bone: Volume | None, mask: Volume | None, title: str
+) -> Figure:
     require_matplotlib()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -168,8 +184,7 @@ def _draw(ct: Volume, reconstructions: dict[str, Volume], center_ras, bone: Volu
     return figure
 
 
-def _brightest(volumes) -> float:
-    volumes = list(volumes)
+def _brightest(volumes: Collection[Volume]) -> float:
     if all(volume.array.dtype == np.uint8 for volume in volumes):
         return 255.0
     return max(float(np.nanmax(volume.array)) for volume in volumes) or 1.0
@@ -180,25 +195,26 @@ def _shortened(name: str) -> str:
     return name if len(name) <= LONGEST_NAME else "\N{HORIZONTAL ELLIPSIS}" + name[1 - LONGEST_NAME :]
 
 
-def _size(grid, plane: Plane) -> tuple[float, float]:
+def _size(grid: VoxelGrid, plane: Plane) -> tuple[float, float]:
     spans = (np.subtract(*extent_along(grid, direction)[::-1]) for direction in (plane.right_ras, plane.down_ras))
     width, height = spans
     return float(width), float(height)
 
 
-def _middle(grid, plane: Plane, center_ras) -> np.ndarray:
+def _middle(grid: VoxelGrid, plane: Plane, center_ras: ArrayLike) -> Floats:
     """The middle of the grid within the plane, at the depth of `center_ras` across it."""
     right, down = np.asarray(plane.right_ras, float), np.asarray(plane.down_ras, float)
     across = np.cross(right, down)
     along = [sum(extent_along(grid, d)) / 2 * d for d in (right, down)]
-    return along[0] + along[1] + across * (np.asarray(center_ras, float) @ across)
+    middle: Floats = along[0] + along[1] + across * (np.asarray(center_ras, float) @ across)
+    return middle
 
 
 def _extent(width: float, height: float) -> tuple[float, float, float, float]:
     return 0.0, width, height, 0.0
 
 
-def _bare(ax, plane: Plane) -> None:
+def _bare(ax: Axes, plane: Plane) -> None:
     ax.set_xticks([])
     ax.set_yticks([])
     ax.set_facecolor(NOT_SCANNED)
@@ -209,7 +225,7 @@ def _bare(ax, plane: Plane) -> None:
         ax.text(x, y, letter, color=INK, alpha=0.7, fontsize=7, ha=horizontal, va=vertical, transform=ax.transAxes)
 
 
-def _scale_bar(ax, size: tuple[float, float], length: float = 20.0) -> None:
+def _scale_bar(ax: Axes, size: tuple[float, float], length: float = 20.0) -> None:
     width, height = size
     x, y = width - length - 0.04 * width, 0.93 * height
     ax.plot([x, x + length], [y, y], color=INK, linewidth=1.5, solid_capstyle="butt")

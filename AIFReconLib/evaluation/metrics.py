@@ -23,9 +23,10 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from scipy import ndimage
 
+from ..arrays import Array, Floats, Integers, Mask, Numbers, Reals, Singles
 from ..errors import GeometryError
-from ..transforms import transform_points
-from ..volume import Volume
+from ..geometry.transforms import transform_points
+from ..geometry.volume import Volume
 from .surface import nearest
 from .visibility import REACHED, SHADOWED, BoneTruth
 
@@ -86,7 +87,7 @@ class SurfaceMetrics:
     localization_bias, localization_error : float, mm
         Mean and mean absolute distance of the peak from the surface, over covered points; positive: before it, toward the probe.
     coverage : float, 0 to 1
-        Share of the area that is covered [4]_: its response is a peak within 1.5 mm of the surface, not the slope of something
+        Part of the area that is covered [4]_: its response is a peak within 1.5 mm of the surface, not the slope of something
         farther, and exceeds the mean of the tissue before it by 3.5 standard deviations of gray within such tissue. Places not
         measured are not covered.
     """
@@ -180,15 +181,15 @@ class _Responses:
     """Of every chosen point of the surface: area (mm^2), response of bone (n,), gray levels of the tissue before it (n, samples) and
     their maxima in windows (n, 3), whether covered, place of the peak and width (mm; NaN where not covered)."""
 
-    areas: np.ndarray
-    bone: np.ndarray
-    tissue: np.ndarray
-    windows: np.ndarray
-    covered: np.ndarray
-    peaks: np.ndarray
-    widths: np.ndarray
+    areas: Floats
+    bone: Floats
+    tissue: Floats
+    windows: Floats
+    covered: Mask
+    peaks: Floats
+    widths: Floats
 
-    def summary(self, part: np.ndarray) -> SurfaceMetrics:
+    def summary(self, part: Mask) -> SurfaceMetrics:
         areas, bone, tissue, covered = self.areas[part], self.bone[part], self.tissue[part], self.covered[part]
         tissue_mean, tissue_std = _mean_std(tissue, areas[:, None])
         contrast = _mean_std(bone, areas)[0] - tissue_mean
@@ -205,7 +206,7 @@ class _Responses:
         )
 
 
-def _responses(gray: np.ndarray, measured: np.ndarray, volume: Volume, truth: BoneTruth, chosen: np.ndarray) -> _Responses:
+def _responses(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth, chosen: Integers) -> _Responses:
     surface = truth.surface
     normals = surface.normals_reference[chosen]
     points = surface.points_reference[chosen, None] + OFFSETS[:, None] * normals[:, None]
@@ -230,7 +231,7 @@ def _responses(gray: np.ndarray, measured: np.ndarray, volume: Volume, truth: Bo
     return _Responses(surface.areas[chosen], response, tissue, windows, covered, peaks, widths)
 
 
-def _profiles(gray: np.ndarray, measured: np.ndarray, volume: Volume, points: np.ndarray) -> np.ndarray:
+def _profiles(gray: Singles, measured: Mask, volume: Volume, points: Floats) -> Floats:
     """Linear values of the measured voxels at points (..., 3) in Reference; NaN where they hold less than half of the weight."""
     coordinates = transform_points(volume.grid.reference_to_ijk, points).reshape(-1, 3).T[::-1]
     weights = ndimage.map_coordinates(measured.astype(np.float32), coordinates, order=1, output=np.float32)
@@ -239,13 +240,13 @@ def _profiles(gray: np.ndarray, measured: np.ndarray, volume: Volume, points: np
     return np.where(known, values / np.where(known, weights, 1.0), np.nan).reshape(points.shape[:-1]).astype(np.float64)
 
 
-def _tissue(profiles: np.ndarray, points: np.ndarray, truth: BoneTruth) -> np.ndarray:
+def _tissue(profiles: Floats, points: Floats, truth: BoneTruth) -> Floats:
     """The part of the profiles from 3 to 8 mm; NaN where there is other bone, or no beam."""
     part = _columns(*TISSUE)
     places = points[:, part].reshape(-1, 3)
     is_tissue = _distances(truth, places) >= TISSUE_FROM_BONE
     if truth.shadows is not None:
-        is_tissue &= _statuses(truth, places) == REACHED
+        is_tissue &= _statuses(truth.shadows, places) == REACHED
     return np.where(is_tissue.reshape(profiles[:, part].shape), profiles[:, part], np.nan)
 
 
@@ -254,7 +255,7 @@ def _columns(first: float, last: float, profiles_start: float = OFFSETS[0]) -> s
     return slice(round((first - profiles_start) / STEP), round((last - profiles_start) / STEP) + 1)
 
 
-def _highest(profiles: np.ndarray, first: float, last: float, profiles_start: float = OFFSETS[0]) -> tuple[np.ndarray, np.ndarray]:
+def _highest(profiles: Floats, first: float, last: float, profiles_start: float = OFFSETS[0]) -> tuple[Floats, Integers]:
     """The greatest value of each profile from `first` to `last` (mm), and its column; NaN unless half of the samples are known."""
     part = _columns(first, last, profiles_start)
     window = profiles[:, part]
@@ -265,7 +266,7 @@ def _highest(profiles: np.ndarray, first: float, last: float, profiles_start: fl
     return np.where(2 * known.sum(axis=1) >= window.shape[1], highest, np.nan), place + part.start
 
 
-def _peaks_and_widths(profiles: np.ndarray, local: np.ndarray, covered: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _peaks_and_widths(profiles: Floats, local: Floats, covered: Mask) -> tuple[Floats, Floats]:
     """Where the peaks of covered points lie (mm before the surface), and their full widths at half maximum (mm).
 
     Notes
@@ -300,7 +301,7 @@ def _peaks_and_widths(profiles: np.ndarray, local: np.ndarray, covered: np.ndarr
     return peaks, widths
 
 
-def _shadow(gray: np.ndarray, measured: np.ndarray, volume: Volume, truth: BoneTruth) -> tuple[float, float]:
+def _shadow(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth) -> tuple[float, float]:
     """Mean and standard deviation of gray levels in the shadow of bone."""
     if truth.shadows is None:
         deep = np.argwhere(truth.distance.array <= -SHADOW_FROM_SURFACE)[:, ::-1]
@@ -312,11 +313,11 @@ def _shadow(gray: np.ndarray, measured: np.ndarray, volume: Volume, truth: BoneT
         points = points[np.abs(_distances(truth, points)) >= SHADOW_FROM_SURFACE]
     ijk = transform_points(volume.grid.reference_to_ijk, points)
     known = nearest(Volume(measured, volume.ijk_to_reference), ijk).astype(bool)
-    values = nearest(Volume(gray, volume.ijk_to_reference), ijk[known])
+    values = np.asarray(nearest(Volume(gray, volume.ijk_to_reference), ijk[known]), dtype=gray.dtype)
     return _mean_std(values)
 
 
-def _speckle_snr(gray: np.ndarray, measured: np.ndarray, volume: Volume, truth: BoneTruth) -> float:
+def _speckle_snr(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth) -> float:
     """Median of mean over standard deviation in cubes of soft tissue."""
     side = np.maximum(np.round(SPECKLE_BLOCK / volume.grid.spacing[::-1]), 2).astype(int)
     blocks = np.array(gray.shape) // side
@@ -324,9 +325,10 @@ def _speckle_snr(gray: np.ndarray, measured: np.ndarray, volume: Volume, truth: 
         return np.nan
     cut = tuple(slice(0, b * s) for b, s in zip(blocks, side))
 
-    def by_block(array):
+    def by_block(array: Array) -> Floats:
         split = array[cut].reshape(blocks[0], side[0], blocks[1], side[1], blocks[2], side[2])
-        return split.sum(axis=(1, 3, 5), dtype=np.float64)
+        sums: Floats = split.sum(axis=(1, 3, 5), dtype=np.float64)
+        return sums
 
     count = by_block(measured)
     filled = count >= 0.5 * side.prod()
@@ -338,35 +340,36 @@ def _speckle_snr(gray: np.ndarray, measured: np.ndarray, volume: Volume, truth: 
     points = transform_points(volume.ijk_to_reference, kji[..., ::-1].reshape(-1, 3))
     is_tissue = _distances(truth, points) >= SPECKLE_FROM_BONE
     if truth.shadows is not None:
-        is_tissue &= _statuses(truth, points, outside=REACHED) == REACHED
-    used = tuple(used[is_tissue.reshape(-1, len(corners)).all(axis=1)].T)
-    mean = by_block(gray)[used] / count[used]
-    variance = np.maximum(by_block(np.square(gray, dtype=np.float64))[used] / count[used] - mean**2, 0.0)
+        is_tissue &= _statuses(truth.shadows, points, outside=REACHED) == REACHED
+    cubes = tuple(used[is_tissue.reshape(-1, len(corners)).all(axis=1)].T)
+    mean = by_block(gray)[cubes] / count[cubes]
+    variance = np.maximum(by_block(np.square(gray, dtype=np.float64))[cubes] / count[cubes] - mean**2, 0.0)
     speckled = variance > 1e-9 * mean**2
     return float(np.median(mean[speckled] / np.sqrt(variance[speckled]))) if speckled.any() else np.nan
 
 
-def _within(volume: Volume, points: np.ndarray) -> np.ndarray:
+def _within(volume: Volume, points: Floats) -> Mask:
     ijk = transform_points(volume.grid.reference_to_ijk, points)
-    return ((ijk >= -0.5) & (ijk <= np.array(volume.grid.size) - 0.5)).all(axis=1)
+    within: Mask = np.all((ijk >= -0.5) & (ijk <= np.array(volume.grid.size) - 0.5), axis=1)
+    return within
 
 
-def _distances(truth: BoneTruth, points: np.ndarray) -> np.ndarray:
+def _distances(truth: BoneTruth, points: Floats) -> Numbers:
     """Signed distance to bone at points (n, 3) in Reference, mm; beyond the volume no bone is near."""
     return nearest(truth.distance, transform_points(truth.distance.grid.reference_to_ijk, points), outside=np.inf)
 
 
-def _statuses(truth: BoneTruth, points: np.ndarray, outside: int = 0) -> np.ndarray:
-    return nearest(truth.shadows, transform_points(truth.shadows.grid.reference_to_ijk, points), outside)
+def _statuses(shadows: Volume, points: Floats, outside: int = 0) -> Numbers:
+    return nearest(shadows, transform_points(shadows.grid.reference_to_ijk, points), outside)
 
 
-def _exceeds(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def _exceeds(a: Floats, b: Floats) -> Floats:
     """1 where a > b, one half where they are equal but for rounding, 0 where a < b, NaN where either is not known."""
     difference = np.where(np.isfinite(a) & np.isfinite(b), a - b, np.nan)
     return np.where(np.abs(difference) <= 1e-5 * np.abs(a), 0.5, (np.sign(difference) + 1) / 2)
 
 
-def _mean_std(values: np.ndarray, weights: np.ndarray | float = 1.0) -> tuple[float, float]:
+def _mean_std(values: Reals, weights: Floats | float = 1.0) -> tuple[float, float]:
     """Weighted mean and standard deviation of the values that are not NaN; NaN where there are none."""
     known = np.isfinite(values)
     weights = np.broadcast_to(weights, values.shape)[known]
@@ -377,7 +380,7 @@ def _mean_std(values: np.ndarray, weights: np.ndarray | float = 1.0) -> tuple[fl
     return mean, float(np.sqrt(np.sum(weights * (values[known] - mean) ** 2, dtype=np.float64) / total))
 
 
-def _median(values: np.ndarray, weights: np.ndarray) -> float:
+def _median(values: Floats, weights: Floats) -> float:
     """Weighted median of the values that are not NaN; NaN where there are none."""
     known = np.isfinite(values)
     if not known.any():

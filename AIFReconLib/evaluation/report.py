@@ -13,7 +13,7 @@ import numpy
 import scipy
 
 from .. import __version__
-from ..io.atomic import write_text
+from ..io.disk.atomic import write_text
 from ..settings import ReconstructionSettings
 from .metrics import OBLIQUE_DEG, BoneMetrics
 from .quantities import NOT_KNOWN, OF_SURFACE, OF_VOLUME, PARTS, QUANTITIES, best_of, cell, what_counted

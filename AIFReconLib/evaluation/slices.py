@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import ndimage
 
-from ..volume import Volume, VoxelGrid
+from ..arrays import Floats
+from ..geometry.volume import Volume, VoxelGrid
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ AXIAL = Plane("axial", (1, 0, 0), (0, 1, 0), ("L", "R", "P", "A"))
 CORONAL = Plane("coronal", (1, 0, 0), (0, 0, -1), ("L", "R", "S", "I"))
 
 
-def cut(volume: Volume, plane: Plane, center_ras, width: float, height: float, pitch: float = 0.5, order: int = 1) -> np.ndarray:
+def cut(volume: Volume, plane: Plane, center_ras: ArrayLike, width: float, height: float, pitch: float = 0.5, order: int = 1) -> Floats:
     """Sample a volume on a plane.
 
     Parameters
@@ -55,10 +57,11 @@ def cut(volume: Volume, plane: Plane, center_ras, width: float, height: float, p
         + down[:, None, None] * np.asarray(plane.down_ras, dtype=np.float64)
     )
     ijk = points @ volume.grid.reference_to_ijk[:3, :3].T + volume.grid.reference_to_ijk[:3, 3]
-    return ndimage.map_coordinates(volume.array.astype(np.float64), np.moveaxis(ijk[..., ::-1], -1, 0), order=order, cval=np.nan)
+    places = np.moveaxis(ijk[..., ::-1], -1, 0)
+    return ndimage.map_coordinates(volume.array.astype(np.float64), places, np.float64, 0 if order == 0 else 1, cval=np.nan)
 
 
-def extent_along(grid: VoxelGrid, direction_ras) -> tuple[float, float]:
+def extent_along(grid: VoxelGrid, direction_ras: ArrayLike) -> tuple[float, float]:
     """Least and greatest coordinate of a grid's corners along a RAS direction, mm."""
     along = grid.corners() @ np.asarray(direction_ras, dtype=np.float64)
     return float(along.min()), float(along.max())

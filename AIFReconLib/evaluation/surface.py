@@ -6,14 +6,16 @@ Results are measured against this surface, never against the smoothed probabilit
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
+from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import GeometryError
-from ..transforms import transform_points
-from ..volume import Volume
+from ..geometry.transforms import transform_points
+from ..geometry.volume import Volume
 
 DISTANCE_LIMIT = 12.0
 """mm. Distances to bone are known up to here; farther is cut off."""
@@ -33,8 +35,8 @@ GAP_FACING_DEG = 60.0
 GAP_HALF_WIDTH = 10.0
 """mm from the midline: spinous process and laminae, without the facets."""
 
-GAP_POSTERIOR_SHARE = 0.33
-"""The border begins at this share of the way from a vertebra's center of mass to the tip of its spinous process: behind the canal."""
+GAP_POSTERIOR_FROM = 0.33
+"""The border begins at this part of the way from a vertebra's center of mass to the tip of its spinous process: behind the canal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +54,10 @@ class BoneSurface:
         Which bone, as in the segmentation; 1 everywhere where there is none.
     """
 
-    points_reference: np.ndarray
-    normals_reference: np.ndarray
-    areas: np.ndarray
-    labels: np.ndarray
+    points_reference: Floats
+    normals_reference: Floats
+    areas: Floats
+    labels: Integers
 
     def __len__(self) -> int:
         return len(self.areas)
@@ -154,14 +156,14 @@ def bone_surface(distance: Volume, labels: Volume | None = None, pitch: float = 
         wanted = int(np.ceil(areas.sum() / pitch**2))
         if wanted < len(areas):
             kept = np.floor((np.arange(wanted) + 0.5) * (len(areas) / wanted)).astype(np.int64)
-            share = areas.sum() / areas[kept].sum()
-            ijk, normals_grid, areas = ijk[kept], normals_grid[kept], areas[kept] * share
+            scale = areas.sum() / areas[kept].sum()
+            ijk, normals_grid, areas = ijk[kept], normals_grid[kept], areas[kept] * scale
     points = transform_points(distance.ijk_to_reference, ijk)
     normals = normals_grid @ (distance.ijk_to_reference[:3, :3] / spacing).T
     return BoneSurface(points, normals, areas, _label_of(points, normals, labels))
 
 
-def interspinous_border(surface: BoneSurface, centers_reference: dict[int, np.ndarray]) -> np.ndarray:
+def interspinous_border(surface: BoneSurface, centers_reference: dict[int, Floats]) -> Mask:
     """Which points bound an interspinous gap: the edges of spinous processes and laminae that face the next vertebra.
 
     Parameters
@@ -180,7 +182,7 @@ def interspinous_border(surface: BoneSurface, centers_reference: dict[int, np.nd
     -----
     A point is on the border when all of these hold. The nearest point on another vertebra is within `GAP_LIMIT`, and the way there
     is within `GAP_FACING_DEG` of the point's normal. It lies within `GAP_HALF_WIDTH` of the vertebra's midplane, and farther
-    posterior than `GAP_POSTERIOR_SHARE` of the way from the center of mass to the tip (exceeded by 1% of the vertebra's points),
+    posterior than `GAP_POSTERIOR_FROM` of the way from the center of mass to the tip (exceeded by 1% of the vertebra's points),
     which leaves out the bodies with their discs and the facets. The spine's axis at a vertebra is the line through the centers of
     the vertebrae next to it. Posterior is where the surface's third moment about the center of mass points, across that axis:
     transverse processes are a pair and cancel out, the spinous process has no counterpart.
@@ -211,18 +213,18 @@ def interspinous_border(surface: BoneSurface, centers_reference: dict[int, np.nd
         facing = (way * normals).sum(axis=1) >= np.cos(np.radians(GAP_FACING_DEG)) * np.linalg.norm(way, axis=1)
         behind = across @ posterior
         midline = np.abs(across @ np.cross(axis, posterior)) <= GAP_HALF_WIDTH
-        border[here] = near & facing & midline & (behind > GAP_POSTERIOR_SHARE * np.quantile(behind, 0.99))
+        border[here] = near & facing & midline & (behind > GAP_POSTERIOR_FROM * np.quantile(behind, 0.99))
     return border
 
 
-def centers_of_mass(labels: Volume) -> dict[int, np.ndarray]:
+def centers_of_mass(labels: Volume) -> dict[int, Floats]:
     """The center of mass of each label above 0, (3,) float64 in Reference, mm."""
     numbers = [int(label) for label in np.unique(labels.array) if label > 0]
-    centers_kji = ndimage.center_of_mass(labels.array > 0, labels.array, numbers)
+    centers_kji = ndimage.center_of_mass(labels.array > 0, cast("Integers", labels.array), numbers)
     return {label: transform_points(labels.ijk_to_reference, np.array(kji)[::-1]) for label, kji in zip(numbers, centers_kji)}
 
 
-def _label_of(points: np.ndarray, normals: np.ndarray, labels: Volume | None) -> np.ndarray:
+def _label_of(points: Floats, normals: Floats, labels: Volume | None) -> Integers:
     """The label just under each point: the first above 0 within 2 mm, else 1."""
     result = np.zeros(len(points), dtype=np.int64)
     if labels is not None:
@@ -234,11 +236,11 @@ def _label_of(points: np.ndarray, normals: np.ndarray, labels: Volume | None) ->
     return result
 
 
-def _sample(array: np.ndarray, ijk: np.ndarray) -> np.ndarray:
+def _sample(array: Numbers, ijk: Floats) -> Floats:
     return ndimage.map_coordinates(array, ijk.T[::-1], order=1, mode="nearest", output=np.float64)
 
 
-def nearest(volume: Volume, ijk: np.ndarray, outside=0) -> np.ndarray:
+def nearest(volume: Volume, ijk: Floats, outside: float = 0) -> Numbers:
     """Values of the nearest voxels to points (n, 3) given as (i, j, k); `outside` beyond the volume."""
     numbers = np.floor(ijk + 0.5).astype(np.int64)
     known = ((numbers >= 0) & (numbers < volume.grid.size)).all(axis=1)

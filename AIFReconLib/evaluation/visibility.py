@@ -10,15 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..beams import LINEAR, ProbeGeometry
+from ..arrays import Bytes, Floats, Integers, Mask, Matrix
 from ..errors import GeometryError
-from ..frames import TrackedSequence
-from ..poses import sweep_poses
+from ..geometry.transforms import image_plane_axes, invert, pixel_spacing, transform_points
+from ..geometry.volume import Volume, VoxelGrid
+from ..imaging.beams import LINEAR, ProbeGeometry
+from ..imaging.region import ImageRegion
 from ..progress import Progress, part, report
-from ..reconstruction import resolve_imaging
-from ..region import ImageRegion
-from ..transforms import image_plane_axes, invert, pixel_spacing, transform_points
-from ..volume import Volume, VoxelGrid
+from ..resolve import resolve_imaging
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import sweep_poses
 from .surface import BoneSurface, bone_surface, centers_of_mass, distance_from_labels, interspinous_border
 
 BEAM_THICKNESS = 3.0
@@ -58,13 +59,13 @@ class SweepBeams:
         Full width of the beam across the imaging plane, the same at every depth.
     """
 
-    image_to_reference: np.ndarray
+    image_to_reference: Matrix
     frame_size: tuple[int, int]
     probe: ProbeGeometry
     region: ImageRegion
     thickness: float = BEAM_THICKNESS
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.image_to_reference.ndim != 3 or self.image_to_reference.shape[1:] != (4, 4):
             raise GeometryError(
                 "Input image_to_reference must have shape (frames, 4, 4); got {shape}.", shape=self.image_to_reference.shape
@@ -87,7 +88,7 @@ class SweepBeams:
         poses = sweep_poses(sequence, image_to_reference, reference)
         usable = poses.require_usable(sequence.name)
         imaging = resolve_imaging(sequence, poses, True, region, probe)
-        return cls(poses.image_to_reference[usable], sequence.frame_size, imaging.probe, imaging.region, thickness)
+        return cls(poses.image_to_reference[usable], sequence.frame_size, imaging.known_probe(), imaging.region, thickness)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +110,8 @@ class BoneTruth:
 
     surface: BoneSurface
     distance: Volume
-    border: np.ndarray
-    best_cosine: np.ndarray | None = None
+    border: Mask
+    best_cosine: Floats | None = None
     shadows: Volume | None = None
 
 
@@ -145,12 +146,12 @@ def bone_truth(
 
 
 def look(
-    points_reference: np.ndarray,
+    points_reference: Floats,
     sweep: SweepBeams,
     distance: Volume,
-    normals_reference: np.ndarray | None = None,
+    normals_reference: Floats | None = None,
     progress: Progress | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Bytes, Floats]:
     """Whether a beam of the sweep reaches each point, and how squarely.
 
     Parameters
@@ -206,7 +207,7 @@ def look(
     return status, best
 
 
-def _in_beam(points: np.ndarray, image_to_reference: np.ndarray, sweep: SweepBeams, kept: np.ndarray):
+def _in_beam(points: Floats, image_to_reference: Matrix, sweep: SweepBeams, kept: Mask) -> tuple[Integers, Floats, Floats]:
     """Numbers of the points within a frame's beam, beam directions there in Reference (m, 3), and mm from where the beam begins."""
     right, down = image_plane_axes(image_to_reference)
     across = np.cross(right, down)
@@ -223,7 +224,7 @@ def _in_beam(points: np.ndarray, image_to_reference: np.ndarray, sweep: SweepBea
     spacing = pixel_spacing(image_to_reference)
     if sweep.probe.kind == LINEAR:
         return near, np.broadcast_to(down, (len(near), 3)), np.maximum(pixels[:, 1], 0.0) * spacing[1]
-    x, y = ((pixels - sweep.probe.apex_px) * spacing).T
+    x, y = ((pixels - sweep.probe.apex) * spacing).T
     length = np.hypot(x, y)
     with np.errstate(invalid="ignore"):
         beams = np.where(length[:, None] > 0, (x[:, None] * right + y[:, None] * down) / length[:, None], 0.0)
@@ -237,7 +238,7 @@ class _Bone:
         self._inside = np.pad(distance.array <= 0, 1)
         self._to_ijk = distance.grid.reference_to_ijk
 
-    def blocks(self, starts: np.ndarray, beams: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    def blocks(self, starts: Floats, beams: Floats, lengths: Floats) -> Mask:
         """Whether bone lies between each start and `lengths` mm (m,) against its beam, (m,) bool."""
         blocked = np.zeros(len(starts), dtype=bool)
         active = np.arange(len(starts))

@@ -14,12 +14,14 @@ import math
 from dataclasses import dataclass, field, fields
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..arrays import Bytes, Floats, Integers, Matrix, Singles
 from ..errors import SettingsError
+from ..geometry.transforms import invert, transform_points
+from ..geometry.volume import Volume, VoxelGrid
 from ..message import Message
 from ..progress import Progress, part, report
-from ..transforms import invert, transform_points
-from ..volume import Volume, VoxelGrid
 from .computed_tomography import hounsfield_units
 from .soft_tissue import SoftTissue, make_texture
 from .vertebra import BODY_LIFT, LAMINA_THICKNESS, VERTEBRA_BOX, Vertebra
@@ -92,7 +94,7 @@ class LumbarAnatomy:
     lordosis_deg: float = _size(6.0, 1.3, 1.0, 10.0)
     irregularity: float = 1.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.vertebrae not in (2, 3, 4):
             raise SettingsError("Input vertebrae must be 2, 3 or 4; got {vertebrae!r}.", vertebrae=self.vertebrae)
         for size in fields(self):
@@ -178,7 +180,7 @@ class LumbarAnatomy:
         return tuple(spines)
 
 
-def _pose_on_arc(anatomy: LumbarAnatomy, angle: float, jitter: np.ndarray) -> np.ndarray:
+def _pose_on_arc(anatomy: LumbarAnatomy, angle: float, jitter: Floats) -> Matrix:
     """Vertebra to Reference at an angle (radians, superior positive) along the arc, with small tilts and shifts."""
     turn = np.deg2rad(np.array([0.7, 1.2, 1.5]) * jitter[:3])
     tilt = _rotation(0, angle + turn[0]) @ _rotation(1, turn[1]) @ _rotation(2, turn[2])
@@ -189,7 +191,7 @@ def _pose_on_arc(anatomy: LumbarAnatomy, angle: float, jitter: np.ndarray) -> np
     return pose
 
 
-def _rotation(axis: int, angle: float) -> np.ndarray:
+def _rotation(axis: int, angle: float) -> Floats:
     """Right-handed rotation (3, 3) by an angle in radians about a coordinate axis."""
     a, b = (axis + 1) % 3, (axis + 2) % 3
     matrix = np.eye(3)
@@ -220,23 +222,23 @@ class LumbarPhantom:
     vertebrae: tuple[Vertebra, ...]
     ct: Volume
     labels: Volume
-    ct_to_reference: np.ndarray
+    ct_to_reference: Matrix
     bone_distance: Volume
     soft_tissue: SoftTissue
 
-    def skin_y(self, x, z) -> np.ndarray:
+    def skin_y(self, x: ArrayLike, z: ArrayLike) -> Floats:
         """y of the skin in Reference at (x, z), mm."""
         return self.soft_tissue.skin_y(x, z)
 
-    def scattering_db(self, points_reference: np.ndarray, beams_reference: np.ndarray) -> np.ndarray:
+    def scattering_db(self, points_reference: Floats, beams_reference: Floats) -> Singles:
         """Strength of the echo of soft tissue; see `SoftTissue.scattering_db`."""
         return self.soft_tissue.scattering_db(points_reference, beams_reference)
 
-    def spinous_tips(self) -> np.ndarray:
+    def spinous_tips(self) -> Floats:
         """Middle of the hind edge of each spinous process in Reference, (vertebrae, 3), mm."""
         return np.array([transform_points(v.vertebra_to_reference, np.array(v.spinous_tip)) for v in self.vertebrae])
 
-    def spinolaminar_junctions(self) -> np.ndarray:
+    def spinolaminar_junctions(self) -> Floats:
         """Where laminae and spinous process meet in Reference, (vertebrae, 3), mm."""
         return np.array([v.vertebra_to_reference[:3, 3] for v in self.vertebrae])
 
@@ -245,7 +247,7 @@ def make_lumbar_phantom(
     anatomy: LumbarAnatomy | None = None,
     *,
     spacing: float = 1.0,
-    ct_to_reference: np.ndarray | None = None,
+    ct_to_reference: Matrix | None = None,
     ct_noise: float = 18.0,
     progress: Progress | None = None,
 ) -> LumbarPhantom:
@@ -271,14 +273,14 @@ def make_lumbar_phantom(
     anatomy = anatomy or LumbarAnatomy()
     vertebrae = anatomy.vertebrae_in_place()
     low, high = _extent(anatomy)
-    grid = VoxelGrid.from_spacing(low, np.ceil((high - low) / spacing).astype(int) + 1, spacing)
+    grid = VoxelGrid.from_spacing(low, (np.ceil((high - low) / spacing).astype(int) + 1).tolist(), spacing)
     distance, owner = _bone_on_grid(vertebrae, grid, part(progress, 0.0, 0.5))
     bone_distance = Volume(distance, grid.ijk_to_reference)
     placed_grid, placement = grid, np.eye(4)
     if ct_to_reference is not None:
         placement = np.asarray(ct_to_reference, dtype=np.float64)
         corners_ct = transform_points(invert(placement), grid.corners())
-        size = np.ceil(np.ptp(corners_ct, axis=0) / spacing).astype(int) + 1
+        size = (np.ceil(np.ptp(corners_ct, axis=0) / spacing).astype(int) + 1).tolist()
         ct_grid = VoxelGrid.from_spacing(corners_ct.min(axis=0), size, spacing)
         placed_grid = VoxelGrid(ct_grid.size, placement @ ct_grid.ijk_to_reference)
         distance, owner = _bone_on_grid(vertebrae, placed_grid, part(progress, 0.5, 0.7))
@@ -308,14 +310,14 @@ def _soft_tissue(anatomy: LumbarAnatomy) -> SoftTissue:
     )
 
 
-def _extent(anatomy: LumbarAnatomy) -> tuple[np.ndarray, np.ndarray]:
+def _extent(anatomy: LumbarAnatomy) -> tuple[Floats, Floats]:
     """Corners of the scanned box in Reference: the labeled vertebrae, a hand's breadth of muscle, and some air behind the back."""
     half = (anatomy.vertebrae - 1) / 2 * (anatomy.body_height + anatomy.disc_height)
     front = anatomy.skin_to_lamina + anatomy.body_depth_from_lamina + anatomy.body_depth / 2 + 14.0
     return np.array([-66.0, -20.0, -half - 32.0]), np.array([66.0, front, half + 34.0])
 
 
-def _bone_on_grid(vertebrae: tuple[Vertebra, ...], grid: VoxelGrid, progress: Progress | None) -> tuple[np.ndarray, np.ndarray]:
+def _bone_on_grid(vertebrae: tuple[Vertebra, ...], grid: VoxelGrid, progress: Progress | None) -> tuple[Singles, Bytes]:
     """Signed distance to bone (float32, mm, cut off at `DISTANCE_LIMIT`) and the label of the nearest vertebra, both [k, j, i]."""
     nearest = np.full(grid.shape, DISTANCE_LIMIT, dtype=np.float32)
     owner = np.zeros(grid.shape, dtype=np.uint8)
@@ -340,8 +342,9 @@ def _bone_on_grid(vertebrae: tuple[Vertebra, ...], grid: VoxelGrid, progress: Pr
     return nearest, owner
 
 
-def affine_coordinates(ijk_to_frame: np.ndarray, first, last) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def affine_coordinates(ijk_to_frame: Matrix, first: Integers, last: Integers) -> tuple[Singles, Singles, Singles]:
     """Coordinates x, y, z of the voxels first..last (i, j, k, both included) in a frame, three [k, j, i] float32 arrays."""
     i, j, k = (np.arange(a, b + 1, dtype=np.float32) for a, b in zip(first, last))
     m = ijk_to_frame.astype(np.float32)
-    return tuple(m[r, 0] * i[None, None, :] + m[r, 1] * j[None, :, None] + (m[r, 2] * k + m[r, 3])[:, None, None] for r in range(3))
+    x, y, z = (m[r, 0] * i[None, None, :] + m[r, 1] * j[None, :, None] + (m[r, 2] * k + m[r, 3])[:, None, None] for r in range(3))
+    return x, y, z

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..volume import VoxelGrid
+from ..arrays import Reals, Singles
+from ..geometry.volume import VoxelGrid
 from .implicit_shapes import ellipse
 from .soft_tissue import LIGAMENT_HALF_WIDTH, SKIN_THICKNESS, SoftTissue
 
@@ -28,8 +30,8 @@ AIR, SKIN, FAT, MUSCLE, LIGAMENT, DISC, SAC, BLOOD, TRABECULAR, CORTICAL = (
 
 
 def hounsfield_units(
-    tissue: SoftTissue, grid_in_reference: VoxelGrid, bone_distance: np.ndarray, noise: float, rng: np.random.Generator
-) -> np.ndarray:
+    tissue: SoftTissue, grid_in_reference: VoxelGrid, bone_distance: Singles, noise: float, rng: np.random.Generator
+) -> NDArray[np.int16]:
     """HU on a grid, [k, j, i] int16.
 
     Parameters
@@ -52,8 +54,8 @@ def hounsfield_units(
         fibers, sheets = (tissue.sample_texture(kind, x, y, z) for kind in (0, 1))
         soft = _soft_tissue(tissue, x, y, z, fibers, sheets, spacing)
         distance = bone_distance[k]
-        bone = _share(distance, spacing)
-        core = _share(distance + CORTICAL_THICKNESS, spacing)
+        bone = _part_inside(distance, spacing)
+        core = _part_inside(distance + CORTICAL_THICKNESS, spacing)
         solid = CORTICAL + (TRABECULAR + 35.0 * sheets - CORTICAL) * core
         hounsfield = soft + (solid - soft) * bone
         if noise > 0:
@@ -63,12 +65,13 @@ def hounsfield_units(
     return values
 
 
-def _share(distance, spacing: float):
-    """Share of a voxel that lies inside a surface, by its center's signed distance."""
-    return np.clip(0.5 - distance / spacing, 0.0, 1.0)
+def _part_inside(distance: Reals, spacing: float) -> Reals:
+    """How much of a voxel lies inside a surface, by its center's signed distance."""
+    inside: Reals = np.clip(0.5 - distance / spacing, 0.0, 1.0)
+    return inside
 
 
-def _soft_tissue(tissue: SoftTissue, x, y, z, fibers, sheets, spacing: float) -> np.ndarray:
+def _soft_tissue(tissue: SoftTissue, x: Singles, y: Singles, z: Singles, fibers: Singles, sheets: Singles, spacing: float) -> Reals:
     """HU without bone and noise, at points given by float32 arrays of one shape."""
     radius = np.hypot(y - np.float32(tissue.arc_center_y), z)
     depth = radius - np.float32(tissue.skin_radius) - tissue.skin_relief(x)
@@ -97,4 +100,5 @@ def _soft_tissue(tissue: SoftTissue, x, y, z, fibers, sheets, spacing: float) ->
     disc = ellipse(x, forward - tissue.body_center, *tissue.body_radii)
     value = np.where((disc < 0) & column & (canal > 0), DISC + 8.0 * np.clip(disc / 4.0, -1.0, 0.0), value)
     skin = np.where(depth < SKIN_THICKNESS, SKIN, value)
-    return AIR + (skin - AIR) * _share(-depth, spacing)
+    hounsfield: Reals = AIR + (skin - AIR) * _part_inside(-depth, spacing)
+    return hounsfield

@@ -7,15 +7,17 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import sparse
 
-from ..beams import SECTOR, ProbeGeometry
+from ..arrays import Floats, Integers, Matrix
 from ..errors import SettingsError
-from ..region import Fan, ImageRegion
-from ..transforms import as_matrix, invert
+from ..geometry.transforms import as_matrix, invert
+from ..imaging.beams import SECTOR, ProbeGeometry
+from ..imaging.region import Fan, ImageRegion
 
 
-def _default_transducer_to_probe() -> np.ndarray:
+def _default_transducer_to_probe() -> Matrix:
     """Marker on the handle, 90 mm from the face, turned and tilted as clamps are. (4, 4), mm."""
     angle = math.radians(24.0)
     turn = np.array([[math.cos(angle), 0.0, math.sin(angle)], [0.0, 1.0, 0.0], [-math.sin(angle), 0.0, math.cos(angle)]])
@@ -61,9 +63,9 @@ class PhasedArray:
     elevation_focus: float = 50.0
     elevation_width: float = 2.2
     elevation_aperture: float = 7.0
-    transducer_to_probe: np.ndarray = field(default_factory=_default_transducer_to_probe)
+    transducer_to_probe: Matrix = field(default_factory=_default_transducer_to_probe)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not 20.0 <= self.field_of_view_deg <= 120.0:
             raise SettingsError("Input field_of_view_deg must be 20 to 120; got {angle!r}.", angle=self.field_of_view_deg)
         if not (self.depth >= 20.0 and self.apex_offset >= 0.5):
@@ -107,7 +109,7 @@ class PhasedArray:
     def fan(self) -> Fan:
         """The sector, in pixels."""
         half = self.field_of_view_deg / 2
-        return Fan(self.apex_px, (-half, half), tuple(radius / self.pixel_spacing for radius in self.radii))
+        return Fan(self.apex_px, (-half, half), (self.radii[0] / self.pixel_spacing, self.radii[1] / self.pixel_spacing))
 
     @property
     def region(self) -> ImageRegion:
@@ -115,7 +117,7 @@ class PhasedArray:
         return ImageRegion(fan=self.fan)
 
     @property
-    def image_to_transducer(self) -> np.ndarray:
+    def image_to_transducer(self) -> Matrix:
         """(4, 4), pixels to mm: the apex is `apex_offset` behind the face."""
         s = self.pixel_spacing
         matrix = np.diag([s, s, s, 1.0])
@@ -123,34 +125,35 @@ class PhasedArray:
         return matrix
 
     @property
-    def image_to_probe(self) -> np.ndarray:
+    def image_to_probe(self) -> Matrix:
         """The calibration, (4, 4), pixels to mm."""
         return self.transducer_to_probe @ self.image_to_transducer
 
-    def miscalibrated(self, transducer_error: np.ndarray) -> PhasedArray:
+    def miscalibrated(self, transducer_error: Matrix) -> PhasedArray:
         """The same probe with its transducer elsewhere on it than `transducer_to_probe` said: moved by a (4, 4) in its own frame."""
         return replace(self, transducer_to_probe=self.transducer_to_probe @ transducer_error)
 
-    def probe_to_reference(self, transducer_to_reference: np.ndarray) -> np.ndarray:
+    def probe_to_reference(self, transducer_to_reference: Matrix) -> Matrix:
         """Where the marker is when the transducer is there, (4, 4)."""
         return transducer_to_reference @ invert(self.transducer_to_probe)
 
-    def elevation_fwhm(self, depth):
+    def elevation_fwhm(self, depth: ArrayLike) -> Floats:
         """The beam's full width at half maximum across the image plane, mm, at a depth under the face (array or number)."""
         defocus = (np.asarray(depth, dtype=np.float64) - self.elevation_focus) / self.elevation_focus
-        return np.hypot(self.elevation_width, self.elevation_aperture * defocus)
+        width: Floats = np.hypot(self.elevation_width, self.elevation_aperture * defocus)
+        return width
 
     @cached_property
-    def beam_angles(self) -> np.ndarray:
+    def beam_angles(self) -> Floats:
         """From the middle beam toward +x, (lines,) float64, radians."""
         return np.linspace(-self.half_angle, self.half_angle, self.lines)
 
     @cached_property
-    def ranges(self) -> np.ndarray:
+    def ranges(self) -> Floats:
         """Distance of the samples from the apex, (samples,) float64, mm."""
         return np.linspace(*self.radii, self.samples)
 
-    def beam_points(self, ranges: np.ndarray) -> np.ndarray:
+    def beam_points(self, ranges: Floats) -> Floats:
         """Points at these distances from the apex on every beam, (lines, ranges, 3) float64, in the transducer frame, mm."""
         points = np.zeros((self.lines, len(ranges), 3))
         points[..., 0] = np.sin(self.beam_angles)[:, None] * ranges
@@ -158,7 +161,7 @@ class PhasedArray:
         return points
 
     @cached_property
-    def scan_conversion(self) -> tuple[np.ndarray, sparse.csr_matrix]:
+    def scan_conversion(self) -> tuple[Integers, sparse.csr_matrix[np.float32]]:
         """Pixels of the sector, and the bilinear weights that give them from samples.
 
         Returns

@@ -11,13 +11,15 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import ndimage
 from scipy.spatial.transform import Rotation, Slerp
 
+from ..arrays import Floats, Matrix
 from ..errors import SettingsError
-from ..frames import FrameRecord, TrackedSequence
+from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ..progress import Progress, report
-from ..transform_graph import TransformName, TransformSample, TransformStatus
+from ..sweep.frames import FrameRecord, TrackedSequence
 from .phased_array import PhasedArray
 from .ultrasound import UltrasoundEffects, UltrasoundTarget, simulate_frame
 
@@ -35,11 +37,11 @@ REFERENCE_TO_TRACKER = TransformName("Reference", "Tracker")
 class ScannedBack(UltrasoundTarget, Protocol):
     """A target with a skin to put the probe on and a spine to aim at."""
 
-    def skin_y(self, x, z) -> np.ndarray:
+    def skin_y(self, x: ArrayLike, z: ArrayLike) -> Floats:
         """Where the skin is at x, z in Reference, mm."""
         ...
 
-    def spinous_tips(self) -> np.ndarray:
+    def spinous_tips(self) -> Floats:
         """Tips of the spinous processes in Reference, (n, 3), mm."""
         ...
 
@@ -48,8 +50,8 @@ class ScannedBack(UltrasoundTarget, Protocol):
 class ProbePath:
     """Where the transducer is and when: (frames, 4, 4) transducer_to_reference in mm and (frames,) timestamps in s, rising."""
 
-    transducer_to_reference: np.ndarray
-    timestamps: np.ndarray
+    transducer_to_reference: Matrix
+    timestamps: Floats
 
     def __len__(self) -> int:
         return len(self.timestamps)
@@ -83,7 +85,7 @@ class TrackingErrors:
     time_offset : float, s
         By how much recorded poses are late; between two passes they are interpolated over the turn.
     dropout : float, 0 to 1
-        Share of frames in which the probe is out of the tracker's view, in runs.
+        Part of the frames in which the probe is out of the tracker's view, in runs.
     """
 
     noise: float = 0.0
@@ -93,7 +95,7 @@ class TrackingErrors:
     time_offset: float = 0.0
     dropout: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         values = (self.noise, self.noise_deg, self.calibration, self.calibration_deg)
         if min(values) < 0 or not math.isfinite(sum(values) + self.time_offset):
             raise SettingsError("Input tracking errors must be finite and not negative; got {errors}.", errors=self)
@@ -109,7 +111,7 @@ def contact_pose(
     orientation: str = TRANSVERSE,
     in_plane_tilt_deg: float = 0.0,
     elevational_tilt_deg: float = 0.0,
-) -> np.ndarray:
+) -> Matrix:
     """The transducer on the skin, its middle beam through a point 30 mm under the skin at (target_x, target_z).
 
     Parameters
@@ -167,20 +169,29 @@ def single_angle_sweep(
     margin : float, mm
         How far the pass goes beyond the first and last spinous process's tip (transverse); sagittal passes cover 26 mm either side.
     offset : float, 0 to 1
-        Where in its share of the way each frame is taken: passes of different offsets interleave.
+        Where in its part of the way each frame is taken: passes of different offsets interleave.
     """
     if frames < 1:
         raise SettingsError("Input frames must be 1 or more; got {frames!r}.", frames=frames)
     tips = phantom.spinous_tips()
-    share = (np.arange(frames) + offset) / frames
+    way = (np.arange(frames) + offset) / frames
     middle = tips[:, 2].mean()
     if orientation == TRANSVERSE:
-        positions_z = tips[:, 2].max() + margin - share * (np.ptp(tips[:, 2]) + 2 * margin)
+        positions_z = tips[:, 2].max() + margin - way * (np.ptp(tips[:, 2]) + 2 * margin)
         targets = [(0.0, z) for z in positions_z]
     else:
-        targets = [(x, middle) for x in -26.0 + 52.0 * share]
-    tilts = {"in_plane_tilt_deg": in_plane_tilt_deg, "elevational_tilt_deg": elevational_tilt_deg}
-    poses = [contact_pose(phantom, x, z, orientation=orientation, **tilts) for x, z in targets]
+        targets = [(x, middle) for x in -26.0 + 52.0 * way]
+    poses = [
+        contact_pose(
+            phantom,
+            x,
+            z,
+            orientation=orientation,
+            in_plane_tilt_deg=in_plane_tilt_deg,
+            elevational_tilt_deg=elevational_tilt_deg,
+        )
+        for x, z in targets
+    ]
     return ProbePath(np.array(poses), np.arange(frames) / FRAME_RATE)
 
 
@@ -231,20 +242,20 @@ def freehand_sweep(phantom: ScannedBack, frames: int = 150, *, seed: int = 0, ti
     wander = ndimage.gaussian_filter1d(rng.standard_normal((5, frames)), frames / 12, axis=1, mode="reflect")
     wander /= np.abs(wander).max(axis=1, keepdims=True)
     speed = np.maximum(1.0 + 0.6 * wander[0], 0.2)
-    share = np.cumsum(speed) - speed[0]
+    way = np.cumsum(speed) - speed[0]
     tips = phantom.spinous_tips()
-    positions_z = tips[:, 2].max() + margin - share / share[-1] * (np.ptp(tips[:, 2]) + 2 * margin)
-    poses = [
+    positions_z = tips[:, 2].max() + margin - way / way[-1] * (np.ptp(tips[:, 2]) + 2 * margin)
+    on_skin = [
         contact_pose(phantom, 5.0 * side, z, in_plane_tilt_deg=1.2 * tilt_deg * a, elevational_tilt_deg=0.7 * tilt_deg * e)
         for z, side, a, e in zip(positions_z, *wander[1:4])
     ]
-    poses = np.array(poses)
+    poses = np.array(on_skin)
     turns = Rotation.from_rotvec(np.deg2rad(8.0) * wander[4][:, None] * np.array([[0.0, 1.0, 0.0]])).as_matrix()
     poses[:, :3, :3] = poses[:, :3, :3] @ turns
     return ProbePath(poses, np.arange(frames) / FRAME_RATE)
 
 
-def random_rigid(translation: float, rotation_deg: float, rng: np.random.Generator, about=(0.0, 0.0, 0.0)) -> np.ndarray:
+def random_rigid(translation: float, rotation_deg: float, rng: np.random.Generator, about: ArrayLike = (0.0, 0.0, 0.0)) -> Matrix:
     """A rigid motion of exactly this length (mm) of the point `about`, and this angle, in random directions; (4, 4)."""
     direction, axis = (v / np.linalg.norm(v) for v in rng.standard_normal((2, 3)))
     matrix = np.eye(4)
@@ -253,12 +264,12 @@ def random_rigid(translation: float, rotation_deg: float, rng: np.random.Generat
     return matrix
 
 
-def ct_misregistration(translation: float, rotation_deg: float, seed: int, about=(0.0, 0.0, 0.0)) -> np.ndarray:
+def ct_misregistration(translation: float, rotation_deg: float, seed: int, about: ArrayLike = (0.0, 0.0, 0.0)) -> Matrix:
     """A wrong registration, (4, 4) from Reference to Reference: `error @ ct_to_reference` moves `about` by exactly `translation` mm."""
     return random_rigid(translation, rotation_deg, np.random.default_rng([seed, 20]), about)
 
 
-def tracker_poses(timestamps: np.ndarray) -> np.ndarray:
+def tracker_poses(timestamps: Floats) -> Matrix:
     """ReferenceToTracker, (n, 4, 4), mm: a camera 1.4 m away; the patient's marker rocks by half a millimeter as they breathe."""
     pose = np.eye(4)
     pose[:3, :3] = Rotation.from_euler("xyz", [112.0, -17.0, 38.0], degrees=True).as_matrix()
@@ -321,14 +332,14 @@ def simulate_sweep(
     return TrackedSequence(images, records)
 
 
-def _dropouts(frames: int, share: float, rng: np.random.Generator) -> list[TransformStatus]:
-    """Statuses of the probe: out of view in runs of some frames, `share` of all frames rounded."""
+def _dropouts(frames: int, dropout: float, rng: np.random.Generator) -> list[TransformStatus]:
+    """Statuses of the probe: out of view in runs of some frames, `dropout` of all frames rounded."""
     smooth = ndimage.gaussian_filter1d(rng.standard_normal(frames), 1.5, mode="reflect") + 1e-9 * np.arange(frames)
-    lost = np.argsort(smooth)[: round(share * frames)]
+    lost = np.argsort(smooth)[: round(dropout * frames)]
     return [TransformStatus.OUT_OF_VIEW if n in set(lost.tolist()) else TransformStatus.OK for n in range(frames)]
 
 
-def plus_configuration_xml(probe: PhasedArray, image_to_probe: np.ndarray | None = None, output_spacing: float = 0.5) -> str:
+def plus_configuration_xml(probe: PhasedArray, image_to_probe: Matrix | None = None, output_spacing: float = 0.5) -> str:
     """The text of a Plus device set configuration: calibration, scan conversion and volume reconstruction of this probe.
 
     Parameters

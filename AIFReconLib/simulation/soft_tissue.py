@@ -8,8 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import ndimage
 
+from ..arrays import Floats, Reals, Singles
 from .implicit_shapes import ellipse
 
 SKIN_THICKNESS = 2.0
@@ -49,35 +51,38 @@ class SoftTissue:
     body_center: float
     body_radii: tuple[float, float]
     body_angles: tuple[float, float]
-    texture: np.ndarray
+    texture: Singles
 
     @property
     def skin_radius(self) -> float:
         """Of the skin's arc in the midline."""
         return -self.arc_center_y
 
-    def skin_relief(self, x) -> np.ndarray:
+    def skin_relief(self, x: ArrayLike) -> Floats:
         """How much farther forward the skin lies at x than in the midline, mm: the back's roundness and the furrow between the muscles."""
-        x = np.asarray(x)
-        return x * x / 560.0 - 2.5 * (1.0 - np.exp(-((x / 24.0) ** 2)))
+        at: Floats = np.asarray(x)
+        relief: Floats = at * at / 560.0 - 2.5 * (1.0 - np.exp(-((at / 24.0) ** 2)))
+        return relief
 
-    def skin_y(self, x, z) -> np.ndarray:
+    def skin_y(self, x: ArrayLike, z: ArrayLike) -> Floats:
         """y of the skin in Reference at (x, z), mm."""
-        z = np.asarray(z, dtype=np.float64)
-        return self.arc_center_y + np.sqrt((self.skin_radius + self.skin_relief(x)) ** 2 - z * z)
+        height = np.asarray(z, dtype=np.float64)
+        y: Floats = self.arc_center_y + np.sqrt((self.skin_radius + self.skin_relief(x)) ** 2 - height * height)
+        return y
 
-    def fat_depth(self, x) -> np.ndarray:
+    def fat_depth(self, x: Singles) -> Singles:
         """Depth of the thoracolumbar fascia under the skin at x, mm: a little deeper over the furrow."""
-        return SKIN_THICKNESS + (self.fat_thickness - SKIN_THICKNESS) * (0.72 + 0.28 * np.exp(-((x / 18.0) ** 2)))
+        depth: Singles = SKIN_THICKNESS + (self.fat_thickness - SKIN_THICKNESS) * (0.72 + 0.28 * np.exp(-((x / 18.0) ** 2)))
+        return depth
 
-    def sample_texture(self, kind: int, x, y, z) -> np.ndarray:
+    def sample_texture(self, kind: int, x: Reals, y: Reals, z: Reals) -> Singles:
         """Texture `kind` (0 fibers, 1 sheets) at points given by arrays of one shape."""
         coordinates = np.stack([np.ravel(c) for c in (z, y, x)]) / TEXTURE_PITCH
         coordinates = coordinates.astype(np.float32)
         values = ndimage.map_coordinates(self.texture[kind], coordinates, order=1, mode="grid-wrap", output=np.float32)
         return values.reshape(np.shape(x))
 
-    def scattering_db(self, points_reference: np.ndarray, beams_reference: np.ndarray) -> np.ndarray:
+    def scattering_db(self, points_reference: Floats, beams_reference: Floats) -> Singles:
         """Mean echo of soft tissue, as if there were no bone.
 
         Parameters
@@ -119,12 +124,13 @@ class SoftTissue:
         return np.where(depth < 0, -40.0, db).astype(np.float32)
 
 
-def _line(distance, width: float):
+def _line(distance: Reals, width: float) -> Reals:
     """1 on a surface, falling smoothly to 0 within about `width` mm of it."""
-    return np.exp(-((distance / width) ** 2))
+    line: Reals = np.exp(-((distance / width) ** 2))
+    return line
 
 
-def make_texture(rng: np.random.Generator, samples: int = 56) -> np.ndarray:
+def make_texture(rng: np.random.Generator, samples: int = 56) -> Singles:
     """Two periodic random fields, (2, n, n, n) float32, [k, j, i], zero mean and unit variance: fibers along z, and sheets across y."""
     fields = []
     for sigma in ((7.0, 0.8, 1.3), (5.0, 0.7, 6.0)):

@@ -19,9 +19,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from ..volume import Volume
+from ..arrays import Bytes, Floats, Matrix, Numbers, Singles
+from ..geometry.volume import Volume
 from .phased_array import PhasedArray
 
 DYNAMIC_RANGE_DB = 58.0
@@ -59,6 +61,10 @@ SHADOW_FALL = 0.4
 """mm over which the shadow sets in."""
 
 
+Field = NDArray[np.complex64]
+"""Echoes on scan lines, with their phases."""
+
+
 class UltrasoundTarget(Protocol):
     """What can be scanned: a signed distance to bone in Reference, and how strongly soft tissue scatters."""
 
@@ -67,7 +73,7 @@ class UltrasoundTarget(Protocol):
         """Signed distance to bone in Reference, mm, negative inside."""
         ...
 
-    def scattering_db(self, points_reference: np.ndarray, beams_reference: np.ndarray) -> np.ndarray:
+    def scattering_db(self, points_reference: Floats, beams_reference: Floats) -> Singles:
         """Strength of the scatter of soft tissue at points, along beams; both (..., 3)."""
         ...
 
@@ -113,7 +119,7 @@ class UltrasoundEffects:
     log_compression: bool = True
 
 
-def specular_echo(cosine, effects: UltrasoundEffects) -> np.ndarray:
+def specular_echo(cosine: ArrayLike, effects: UltrasoundEffects) -> Floats:
     """Amplitude of the echo of a bone surface's facets, 1 at normal incidence.
 
     Parameters
@@ -123,16 +129,16 @@ def specular_echo(cosine, effects: UltrasoundEffects) -> np.ndarray:
 
     Notes
     -----
-    A rough surface reflects as its facets do that face the probe. With normally distributed slopes of root mean square m, their share
-    is exp(-tan^2 a / (2 m^2)), the limit of a very rough surface in Beckmann and Spizzichino (1963), The scattering of electromagnetic
+    A rough surface reflects as its facets do that face the probe. With normally distributed slopes of root mean square m, so many
+    do: exp(-tan^2 a / (2 m^2)), the limit of a very rough surface in Beckmann and Spizzichino (1963), The scattering of electromagnetic
     waves from rough surfaces; m = 0.38.
     """
-    cosine = np.clip(cosine, 0.0, 1.0)
-    tangent_squared = 1.0 / np.maximum(cosine, 1e-3) ** 2 - 1.0
-    return np.where(cosine > 0, np.exp(-tangent_squared / (2 * SPECULAR_SLOPE**2)), 0.0) * effects.specular
+    clipped = np.clip(np.asarray(cosine), 0.0, 1.0)
+    tangent_squared = 1.0 / np.maximum(clipped, 1e-3) ** 2 - 1.0
+    return np.where(clipped > 0, np.exp(-tangent_squared / (2 * SPECULAR_SLOPE**2)), 0.0) * effects.specular
 
 
-def diffuse_echo(cosine, effects: UltrasoundEffects) -> np.ndarray:
+def diffuse_echo(cosine: ArrayLike, effects: UltrasoundEffects) -> Floats:
     """Root mean square amplitude of what a bone surface scatters back from roughness and pores below the wavelength.
 
     Parameters
@@ -145,16 +151,17 @@ def diffuse_echo(cosine, effects: UltrasoundEffects) -> np.ndarray:
     `DIFFUSE_SHARE` cos a (Lambert), relative to the specular echo at normal incidence. Its phases are random, so echoes of different
     places add up in power, where those of facets add up in amplitude.
     """
-    return DIFFUSE_SHARE * np.clip(cosine, 0.0, 1.0) * effects.diffuse
+    echo: Floats = DIFFUSE_SHARE * np.clip(np.asarray(cosine), 0.0, 1.0) * effects.diffuse
+    return echo
 
 
 def simulate_frame(
     phantom: UltrasoundTarget,
     probe: PhasedArray,
-    probe_to_reference: np.ndarray,
+    probe_to_reference: Matrix,
     rng: np.random.Generator,
     effects: UltrasoundEffects | None = None,
-) -> np.ndarray:
+) -> Bytes:
     """One B-mode frame.
 
     Parameters
@@ -184,7 +191,9 @@ def simulate_frame(
     return _to_image(np.abs(field), probe, effects)
 
 
-def _first_surfaces(distance: Volume, probe: PhasedArray, transducer_to_reference: np.ndarray, effects: UltrasoundEffects):
+def _first_surfaces(
+    distance: Volume, probe: PhasedArray, transducer_to_reference: Matrix, effects: UltrasoundEffects
+) -> tuple[Floats, Floats]:
     """Where rays first meet bone.
 
     Returns
@@ -209,9 +218,9 @@ def _first_surfaces(distance: Volume, probe: PhasedArray, transducer_to_referenc
     line, ray = np.ogrid[: probe.lines, : len(elevations)]
     before_value, after_value = values[line, ray, after - 1], values[line, ray, after]
     drop = np.maximum(before_value - after_value, 1e-6)
-    share = np.clip(before_value / drop, 0.0, 1.0)
-    at_surface = points_ijk[line, ray, after - 1] + share[..., None] * (points_ijk[line, ray, after] - points_ijk[line, ray, after - 1])
-    hits = np.where(found, ranges[after - 1] + share * RAY_STEP, np.inf)
+    fraction = np.clip(before_value / drop, 0.0, 1.0)
+    at_surface = points_ijk[line, ray, after - 1] + fraction[..., None] * (points_ijk[line, ray, after] - points_ijk[line, ray, after - 1])
+    hits = np.where(found, ranges[after - 1] + fraction * RAY_STEP, np.inf)
 
     steps = np.concatenate([np.eye(3), -np.eye(3)]).astype(np.float32) * 0.75
     around = _sample(distance.array, at_surface[:, :, None, :].astype(np.float32) + steps)
@@ -222,19 +231,28 @@ def _first_surfaces(distance: Volume, probe: PhasedArray, transducer_to_referenc
     return hits, np.maximum(cosines, 0.0)
 
 
-def _beams(probe: PhasedArray, transducer_to_reference: np.ndarray) -> np.ndarray:
+def _beams(probe: PhasedArray, transducer_to_reference: Matrix) -> Floats:
     """Direction of each beam in Reference, (lines, 3) unit vectors."""
     directions = np.stack([np.sin(probe.beam_angles), np.cos(probe.beam_angles), np.zeros(probe.lines)], axis=1)
-    return directions @ transducer_to_reference[:3, :3].T
+    turned: Floats = directions @ transducer_to_reference[:3, :3].T
+    return turned
 
 
-def _sample(array: np.ndarray, points_ijk: np.ndarray) -> np.ndarray:
+def _sample(array: Numbers, points_ijk: Singles) -> Singles:
     """Trilinear values of a [k, j, i] array at points (..., 3) given as (i, j, k); 6 outside."""
     coordinates = points_ijk.reshape(-1, 3).T[::-1]
-    return ndimage.map_coordinates(array, coordinates, order=1, mode="constant", cval=6.0, output=np.float32).reshape(points_ijk.shape[:-1])
+    values = ndimage.map_coordinates(array, coordinates, order=1, mode="constant", cval=6.0, output=np.float32)
+    return values.reshape(points_ijk.shape[:-1])
 
 
-def _tissue(phantom, probe: PhasedArray, transducer_to_reference, hits, rng, effects: UltrasoundEffects) -> np.ndarray:
+def _tissue(
+    phantom: UltrasoundTarget,
+    probe: PhasedArray,
+    transducer_to_reference: Matrix,
+    hits: Floats,
+    rng: np.random.Generator,
+    effects: UltrasoundEffects,
+) -> Field:
     """Echoes of soft tissue on the scan lines, (lines, samples) complex64; every second sample is computed, the others interpolated."""
     ranges = probe.ranges[::2]
     points = probe.beam_points(ranges) @ transducer_to_reference[:3, :3].T + transducer_to_reference[:3, 3]
@@ -250,23 +268,25 @@ def _tissue(phantom, probe: PhasedArray, transducer_to_reference, hits, rng, eff
         full[:, -1] = amplitude[:, -1]
     if not effects.speckle:
         return full.astype(np.complex64)
-    return full * _random_phasors(rng, full.shape)
+    field: Field = full * _random_phasors(rng, full.shape)
+    return field
 
 
-def _random_phasors(rng: np.random.Generator, shape) -> np.ndarray:
+def _random_phasors(rng: np.random.Generator, shape: tuple[int, ...]) -> Field:
     """Circular complex normal numbers of unit mean power, complex64: many scatterers in one cell."""
     parts = rng.standard_normal((*shape, 2), dtype=np.float32) * np.float32(math.sqrt(0.5))
     return parts.view(np.complex64)[..., 0]
 
 
-def _elevation_weights(rays: int) -> np.ndarray:
-    """Share of the beam's power that each ray stands for, (rays,); they sum to 1."""
+def _elevation_weights(rays: int) -> Floats:
+    """The part of the beam's power that each ray stands for, (rays,); they sum to 1."""
     offsets = np.linspace(-2.0, 2.0, rays) if rays > 1 else np.zeros(1)
     weights = np.exp(-(offsets**2) / 2)
-    return weights / weights.sum()
+    normalized: Floats = weights / weights.sum()
+    return normalized
 
 
-def _bone_echoes(probe: PhasedArray, hits, cosines, rng, effects: UltrasoundEffects) -> np.ndarray:
+def _bone_echoes(probe: PhasedArray, hits: Floats, cosines: Floats, rng: np.random.Generator, effects: UltrasoundEffects) -> Field:
     """Echoes of the first bone surfaces, each in the sample where it arrives, (lines, samples) complex64.
 
     Notes
@@ -281,15 +301,15 @@ def _bone_echoes(probe: PhasedArray, hits, cosines, rng, effects: UltrasoundEffe
     if hits.shape[1] > 1:
         position = np.interp(FINE_ELEVATIONS, ELEVATIONS, np.arange(len(ELEVATIONS)))
         low = np.minimum(position.astype(int), len(ELEVATIONS) - 2)
-        share = position - low
+        fraction = position - low
         near, far = hits[:, low], hits[:, low + 1]
         with np.errstate(invalid="ignore"):
             one_surface = np.abs(far - near) < 4.0
-            arrival = np.where(one_surface, near + share * (far - near), np.where(share < 0.5, near, far))
+            arrival = np.where(one_surface, near + fraction * (far - near), np.where(fraction < 0.5, near, far))
 
-        def between(values):
-            blended = values[:, low] + share * (values[:, low + 1] - values[:, low])
-            return np.where(one_surface, blended, np.where(share < 0.5, values[:, low], values[:, low + 1]))
+        def between(values: Floats) -> Floats:
+            blended = values[:, low] + fraction * (values[:, low + 1] - values[:, low])
+            return np.where(one_surface, blended, np.where(fraction < 0.5, values[:, low], values[:, low + 1]))
 
         specular, diffuse = between(specular), between(diffuse)
     else:
@@ -298,13 +318,13 @@ def _bone_echoes(probe: PhasedArray, hits, cosines, rng, effects: UltrasoundEffe
     seen = np.isfinite(sample) & (sample < probe.samples - 1.001) & (sample >= 0)
     line = np.broadcast_to(np.arange(probe.lines)[:, None], sample.shape)[seen]
     first = sample[seen].astype(int)
-    share = sample[seen] - first
+    beyond = sample[seen] - first
     number, size = line * probe.samples + first, probe.lines * probe.samples
 
-    def deposited(strength):
-        strength = strength[seen]
-        field = np.bincount(number, strength * (1 - share), size) + np.bincount(number + 1, strength * share, size)
-        return field.reshape(probe.lines, probe.samples)
+    def deposited(strengths: Floats) -> Floats:
+        strength = strengths[seen]
+        field = np.bincount(number, strength * (1 - beyond), size) + np.bincount(number + 1, strength * beyond, size)
+        return np.asarray(field, dtype=np.float64).reshape(probe.lines, probe.samples)
 
     coherent = deposited(specular * weights)
     incoherent = np.sqrt(deposited(diffuse**2 * weights**2 / (weights**2).sum()))
@@ -314,15 +334,16 @@ def _bone_echoes(probe: PhasedArray, hits, cosines, rng, effects: UltrasoundEffe
     return (coherent * texture + incoherent * _random_phasors(rng, coherent.shape)).astype(np.complex64)
 
 
-def _reverberation(probe: PhasedArray, rng: np.random.Generator) -> np.ndarray:
+def _reverberation(probe: PhasedArray, rng: np.random.Generator) -> Field:
     """Echoes that go to and fro between face and skin, (lines, samples) complex64: bands that fade, 1.9 mm apart."""
     depth = probe.ranges - probe.apex_offset
     bands = sum(10.0 ** ((44.0 - 6.5 * n) / 20.0) * np.exp(-(((depth - 0.5 - 1.9 * n) / 0.35) ** 2)) for n in range(5))
     uneven = ndimage.gaussian_filter1d(rng.standard_normal(probe.lines), 5.0) * 0.5 + 1.0
-    return (0.35 * uneven[:, None] * bands[None, :]).astype(np.complex64)
+    field: Field = (0.35 * uneven[:, None] * bands[None, :]).astype(np.complex64)
+    return field
 
 
-def _receive(field: np.ndarray, probe: PhasedArray, rng, effects: UltrasoundEffects) -> np.ndarray:
+def _receive(field: Field, probe: PhasedArray, rng: np.random.Generator, effects: UltrasoundEffects) -> Field:
     """What the receiver gives: blurred, attenuated, with noise and gained by depth; (lines, samples) complex64.
 
     Notes
@@ -348,13 +369,13 @@ def _receive(field: np.ndarray, probe: PhasedArray, rng, effects: UltrasoundEffe
     return (field * 10.0 ** (gain / 20.0)).astype(np.complex64)
 
 
-def _blur(field: np.ndarray, lines: float, samples: float) -> np.ndarray:
+def _blur(field: Field, lines: float, samples: float) -> Field:
     """A Gaussian point spread of these standard deviations that keeps the power of uncorrelated echoes."""
     blurred = ndimage.gaussian_filter1d(ndimage.gaussian_filter1d(field, samples, axis=1, truncate=3.2), lines, axis=0, truncate=3.2)
     return blurred * np.float32(2 * math.sqrt(math.pi * lines * samples))
 
 
-def _to_image(amplitude: np.ndarray, probe: PhasedArray, effects: UltrasoundEffects) -> np.ndarray:
+def _to_image(amplitude: Singles, probe: PhasedArray, effects: UltrasoundEffects) -> Bytes:
     """Gray levels of the sector image, (rows, columns) uint8."""
     if effects.log_compression:
         gray = 1.0 + np.log10(np.maximum(amplitude, 1e-3)) * np.float32(20.0 * 254.0 / DYNAMIC_RANGE_DB)

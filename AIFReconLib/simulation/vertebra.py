@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Matrix, Reals
 from .implicit_shapes import ellipse, rounded_box, smooth_intersection, smooth_union, swept_ellipsoid
 
 LAMINA_THICKNESS = 6.5
@@ -49,7 +50,7 @@ class Vertebra:
 
     label: int
     name: str
-    vertebra_to_reference: np.ndarray
+    vertebra_to_reference: Matrix
     scale: float
     body_width: float
     body_depth: float
@@ -74,7 +75,7 @@ class Vertebra:
         middle = sum(edge[0] - edge[1] * self.spinous_length for edge in (self.spinous_top, self.spinous_bottom)) / 2
         return self.spinous_deviation, -self.spinous_length, middle - self.spinous_slope * self.spinous_length
 
-    def distance(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    def distance(self, x: Reals, y: Reals, z: Reals) -> Reals:
         """Signed distance to the bone's surface, mm, for points of the vertebra frame given as float32 arrays that broadcast."""
         s = np.float32(self.scale)
         scaled = (x / s, y / s, z / s)
@@ -84,7 +85,7 @@ class Vertebra:
         bone = smooth_intersection(bone, -canal, 2.0) * s
         return smooth_union(bone, self._spinous_process(x, y, z), 4.0)
 
-    def _body(self, x, y, z):
+    def _body(self, x: Reals, y: Reals, z: Reals) -> Reals:
         """Elliptic drum with a waist, a flattened back wall and slightly hollow endplates."""
         _, center_y, center_z = self.body_center
         y, z = y - center_y / self.scale, z - center_z / self.scale
@@ -95,7 +96,7 @@ class Vertebra:
         hollow = 1.5 * np.maximum(1.0 - (x / (0.42 * self.body_width)) ** 2 - (y / (0.42 * self.body_depth)) ** 2, 0.0)
         return smooth_intersection(smooth_intersection(wall, back, 5.0), np.abs(z) - half_height + hollow, 3.0)
 
-    def _arch(self, x, y, z):
+    def _arch(self, x: Reals, y: Reals, z: Reals) -> Reals:
         """Pedicles, laminae, articular and transverse processes, both sides at once by symmetry."""
         x = np.abs(x)
         canal_half = self.canal_width / 2
@@ -117,7 +118,7 @@ class Vertebra:
         arch = smooth_union(arch, inferior, 3.0)
         return smooth_union(arch, transverse, 4.0)
 
-    def _spinous_process(self, x, y, z):
+    def _spinous_process(self, x: Reals, y: Reals, z: Reals) -> Reals:
         """A hatchet-shaped plate: thin in its middle, thicker at its hind and lower edges, sloping down."""
         backward = np.clip(-y / self.spinous_length, 0.0, 1.0)
         z = z + self.spinous_slope * np.clip(-y, -6.0, None)

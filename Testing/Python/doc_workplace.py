@@ -11,14 +11,14 @@ import pytest
 from files import COLUMNS, IMAGE_TO_PROBE, LABELS_TO_REFERENCE, ROWS, tracked_sequence, write_patient
 from test_sequence_variants import slicer_images, slicer_transforms
 
-from AIFReconLib.frames import TrackedSequence
-from AIFReconLib.io.plus_config import read_plus_configuration
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.transform_files import write_transform
-from AIFReconLib.live.replay import ReplayServer
-from AIFReconLib.poses import sweep_poses
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.transform.files import write_transform
+from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.volume import Volume
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 pictures = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 from sweeps import rigid, sphere_bone
 
-from AIFReconLib.cli import main
-from AIFReconLib.frames import FrameRecord, TrackedSequence
-from AIFReconLib.io.sequence_writer import write_sequence
-from AIFReconLib.io.transform_files import write_transform
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.volume import Volume
+from AIFReconLib.commands.parser import main
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.transform.files import write_transform
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 COLUMNS, ROWS, SPACING = 40, 30, (0.4, 0.5)
 IMAGE_TO_PROBE = rigid((4.0, -3.0, 8.0), (2.0, -1.0, 5.0)) @ np.diag([*SPACING, 0.45, 1.0])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from AIFReconLib.region import ImageRegion
+from AIFReconLib.imaging.region import ImageRegion
 
 FLOOR_TOLERANCE = 2.0**-17
 

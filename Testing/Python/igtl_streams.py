@@ -12,7 +12,7 @@ import numpy as np
 import pyigtl
 import pytest
 
-from AIFReconLib.live.messages import ImageMessage, StreamEvent, TransformMessage
+from AIFReconLib.live.wire.messages import ImageMessage, StreamEvent, TransformMessage
 
 DEADLINE = 10.0
 """How long a test waits for something that must happen, s."""

@@ -8,9 +8,9 @@ from time import monotonic
 import numpy as np
 from sweeps import image_pose, rigid
 
-from AIFReconLib.frames import TrackedSequence
-from AIFReconLib.live.messages import ImageMessage, StreamMessage, TransformMessage
-from AIFReconLib.transform_graph import TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformStatus
+from AIFReconLib.live.wire.messages import ImageMessage, StreamMessage, TransformMessage
+from AIFReconLib.sweep.frames import TrackedSequence
 
 REFERENCE_TO_TRACKER = rigid((0.0, 40.0, 10.0), (100.0, 50.0, -900.0))
 SMALL = np.arange(12, dtype=np.uint8).reshape(3, 4)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from AIFReconLib.bone import BoneMap
-from AIFReconLib.frames import TrackedFrame
-from AIFReconLib.volume import Volume, VoxelGrid
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.sweep.frames import TrackedFrame
 
 
 def rigid(rotation_vector_deg=(0.0, 0.0, 0.0), translation=(0.0, 0.0, 0.0)) -> np.ndarray:

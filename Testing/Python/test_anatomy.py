@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from AIFReconLib.errors import OperationCanceled, SettingsError
+from AIFReconLib.geometry.transforms import invert, transform_points
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.simulation.anatomy import DISTANCE_LIMIT, LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.implicit_shapes import ellipse, rounded_box, smooth_union, swept_ellipsoid
 from AIFReconLib.simulation.vertebra import LAMINA_THICKNESS
-from AIFReconLib.transforms import invert, transform_points
-from AIFReconLib.volume import Volume
 
 COARSE = 2.0
 

@@ -8,7 +8,7 @@ import os
 import pytest
 
 from AIFReconLib.errors import OutputError
-from AIFReconLib.io.atomic import atomic_output, atomic_outputs, check_writable, write_text
+from AIFReconLib.io.disk.atomic import atomic_output, atomic_outputs, check_writable, write_text
 
 
 def content_of(folder) -> dict[str, str]:

@@ -10,8 +10,8 @@ from geometry_strategies import numbers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from AIFReconLib.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.errors import BeamGeometryError
+from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
 
 apexes = st.tuples(numbers(-50, 50), numbers(-50, 50))
 pitches = st.tuples(numbers(0.05, 2), numbers(0.05, 2))

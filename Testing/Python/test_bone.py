@@ -9,13 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from AIFReconLib import bone as bone_module
-from AIFReconLib.bone import SURFACE_SIGMA, BoneMap
+from AIFReconLib.bone import map as bone_module
+from AIFReconLib.bone.map import SURFACE_SIGMA, BoneMap
 from AIFReconLib.errors import GeometryError, OperationCanceled
-from AIFReconLib.threads import optional_module
-from AIFReconLib.volume import Volume, VoxelGrid
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.machine.threads import optional_module
 
-needs_numba = pytest.mark.skipif(optional_module("AIFReconLib.numba_bone") is None, reason="numba is not installed")
+needs_numba = pytest.mark.skipif(optional_module("AIFReconLib.bone.numba_map") is None, reason="numba is not installed")
 
 OBLIQUE = rigid((0.4, -1.2, 0.8), (10.0, -20.0, 30.0))
 CT_MATRICES = {

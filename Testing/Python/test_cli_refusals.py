@@ -14,11 +14,11 @@ import pytest
 from files import refused, tracked_sequence, write_patient
 from sweeps import rigid
 
-from AIFReconLib.cli import main
-from AIFReconLib.frames import FrameRecord
-from AIFReconLib.io.sequence_writer import write_sequence
-from AIFReconLib.io.volume_files import read_labels
-from AIFReconLib.volume import Volume
+from AIFReconLib.commands.parser import main
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.volume.files import read_labels
+from AIFReconLib.sweep.frames import FrameRecord
 
 
 @pytest.mark.parametrize("command", ["demo", "simulate"])
@@ -181,7 +181,8 @@ def test_a_full_disk_leaves_no_file(patient, results, capsys, monkeypatch):
 def test_a_write_that_stops_halfway_leaves_no_file(patient, results):
     """The system itself refuses to let the file grow beyond 2 kB, as it would on a full disk."""
     limit = (
-        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048)); from AIFReconLib.cli import main; sys.exit(main())"
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048)); "
+        "from AIFReconLib.commands.parser import main; sys.exit(main())"
     )
     command = [sys.executable, "-c", limit, *patient.reconstruct, "--spacing", "0.3", "--output", str(results / "v.nrrd")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

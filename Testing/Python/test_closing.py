@@ -97,7 +97,7 @@ def test_work_ends_with_the_application_without_a_word(work, share, way):
 
 
 SCAN = """
-from AIFReconLib.live.replay import ReplayServer
+from AIFReconLib.live.replay.server import ReplayServer
 server = ReplayServer(tinyScene.makeSequence(), 0, rate=30.0, loop=True)
 server.start()
 parameters.liveHost, parameters.livePort = "127.0.0.1", server.port

@@ -11,18 +11,19 @@ import SimpleITK as sitk
 from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import sphere_bone
 
-from AIFReconLib.beams import ProbeGeometry
-from AIFReconLib.cli import main
-from AIFReconLib.configured import configured_parts, resolve_settings
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import ConfigurationError, SettingsError
-from AIFReconLib.hole_kinds import HoleFilling, fill_holes_by_kind
-from AIFReconLib.io.plus_config import PlusConfiguration
-from AIFReconLib.io.sequence_files import write_sequence
-from AIFReconLib.io.volume_files import read_volume
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.holes.filling import HoleFilling
+from AIFReconLib.holes.plus_ways import fill_holes_by_kind
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.region import ClipRectangle, ImageRegion
+from AIFReconLib.resolve import reconstructor_parts, resolve_settings
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.transform_graph import TransformName, TransformSample
+from AIFReconLib.sweep.configuration import PlusConfiguration
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
 FULL = ImageRegion(ClipRectangle((0, 0), (39, 29)))
@@ -61,7 +62,7 @@ def test_pixel_rejection_is_the_callers_then_the_configurations(configured, give
 def test_an_interpolation_that_does_not_go_with_the_method_is_told():
     asked = ReconstructionSettings()
     configured = configuration(interpolation="linear")
-    (note,) = configured_parts(asked, resolve_settings(asked, configured, True), configured).notes
+    (note,) = reconstructor_parts(asked, resolve_settings(asked, configured, True), configured).notes
     assert "Interpolation=LINEAR is not used: it is for methods average, latest, maximum, and this is weighted." in note
 
 

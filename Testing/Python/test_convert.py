@@ -10,16 +10,16 @@ import pytest
 from files import CONFIGURATION, IMAGE_TO_PROBE, refused, tracked_sequence, write_patient
 from sweeps import rigid
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import TransformFileError
-from AIFReconLib.frames import FrameRecord, TrackedSequence
-from AIFReconLib.io.calibration_files import read_calibration
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.sequence_writer import write_sequence
-from AIFReconLib.io.transform_files import write_transform
-from AIFReconLib.io.volume_files import read_volume
-from AIFReconLib.poses import sweep_poses
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.io.foreign.calibration import read_calibration
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.transform.files import write_transform
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 IMAGE_TO_PROBE_NAME, IMAGE_TO_REFERENCE = TransformName("Image", "Probe"), TransformName("Image", "Reference")
 WRONG = rigid((8.0, 3.0, -6.0), (4.0, 9.0, -3.0)) @ np.diag([0.3, 0.6, 0.45, 1.0])

@@ -13,14 +13,14 @@ import pytest
 from scipy import ndimage
 from sweeps import rigid
 
-from AIFReconLib.cli import main
 from AIFReconLib.commands import demo
+from AIFReconLib.commands.parser import main
 from AIFReconLib.evaluation.quantities import HEADINGS
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, SAGITTAL, cut
-from AIFReconLib.io.transform_files import read_transform
-from AIFReconLib.io.volume_files import read_labels, read_volume
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.transform.files import read_transform
+from AIFReconLib.io.volume.files import read_labels, read_volume
 from AIFReconLib.settings import METHODS
-from AIFReconLib.volume import Volume
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ import os
 import pytest
 
 from AIFReconLib.errors import OutputError
-from AIFReconLib.io.atomic import atomic_outputs
-from AIFReconLib.io.detached import named_data_file
+from AIFReconLib.io.disk.atomic import atomic_outputs
+from AIFReconLib.io.disk.detached import named_data_file
 
 STEPS = 8
 """More renames, links and removals than a replacement takes."""

@@ -9,9 +9,9 @@ import pytest
 import SimpleITK as sitk
 from scipy import ndimage
 
-from AIFReconLib.beams import LINEAR, SECTOR
-from AIFReconLib.detection import DetectedImaging, detect_imaging
 from AIFReconLib.errors import BeamGeometryError
+from AIFReconLib.imaging.beams import LINEAR, SECTOR
+from AIFReconLib.imaging.detection import DetectedImaging, detect_imaging
 
 ROWS, COLUMNS = 240, 320
 RNG_SEED = 5

@@ -14,10 +14,10 @@ import pytest
 from doc_pages import PAGES, REPOSITORY, ROOTS, Block, anchors, blocks, code_spans, emphasized, first_column, links, name_of, paths
 from doc_workplace import make_workplace, serve
 
-from AIFReconLib.cli import build_parser, main
+from AIFReconLib.commands.parser import build_parser, main
 from AIFReconLib.settings import METHODS
 
-LONG_RUNNING = {"demo": "test_demo.py", "study": "test_study.py", "benchmark": "test_benchmark.py", "simulate": "test_demo.py"}
+LONG_RUNNING = {"demo": "test_demo.py", "benchmark": "test_benchmark.py", "simulate": "test_demo.py"}
 """Commands that are only parsed here, and where they are run."""
 
 BLOCKS = [block for page in PAGES for block in blocks(page)]

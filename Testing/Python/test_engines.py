@@ -13,16 +13,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding import batch, engines
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
-from AIFReconLib.threads import optional_module
-from AIFReconLib.volume import VoxelGrid
 
-HAS_NUMBA = optional_module("AIFReconLib.compounding.numba_engine") is not None
+HAS_NUMBA = optional_module("AIFReconLib.compounding.compiled.numba_engine") is not None
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="numba is not installed")
 REGIONS = (ImageRegion(), ImageRegion(ClipRectangle((2, 1), (28, 22)), Fan((16.0, -6.0), (-40.0, 35.0), (7.0, 29.0))))
 PROBES = (ProbeGeometry("sector", (16.0, -6.0)), ProbeGeometry("linear"))
@@ -253,10 +253,10 @@ def test_without_numba_asking_for_it_says_how_to_install_it(monkeypatch):
 def broken_numba(monkeypatch):
     """A numba that is there and cannot be imported, as one that is too old for its numpy."""
     monkeypatch.setattr(engines, "find_spec", lambda name: object())
-    for name in [name for name in sys.modules if name.startswith("AIFReconLib.compounding.numba_")]:
+    for name in [name for name in sys.modules if name.startswith("AIFReconLib.compounding.compiled.numba_")]:
         monkeypatch.delitem(sys.modules, name)
-    monkeypatch.delattr("AIFReconLib.compounding.numba_engine", raising=False)
-    monkeypatch.setitem(sys.modules, "AIFReconLib.numba_compile", None)
+    monkeypatch.delattr("AIFReconLib.compounding.compiled.numba_engine", raising=False)
+    monkeypatch.setitem(sys.modules, "AIFReconLib.machine.numba_compile", None)
 
 
 def test_a_broken_numba_gives_the_same_volume_and_a_note(broken_numba):
@@ -273,7 +273,7 @@ def test_asking_for_a_broken_numba_is_an_error_with_the_reason(broken_numba):
 
 @needs_numba
 def test_where_no_folder_can_be_written_to_code_is_compiled_all_the_same(monkeypatch):
-    from AIFReconLib import numba_compile
+    from AIFReconLib.machine import numba_compile
 
     real = numba_compile.njit
 

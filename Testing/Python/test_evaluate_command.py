@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from files import write_patient
 
-from AIFReconLib.cli import main
 from AIFReconLib.commands.evaluate import unique_names
-from AIFReconLib.io.volume_files import read_labels, read_transform
-from AIFReconLib.volume import Volume, VoxelGrid
+from AIFReconLib.commands.parser import main
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.io.transform.files import read_transform
+from AIFReconLib.io.volume.files import read_labels
 
 
 @pytest.fixture

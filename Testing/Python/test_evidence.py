@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding.evidence import LEAST_REACH, ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 
 COLUMNS, ROWS, SPACING = 120, 160, (0.25, 0.25)
 LINEAR = ProbeGeometry("linear")

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from AIFReconLib.errors import GeometryError, InsufficientMemoryError
-from AIFReconLib.extent import grid_around_sweep
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 
 FULL = ImageRegion()
 regions = st.sampled_from(

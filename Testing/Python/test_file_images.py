@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from sequence_samples import metaimage, nrrd, ramp
 
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.sequence.files import read_sequence
 
 
 @pytest.mark.parametrize("compressed", [False, True])

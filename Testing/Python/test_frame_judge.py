@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding.evidence import VECTOR, ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
-from AIFReconLib.region import ImageRegion
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ImageRegion
 
 pytest.importorskip("numba", reason="numba is not installed")
-from AIFReconLib.compounding.numba_evidence import FrameJudge
+from AIFReconLib.compounding.compiled.numba_evidence import FrameJudge
 
 COLUMNS, ROWS = 70, 60
 PROBES = [ProbeGeometry("linear"), ProbeGeometry("sector", (35.0, -12.0)), ProbeGeometry("sector", (-20.0, -30.0))]

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from AIFReconLib.frames import FrameRecord, TrackedFrame, TrackedSequence
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.sweep.frames import FrameRecord, TrackedFrame, TrackedSequence
 
 PROBE = TransformName("Probe", "Tracker")
 STYLUS = TransformName("Stylus", "Tracker")

@@ -17,10 +17,10 @@ from fuzz import seeds  # noqa: E402
 from fuzz.registry import TARGETS  # noqa: E402
 from fuzz.target import check  # noqa: E402
 
-from AIFReconLib.io.imported_images import natural_order  # noqa: E402
-from AIFReconLib.io.pose_files import read_poses  # noqa: E402
-from AIFReconLib.io.pose_rows import PoseFormat  # noqa: E402
-from AIFReconLib.io.text_values import parse_number  # noqa: E402
+from AIFReconLib.io.foreign.openers import natural_order  # noqa: E402
+from AIFReconLib.io.foreign.pose_files import read_poses  # noqa: E402
+from AIFReconLib.io.foreign.pose_rows import PoseFormat  # noqa: E402
+from AIFReconLib.io.metafile.text_values import parse_number  # noqa: E402
 
 ITK_TEXT = b"#Insight Transform File V1.0\n#Transform 0\nTransform: "
 HUGE_GRID = b"FixedParameters: 3000 3000 3000 0 0 0 1 1 1 1 0 0 0 1 0 0 0 1\n"

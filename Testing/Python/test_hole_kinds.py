@@ -7,12 +7,14 @@ import itertools
 import numpy as np
 import pytest
 
-from AIFReconLib import hole_kinds
 from AIFReconLib.errors import OperationCanceled, SettingsError
-from AIFReconLib.hole_kinds import HoleFilling, fill_as_asked, fill_holes_by_kind
-from AIFReconLib.holes import FILLED, MEASURED, fill_holes
+from AIFReconLib.holes import plus_ways
+from AIFReconLib.holes.fill import fill_as_asked
+from AIFReconLib.holes.filling import KINDS, HoleFilling
+from AIFReconLib.holes.nearest import FILLED, MEASURED, fill_holes
+from AIFReconLib.holes.plus_ways import fill_holes_by_kind
+from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.threads import optional_module
 
 SHAPE = (6, 7, 8)
 SPACING = np.array([0.5, 0.5, 0.5])
@@ -20,7 +22,7 @@ SPACING = np.array([0.5, 0.5, 0.5])
 
 @pytest.fixture(params=["numpy", "numba"])
 def engine(request):
-    if request.param == "numba" and optional_module("AIFReconLib.numba_sticks") is None:
+    if request.param == "numba" and optional_module("AIFReconLib.holes.numba_sticks") is None:
         pytest.skip("numba is not installed")
     return request.param
 
@@ -152,8 +154,8 @@ def test_slabs_make_no_difference(kind, planes, monkeypatch):
     whole, slabs = scattered(0.15, seed=5), scattered(0.15, seed=5)
     score = np.random.default_rng(4).integers(1, 9, SHAPE)
     fill_holes_by_kind(*whole, (kind,), score=score)
-    monkeypatch.setattr(hole_kinds, "VOXELS_AT_ONCE", planes * SHAPE[1] * SHAPE[2])
-    monkeypatch.setattr(hole_kinds, "HOLES_AT_ONCE", 17)
+    monkeypatch.setattr(plus_ways, "VOXELS_AT_ONCE", planes * SHAPE[1] * SHAPE[2])
+    monkeypatch.setattr(plus_ways, "HOLES_AT_ONCE", 17)
     fill_holes_by_kind(*slabs, (kind,), score=score)
     # Fourier transforms of slabs round differently
     np.testing.assert_allclose(slabs[0], whole[0], rtol=1e-6 if kind.kind == "inverse distance" else 0)
@@ -203,13 +205,13 @@ def test_equal_neighbors_average_to_themselves(kind):
     np.testing.assert_allclose(values[mask == FILLED], 77, rtol=1e-6)
 
 
-@pytest.mark.parametrize("kind", hole_kinds.KINDS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_volume_without_measured_voxels_stays_empty(kind):
     values, mask = np.zeros((2, *SHAPE), np.float32)[0], np.zeros(SHAPE, np.uint8)
     assert fill_holes_by_kind(values, mask, (HoleFilling(kind, 5),)) == 0
 
 
-@pytest.mark.parametrize("kind", hole_kinds.KINDS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_size_of_one_voxel_reaches_nothing(kind):
     values, mask = scattered(0.3, seed=2)
     assert fill_holes_by_kind(values, mask, (HoleFilling(kind, 1),)) == 0

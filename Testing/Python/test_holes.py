@@ -10,10 +10,10 @@ from geometry_strategies import triples
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from AIFReconLib import holes
 from AIFReconLib.errors import OperationCanceled
-from AIFReconLib.holes import EMPTY, FILLED, MEASURED
-from AIFReconLib.threads import optional_module
+from AIFReconLib.holes import nearest as holes
+from AIFReconLib.holes.nearest import EMPTY, FILLED, MEASURED
+from AIFReconLib.machine.threads import optional_module
 
 CUBE = np.array([1.0, 1.0, 1.0])
 ENGINE = {"name": "auto"}
@@ -27,7 +27,7 @@ def fill_holes(*arguments):
 @pytest.fixture(autouse=True, params=["numpy", "distance transform", "numba"])
 def way(request, monkeypatch):
     """Each test runs with every way of filling: neighbors asked by numpy, looked up after a distance transform, asked by numba."""
-    if request.param == "numba" and optional_module("AIFReconLib.numba_holes") is None:
+    if request.param == "numba" and optional_module("AIFReconLib.holes.numba_nearest") is None:
         pytest.skip("numba is not installed")
     if request.param == "distance transform":
         monkeypatch.setattr(holes, "MOST_ASKED", 0)

@@ -14,13 +14,14 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 
-from AIFReconLib.extent import grid_around_sweep
-from AIFReconLib.hole_kinds import HoleFilling, fill_holes_by_kind
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.poses import sweep_poses
+from AIFReconLib.holes.filling import HoleFilling
+from AIFReconLib.holes.plus_ways import fill_holes_by_kind
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.region import ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.poses import sweep_poses
 
 SPINE = "SpinePhantomFreehand.igs.mha"
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from AIFReconLib.errors import FileFormatError
-from AIFReconLib.io import imported_images
-from AIFReconLib.io.imported_images import FlippedImages, open_images
+from AIFReconLib.io.foreign import openers
+from AIFReconLib.io.foreign.images import FlippedImages
+from AIFReconLib.io.foreign.openers import open_images
 
 FRAMES = np.random.default_rng(0).integers(0, 256, (11, 12, 17), dtype=np.uint8)
 
@@ -298,5 +299,5 @@ def test_images_are_turned_to_marked_far(code, flip):
 
 
 def test_every_kind_of_file_has_its_opener():
-    suffixes = [suffix for known, _ in imported_images._KINDS for suffix in known]
+    suffixes = [suffix for known, _ in openers._KINDS for suffix in known]
     assert len(suffixes) == len(set(suffixes))

@@ -12,15 +12,15 @@ from files import IMAGE_TO_PROBE, SPACING, refused, tracked_sequence
 from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.importing import ImportSettings
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.poses import sweep_poses
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.inspection.sweep_drawing import draw_sweep
+from AIFReconLib.io.foreign.importing import ImportSettings
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.sweep_drawing import draw_sweep
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.sweep.poses import sweep_poses
 
 SEQUENCE = tracked_sequence()
 TIMES = [record.timestamp for record in SEQUENCE.records]

@@ -7,7 +7,7 @@ import pytest
 from sweeps import image_pose, rigid
 
 from AIFReconLib.compounding.layout import ROWS_AT_ONCE, PixelLayout
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 
 COLUMNS, ROWS = 60, 2 * ROWS_AT_ONCE + 20
 SIZE = 40, 45, 50

@@ -12,15 +12,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding import splat_engine
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.frames import TrackedFrame
-from AIFReconLib.region import ClipRectangle, ImageRegion
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
+from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.threads import optional_module
-from AIFReconLib.volume import VoxelGrid
+from AIFReconLib.sweep.frames import TrackedFrame
 
 METHODS = ("average", "latest", "maximum")
 REGION = ImageRegion(ClipRectangle((3, 2), (27, 20)))
@@ -28,7 +28,7 @@ REGION = ImageRegion(ClipRectangle((3, 2), (27, 20)))
 
 @pytest.fixture(params=["numpy", "numba"])
 def engine(request):
-    if request.param == "numba" and optional_module("AIFReconLib.compounding.numba_splat") is None:
+    if request.param == "numba" and optional_module("AIFReconLib.compounding.compiled.numba_splat") is None:
         pytest.skip("numba is not installed")
     return request.param
 
@@ -134,7 +134,7 @@ def test_importance_counts_by_its_ratios_alone(interpolation):
     np.testing.assert_allclose(tenth.score.array, 0.1 * whole.score.array, rtol=1e-5)
 
 
-@pytest.mark.skipif(optional_module("AIFReconLib.compounding.numba_splat") is None, reason="numba is not installed")
+@pytest.mark.skipif(optional_module("AIFReconLib.compounding.compiled.numba_splat") is None, reason="numba is not installed")
 @settings(max_examples=60, deadline=None)
 @given(
     method=st.sampled_from(METHODS),
@@ -169,7 +169,7 @@ def test_the_compiled_engine_gives_the_same_voxels_to_the_last_bit(
     assert (ours.frames_inserted, ours.skipped) == (theirs.frames_inserted, theirs.skipped)
 
 
-@pytest.mark.skipif(optional_module("AIFReconLib.compounding.numba_splat") is None, reason="numba is not installed")
+@pytest.mark.skipif(optional_module("AIFReconLib.compounding.compiled.numba_splat") is None, reason="numba is not installed")
 def test_pixels_enter_the_voxels_on_both_sides_of_a_slab_s_edge():
     pose = np.eye(4)
     pose[:3, 3] = 0.5, 0.5, 3.25

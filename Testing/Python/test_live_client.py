@@ -15,11 +15,11 @@ import pytest
 from igtl_streams import DEADLINE, Inbox, ScriptedServer, image_bytes, picture, recorded, transform_bytes, wait_for, with_size
 
 from AIFReconLib.errors import LiveConnectionError, SettingsError
-from AIFReconLib.live.connection import open_connection
-from AIFReconLib.live.encoding import encode_status, encode_status_request
-from AIFReconLib.live.message_queue import MessageQueue
-from AIFReconLib.live.messages import StatusMessage, StreamEvent, TransformMessage
-from AIFReconLib.live.openigtlink import OpenIGTLinkClient
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.live.wire.connection import open_connection
+from AIFReconLib.live.wire.encoding import encode_status, encode_status_request
+from AIFReconLib.live.wire.message_queue import MessageQueue
+from AIFReconLib.live.wire.messages import StatusMessage, StreamEvent, TransformMessage
 
 QUICK = {"retry_delays": (0.02,), "stall_after": 30.0}
 

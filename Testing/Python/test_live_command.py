@@ -17,18 +17,18 @@ import pytest
 from files import refused, tracked_sequence
 from igtl_streams import ScriptedServer, image_bytes
 
-from AIFReconLib.cli import main
 from AIFReconLib.commands.live import StatusLine, status_text
+from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.reconstructor import Reconstructor
-from AIFReconLib.frames import TrackedSequence
-from AIFReconLib.io.plus_config import read_plus_configuration
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.volume_files import read_volume
-from AIFReconLib.live.replay import ReplayServer
-from AIFReconLib.live.session_statistics import LiveStatistics
+from AIFReconLib.geometry.transform_graph import TransformStatus
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.session.statistics import LiveStatistics
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.transform_graph import TransformStatus
-from AIFReconLib.volume import Volume, VoxelGrid
+from AIFReconLib.sweep.frames import TrackedSequence
 
 LONG = 60.0
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
@@ -178,7 +178,7 @@ def test_a_recording_that_cannot_be_written_is_refused(serve, live, results, cap
 
 def test_images_of_several_devices_have_to_be_chosen_from(serve, live, results, capsys, monkeypatch):
     monkeypatch.setattr(
-        "AIFReconLib.live.openigtlink.OpenIGTLinkClient.devices", lambda self: {"Image_Reference": ("IMAGE",), "Other": ("IMAGE",)}
+        "AIFReconLib.live.wire.client.OpenIGTLinkClient.devices", lambda self: {"Image_Reference": ("IMAGE",), "Other": ("IMAGE",)}
     )
     assert "Image_Reference, Other" in refused(live(serve(loop=True), "--output", results / "v.nrrd"), capsys, results)
 

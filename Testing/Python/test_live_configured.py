@@ -10,17 +10,17 @@ import SimpleITK as sitk
 from files import COLUMNS, IMAGE_TO_PROBE, ROWS, tracked_sequence
 from sweeps import oblique_frames
 
-from AIFReconLib.cli import main
-from AIFReconLib.extent import grid_around_sweep
-from AIFReconLib.io.plus_config import read_plus_configuration
-from AIFReconLib.io.volume_files import read_volume
-from AIFReconLib.live.replay import ReplayServer
-from AIFReconLib.live.scouting import ScoutedFrames
-from AIFReconLib.live.synchronizer import LiveFrame
-from AIFReconLib.reconstruction import Imaging
-from AIFReconLib.region import ImageRegion
+from AIFReconLib.commands.parser import main
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.live.pairing.synchronizer import LiveFrame
+from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.session.scouting import ScoutedFrames
+from AIFReconLib.resolve import Imaging
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.volume import Volume, VoxelGrid
 
 FRAMES = 10
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)

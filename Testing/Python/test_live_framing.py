@@ -14,13 +14,13 @@ from igtl_streams import POSE, image_bytes, packed, picture, recorded, transform
 from pyigtl.messages import MessageBase
 
 from AIFReconLib.errors import LiveMessageError
-from AIFReconLib.live import encoding, framing
-from AIFReconLib.live.crc64 import crc64
-from AIFReconLib.live.decoding import decode
-from AIFReconLib.live.framing import Damage, Frame, Framer, Recovery, parse_header
-from AIFReconLib.live.messages import StatusMessage
-from AIFReconLib.transform_graph import TransformStatus
-from AIFReconLib.transforms import LPS_FROM_RAS
+from AIFReconLib.geometry.transform_graph import TransformStatus
+from AIFReconLib.geometry.transforms import LPS_FROM_RAS
+from AIFReconLib.live.wire import encoding, framing
+from AIFReconLib.live.wire.crc64 import crc64
+from AIFReconLib.live.wire.decoding import decode
+from AIFReconLib.live.wire.framing import Damage, Frame, Framer, Recovery, parse_header
+from AIFReconLib.live.wire.messages import StatusMessage
 
 
 def crc_by_definition(data: bytes) -> int:

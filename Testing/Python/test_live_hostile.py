@@ -18,9 +18,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from soak import hostile, stream
 
-from AIFReconLib.live import replay_peer
-from AIFReconLib.live.openigtlink import OpenIGTLinkClient
-from AIFReconLib.live.replay import MOST_CLIENTS, ReplayServer
+from AIFReconLib.live.replay import peer as replay_peer
+from AIFReconLib.live.replay.server import MOST_CLIENTS, ReplayServer
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 MOST_MIB = 500.0

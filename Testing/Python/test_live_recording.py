@@ -16,14 +16,14 @@ from live_messages import SMALL, image, metadata, tracked
 from sweeps import image_pose
 
 from AIFReconLib.errors import OutputError, SequenceFormatError
-from AIFReconLib.frames import FrameRecord
-from AIFReconLib.io import atomic
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.live import recording
-from AIFReconLib.live.recording import Recorder
-from AIFReconLib.live.synchronizer import LiveFrame, Synchronizer
-from AIFReconLib.poses import sweep_poses
-from AIFReconLib.transform_graph import TransformName, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
+from AIFReconLib.io.disk import atomic
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer
+from AIFReconLib.live.session import recording
+from AIFReconLib.live.session.recording import Recorder
+from AIFReconLib.sweep.frames import FrameRecord
+from AIFReconLib.sweep.poses import sweep_poses
 
 PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
 
@@ -148,7 +148,7 @@ def test_a_crash_between_any_two_writes_leaves_a_file_that_can_be_read(moment, t
 
     recorder = record(tmp_path / "scan.mha", frames(1))
     monkeypatch.setattr(recording, "REFRESH", 0.0)
-    monkeypatch.setattr(recording, "REFRESH_SHARE", 0.0)
+    monkeypatch.setattr(recording, "REFRESH_BY_COST", 0.0)
     monkeypatch.setattr(Recorder, "_write", staticmethod(die_at_moment(Recorder._write)))
     monkeypatch.setattr(os, "replace", die_at_moment(os.replace))
     with pytest.raises(Crash):
@@ -160,8 +160,8 @@ def test_a_crash_between_any_two_writes_leaves_a_file_that_can_be_read(moment, t
 
 CHILD = """
 import sys, numpy as np
-from AIFReconLib.live import recording
-from AIFReconLib.live.synchronizer import LiveFrame
+from AIFReconLib.live.session import recording
+from AIFReconLib.live.pairing.synchronizer import LiveFrame
 recording.REFRESH = 0.001
 recorder = recording.Recorder(sys.argv[1])
 number = 0

@@ -17,21 +17,21 @@ import pytest
 from files import refused, tracked_sequence, write_patient
 from igtl_streams import DEADLINE, Inbox, wait_for
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import LiveConnectionError, SequenceFormatError, SettingsError, TransformError
-from AIFReconLib.frames import FrameRecord, TrackedSequence
-from AIFReconLib.io.plus_config import read_plus_configuration
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.live import replay
-from AIFReconLib.live.encoding import encode_message
-from AIFReconLib.live.framing import Frame, Framer, parse_header
-from AIFReconLib.live.messages import ImageMessage, StatusMessage, TransformMessage
-from AIFReconLib.live.openigtlink import OpenIGTLinkClient
-from AIFReconLib.live.replay import ReplayServer
-from AIFReconLib.live.replay_frames import ReplayFrames
-from AIFReconLib.live.replay_peer import QUEUE_BYTES, Peer
-from AIFReconLib.poses import sweep_poses
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.live.replay import server as replay
+from AIFReconLib.live.replay.frames import ReplayFrames
+from AIFReconLib.live.replay.peer import QUEUE_BYTES, Peer
+from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.live.wire.encoding import encode_message
+from AIFReconLib.live.wire.framing import Frame, Framer, parse_header
+from AIFReconLib.live.wire.messages import ImageMessage, StatusMessage, TransformMessage
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 TEMPLATES = sorted((Path(__file__).resolve().parents[2] / "Resources" / "PlusConfiguration").glob("*.xml"))
 PROBE_TO_TRACKER = TransformName("Probe", "Tracker")

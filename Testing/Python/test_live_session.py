@@ -16,31 +16,31 @@ from igtl_streams import recorded
 from live_messages import image, streamed, tracked
 from sweeps import sphere_bone
 
-from AIFReconLib.beams import LINEAR, ProbeGeometry
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, LiveMessageError, NoUsableFramesError, OutputError, SettingsError
-from AIFReconLib.extent import grid_around_sweep
-from AIFReconLib.frames import FrameRecord
-from AIFReconLib.io.plus_config import read_plus_configuration
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.live.decoding import decode
-from AIFReconLib.live.framing import Frame, Framer
-from AIFReconLib.live.keep_up import KeepUp
-from AIFReconLib.live.messages import StreamEvent
-from AIFReconLib.live.openigtlink import OpenIGTLinkClient
-from AIFReconLib.live.recording import Recorder
-from AIFReconLib.live.replay import ReplayServer
-from AIFReconLib.live.scouting import ScoutedFrames
-from AIFReconLib.live.session import LiveSession
-from AIFReconLib.live.session_statistics import Meter, tracking_words
-from AIFReconLib.live.sources import QueueSource
-from AIFReconLib.live.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
-from AIFReconLib.poses import sweep_poses
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
+from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.session.insertion import KeepUp
+from AIFReconLib.live.session.recording import Recorder
+from AIFReconLib.live.session.scouting import ScoutedFrames
+from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.session.statistics import Meter, tracking_words
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.live.wire.decoding import decode
+from AIFReconLib.live.wire.framing import Frame, Framer
+from AIFReconLib.live.wire.messages import StreamEvent
+from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.region import ClipRectangle, ImageRegion
 from AIFReconLib.settings import METHODS, ReconstructionSettings
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.volume import VoxelGrid
+from AIFReconLib.sweep.frames import FrameRecord
+from AIFReconLib.sweep.poses import sweep_poses
 
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
 WHOLE = ImageRegion(ClipRectangle((0.0, 0.0), (39.0, 29.0)))

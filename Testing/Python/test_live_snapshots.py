@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from AIFReconLib.live.snapshots import SnapshotMaker
+from AIFReconLib.live.session.snapshots import SnapshotMaker
 
 
 class Session:

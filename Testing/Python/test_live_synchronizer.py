@@ -13,13 +13,13 @@ from live_messages import REFERENCE_TO_TRACKER, image, metadata, tracked, transf
 from sweeps import image_pose, rigid
 
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.frames import FrameRecord, TrackedSequence
-from AIFReconLib.live.messages import StreamEvent
-from AIFReconLib.live.synchronizer import MOST_TRANSFORMS, Synchronizer, SynchronizerSettings
-from AIFReconLib.pose_interpolation import interpolate_pose
-from AIFReconLib.poses import sweep_poses
-from AIFReconLib.time_offset import with_time_offset
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.pose_interpolation import interpolate_pose
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.live.pairing.synchronizer import MOST_TRANSFORMS, Synchronizer, SynchronizerSettings
+from AIFReconLib.live.wire.messages import StreamEvent
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
+from AIFReconLib.sweep.time_offset import with_time_offset
 
 IMAGE_TO_PROBE = image_pose(rotation_vector_deg=(3, 4, 5), translation=(6, 7, 8))
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}

@@ -9,13 +9,14 @@ import pytest
 from sweeps import image_pose
 
 from AIFReconLib.errors import OperationCanceled
-from AIFReconLib.frames import FrameRecord, TrackedSequence
-from AIFReconLib.io.sequence_files import read_sequence, write_sequence
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.region import ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.transform_graph import TransformName, TransformSample
-from AIFReconLib.volume import VoxelGrid
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 FRAMES, ROWS, COLUMNS = 300, 120, 160
 GRID = VoxelGrid.from_spacing((0, 0, 0), (32, 24, 30), 1.0)

@@ -9,12 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from AIFReconLib import memory
 from AIFReconLib.errors import InsufficientMemoryError
-from AIFReconLib.extent import grid_around_sweep
-from AIFReconLib.memory import HANDY_SPACINGS, available_memory, require_memory
-from AIFReconLib.region import ImageRegion
-from AIFReconLib.volume import MAXIMUM_VOXELS
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.machine import memory
+from AIFReconLib.machine.memory import HANDY_SPACINGS, MAXIMUM_VOXELS, available_memory, require_memory
 
 GB = 10**9
 HALF = (0.5, 0.5, 0.5)

@@ -10,12 +10,12 @@ import pytest
 from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import sphere_bone
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding.state import bytes_per_voxel
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.region import ImageRegion
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
-from AIFReconLib.volume import VoxelGrid
 
 GRID = VoxelGrid.from_spacing((-24, -24, -24), (160, 160, 160), 0.3)
 PROMISED_BYTES_PER_VOXEL = 32
@@ -23,8 +23,8 @@ PROMISED_BYTES_PER_VOXEL = 32
 
 @pytest.fixture(scope="module")
 def sequence():
-    from AIFReconLib.io.plus_config import PlusConfiguration
-    from AIFReconLib.transform_graph import TransformName, TransformSample
+    from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+    from AIFReconLib.sweep.configuration import PlusConfiguration
 
     calibration = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
     return replace(tracked_sequence(), configuration=PlusConfiguration(path=Path("made-up.xml"), transforms=calibration))

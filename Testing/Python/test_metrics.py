@@ -13,8 +13,8 @@ from AIFReconLib.errors import GeometryError
 from AIFReconLib.evaluation.metrics import BoneMetrics, evaluate
 from AIFReconLib.evaluation.surface import bone_surface
 from AIFReconLib.evaluation.visibility import REACHED, SHADOWED, BoneTruth
-from AIFReconLib.transforms import transform_points
-from AIFReconLib.volume import Volume, VoxelGrid
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 TISSUE = 40.0
 TURN = rigid((25.0, -35.0, 15.0), (100.0, -50.0, 20.0))

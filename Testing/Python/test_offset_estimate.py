@@ -10,10 +10,10 @@ from scipy import ndimage
 from sweeps import rigid
 
 from AIFReconLib.errors import OperationCanceled
-from AIFReconLib.frames import FrameRecord, TrackedSequence
-from AIFReconLib.offset_estimate import estimate_time_offset
-from AIFReconLib.poses import sweep_poses
-from AIFReconLib.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.inspection.offset_estimate import estimate_time_offset
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 COLUMNS, ROWS, SPACING, RATE = 48, 40, 1.0, 20.0
 

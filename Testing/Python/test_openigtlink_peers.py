@@ -16,10 +16,10 @@ import pytest
 from files import IMAGE_TO_PROBE, tracked_sequence
 from igtl_streams import DEADLINE, Inbox, wait_for
 
-from AIFReconLib.live.messages import StatusMessage
-from AIFReconLib.live.openigtlink import OpenIGTLinkClient
-from AIFReconLib.live.replay import ReplayServer
-from AIFReconLib.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.live.wire.messages import StatusMessage
 
 EXAMPLES = Path("/usr/share/doc/openigtlink-examples/examples")
 HEADERS = Path("/usr/include/openigtlink")

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding.reconstructor import Reconstructor
-from AIFReconLib.fan_detection import FanDetection
-from AIFReconLib.pixel_filter import PixelFilter
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion, PixelFilter
+from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
-from AIFReconLib.threads import optional_module
 
 FAN = Fan((100, 0), (-45, 45), (20, 150))
 DETECTION = FanDetection(30, 10)

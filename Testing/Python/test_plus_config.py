@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.errors import ConfigurationError, FileFormatError
-from AIFReconLib.fan_detection import FanDetection
-from AIFReconLib.hole_kinds import HoleFilling
-from AIFReconLib.io.plus_config import PlusConfiguration, read_plus_configuration
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
-from AIFReconLib.transform_graph import TransformName, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
+from AIFReconLib.holes.filling import HoleFilling
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.plus.importance_mask import configured_importance
+from AIFReconLib.sweep.configuration import PlusConfiguration
 
 MATRIX = "0.1 0 0 5  0 0.2 0 -6.5  0 0 0.1 7  0 0 0 1"
 
@@ -97,7 +98,7 @@ def test_an_empty_configuration_asks_for_nothing(read):
     assert (configuration.image_frame, configuration.reference_frame) == (None, None)
     assert (configuration.holes, configuration.skip, configuration.warnings) == ((), 1, ())
     assert (configuration.interpolation, configuration.pixel_rejection, configuration.threads) == (None, None, None)
-    assert (configuration.grid(), configuration.importance()) == (None, None)
+    assert (configuration.grid(), configured_importance(configuration)) == (None, None)
 
 
 def test_the_output_grid_and_frames_are_read(read):
@@ -232,7 +233,7 @@ def test_an_importance_mask_stands_beside_the_configuration(read, tmp_path):
     weights = np.array([[0, 51], [102, 255]], np.uint8)
     sitk.WriteImage(sitk.GetImageFromArray(weights), str(tmp_path / "mask.png"))
     configuration = read(reconstruction('CompoundingMode="IMPORTANCE_MASK" ImportanceMaskFilename="mask.png"'))
-    np.testing.assert_allclose(configuration.importance(), weights / 255)
+    np.testing.assert_allclose(configured_importance(configuration), weights / 255)
 
 
 @pytest.mark.parametrize(
@@ -250,7 +251,7 @@ def test_an_importance_mask_that_cannot_be_used_is_named(read, tmp_path, attribu
     sitk.WriteImage(sitk.GetImageFromArray(np.zeros((2, 2, 3), np.uint8), isVector=True), str(tmp_path / "color.png"))
     configuration = read(reconstruction(f'CompoundingMode="IMPORTANCE_MASK" {attributes}'))
     with pytest.raises(FileFormatError) as caught:
-        configuration.importance()
+        configured_importance(configuration)
     assert expected in str(caught.value)
 
 

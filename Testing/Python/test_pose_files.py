@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
 from AIFReconLib.errors import AIFReconError, FileFormatError, SettingsError
-from AIFReconLib.io.pose_files import read_poses
-from AIFReconLib.io.pose_rows import PoseFormat, in_millimeters
+from AIFReconLib.io.foreign.pose_files import read_poses
+from AIFReconLib.io.foreign.pose_rows import PoseFormat, in_millimeters
 
 POSES = [rigid((10.0 * n - 20.0, 5.0, 30.0 + n), (1.5 * n, -20.0, 7.25)) for n in range(3)]
 TIMES = [3.5, 3.55, 3.625]

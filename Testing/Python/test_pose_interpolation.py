@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from sweeps import image_pose, rigid
 
 from AIFReconLib.errors import GeometryError
-from AIFReconLib.pose_interpolation import interpolate_at, interpolate_pose, pose_change, rotation_between
+from AIFReconLib.geometry.pose_interpolation import interpolate_at, interpolate_pose, pose_change, rotation_between
 
 vectors = st.tuples(*[st.floats(-170, 170)] * 3)
 fractions = st.floats(0, 1)

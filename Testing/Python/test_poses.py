@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from geometry_strategies import rigid, scaled
 
 from AIFReconLib.errors import NoUsableFramesError, TransformError
-from AIFReconLib.frames import FrameRecord, TrackedSequence
-from AIFReconLib.poses import chain_ends, describe_frames, sweep_poses, time_order, tracked_frames
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.sweep.configuration import PlusConfiguration
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import chain_ends, describe_frames, sweep_poses, time_order, tracked_frames
 
 IMAGE_TO_PROBE = rigid((0.1, 0.2, -0.3), (5.0, 6.0, 7.0)) @ scaled(0.2, 0.3, 0.25)
 PROBE_TO_TRACKER = rigid((1.1, -0.4, 0.2), (100.0, 50.0, -20.0))
@@ -33,9 +33,9 @@ def record(changes: dict | None = None, **others) -> FrameRecord:
     return FrameRecord(transforms=samples({name: value for name, value in transforms.items() if value is not None}), **others)
 
 
-def configuration(transforms: dict | None = None, **others) -> SimpleNamespace:
-    """What `sweep_poses` reads of a Plus configuration."""
-    return SimpleNamespace(transforms=samples({"ImageToProbe": IMAGE_TO_PROBE} if transforms is None else transforms), **others)
+def configuration(transforms: dict | None = None, **others) -> PlusConfiguration:
+    """With what `sweep_poses` reads of one."""
+    return PlusConfiguration(transforms=samples({"ImageToProbe": IMAGE_TO_PROBE} if transforms is None else transforms), **others)
 
 
 def sweep(*records: FrameRecord, calibration=True, **others) -> TrackedSequence:
@@ -210,7 +210,7 @@ def test_the_configuration_names_image_and_reference():
 
 
 def test_a_named_transform_and_a_named_reference_go_together():
-    ends, _ = chain_ends(sweep(record()), "PictureToTracker", "Patient")
+    ends, _ = chain_ends(sweep(record()).configuration, "PictureToTracker", "Patient")
     assert str(ends) == "PictureToPatient"
 
 

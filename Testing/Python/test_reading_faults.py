@@ -15,19 +15,19 @@ from files import tracked_sequence
 from live_messages import tracked as tracked_messages
 
 from AIFReconLib.errors import FileFormatError, OutputError, SequenceFormatError, VolumeFormatError
-from AIFReconLib.io import small_files
-from AIFReconLib.io.imported_images import open_images
-from AIFReconLib.io.metafile import Metafile
-from AIFReconLib.io.pose_files import read_poses
-from AIFReconLib.io.pose_rows import PoseFormat
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.sequence_writer import write_sequence
-from AIFReconLib.io.small_files import read_bytes
-from AIFReconLib.io.transform_files import write_transform
-from AIFReconLib.io.volume_files import read_volume
-from AIFReconLib.live.recording import Recorder
-from AIFReconLib.live.synchronizer import Synchronizer
-from AIFReconLib.volume import Volume
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.disk import small_files
+from AIFReconLib.io.disk.small_files import read_bytes
+from AIFReconLib.io.foreign.openers import open_images
+from AIFReconLib.io.foreign.pose_files import read_poses
+from AIFReconLib.io.foreign.pose_rows import PoseFormat
+from AIFReconLib.io.metafile.metafile import Metafile
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.transform.files import write_transform
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.live.pairing.synchronizer import Synchronizer
+from AIFReconLib.live.session.recording import Recorder
 
 FRAMES = np.random.default_rng(0).integers(0, 256, (6, 30, 40), dtype=np.uint8)
 
@@ -193,7 +193,7 @@ class TestKeptCodeOfKernels:
     @pytest.fixture
     def kernel(self):
         pytest.importorskip("numba")
-        from AIFReconLib.numba_compile import compiled
+        from AIFReconLib.machine.numba_compile import compiled
 
         def double(x):
             return 2 * x

@@ -10,14 +10,14 @@ import pytest
 from files import IMAGE_TO_PROBE, tracked_sequence, write_patient
 from sweeps import sphere_bone
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.errors import BeamGeometryError, NoUsableFramesError, OperationCanceled, SequenceFormatError, TransformError
-from AIFReconLib.io.plus_config import PlusConfiguration
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.region import ClipRectangle, ImageRegion
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.sweep.configuration import PlusConfiguration
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
 FULL = ImageRegion(ClipRectangle((0, 0), (39, 29)))

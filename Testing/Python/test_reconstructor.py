@@ -12,16 +12,16 @@ from hypothesis import strategies as st
 from plain_loop import gray, plain_loop
 from sweeps import image_pose, oblique_frames, rigid, sphere_bone, turned_grid
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.compounding.reconstructor import FrameCounts, Reconstructor
 from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMemoryError, SettingsError
-from AIFReconLib.frames import TrackedFrame
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.geometry.transforms import pixel_spacing
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
-from AIFReconLib.transforms import pixel_spacing
-from AIFReconLib.volume import VoxelGrid
+from AIFReconLib.sweep.frames import TrackedFrame
 
 SECTOR = ProbeGeometry("sector", (16.0, -6.0))
 LINEAR = ProbeGeometry("linear")

@@ -10,10 +10,9 @@ from geometry_strategies import numbers
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from AIFReconLib.beams import ProbeGeometry
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.fan_detection import FanDetection
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion, chosen_region, extreme_pixels
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion, chosen_region, extreme_pixels
 
 
 def kept_by_loop(columns: int, rows: int, clip=None, fan=None) -> np.ndarray:

@@ -19,8 +19,8 @@ from AIFReconLib.evaluation.metrics import BoneMetrics, SurfaceMetrics
 from AIFReconLib.evaluation.quantities import HEADINGS, PARTS, QUANTITIES, best_of, cell, metrics_csv, table
 from AIFReconLib.evaluation.report import Report, file_sizes, report_html, software_versions, write_report
 from AIFReconLib.evaluation.surface import BoneSurface
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.settings import METHODS, ReconstructionSettings
-from AIFReconLib.volume import Volume, VoxelGrid
 
 PNG = b"\x89PNG\r\n\x1a\nnot really"
 VOID = {"meta", "img", "br", "link", "input", "hr", "source"}
@@ -242,7 +242,7 @@ def test_the_written_file_is_the_page(report, tmp_path):
 def test_a_page_that_cannot_be_written_leaves_the_old_one(report, tmp_path, monkeypatch):
     path = tmp_path / "report.html"
     path.write_text("old")
-    monkeypatch.setattr("AIFReconLib.io.atomic.os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    monkeypatch.setattr("AIFReconLib.io.disk.atomic.os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
     with pytest.raises(OutputError):
         write_report(path, report)
     assert [p.name for p in tmp_path.iterdir()] == ["report.html"]

@@ -5,6 +5,8 @@ import pytest
 from scipy import ndimage
 
 from AIFReconLib.errors import OperationCanceled, SettingsError
+from AIFReconLib.geometry.transform_graph import TransformGraph, TransformStatus
+from AIFReconLib.geometry.transforms import invert, transform_points, why_not_rigid
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import (
@@ -20,8 +22,6 @@ from AIFReconLib.simulation.scan import (
     single_angle_sweep,
 )
 from AIFReconLib.simulation.ultrasound import UltrasoundEffects
-from AIFReconLib.transform_graph import TransformGraph, TransformStatus
-from AIFReconLib.transforms import invert, transform_points, why_not_rigid
 
 PROBE = PhasedArray(columns=320, rows=240, lines=96, samples=300)
 SILENT = UltrasoundEffects(tissue=False, reverberation=False, noise=False)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from AIFReconLib.beams import ProbeGeometry
-from AIFReconLib.region import Fan, ImageRegion
-from AIFReconLib.scan_lines import MOST_LINES, scan_line_samples
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import Fan, ImageRegion
+from AIFReconLib.imaging.scan_lines import MOST_LINES, scan_line_samples
 
 APEX = (60.0, -25.0)
 SPACING = (0.3, 0.2)

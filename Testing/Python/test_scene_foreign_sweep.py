@@ -10,7 +10,7 @@ slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 from scene_host import transform_node  # noqa: E402
 
 from AIFReconLib.errors import NoUsableFramesError, SequenceFormatError, TransformError  # noqa: E402
-from AIFReconLib.poses import sweep_poses  # noqa: E402
+from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
 
 CALIBRATION = rigid((5.0, 60.0, -4.0), (1.0, -2.0, 3.0)) @ np.diag([0.3, 0.5, 0.4, 1.0])
 
@@ -75,7 +75,7 @@ def live(scene, count=4, values=None, poses=None, **options):
 
 
 def read(browser, *arguments, **options):
-    from AIFReconScene.sequenceReader import sequenceFromBrowser
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
     return sequenceFromBrowser(browser, *arguments, **options)
 
@@ -216,7 +216,7 @@ def test_the_status_of_the_image_s_own_transform_counts_and_that_of_a_stylus_doe
 
 
 def test_colors_become_luminance(scene):
-    from AIFReconLib.io.file_images import luminance
+    from AIFReconLib.imaging.images import luminance
 
     color = [np.random.default_rng(n).integers(0, 255, (1, 5, 7, 3)).astype(np.uint8) for n in range(3)]
     pictures = sequence_of(scene, "I", image_nodes(color, lambda n: probe_pose(n) @ CALIBRATION, "vtkMRMLVectorVolumeNode"))
@@ -268,7 +268,7 @@ def test_a_browser_without_images_is_refused(scene):
 
 
 def summary(browser):
-    from AIFReconScene.sequenceReader import sweepSummary
+    from AIFReconScene.sweep.sequenceReader import sweepSummary
 
     return sweepSummary(browser)
 
@@ -290,7 +290,7 @@ def test_a_summary_says_what_keeps_a_sweep_from_being_used(scene):
 
 
 def test_a_summary_reads_no_pixels(scene, monkeypatch):
-    from AIFReconScene import sweepImages
+    from AIFReconScene.sweep import sweepImages
 
     browser = live(scene)
     monkeypatch.setattr(sweepImages.SweepImages, "__getitem__", lambda *_: pytest.fail("a pixel was read"))

@@ -72,7 +72,7 @@ def test_a_third_column_that_is_nothing_or_leans_does_not_matter():
 
 
 def test_an_image_under_a_transform_that_warps_is_refused_and_the_scan_goes_on(scene):
-    from AIFReconScene.nodeSource import NodeSource
+    from AIFReconScene.live.nodeSource import NodeSource
     from scene_host import volume_node, warping_node
 
     image = volume_node(scene, np.ones((1, 4, 5), np.uint8), np.eye(4))

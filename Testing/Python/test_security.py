@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 from sequence_samples import metaimage, nrrd, ramp
 
-from AIFReconLib.cli import build_parser, main
+from AIFReconLib.commands.parser import build_parser, main
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.io.imported_images import open_images
-from AIFReconLib.io.plus_config import read_plus_configuration
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.volume_files import read_labels, read_volume
-from AIFReconLib.live.replay import ReplayServer
+from AIFReconLib.io.foreign.openers import open_images
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.volume.files import read_labels, read_volume
+from AIFReconLib.live.replay.server import ReplayServer
 
 SECRET = "secret.raw"
 EVENTS = ("open", "subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.startfile", "socket.connect", "pickle.find_class")
@@ -277,7 +277,7 @@ def test_a_list_under_the_name_of_a_video_is_not_followed(inputs, text):
 
 def test_a_decoder_of_videos_may_read_that_file_and_formats_of_videos_alone(inputs):
     """What ffmpeg is told, where there is none to try it on."""
-    from AIFReconLib.io.video_images import _Video
+    from AIFReconLib.io.foreign.video import _Video
 
     command = _Video("ffmpeg", inputs / "sweep.mp4")._command
     options = command[: command.index("-i")]

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from sequence_samples import FIELDS, IDENTITY, metaimage, nrrd, ramp
 
 from AIFReconLib.errors import SequenceFormatError
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.io.sequence.files import read_sequence
 
 
 def refusal(path) -> str:

@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 from sequence_samples import FIELDS, IDENTITY, metaimage, nrrd, ramp
 
 from AIFReconLib.errors import OperationCanceled, OutputError, SequenceFormatError, SettingsError
-from AIFReconLib.frames import FrameRecord, TrackedSequence
-from AIFReconLib.io.metafile import read_metafile
-from AIFReconLib.io.plus_config import PlusConfiguration
-from AIFReconLib.io.sequence_files import read_sequence, write_sequence
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.io.metafile.opening import read_metafile
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.sweep.configuration import PlusConfiguration
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
 SUFFIXES = (".mha", ".mhd", ".nrrd")

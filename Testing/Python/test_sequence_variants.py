@@ -15,9 +15,9 @@ import pytest
 from sweeps import rigid
 
 from AIFReconLib.errors import SequenceFormatError, SettingsError
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.poses import sweep_poses
-from AIFReconLib.transform_graph import TransformName, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 COLUMNS, ROWS, FRAMES = 7, 5, 3
 LANDMARKS = ((2, 1), (5, 3), (4, 0))

@@ -10,19 +10,19 @@ import pytest
 from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.beams import ProbeGeometry
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, SettingsError
-from AIFReconLib.frames import TrackedFrame
-from AIFReconLib.io.plus_config import PlusConfiguration
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
+from AIFReconLib.imaging.sound_speed import DepthScale, depth_factor
+from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.settings import METHODS, ReconstructionSettings
-from AIFReconLib.sound_speed import DepthScale, depth_factor
-from AIFReconLib.threads import optional_module
-from AIFReconLib.transform_graph import TransformName, TransformSample
-from AIFReconLib.volume import VoxelGrid
+from AIFReconLib.sweep.configuration import PlusConfiguration
+from AIFReconLib.sweep.frames import TrackedFrame
 
 LINEAR = ProbeGeometry("linear")
 SPACING = (0.2, 0.3)
@@ -127,7 +127,7 @@ def test_the_box_around_the_sweep_holds_every_pixel_at_its_true_place(probe, spe
 @pytest.mark.parametrize(("probe", "engine"), [(LINEAR, "numba"), (ProbeGeometry("sector", (16.0, -9.0)), "numpy")])
 @pytest.mark.parametrize("method", METHODS)
 def test_engines_give_the_same_voxels(method, probe, engine):
-    if optional_module("AIFReconLib.compounding.numba_engine") is None:
+    if optional_module("AIFReconLib.compounding.compiled.numba_engine") is None:
         pytest.skip("numba is not installed")
     bone = None if method in ("average", "latest", "maximum") else sphere_bone()
     results = []
@@ -161,7 +161,7 @@ def test_a_speed_that_is_none_of_sound_is_refused():
 
 
 def test_bone_from_the_sweep_itself_is_refused_with_it(tmp_path, capsys):
-    from AIFReconLib.io.sequence_files import write_sequence
+    from AIFReconLib.io.sequence.writer import write_sequence
 
     write_sequence(tracked_sequence(), tmp_path / "sweep.igs.mha")
     arguments = ["reconstruct", str(tmp_path / "sweep.igs.mha"), "--output", str(tmp_path / "v.nrrd"), "--probe", "linear"]

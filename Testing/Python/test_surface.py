@@ -9,8 +9,8 @@ from volume_samples import oblique_matrix
 
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.evaluation.surface import bone_surface, centers_of_mass, distance_from_labels, interspinous_border
-from AIFReconLib.transforms import transform_points
-from AIFReconLib.volume import Volume, VoxelGrid
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 RADIUS, CENTER = 9.0, np.array([1.3, -2.2, 0.7])
 

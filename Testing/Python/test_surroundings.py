@@ -18,19 +18,19 @@ import pytest
 from files import refused, tracked_sequence
 
 from AIFReconLib import __main__ as entry
-from AIFReconLib import cli
-from AIFReconLib.cli import main
 from AIFReconLib.commands import evaluate as evaluate_command
+from AIFReconLib.commands import parser as cli
+from AIFReconLib.commands.console import ProgressBar
 from AIFReconLib.commands.live import StatusLine
-from AIFReconLib.console import ProgressBar
+from AIFReconLib.commands.parser import main
+from AIFReconLib.commands.signals import orderly_end
 from AIFReconLib.errors import OutputError
-from AIFReconLib.io.sequence_writer import write_sequence
-from AIFReconLib.io.volume_files import check_volume_path, read_volume
-from AIFReconLib.live.recording import Recorder
-from AIFReconLib.orderly_end import orderly_end, pause
-from AIFReconLib.read_ahead import read_ahead
-from AIFReconLib.threads import in_parts
-from AIFReconLib.volume import Volume
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.volume.files import check_volume_path, read_volume
+from AIFReconLib.live.session.recording import Recorder
+from AIFReconLib.machine.read_ahead import read_ahead
+from AIFReconLib.machine.threads import in_parts, pause
 
 posix = pytest.mark.skipif(os.name == "nt", reason="POSIX")
 
@@ -237,7 +237,7 @@ def test_too_little_memory_to_start_is_said_before_the_libraries_fail(monkeypatc
 
 
 def test_a_library_that_cannot_be_loaded_is_one_line(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "AIFReconLib.cli", None)
+    monkeypatch.setitem(sys.modules, "AIFReconLib.commands.parser", None)
     assert entry.main() == 2
     assert capsys.readouterr().err.startswith("aifrecon: A library cannot be loaded")
 
@@ -256,11 +256,11 @@ def swallowed_and_another_error():
 def test_ctrl_c_while_the_libraries_load_is_one_line(meets, monkeypatch, capsys):
     class Interrupting:
         def find_spec(self, name, *_):
-            if name == "AIFReconLib.cli":
+            if name == "AIFReconLib.commands.parser":
                 meets()
 
-    monkeypatch.delitem(sys.modules, "AIFReconLib.cli")
-    monkeypatch.delattr("AIFReconLib.cli")
+    monkeypatch.delitem(sys.modules, "AIFReconLib.commands.parser")
+    monkeypatch.delattr("AIFReconLib.commands.parser")
     monkeypatch.setattr(sys, "meta_path", [Interrupting(), *sys.meta_path])
     assert entry.main() == 130
     assert capsys.readouterr().err == "aifrecon: Interrupted. No file is left half-written.\n"
@@ -315,5 +315,5 @@ def test_a_name_that_is_no_text_is_refused_where_simpleitk_would_end_the_program
 
 
 def test_the_command_that_is_installed_is_the_one_that_is_tested():
-    project = (Path(cli.__file__).parents[1] / "pyproject.toml").read_text("utf-8")
+    project = (Path(cli.__file__).parents[2] / "pyproject.toml").read_text("utf-8")
     assert 'aifrecon = "AIFReconLib.__main__:main"' in project

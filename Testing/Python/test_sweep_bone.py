@@ -10,19 +10,20 @@ import pytest
 from files import tracked_sequence, write_patient
 from sweeps import image_pose
 
-from AIFReconLib.beams import LINEAR, SECTOR, ProbeGeometry
-from AIFReconLib.cli import main
-from AIFReconLib.detection import detect_imaging
+from AIFReconLib.bone.from_sweep import LEAST_SCORE, SKIN, BoneEchoFinder, bone_from_sweep
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import BeamGeometryError, GeometryError, NoUsableFramesError, OperationCanceled
-from AIFReconLib.frames import FrameRecord, TrackedSequence
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.volume_files import read_volume
-from AIFReconLib.poses import SweepPoses, sweep_poses
-from AIFReconLib.reconstruction import Imaging, reconstruct
-from AIFReconLib.region import Fan, ImageRegion
+from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
+from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
+from AIFReconLib.imaging.detection import detect_imaging
+from AIFReconLib.imaging.region import Fan, ImageRegion
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.resolve import Imaging
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.sweep_bone import LEAST_SCORE, SKIN, BoneEchoFinder, bone_from_sweep
-from AIFReconLib.transforms import pixel_spacing, transform_points
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import SweepPoses, sweep_poses
 
 COLUMNS, ROWS, SPACING = 120, 160, (0.25, 0.25)
 APEX = (59.5, -20.0)

@@ -7,8 +7,8 @@ import time
 
 import pytest
 
-from AIFReconLib.read_ahead import read_ahead
-from AIFReconLib.threads import in_parts, optional_module, usable_cores
+from AIFReconLib.machine.read_ahead import read_ahead
+from AIFReconLib.machine.threads import in_parts, optional_module, usable_cores
 
 
 @pytest.mark.parametrize("threads", [1, 2, 7])
@@ -53,7 +53,7 @@ def test_the_number_of_threads_can_be_set_from_outside(monkeypatch):
 
 
 def test_a_module_that_cannot_be_imported_is_none(monkeypatch):
-    monkeypatch.setattr("AIFReconLib.threads.find_spec", lambda name: object())
+    monkeypatch.setattr("AIFReconLib.machine.threads.find_spec", lambda name: object())
     assert optional_module("AIFReconLib.numba_no_such_thing") is None
 
 

@@ -10,14 +10,14 @@ import pytest
 from files import IMAGE_TO_PROBE, write_patient
 from sweeps import rigid
 
-from AIFReconLib.cli import main
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.frames import FrameRecord, TrackedSequence
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.pose_tracks import PoseTrack
-from AIFReconLib.poses import sweep_poses
-from AIFReconLib.time_offset import with_time_offset
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.pose_tracks import PoseTrack
+from AIFReconLib.sweep.poses import sweep_poses
+from AIFReconLib.sweep.time_offset import with_time_offset
 
 PROBE_TO_TRACKER, REFERENCE_TO_TRACKER = TransformName("Probe", "Tracker"), TransformName("Reference", "Tracker")
 
@@ -172,7 +172,7 @@ def test_info_takes_the_offset_and_the_longest_gap(tmp_path, capsys):
 
 
 def test_an_offset_written_to_a_file_is_read_back(tmp_path):
-    from AIFReconLib.io.sequence_writer import write_sequence
+    from AIFReconLib.io.sequence.writer import write_sequence
 
     shifted = with_time_offset(sweep(), 0.05)
     write_sequence(shifted, tmp_path / "sweep.mha")

@@ -9,11 +9,11 @@ import pytest
 from files import tracked_sequence, write_patient
 from sweeps import rigid
 
-from AIFReconLib.cli import main
-from AIFReconLib.frames import FrameRecord, TrackedSequence
-from AIFReconLib.poses import sweep_poses
-from AIFReconLib.tracking_report import tracking_report
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.commands.parser import main
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.inspection.tracking_report import tracking_report
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 
 def sweep(positions, times=None, statuses=None, turns=None) -> TrackedSequence:

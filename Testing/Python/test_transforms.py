@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.errors import GeometryError
-from AIFReconLib.transforms import (
+from AIFReconLib.geometry.transforms import (
     LPS_FROM_RAS,
     as_matrix,
     image_plane_axes,

@@ -15,12 +15,12 @@ from doc_pages import REPOSITORY, blocks, first_column, text_of
 from doc_workplace import FRAMES, make_workplace, serve
 from sweeps import rigid
 
-from AIFReconLib.cli import main
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.sequence_writer import write_sequence
-from AIFReconLib.offset_estimate import OffsetEstimate
-from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.volume import Volume
+from AIFReconLib.commands.parser import main
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.inspection.offset_estimate import OffsetEstimate
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
 
 PAGE = REPOSITORY / "docs" / "troubleshooting.md"
 SWEEP = ["sweep.igs.mha", "--config", "PlusDeviceSet.xml"]
@@ -190,7 +190,7 @@ def test_what_the_panel_says_is_on_the_page():
 def said_live() -> str:
     """Everything that live sessions and what they call can say, as written in the sources."""
     rooms = [REPOSITORY / "AIFReconLib" / room for room in ("live", "compounding")]
-    return " ".join(path.read_text("utf-8") for room in rooms for path in room.glob("*.py"))
+    return " ".join(path.read_text("utf-8") for room in rooms for path in room.rglob("*.py"))
 
 
 def test_what_the_live_setup_quotes_is_said():

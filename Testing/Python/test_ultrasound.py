@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from AIFReconLib.errors import SettingsError
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.ultrasound import (
     DIFFUSE_SHARE,
@@ -14,8 +16,6 @@ from AIFReconLib.simulation.ultrasound import (
     simulate_frame,
     specular_echo,
 )
-from AIFReconLib.transforms import transform_points
-from AIFReconLib.volume import Volume, VoxelGrid
 
 NOTHING = UltrasoundEffects(**dict.fromkeys(UltrasoundEffects.__dataclass_fields__, False))
 BONE_ONLY = replace(NOTHING, specular=True, diffuse=True, log_compression=True)

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from sweeps import image_pose, rigid
 
-from AIFReconLib.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.evaluation.surface import bone_surface
 from AIFReconLib.evaluation.visibility import OUTSIDE, REACHED, SHADOWED, SweepBeams, bone_truth, look
-from AIFReconLib.region import ClipRectangle, ImageRegion
-from AIFReconLib.transforms import transform_points
-from AIFReconLib.volume import Volume, VoxelGrid
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 
 COLUMNS, ROWS, SPACING = 101, 121, (0.4, 0.5)
 WIDTH, DEPTH = 40.0, 60.0

@@ -8,7 +8,8 @@ from geometry_strategies import rigid, rigid_poses, scaled, spacings, triples
 from hypothesis import given, settings
 
 from AIFReconLib.errors import GeometryError
-from AIFReconLib.volume import MAXIMUM_VOXELS, Volume, VoxelGrid
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.machine.memory import MAXIMUM_VOXELS
 
 OBLIQUE = rigid((0.4, -1.2, 0.8), (10.0, -20.0, 30.0)) @ scaled(0.5, 0.6, 0.7)
 SHEAR = np.array([[1, 0.1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])

@@ -15,9 +15,10 @@ import SimpleITK as sitk
 from volume_samples import noise_volume, refusal
 
 from AIFReconLib.errors import OutputError, TransformFileError, VolumeFormatError
-from AIFReconLib.io.volume_files import read_labels, read_transform, read_volume, write_transform, write_volume
-from AIFReconLib.transforms import transform_points
-from AIFReconLib.volume import Volume
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.transform.files import read_transform, write_transform
+from AIFReconLib.io.volume.files import read_labels, read_volume, write_volume
 
 SUFFIXES = (".nrrd", ".mha", ".mhd", ".nii", ".nii.gz")
 COMPRESSED_SUFFIXES = (".nrrd", ".mha", ".nii.gz")
@@ -159,8 +160,8 @@ LIMITED = """
 import resource, signal, sys
 import numpy as np
 from AIFReconLib.errors import OutputError
-from AIFReconLib.io.volume_files import write_volume
-from AIFReconLib.volume import Volume
+from AIFReconLib.io.volume.files import write_volume
+from AIFReconLib.geometry.volume import Volume
 volume = Volume(np.random.default_rng(0).integers(0, 255, (40, 40, 40), dtype=np.uint8), np.eye(4))
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
@@ -219,7 +220,7 @@ def test_a_nifti_without_a_sensible_header_is_refused(tmp_path, suffix, content)
 @pytest.mark.parametrize("order", ["<", ">"])
 @pytest.mark.parametrize(("missing", "complete"), [(0, True), (1, False)])
 def test_the_length_of_a_nifti_2_file_is_checked_in_either_byte_order(tmp_path, order, missing, complete):
-    from AIFReconLib.io.nifti_payload import check_nifti
+    from AIFReconLib.io.volume.nifti_payload import check_nifti
 
     header = bytearray(544)
     struct.pack_into(order + "i", header, 0, 540)

@@ -9,9 +9,9 @@ import time
 
 import pytest
 
-from AIFReconLib.io import workspace as module
-from AIFReconLib.io.atomic import check_writable, write_text
-from AIFReconLib.io.workspace import LEFT_BEHIND, PREFIX, remove_left_behind, workspace
+from AIFReconLib.io.disk import workspace as module
+from AIFReconLib.io.disk.atomic import check_writable, write_text
+from AIFReconLib.io.disk.workspace import LEFT_BEHIND, PREFIX, remove_left_behind, workspace
 
 LEFT = PREFIX + "abcdef_1"
 needs_locks = pytest.mark.skipif(module.fcntl is None, reason="folders cannot be locked here")
@@ -65,7 +65,7 @@ def test_a_folder_in_use_by_this_program_stays(tmp_path):
 @needs_locks
 def test_a_folder_in_use_by_another_program_stays_until_that_is_killed(tmp_path):
     code = (
-        "import sys, time; from pathlib import Path; from AIFReconLib.io.workspace import workspace\n"
+        "import sys, time; from pathlib import Path; from AIFReconLib.io.disk.workspace import workspace\n"
         "with workspace(Path(sys.argv[1])) as folder: print(folder, flush=True); time.sleep(60)"
     )
     other = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE, text=True)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from AIFReconLib.errors import VolumeFormatError
-from AIFReconLib.io.volume_files import read_volume
-from AIFReconLib.volume import Volume
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.volume.files import read_volume
 
 
 def oblique_matrix(spacing=(0.5, 0.7, 1.1), mirrored: bool = False) -> np.ndarray:

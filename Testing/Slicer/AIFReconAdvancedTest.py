@@ -94,7 +94,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
         np.testing.assert_array_equal(self.applied(), self.expected({}, region=region))
 
     def test_only_the_fan_enters(self):
-        from AIFReconScene.parameters import ProbeShape
+        from AIFReconScene.inputs.parameters import ProbeShape
 
         from AIFReconLib import Fan, ProbeGeometry
 
@@ -107,7 +107,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
         np.testing.assert_array_equal(self.applied(), expected)
 
     def test_pixels_count_as_the_importance_mask_says(self):
-        from AIFReconLib.io.importance_mask import read_importance_mask
+        from AIFReconLib.io.plus.importance_mask import read_importance_mask
 
         self.ui.importanceMaskPathLineEdit.currentPath = str(self.mask())
         np.testing.assert_array_equal(self.applied(), self.expected({}, importance=read_importance_mask(self.mask())))
@@ -125,7 +125,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
 
     def load(self):
         """Load the sweep from a file; where its images are, (n, 4, 4)."""
-        from AIFReconScene.sequenceReader import sequenceFromBrowser
+        from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
         from AIFReconLib import write_sequence
 
@@ -137,7 +137,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
 
     def test_a_time_offset_moves_the_poses_of_a_recording_that_is_loaded(self):
         from AIFReconLib import with_time_offset
-        from AIFReconLib.poses import sweep_poses
+        from AIFReconLib.sweep.poses import sweep_poses
 
         self.ui.timeOffsetSpinBox.value = 0.04
         found = sweep_poses(self.load()).image_to_reference
@@ -198,7 +198,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
         self.assertIn("leave the mask out to compare", self.ui.compareButton.toolTip)
 
     def test_a_live_scan_which_looks_for_no_bone_is_not_refused_for_doing_so(self):
-        from AIFReconScene.readiness import whyNotLive
+        from AIFReconScene.inputs.readiness import whyNotLive
 
         self.parameters.boneFromSweep, self.parameters.speedOfSound = True, 1450.0
         self.assertEqual(whyNotLive(self.parameters), "")

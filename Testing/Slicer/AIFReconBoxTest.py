@@ -16,7 +16,7 @@ class AIFReconBoxTest(unittest.TestCase):
     """A box that the user has asked for and not drawn."""
 
     def setUp(self):
-        from AIFReconScene.parameters import Region
+        from AIFReconScene.inputs.parameters import Region
 
         slicer.mrmlScene.Clear()
         slicer.util.selectModule("AIFRecon")
@@ -40,7 +40,7 @@ class AIFReconBoxTest(unittest.TestCase):
         return np.reshape(bounds, (3, 2))
 
     def test_a_new_box_holds_what_a_reconstruction_around_the_sweep_holds(self):
-        from AIFReconScene.parameters import Region
+        from AIFReconScene.inputs.parameters import Region
 
         self.parameters.sweep = tinyScene.addSweep()
         box = self.create()
@@ -70,7 +70,7 @@ class AIFReconBoxTest(unittest.TestCase):
         self.assertIn(box.GetName(), self.ui.liveStartButton.toolTip)
 
     def test_a_box_that_has_waited_for_a_sweep_is_laid_around_it(self):
-        from AIFReconScene.boxes import isEmpty
+        from AIFReconScene.inputs.boxes import isEmpty
 
         box = self.create()
         self.assertTrue(isEmpty(box))

@@ -33,10 +33,10 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
 
     def begin(self):
         """Replay the recording and start a scan in the region that it covers."""
-        from AIFReconScene.parameters import Region
+        from AIFReconScene.inputs.parameters import Region
 
         from AIFReconLib import read_sequence, reconstruct
-        from AIFReconLib.live.replay import ReplayServer
+        from AIFReconLib.live.replay.server import ReplayServer
         from AIFReconLib.settings import ReconstructionSettings
 
         calibration = realData.folder() / realData.SPINE_CALIBRATION
@@ -76,8 +76,8 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
 
     def test_the_voxels_are_those_of_the_exact_calibration(self):
         from AIFReconLib import reconstruct
+        from AIFReconLib.geometry.volume import VoxelGrid
         from AIFReconLib.settings import ReconstructionSettings
-        from AIFReconLib.volume import VoxelGrid
 
         self.begin()
         self.assertTrue(waitFor(lambda: self.scan.statistics.inserted > 2 * len(self.sequence)))
@@ -89,7 +89,7 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
         self.assertGreater(np.corrcoef(found.ravel(), expected.ravel())[0, 1], 0.99)
 
     def test_a_view_that_fails_neither_hides_nor_stops_the_scan(self):
-        from AIFReconScene.liveViews import LiveViews
+        from AIFReconScene.live.liveViews import LiveViews
 
         with mock.patch.object(LiveViews, "showFrame", side_effect=RuntimeError("the view is broken")):
             self.begin()

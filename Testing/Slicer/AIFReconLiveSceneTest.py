@@ -38,9 +38,9 @@ class AIFReconLiveSceneTest(unittest.TestCase):
 
     def begin(self, box=True):
         """Serve the tiny sweep again and again, and start a scan."""
-        from AIFReconScene.parameters import Region
+        from AIFReconScene.inputs.parameters import Region
 
-        from AIFReconLib.live.replay import ReplayServer
+        from AIFReconLib.live.replay.server import ReplayServer
 
         self.server = ReplayServer(tinyScene.makeSequence(), 0, rate=30.0, loop=True)
         self.server.start()

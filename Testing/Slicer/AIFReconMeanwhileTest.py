@@ -127,10 +127,16 @@ class AIFReconMeanwhileTest(unittest.TestCase):
                 self.assertEqual(self.names(), [])
                 self.assertTrue(self.ui.sweepSelector.enabled)
 
+    def cells(self) -> list:
+        """What the table of the comparison says."""
+        (table,) = slicer.util.getNodesByClass("vtkMRMLTableNode")
+        rows, columns = table.GetNumberOfRows(), table.GetNumberOfColumns()
+        return [table.GetCellText(row, column) for row in range(rows) for column in range(columns)]
+
     # ---- nodes that change
 
     def test_a_box_that_is_moved_during_a_comparison_changes_nothing_of_it(self):
-        from AIFReconScene.parameters import Region
+        from AIFReconScene.inputs.parameters import Region
 
         self.addInputs()
         box = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Box")
@@ -144,11 +150,7 @@ class AIFReconMeanwhileTest(unittest.TestCase):
     def test_a_registration_that_is_moved_during_a_comparison_changes_nothing_of_it(self):
         self.addInputs()
         self.ui.compareButton.click()
-        table = next(iter(slicer.util.getNodesByClass("vtkMRMLTableNode")))
-        expected = [
-            table.GetCellText(row, column) for row in range(table.GetNumberOfRows()) for column in range(table.GetNumberOfColumns())
-        ]
+        expected = self.cells()
         away = slicer.util.vtkMatrixFromArray(tinyScene.moved(0.0, 4.0, 0.0) @ tinyScene.CT_TO_WORLD)
         self.pressAnd(self.ui.compareButton, "compare", 0.3, lambda: self.registration.SetMatrixTransformToParent(away))
-        found = [table.GetCellText(row, column) for row in range(table.GetNumberOfRows()) for column in range(table.GetNumberOfColumns())]
-        self.assertEqual(found, expected)
+        self.assertEqual(self.cells(), expected)

@@ -82,7 +82,7 @@ class AIFReconWindowTest(unittest.TestCase):
                 self.assertEqual(self.width(), before)
 
     def test_a_scan_can_be_steered_without_scrolling_in_a_window_of_1000_pixels(self):
-        from AIFReconLib.live.replay import ReplayServer
+        from AIFReconLib.live.replay.server import ReplayServer
 
         self.window.resize(1400, 1000)
         self.ui.liveCollapsibleButton.collapsed = False

@@ -41,8 +41,8 @@ CT_TO_WORLD = moved(12.0, -7.0, 30.0) @ rotation(2, 25.0) @ rotation(0, -10.0)
 
 def makeSequence():
     """The sweep as the library has it: poses to world, frame 5 out of view."""
-    from AIFReconLib.frames import FrameRecord, TrackedSequence
-    from AIFReconLib.transform_graph import TransformName, TransformSample, TransformStatus
+    from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+    from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
     columns, rows = FRAME_SIZE
     random = np.random.default_rng(1)
@@ -64,7 +64,7 @@ def makeSequence():
 
 def addSweep(name="Sweep"):
     """The sweep as a sequence browser node of the scene."""
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     return browserFromSequence(makeSequence(), name)
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from files import tracked_sequence, write_patient
 
-from AIFReconLib.cli import main
-from AIFReconLib.io.sequence_writer import write_sequence
+from AIFReconLib.commands.parser import main
+from AIFReconLib.io.sequence.writer import write_sequence
 
 from .writers import digest_bytes, digest_of, digest_sequence, digest_volume
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from AIFReconLib.io.workspace import remove_left_behind
+from AIFReconLib.io.disk.workspace import remove_left_behind
 
 from .children import end_of, result_of, start
 from .commands import COMMANDS, Command, quietly
@@ -75,8 +75,8 @@ def _told_to_end(command: Command, inputs: Path, place: Path, number: int, after
             signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell's background job has not
             os.dup2(said.fileno(), 2)
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-            from AIFReconLib import cli
             from AIFReconLib.__main__ import main as entry
+            from AIFReconLib.commands import parser as cli
 
             arguments = command.arguments(inputs, place, 1)
             begin = cli.orderly_end

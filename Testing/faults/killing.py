@@ -16,16 +16,16 @@ from pathlib import Path
 
 import numpy as np
 
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.workspace import PREFIX
-from AIFReconLib.live.recording import Recorder
+from AIFReconLib.io.disk.workspace import PREFIX
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.live.session.recording import Recorder
 
 from .children import end_of, result_of, start
 from .commands import Command, quietly
 from .ledger import Entry, Ledger
 from .writers import RECORDED, RECORDINGS, Writer, recorded_frames
 
-RENAMING = ("io/atomic.py", "io/detached.py", "io/workspace.py", "live/recording.py", "tempfile.py", "shutil.py")
+RENAMING = ("disk/atomic.py", "disk/detached.py", "disk/workspace.py", "session/recording.py", "tempfile.py", "shutil.py")
 """Where a line counts: what makes, renames and removes files. All writes share it, so over all of them each line is met several times."""
 
 MOMENTS = 1.1

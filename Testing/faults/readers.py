@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 from files import CONFIGURATION, IMAGE_TO_PROBE, tracked_sequence
 
-from AIFReconLib.io.imported_images import open_images
-from AIFReconLib.io.plus_config import read_plus_configuration
-from AIFReconLib.io.pose_files import read_poses
-from AIFReconLib.io.pose_rows import PoseFormat
-from AIFReconLib.io.sequence_writer import write_sequence
+from AIFReconLib.io.foreign.openers import open_images
+from AIFReconLib.io.foreign.pose_files import read_poses
+from AIFReconLib.io.foreign.pose_rows import PoseFormat
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.sequence.writer import write_sequence
 
 from .writers import OTHERS, VOLUMES, digest_of, digest_sequence, digest_volume
 

@@ -13,15 +13,15 @@ from files import tracked_sequence
 from live_messages import tracked as tracked_messages
 
 from AIFReconLib.evaluation.figures import compare_figure
-from AIFReconLib.io.atomic import write_text
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.sequence_writer import write_sequence
-from AIFReconLib.io.transform_files import read_transform, write_transform
-from AIFReconLib.io.volume_files import read_volume
-from AIFReconLib.live.recording import Recorder
-from AIFReconLib.live.synchronizer import Synchronizer
-from AIFReconLib.sweep_drawing import draw_sweep
-from AIFReconLib.volume import Volume
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.inspection.sweep_drawing import draw_sweep
+from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.transform.files import read_transform, write_transform
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.live.pairing.synchronizer import Synchronizer
+from AIFReconLib.live.session.recording import Recorder
 
 RECORDED = 12
 """Frames of a recording."""

@@ -15,11 +15,11 @@ import numpy as np
 from scipy import ndimage
 from scipy.signal import savgol_filter
 
-from AIFReconLib.io.sequence_files import read_sequence
+from AIFReconLib.geometry.transforms import invert
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.ultrasound import UltrasoundEffects, simulate_frame
-from AIFReconLib.transforms import invert
-from AIFReconLib.volume import Volume, VoxelGrid
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("AIFRECON_DATA_DIR") or REPOSITORY.parent / "shared" / "data")

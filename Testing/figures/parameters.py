@@ -5,6 +5,7 @@ Run from anywhere: ``make figures``, or ``python Testing/figures/parameters.py``
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,19 +13,22 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from AIFReconLib.bone import BoneMap
-from AIFReconLib.console import ProgressBar
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.commands.console import ProgressBar
 from AIFReconLib.evaluation.figures import BACKGROUND, BONE_COLOR, INK, NOT_SCANNED, within_spinous_process
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, Plane, cut
-from AIFReconLib.evaluation.study_cases import Scan, simulated_scan
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import part
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import ct_misregistration, multi_angle_sweep
-from AIFReconLib.volume import Volume
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from study.method_cases import Scan, simulated_scan
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 SEED, FRAMES = 0, 270

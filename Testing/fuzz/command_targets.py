@@ -7,7 +7,7 @@ import io
 from functools import partial
 from pathlib import Path
 
-from AIFReconLib.cli import BAD_INPUT, SUCCESS, main
+from AIFReconLib.commands.parser import BAD_INPUT, SUCCESS, main
 
 from . import seeds
 from .file_targets import METAIMAGE_WORDS

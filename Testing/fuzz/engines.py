@@ -79,7 +79,7 @@ def fuzz_with_atheris(name: str, seconds: float, findings: Path, corpus: Path, s
     with atheris.instrument_imports(include=["AIFReconLib", "pyigtl"], enable_loader_override=False):
         import pyigtl  # noqa: F401
 
-        import AIFReconLib.cli  # noqa: F401
+        import AIFReconLib.commands.parser  # noqa: F401
         from fuzz import mutation, registry  # noqa: F401
     warnings.simplefilter("error")
     session = Session(name, findings)

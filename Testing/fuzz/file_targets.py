@@ -10,17 +10,17 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.io.calibration_files import read_calibration
-from AIFReconLib.io.importance_mask import read_importance_mask
-from AIFReconLib.io.imported_images import open_images
-from AIFReconLib.io.metaimage_header import ELEMENT_TYPES, FORMAT_KEYS
-from AIFReconLib.io.plus_config import read_plus_configuration
-from AIFReconLib.io.pose_files import read_poses
-from AIFReconLib.io.pose_rows import PoseFormat
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.io.transform_files import read_transform
-from AIFReconLib.io.transform_sequences import read_transform_sequence
-from AIFReconLib.io.volume_files import read_labels, read_volume
+from AIFReconLib.io.foreign.calibration import read_calibration
+from AIFReconLib.io.foreign.openers import open_images
+from AIFReconLib.io.foreign.pose_files import read_poses
+from AIFReconLib.io.foreign.pose_rows import PoseFormat
+from AIFReconLib.io.metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.plus.importance_mask import read_importance_mask
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.transforms import read_transform_sequence
+from AIFReconLib.io.transform.files import read_transform
+from AIFReconLib.io.volume.files import read_labels, read_volume
 
 from . import seeds
 from .target import Target

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib.errors import LiveMessageError
-from AIFReconLib.live.decoding import USED_TYPES, decode
-from AIFReconLib.live.framing import Frame, Framer
-from AIFReconLib.live.messages import ImageMessage, StatusMessage, TransformMessage
+from AIFReconLib.live.wire.decoding import USED_TYPES, decode
+from AIFReconLib.live.wire.framing import Frame, Framer
+from AIFReconLib.live.wire.messages import ImageMessage, StatusMessage, TransformMessage
 
 from . import seeds
 from .target import Target

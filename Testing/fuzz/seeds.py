@@ -245,7 +245,7 @@ def transform_texts() -> list[bytes]:
 
 def transform_hdf5() -> list[bytes]:
     """What SimpleITK writes, and what other programs do."""
-    from AIFReconLib.io.transform_files import write_transform
+    from AIFReconLib.io.transform.files import write_transform
 
     from .hdf5_samples import COMPRESSED_HDF5, OLDER_HDF5
 
@@ -348,7 +348,7 @@ def _message(kind: bytes, body: bytes) -> bytes:
 
 def with_checksum(message: bytes) -> bytes:
     """A message whose size and checksum are those of the body that it has."""
-    from AIFReconLib.live.crc64 import crc64
+    from AIFReconLib.live.wire.crc64 import crc64
 
     if len(message) < 58:
         return message

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from AIFReconLib.live.openigtlink import OpenIGTLinkClient
-from AIFReconLib.live.session import LiveSession
+from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
 
 from . import stream
 from .ledger import AGAIN, DESTROYED, FOREIGN, UNUSABLE, WHOLE

@@ -24,16 +24,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from bench_live import bone
+from benchmark.live import bone
 
-from AIFReconLib.beams import LINEAR, ProbeGeometry
-from AIFReconLib.extent import grid_around_sweep
-from AIFReconLib.io.sequence_files import read_sequence
-from AIFReconLib.live.messages import ImageMessage
-from AIFReconLib.live.openigtlink import OpenIGTLinkClient
-from AIFReconLib.live.session import LiveSession
-from AIFReconLib.live.snapshots import SnapshotMaker
-from AIFReconLib.region import ClipRectangle, ImageRegion
+from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.session.snapshots import SnapshotMaker
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.settings import ReconstructionSettings
 
 from . import stream

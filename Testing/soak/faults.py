@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from AIFReconLib.live.encoding import encode_image, encode_message, encode_status
-from AIFReconLib.live.framing import HEADER_SIZE, SIZE_LIMIT
+from AIFReconLib.live.wire.encoding import encode_image, encode_message, encode_status
+from AIFReconLib.live.wire.framing import HEADER_SIZE, SIZE_LIMIT
 
 from . import stream
 from .ledger import AGAIN, DESTROYED, FOREIGN, UNUSABLE, WHOLE

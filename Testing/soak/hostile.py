@@ -20,11 +20,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from AIFReconLib.live.encoding import encode_message, encode_status_request, encode_transform
-from AIFReconLib.live.openigtlink import OpenIGTLinkClient
-from AIFReconLib.live.replay import ReplayServer
-from AIFReconLib.live.session import LiveSession
-from AIFReconLib.live.synchronizer import SynchronizerSettings
+from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
+from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.live.wire.encoding import encode_message, encode_status_request, encode_transform
 
 from . import stream
 from .client import imaging

@@ -8,7 +8,7 @@ import sys
 import time
 from contextlib import suppress
 
-from AIFReconLib.live.framing import Frame, Framer
+from AIFReconLib.live.wire.framing import Frame, Framer
 
 PATIENCE = 600.0
 """s that a client may take to connect, or to take what was sent."""

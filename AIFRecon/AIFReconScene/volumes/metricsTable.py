@@ -1,0 +1,97 @@
+"""How volumes show bone, as a table node: the numbers and words of `aifrecon evaluate`."""
+
+import re
+from collections.abc import Callable
+
+import slicer
+import vtk
+
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.message import Message
+from AIFReconLib.progress import Progress, part, report
+from AIFReconLib.sweep.frames import TrackedSequence
+
+
+def measureVolumes(
+    volumes: dict[str, Volume],
+    labels: Volume,
+    sequence: TrackedSequence | None = None,
+    *,
+    mask: Volume | None = None,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+    progress: Progress | None = None,
+) -> dict:
+    """Bone metrics of several volumes of one sweep, each a `BoneMetrics`, by name.
+
+    Parameters
+    ----------
+    volumes : dict of str to Volume
+    labels : Volume of integers, placed in RAS world
+        As `labelsFromNode` gives them: a label per vertebra.
+    sequence : TrackedSequence or None
+        Decides which bone could be reached; without one all bone counts.
+    mask : Volume or None
+        Not 0 where something was measured.
+    region, probe
+        As for `reconstruct`.
+    progress : Progress or None
+    """
+    from AIFReconLib.evaluation.metrics import evaluate
+    from AIFReconLib.evaluation.visibility import SweepBeams, bone_truth
+
+    beams = SweepBeams.of_sequence(sequence, region=region, probe=probe) if sequence is not None else None
+    truth = bone_truth(labels, beams, progress=part(progress, 0.0, 0.6))
+    results = {}
+    for number, (name, volume) in enumerate(volumes.items()):
+        report(progress, 0.6 + 0.4 * number / len(volumes), Message("Measuring {name}", name=name))
+        results[name] = evaluate(volume, truth, mask)
+    report(progress, 1.0, "Measured")
+    return results
+
+
+def updateMetricsTable(tableNode, metrics: dict, say: Callable[[Message], str] = str) -> None:
+    """Fill a table node with bone metrics: a row for each volume, a column for each number that `aifrecon evaluate` prints.
+
+    Parameters
+    ----------
+    tableNode : vtkMRMLTableNode
+        What it held is replaced.
+    metrics : dict of str to BoneMetrics
+    say : callable
+        Gives headings and explanations in the user's language; English by default.
+
+    Notes
+    -----
+    Columns are named in English, whatever their titles say. Numbers are doubles with the digits that are printed, shares from 0 to 1;
+    NaN where a number is not known.
+    """
+    from AIFReconLib.evaluation.quantities import HEADINGS, QUANTITIES
+
+    rows = {name: result.to_dict() for name, result in metrics.items()}
+    names = vtk.vtkStringArray()
+    names.SetName("volume")
+    for name in rows:
+        names.InsertNextValue(name)
+    with slicer.util.NodeModify(tableNode):
+        tableNode.RemoveAllColumns()
+        tableNode.AddColumn(names)
+        for key, heading in HEADINGS.items():
+            column = vtk.vtkDoubleArray()
+            column.SetName(heading)
+            for row in rows.values():
+                column.InsertNextValue(round(float(row[key]), _digits(QUANTITIES[key].form)))
+            tableNode.AddColumn(column)
+            tableNode.SetColumnTitle(heading, say(heading))
+            what = Message("{label}: {definition}", label=QUANTITIES[key].label, definition=QUANTITIES[key].definition)
+            tableNode.SetColumnDescription(heading, say(what))
+        tableNode.SetUseColumnTitleAsColumnHeader(True)
+        tableNode.SetLocked(True)
+
+
+def _digits(form: str) -> int:
+    """Digits after the point that a format keeps; two more for a percentage, which is kept as a share."""
+    digits = int(re.search(r"\.(\d+)", form)[1])
+    return digits + 2 if form.endswith("%") else digits

@@ -1,0 +1,168 @@
+"""The command line: one parser, one place where errors become a line and an exit code.
+
+Exit codes: 0 success; 2 wrong arguments or input, with one line on standard error that says what is wrong and what to do; 130
+interrupted (143 by SIGTERM, 129 by a terminal that was closed). Whatever fails, no file is left half-written.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import difflib
+import errno
+import itertools
+import os
+import sys
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+from .. import __version__
+from ..errors import AIFReconError, OperationCanceled
+from ..message import LONGEST_QUOTE, one_line, shorten
+from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, replay, simulate
+from .console import prepare_streams
+from .log import add_log_options, logging_as_asked
+from .signals import OrderlyEnd, orderly_end
+
+COMMANDS = (demo, reconstruct, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
+
+SUCCESS, BAD_INPUT = 0, 2
+
+_OF_PRINTING = (errno.ENOSPC, errno.EIO)
+"""Errors of a full disk or a terminal that is gone. Those of our files come as `OutputError`, and commands print last."""
+
+_INTERRUPTED = "Interrupted. No file is left half-written."
+
+_NO_MEMORY = (
+    "There is not enough memory. End other programs, or use a larger --spacing, a smaller part of the image (--clip-px) or of the sweep."
+)
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """Reports wrong arguments in one line, like every other error, and says what may have been meant."""
+
+    def __init__(self, *arguments: Any, **options: Any):
+        super().__init__(*arguments, **options)
+        self.register("type", float, _number)
+        self.register("type", int, _whole_number)
+
+    def parse_known_args(  # type: ignore[override]  # argparse calls it with these; its overloads are of namespaces of other kinds
+        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
+    ) -> tuple[argparse.Namespace, list[str]]:
+        """Look for mistyped options first; otherwise what is missing without them would be named instead."""
+        if args is not None and self._subparsers is None:
+            self._refuse_unknown(args)
+        return super().parse_known_args(args, namespace)
+
+    def _refuse_unknown(self, given: Sequence[str]) -> None:
+        known = list(self._option_string_actions)
+        for word in itertools.takewhile(lambda word: word != "--", given):
+            name = word.partition("=")[0]
+            if name.startswith("--") and " " not in name and not any(option.startswith(name) for option in known):
+                near = difflib.get_close_matches(name, known, n=1)
+                self.error(f"there is no option {name}{f', perhaps {near[0]} is meant' if near else ''}")
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and where help is, and exit."""
+        self.exit(BAD_INPUT, f"{self.prog}: {one_line(shorten(message, LONGEST_QUOTE))}. See {self.prog} --help.\n")
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a number such as 0.5, without a unit; got {text!r}") from None
+
+
+def _whole_number(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a whole number; got {text!r}") from None
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The parser of all commands."""
+    parser = OneLineParser(
+        prog="aifrecon",
+        description="3D ultrasound of the spine from tracked 2D frames, weighted by the angle of incidence to bone. "
+        "Research software, not a medical device.",
+        epilog="'aifrecon COMMAND --help' tells what a command takes. 'aifrecon demo' shows the whole on a simulated patient.",
+    )
+    parser.add_argument("--version", action="version", version=f"aifrecon {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=OneLineParser)
+    for command in COMMANDS:
+        command.add_to(commands)
+    for each in commands.choices.values():
+        add_log_options(each)
+    return parser
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    argv : list of str or None
+        Arguments; those of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, 2, or 128 and the number of the signal that ended it.
+    """
+    prepare_streams()
+    try:
+        arguments = build_parser().parse_args(argv)
+    except SystemExit as stop:  # argparse has printed help, the version or its one line
+        return int(stop.code or 0)
+    end = OrderlyEnd()
+    try:
+        with orderly_end(end), logging_as_asked(arguments, sys.argv[1:] if argv is None else argv):
+            arguments.run(arguments)
+    except (KeyboardInterrupt, OperationCanceled):
+        return _fail(_INTERRUPTED, end.exit_code)
+    except AIFReconError as error:
+        return _fail(str(error), BAD_INPUT)
+    except MemoryError:
+        return _fail(_NO_MEMORY, BAD_INPUT)
+    except BrokenPipeError:
+        pass  # whoever read the output has gone, as `head` does
+    except RuntimeError as error:
+        # Of a lock that the interrupt kept from being taken, as in `orderly_end.pause`
+        if isinstance(error.__context__, KeyboardInterrupt):
+            return _fail(_INTERRUPTED, end.exit_code)
+        # The interpreter has no class for a limit on threads
+        if "start new thread" not in str(error):
+            raise
+        return _fail("The system allows no more threads. End other programs, or raise the limit (ulimit -u).", BAD_INPUT)
+    except OSError as error:
+        if error.errno in _OF_PRINTING and not error.filename:
+            return _not_printed(error)
+        where = f"{error.filename}: " if error.filename else ""
+        return _fail(f"{where}{error.strerror or error}. Check that the file exists and may be used.", BAD_INPUT)
+    return _print_the_rest()
+
+
+def _print_the_rest() -> int:
+    """Put out what is still in the buffer."""
+    try:
+        sys.stdout.flush()
+        return SUCCESS
+    except OSError as error:
+        # The interpreter must not try again at its end
+        with contextlib.suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):
+            return SUCCESS
+        return _not_printed(error)
+
+
+def _not_printed(error: OSError) -> int:
+    return _fail(f"The result cannot be printed ({error.strerror}). Print it elsewhere; files that were asked for are written.", BAD_INPUT)
+
+
+def _fail(message: str, code: int) -> int:
+    with contextlib.suppress(OSError):
+        print(f"aifrecon: {one_line(' '.join(message.split()))}", file=sys.stderr, flush=True)
+    return code

@@ -1,0 +1,79 @@
+"""A program that is told to end does so as on Ctrl-C: what is unfinished is cleared away, and a live scan is saved."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+SIGNALS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name))
+"""Sent by `kill`, `timeout`, service managers and a system that shuts down; by a terminal that is closed; by Ctrl-Break."""
+
+
+SOON = 0.05
+"""s after which a signal is sent again that came where an exception would be swallowed."""
+
+_CALLED_FROM_C = "llvmlite"
+"""Package whose functions compiled code calls back: what they raise is printed and lost, and with it the wish to end."""
+
+_IMPORT_CALLBACK = "<frozen importlib._bootstrap>", "cb"
+"""File and name of the function that is called when the lock of an import goes: what it raises is lost in the same way."""
+
+
+class OrderlyEnd:
+    """What ended the program, for its exit code.
+
+    Attributes
+    ----------
+    told : bool
+        Whether it was told to end, also where the interrupt was swallowed on its way.
+    signal : int
+        By what.
+    """
+
+    def __init__(self) -> None:
+        self.told = False
+        self.signal = int(signal.SIGINT)
+
+    @property
+    def exit_code(self) -> int:
+        """128 and the number of the signal, as shells say it."""
+        return 128 + self.signal
+
+
+def _swallows(frame: FrameType | None) -> bool:
+    """Whether an exception raised in this frame would not reach us."""
+    if frame is None:
+        return False
+    code = frame.f_code
+    return _CALLED_FROM_C in code.co_filename or (code.co_filename, code.co_name) == _IMPORT_CALLBACK
+
+
+@contextmanager
+def orderly_end(end: OrderlyEnd | None = None) -> Iterator[OrderlyEnd]:
+    """Within the block these signals raise `KeyboardInterrupt` too; those that the caller has ignored or handled stay so.
+
+    Only in the main thread: in others nothing changes. What ended the block is kept in `end`.
+    """
+    end = end or OrderlyEnd()
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        if _swallows(frame):
+            again = threading.Timer(SOON, signal.raise_signal, [number])
+            again.daemon = True
+            again.start()
+            return
+        end.told, end.signal = True, int(number)
+        raise KeyboardInterrupt
+
+    before = {}
+    if threading.current_thread() is threading.main_thread():
+        untouched = (signal.SIG_DFL, signal.default_int_handler)
+        before = {n: signal.signal(n, interrupt) for n in (signal.SIGINT, *SIGNALS) if signal.getsignal(n) in untouched}
+    try:
+        yield end
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,75 @@
+"""What kernels are given, in groups: plain tuples, which numba tells apart twice as fast as named ones, at every call."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Floats, Integers, Matrix, Numbers, Reals, Singles
+
+Frames = tuple[Numbers, Matrix, Integers, Integers, Floats]
+"""What is inserted. images : (frames, rows, columns) uint8 or float32; matrices, pieces, spans, size : as in `clip_to_volume`."""
+
+Whole = int | np.integer
+"""Columns and voxels, as they come."""
+
+Slab = tuple[int, int, int]
+"""The part of the volume that is filled: axis, first voxel along it, stop."""
+
+Voxels = tuple[Reals, NDArray[np.uint32], Reals]
+"""value, hits, weight : (voxels,) arrays of the state, `weight` empty where the method has none."""
+
+Bone = tuple[Singles, Singles, Singles, Singles, Singles]
+"""Where bone is, and from where it is seen.
+
+probability : (voxels,) float32; directions : (voxels, 3) float32; axes : (frames, 6) float32, the image's x and y axis in Reference;
+beam_x, beam_y : (n,) float32, the beams' directions along them.
+"""
+
+AifFactors = tuple[np.float32, np.float32, np.float32, bool]
+"""alpha, beta and maximum, and whether to compensate."""
+
+WeightedFactors = tuple[np.float32, np.float32, np.float32, np.float32]
+"""floor, gain, beta and maximum."""
+
+Evidence = tuple[Singles, NDArray[np.uint32], Singles, NDArray[np.int64]]
+"""What frames themselves tell.
+
+reach, begins, onset : (frames, n) arrays, the reach at the pixels, the pixels with an onset, rising, and the onset there;
+onsets : (frames,), how many pixels have one.
+"""
+
+SplatFrames = tuple[Numbers, Matrix, Integers, Integers, Integers]
+"""What is spread.
+
+images : (frames, rows, columns) uint8 or float32; matrices : (frames, 4, 4) float64, image_to_ijk; pieces : (n, 4) int64;
+columns : (frames, n, 2) int32, of each piece the first column that may matter to the slab and the one after the last;
+size : (3,) int64, voxels along i, j, k.
+"""
+
+Pixels = tuple[Floats, Singles]
+"""What is known of the layout's pixels.
+
+coordinates : (2, pixels) float64, column and row where they truly are, empty where they are as shown;
+importance : (pixels,) float32, empty where all count alike.
+"""
+
+Places = tuple[Integers, Integers, Integers, Integers, Integers, Integers]
+"""pixel_of_sample, padded_sample_of_pixel, lit, first_lit, active, judged : of `ScanLines`."""
+
+Lengths = tuple[int, int, int]
+"""taps, depth, crest : of `ScanLines`."""
+
+Room = tuple[Numbers, Numbers, Singles, Singles]
+"""To work in.
+
+For a copy of the image, flat; for the pixels at the samples, (samples, padded), of the image's type and 0 at first; for reach and onset
+there, (samples, padded) float32.
+"""
+
+Results = tuple[Singles, NDArray[np.uint32], Singles]
+"""What is found.
+
+reach : (n,), the reach at the layout's pixels; begins, onset : (n,), the numbers of the pixels with an onset, rising, and the onset there.
+They are few, and the others need no look.
+"""

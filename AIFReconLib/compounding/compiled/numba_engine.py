@@ -1,0 +1,136 @@
+"""The distribution step on all processor cores: the same voxels as the numpy engine, to the last bit.
+
+A batch of frames is put into the volume slab by slab. Slabs share no voxel, so threads need no locks and no order among them; within
+a slab the frames follow each other in time, so that what they have in common is still in the cache when the next one comes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...arrays import Integers, Numbers, Singles
+from ...bone.map import BoneOnGrid
+from ...machine.threads import checked_threads, in_parts
+from ...settings import ReconstructionSettings
+from ..batch import BATCH_FRAMES, FrameBatch
+from ..evidence import ScanLines
+from ..layout import PixelLayout
+from ..state import VoxelState
+from .groups import Evidence
+from .numba_evidence import FrameJudge
+from .numba_kernels import AVERAGE, LATEST, MAXIMUM, clip_to_volume, insert_aif, insert_cosine, insert_plain, insert_weighted
+from .slabs import cut_into_slabs
+
+NOTHING: Singles = np.empty(0, np.float32)
+
+PLAIN_RULES = {"average": AVERAGE, "latest": LATEST, "maximum": MAXIMUM}
+
+
+class NumbaEngine:
+    """Puts frames into a `VoxelState`.
+
+    Parameters
+    ----------
+    state : VoxelState
+    grid_size : (i, j, k)
+    settings : ReconstructionSettings
+    maximum : float
+        Brightest value an image can hold.
+    bone : BoneOnGrid or None
+    threads : int or None
+        How many to use; by default NUMBA_NUM_THREADS of the environment, else every core.
+
+    Raises
+    ------
+    SettingsError
+        When the number of threads is not at least 1.
+    """
+
+    name = "numba"
+    frames_at_once = BATCH_FRAMES
+
+    def __init__(
+        self,
+        state: VoxelState,
+        grid_size: tuple[int, int, int],
+        settings: ReconstructionSettings,
+        maximum: float,
+        bone: BoneOnGrid | None,
+        threads: int | None = None,
+    ):
+        self.state = state
+        self.threads = checked_threads(threads)
+        self._size = np.array(grid_size, dtype=np.float64)
+        self._maximum = float(maximum)
+        compensated = state.method == "aif-compensated"
+        self._aif_factors = (np.float32(settings.alpha), np.float32(settings.beta), np.float32(maximum), compensated)
+        floor, gain = np.float32(settings.weight_floor), np.float32(settings.bone_gain)
+        self._weighted_factors = (floor, gain, np.float32(settings.beta), np.float32(maximum))
+        self._judge: FrameJudge | None = None
+        self._probability = NOTHING if bone is None else bone.probability.reshape(-1)
+        self._directions = NOTHING if bone is None else bone.directions_reference.reshape(-1, 3)
+
+    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
+        """Put frames into the volume.
+
+        Parameters
+        ----------
+        batch : FrameBatch
+        layout : PixelLayout
+        scan_lines : ScanLines or None
+            Needed by `weighted` alone.
+
+        Returns
+        -------
+        pixels : list of int
+            How many entered of each frame.
+        """
+        if not batch.measured:
+            return self._insert(batch, slice(0, len(batch)), layout.pieces, layout, scan_lines)
+        entered: list[int] = []
+        for place in range(len(batch)):
+            pieces = layout.pieces
+            if place in batch.measured:
+                pieces = layout.pieces_within(layout.mask & layout.within_window(batch.measured[place]))
+            entered += self._insert(batch, slice(place, place + 1), pieces, layout, scan_lines)
+        return entered
+
+    def _insert(self, batch: FrameBatch, frames: slice, pieces: Integers, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
+        images, matrices, axes = batch.images[frames], batch.image_to_ijk[frames], batch.axes[frames]
+        axis, edges = cut_into_slabs(matrices, layout, self._size)
+        spans = np.empty((len(images), len(pieces), 4), np.int32)
+        clip_to_volume(matrices, pieces, self._size, axis, spans)
+        entered = np.zeros((len(edges) - 1, len(images)), np.int64)
+        where = images, matrices, pieces, spans, self._size
+        state, method = self.state, self.state.method
+        voxels = state.value, state.hits, NOTHING if state.weight is None else state.weight
+        beam_x, beam_y = NOTHING if layout.beam_x is None else layout.beam_x, NOTHING if layout.beam_y is None else layout.beam_y
+        bone = self._probability, self._directions, axes, beam_x, beam_y
+        evidence = self._judged(scan_lines, images) if method == "weighted" else None
+
+        def put(part: int) -> None:
+            slab = axis, int(edges[part]), int(edges[part + 1])
+            if state.cosine is not None:
+                insert_cosine(where, slab, state.cosine, bone)
+            if evidence is not None:
+                insert_weighted(where, slab, voxels, bone, self._weighted_factors, evidence, entered[part])
+            elif method in PLAIN_RULES:
+                insert_plain(PLAIN_RULES[method], where, slab, voxels, entered[part])
+            else:
+                insert_aif(where, slab, voxels, bone, self._aif_factors, entered[part])
+
+        in_parts(put, len(edges) - 1, self.threads)
+        return [int(n) for n in entered.sum(axis=0)]
+
+    def _judged(self, scan_lines: ScanLines | None, images: Numbers) -> Evidence:
+        """What the frames themselves tell."""
+        if scan_lines is None:
+            raise ValueError("Input scan_lines must be given for method weighted; got None.")
+        judge = self._frame_judge(scan_lines, images)
+        in_parts(lambda frame: judge.judge(images[frame], frame), len(images), self.threads)
+        return judge.evidence(len(images))
+
+    def _frame_judge(self, scan_lines: ScanLines, images: Numbers) -> FrameJudge:
+        if self._judge is None or self._judge.scan_lines is not scan_lines:
+            self._judge = FrameJudge(scan_lines, images.dtype, self._maximum, BATCH_FRAMES)
+        return self._judge

@@ -1,0 +1,40 @@
+"""How a volume is cut for threads: slabs that share no voxel, so that no thread waits for another."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...arrays import Integers, Matrix, Numbers
+from ..layout import PixelLayout
+
+SLABS = 8
+"""Slabs that a batch is cut into: what frames share of one fits into a core's cache, and threads end at about the same time."""
+
+
+def cut_into_slabs(matrices: Matrix, layout: PixelLayout, size: Numbers) -> tuple[int, Integers]:
+    """The axis across which to cut, and the edges of the slabs along it, for frames at these places.
+
+    Parameters
+    ----------
+    matrices : (frames, 4, 4) float64 array, image_to_ijk
+    layout : PixelLayout
+    size : (3,) array, voxels along i, j, k
+
+    Returns
+    -------
+    axis : int
+    edges : (slabs + 1,) int64 array
+        First voxel of each slab, and the end of the last; together they hold every voxel that a pixel is in or, by less than one
+        voxel, beside.
+
+    Notes
+    -----
+    The axis is the one that image rows lie across and image columns lie along, so that rows are cut as little as can be.
+    """
+    left, right, top, bottom = layout.bounds
+    down, along = np.abs(matrices[:, :3, 1]).mean(axis=0) * (bottom - top), np.abs(matrices[:, :3, 0]).mean(axis=0) * (right - left)
+    axis = int(np.argmax(down - along))
+    corners = np.array([(x, y, 0, 1) for x in (left, right) for y in (top, bottom)], dtype=np.float64)
+    reached = corners @ matrices[:, axis, :].T + 0.5
+    first, last = (float(np.clip(np.floor(end), 0, size[axis] - 1)) for end in (reached.min(), reached.max()))
+    return axis, np.unique(np.floor(np.linspace(max(first - 1, 0), min(last + 2, size[axis]), SLABS + 1)).astype(np.int64))

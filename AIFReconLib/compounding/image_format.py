@@ -1,0 +1,94 @@
+"""What all images of a reconstruction have in common: their size, their pixel type, and what follows from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Numbers, NumberType
+from ..errors import GeometryError
+from ..message import Message
+from ..settings import ReconstructionSettings
+
+
+@dataclass(frozen=True)
+class ImageKind:
+    """Size and pixel type of the images.
+
+    Parameters
+    ----------
+    shape : (rows, columns)
+    dtype : dtype
+    """
+
+    shape: tuple[int, int]
+    dtype: NumberType
+
+    @classmethod
+    def of(cls, image: Numbers, number: int) -> ImageKind:
+        """That of the first image, of frame `number`.
+
+        Raises
+        ------
+        GeometryError
+            When its image is not one of gray pixels.
+        """
+        if image.ndim != 2 or not image.size or image.dtype.kind not in "biuf":
+            raise GeometryError(
+                "Input images must be gray, rows x columns of numbers; got {shape} {kind} in frame {number}.",
+                shape=image.shape,
+                kind=image.dtype,
+                number=number,
+            )
+        rows, columns = image.shape
+        return cls((rows, columns), image.dtype)
+
+    def check(self, image: Numbers, number: int) -> None:
+        """Return if the image of a later frame, `number`, is alike; else raise a GeometryError."""
+        if image.shape != self.shape or image.dtype != self.dtype:
+            raise GeometryError(
+                "Input images must all be alike; got {shape} {kind} in frame {number} after {first_shape} {first_type}.",
+                shape=image.shape,
+                kind=image.dtype,
+                number=number,
+                first_shape=self.shape,
+                first_type=self.dtype,
+            )
+
+    @property
+    def is_8_bit(self) -> bool:
+        """Whether pixels are gray levels from 0 to 255."""
+        return self.dtype == np.uint8
+
+    def maximum(self, settings: ReconstructionSettings) -> float:
+        """The brightest value that an image can hold; infinite where neither the settings nor the type tell."""
+        if settings.intensity_maximum is not None:
+            return settings.intensity_maximum
+        return float(np.iinfo(self.dtype.name).max) if self.dtype.kind in "iu" else np.inf
+
+    def output_type(self, settings: ReconstructionSettings) -> str:
+        """The pixel type of the volume: "uint8" or "float32"."""
+        return settings.output_type or ("uint8" if self.is_8_bit else "float32")
+
+    def warnings(self, method: str, settings: ReconstructionSettings) -> list[Message]:
+        """What does not go well with such pixels."""
+        if self.is_8_bit:
+            return []
+        found = []
+        if method == "weighted" and settings.intensity_maximum is None:
+            found.append(
+                Message(
+                    "Warning: weighted judges brightness against the full gray scale, which {kind} images do not tell. "
+                    "Give their brightest value with --intensity-maximum.",
+                    kind=self.dtype.name,
+                )
+            )
+        if settings.output_type == "uint8":
+            found.append(
+                Message(
+                    "Warning: {kind} images are written as uint8: values above 255 are cut off. Use --output-type float32.",
+                    kind=self.dtype.name,
+                )
+            )
+        return found

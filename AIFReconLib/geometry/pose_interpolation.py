@@ -1,0 +1,139 @@
+"""The pose between two poses: what the tracker would have said at a moment between two of its samples.
+
+Rotations turn at constant speed about one axis (slerp); scale, shear and translation change linearly. So a rigid pose stays rigid, and an
+affine one, such as an image with its pixel spacing, keeps its spacing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Floats, Matrix
+from ..errors import GeometryError
+from ..message import Message
+from .transforms import invert
+
+
+def interpolate_pose(first: Matrix, second: Matrix, fraction: float) -> Matrix:
+    """The pose at `fraction` of the way from `first` (0) to `second` (1).
+
+    Parameters
+    ----------
+    first, second : (4, 4) float64 array
+        Affine poses of one frame in another, both mirrored or neither.
+    fraction : float
+        0 to 1. At 0 and 1 the answer is `first` and `second` to the bit.
+
+    Returns
+    -------
+    pose : (4, 4) float64 array
+
+    Raises
+    ------
+    GeometryError
+        When `fraction` is outside 0 to 1, a pose is singular, or one is mirrored and the other is not.
+
+    Notes
+    -----
+    With the polar decomposition M = R S of each 3x3 part (R a rotation, S symmetric), the answer is
+    R_first exp(fraction log(R_first^T R_second)) ((1 - fraction) S_first + fraction S_second); the translation is linear. Of two ways round
+    it takes the shorter; half a turn has two that are equally short, and one of them is taken.
+    """
+    if not 0.0 <= fraction <= 1.0:
+        raise GeometryError("Input fraction must be from 0 to 1; got {fraction!r}. Poses are not extrapolated.", fraction=fraction)
+    if fraction == 0.0:
+        return np.array(first, dtype=np.float64)
+    if fraction == 1.0:
+        return np.array(second, dtype=np.float64)
+    first_rotation, first_stretch = _polar(first)
+    second_rotation, second_stretch = _polar(second)
+    axis, angle = rotation_between(first_rotation, second_rotation)
+    pose = np.eye(4)
+    stretch = (1.0 - fraction) * first_stretch + fraction * second_stretch
+    pose[:3, :3] = first_rotation @ _turn(axis, fraction * angle) @ stretch
+    pose[:3, 3] = (1.0 - fraction) * np.asarray(first)[:3, 3] + fraction * np.asarray(second)[:3, 3]
+    return pose
+
+
+def interpolate_at(times: Floats, poses: Matrix, time: float) -> Matrix:
+    """The pose at `time` from samples in time order.
+
+    Parameters
+    ----------
+    times : (n,) float64 array, s, rising
+    poses : (n, 4, 4) float64 array
+    time : float, s
+        Within the first and the last of `times`.
+
+    Returns
+    -------
+    pose : (4, 4) float64 array
+        A sample itself, to the bit, where `time` is that of the sample.
+
+    Raises
+    ------
+    GeometryError
+        When `time` lies outside: poses are not extrapolated.
+    """
+    if not len(times) or not times[0] <= time <= times[-1]:
+        span = Message("{first:.3f} to {last:.3f} s", first=times[0], last=times[-1]) if len(times) else Message("no samples")
+        raise GeometryError(
+            "Input time must lie within the samples ({span}); got {time:.3f} s. Poses are not extrapolated.", span=span, time=time
+        )
+    after = int(np.searchsorted(times, time, side="left"))
+    if times[after] == time:
+        return np.array(poses[after], dtype=np.float64)
+    before = after - 1
+    return interpolate_pose(poses[before], poses[after], float((time - times[before]) / (times[after] - times[before])))
+
+
+def pose_change(first: Matrix, second: Matrix) -> tuple[float, float]:
+    """How far apart two poses are: distance of their origins (mm) and angle of the turn between them (radians, 0 to pi)."""
+    _, angle = rotation_between(_polar(first)[0], _polar(second)[0])
+    return float(np.linalg.norm(np.asarray(second)[:3, 3] - np.asarray(first)[:3, 3])), angle
+
+
+def rotation_between(first: Matrix, second: Matrix) -> tuple[Floats, float]:
+    """Axis (3,), unit vector in the frame before `first`, and angle (radians, 0 to pi) with first @ turn(axis, angle) = second.
+
+    Parameters
+    ----------
+    first, second : (3, 3) float64 array, rotations (or both mirrored)
+
+    Raises
+    ------
+    GeometryError
+        When one is mirrored and the other is not.
+    """
+    turn = first.T @ second
+    if np.linalg.det(turn) < 0.0:
+        raise GeometryError("Input poses must both be mirrored, or neither; got one of each. Check the transforms.")
+    # Twice the axis times the sine; the sine of half a turn vanishes, and the axis then stands in the symmetric part
+    skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    twice_sine, twice_cosine = float(np.linalg.norm(skew)), float(np.trace(turn)) - 1.0
+    angle = float(np.arctan2(twice_sine, twice_cosine))
+    if twice_cosine > -1.0:
+        return (skew / twice_sine if twice_sine > 0.0 else np.array([0.0, 0.0, 1.0])), angle
+    symmetric = 0.5 * (turn + turn.T)
+    outer = (symmetric - np.cos(angle) * np.eye(3)) / (1.0 - np.cos(angle))
+    column = outer[:, int(np.argmax(np.diag(outer)))]
+    axis = column / np.linalg.norm(column)
+    return (axis if axis @ skew >= 0.0 else -axis), angle
+
+
+def _polar(matrix: Matrix) -> tuple[Matrix, Matrix]:
+    """Rotation (mirrored where the matrix is) and symmetric stretch of the 3x3 part of a pose."""
+    linear = np.asarray(matrix, dtype=np.float64)[:3, :3]
+    if not np.isfinite(linear).all():
+        raise GeometryError("Input pose must hold finite numbers; got NaN or infinity.")
+    invert(np.asarray(matrix, dtype=np.float64))
+    left, stretches, right = np.linalg.svd(linear)
+    return left @ right, right.T @ (stretches[:, None] * right)
+
+
+def _turn(axis: Floats, angle: float) -> Matrix:
+    """The rotation by `angle` about a unit vector (Rodrigues' formula)."""
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn: Matrix = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
+    return turn

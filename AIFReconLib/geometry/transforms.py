@@ -1,0 +1,174 @@
+"""4x4 matrices: checking, composing, interpolating, and the one place where RAS becomes LPS.
+
+`a_to_b` maps column vectors: ``p_b = a_to_b @ p_a``. Everything is float64.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Floats, Matrix
+from ..errors import GeometryError
+from ..message import Message
+
+LPS_FROM_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])
+"""Left-posterior-superior from right-anterior-superior coordinates. It is its own inverse."""
+
+RIGIDITY_TOLERANCE = 0.02
+"""How far rotation^T rotation may be from the identity, per entry, before a pose counts as not rigid. Recordings hold
+6 digits, and trackers orthonormalize, so honest poses stay below 1e-4."""
+
+SHEAR_TOLERANCE = 0.1
+"""Largest |cosine| between the two image axes. Fiducial calibrations are affine fits: 0.05 has been seen in use."""
+
+LAST_ROW_TOLERANCE = 1e-9
+"""How far from 0 the last row of a transform may be."""
+
+LAST_ONE_TOLERANCE = 1e-5
+"""How far from 1 the last number of a transform's last row may be: recordings hold 6 digits."""
+
+LARGEST_NUMBER = 1e12
+"""No transform in mm holds more; trackers write such numbers for a pose that they do not have."""
+
+
+def as_matrix(values: ArrayLike, name: str = "matrix") -> Matrix:
+    """`values` as a (4, 4) float64 array.
+
+    Parameters
+    ----------
+    values : array_like
+        (4, 4), or 16 numbers in row-major order.
+    name : str
+        What to call it in an error.
+
+    Returns
+    -------
+    matrix : (4, 4) float64 array
+        A copy: changing it leaves `values` alone, and the other way round.
+
+    Raises
+    ------
+    GeometryError
+        When there are not 16 numbers, one is not finite, the last row is not 0 0 0 1, or the matrix is singular.
+    """
+    try:
+        matrix = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise GeometryError("Input {name} must have 16 numbers (4 rows of 4); got {values!r}.", name=name, values=values) from None
+    if matrix.shape not in ((4, 4), (16,)):
+        raise GeometryError("Input {name} must have 16 numbers (4 rows of 4); got shape {shape}.", name=name, shape=matrix.shape)
+    matrix = matrix.reshape(4, 4)
+    if not np.isfinite(matrix).all():
+        raise GeometryError("Input {name} must hold finite numbers; got NaN or infinity.", name=name)
+    if np.abs(matrix).max() > LARGEST_NUMBER:
+        raise GeometryError(
+            "Input {name} must hold numbers of at most {limit:g}; got {largest:g}.",
+            name=name,
+            limit=LARGEST_NUMBER,
+            largest=np.abs(matrix).max(),
+        )
+    if not _ends_in_0_0_0_1(matrix):
+        raise GeometryError("Input {name} must have 0 0 0 1 as its last row; got {row}.", name=name, row=matrix[3].tolist())
+    scale = np.prod(np.linalg.norm(matrix[:3, :3], axis=0))
+    if scale == 0.0 or abs(np.linalg.det(matrix[:3, :3])) < 1e-9 * scale:
+        raise GeometryError("Input {name} must be invertible; got a singular matrix.", name=name)
+    return matrix
+
+
+def _ends_in_0_0_0_1(matrix: Matrix) -> bool:
+    """Whether the last row of a (4, 4) matrix is 0 0 0 1, as far as recorded digits go."""
+    x, y, z, one = matrix[3].tolist()
+    return bool(max(abs(x), abs(y), abs(z)) <= LAST_ROW_TOLERANCE and abs(one - 1.0) <= LAST_ONE_TOLERANCE)
+
+
+def why_not_affine(matrix: Matrix) -> Message | None:
+    """What keeps a (4, 4) matrix from being a transform of points; None for a usable one."""
+    # Asked of every frame: on 16 numbers Python is ten times as fast as numpy
+    numbers = matrix.ravel().tolist()
+    if not all(map(math.isfinite, numbers)):
+        return Message("not finite")
+    if max(map(abs, numbers)) > LARGEST_NUMBER:
+        return Message("not a pose (numbers too large)")
+    if not _ends_in_0_0_0_1(matrix):
+        return Message("not a pose (last row is not 0 0 0 1)")
+    return None
+
+
+def why_not_rigid(matrix: Matrix) -> Message | None:
+    """What keeps a (4, 4) pose from being a rotation and a translation; None for a rigid one."""
+    problem = why_not_affine(matrix)
+    if problem:
+        return problem
+    rotation = matrix[:3, :3]
+    if np.abs(rotation.T @ rotation - np.eye(3)).max() > RIGIDITY_TOLERANCE:
+        return Message("not rigid (scaled or sheared)")
+    if np.linalg.det(rotation) < 0:
+        return Message("not rigid (mirrored)")
+    return None
+
+
+def why_not_an_image_pose(image_to_reference: Matrix) -> Message | None:
+    """What keeps a (4, 4) image-to-reference matrix from placing pixels on a plane; None for a usable one."""
+    problem = why_not_affine(image_to_reference)
+    if problem:
+        return problem
+    x, y = image_to_reference[:3, :2].T.tolist()
+    along_x, along_y = math.hypot(*x), math.hypot(*y)
+    if min(along_x, along_y) <= 0.0 or max(along_x, along_y) > 1e4 * min(along_x, along_y):
+        return Message("singular (a pixel has no size)")
+    if abs(x[0] * y[0] + x[1] * y[1] + x[2] * y[2]) > SHEAR_TOLERANCE * along_x * along_y:
+        return Message("sheared (image axes are not at right angles)")
+    return None
+
+
+def invert(matrix: Matrix) -> Matrix:
+    """The inverse of an affine (4, 4) matrix, last row exactly 0 0 0 1.
+
+    Raises
+    ------
+    GeometryError
+        When it is singular.
+    """
+    try:
+        inverse = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        raise GeometryError("Input matrix must be invertible; got a singular matrix.") from None
+    inverse[3] = (0.0, 0.0, 0.0, 1.0)
+    return inverse
+
+
+def transform_points(a_to_b: Matrix, points_a: ArrayLike) -> Floats:
+    """Points (..., 3) of frame a in frame b."""
+    return np.asarray(points_a, dtype=np.float64) @ a_to_b[:3, :3].T + a_to_b[:3, 3]
+
+
+def pixel_spacing(image_to_reference: Matrix) -> tuple[float, float]:
+    """Column and row pitch (x, y) in mm: the lengths of the first two columns."""
+    x, y = image_to_reference[:3, :2].T.tolist()
+    return math.hypot(*x), math.hypot(*y)
+
+
+def image_plane_axes(image_to_reference: Matrix) -> tuple[Floats, Floats]:
+    """Orthonormal unit vectors (3,) in Reference along the image's columns (x) and rows (y).
+
+    Notes
+    -----
+    A calibration may leave the two axes a few degrees off a right angle. Both are then turned by the same amount toward a
+    right angle (Loewdin's symmetric orthonormalization), so that no beam gets longer than 1.
+    """
+    spacing = pixel_spacing(image_to_reference)
+    x = image_to_reference[:3, 0] / spacing[0]
+    y = image_to_reference[:3, 1] / spacing[1]
+    along, across = x + y, x - y
+    along = along / math.hypot(*along.tolist())
+    across = across / math.hypot(*across.tolist())
+    half = math.sqrt(0.5)
+    return half * (along + across), half * (along - across)
+
+
+def ras_to_lps(matrix_ras: Matrix) -> Matrix:
+    """A transform between RAS frames, expressed between LPS frames. Its own inverse."""
+    return LPS_FROM_RAS @ matrix_ras @ LPS_FROM_RAS

@@ -1,0 +1,46 @@
+"""Holes are filled as the settings ask for, else as a configuration does."""
+
+from __future__ import annotations
+
+from ..arrays import Bytes, Floats, Numbers
+from ..progress import Progress
+from ..settings import ReconstructionSettings
+from .filling import HoleFilling, within
+from .nearest import fill_holes
+from .plus_ways import fill_holes_by_kind
+
+
+def fill_as_asked(
+    values: Numbers,
+    mask: Bytes,
+    spacing: Floats,
+    settings: ReconstructionSettings,
+    configured: tuple[HoleFilling, ...] = (),
+    progress: Progress | None = None,
+    *,
+    threads: int | None = None,
+    score: Numbers | None = None,
+) -> int:
+    """Fill holes in place as the settings ask for, else as a configuration does; returns how many were filled.
+
+    Parameters
+    ----------
+    values, mask : [k, j, i] arrays
+        See `fill_holes_by_kind`.
+    spacing : (3,) array, mm along i, j, k
+    settings : ReconstructionSettings
+        Of which `holes`, `hole_limit` and `engine` count.
+    configured : tuple of HoleFilling
+        What is done where the settings have neither a way nor a limit.
+    progress : Progress or None
+    threads : int or None
+    score : [k, j, i] array or None
+        See `fill_holes_by_kind`.
+    """
+    if settings.holes == "off":
+        return 0
+    if settings.holes is None and settings.hole_limit == 0:
+        return fill_holes_by_kind(values, mask, configured, progress, engine=settings.engine, score=score)
+    if settings.holes in (None, "nearest"):
+        return fill_holes(values, mask, spacing, settings.hole_limit, progress, engine=settings.engine, threads=threads)
+    return fill_holes_by_kind(values, mask, (within(settings.holes, settings.hole_limit, spacing),), progress, engine=settings.engine)

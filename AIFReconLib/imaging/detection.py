@@ -1,0 +1,198 @@
+"""Recognizing the probe from its images: ultrasound stands on a black surround as a rectangle (linear) or a sector.
+
+Used where neither options nor a configuration say what the image shows. It refuses rather than guesses.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+
+from ..arrays import Floats, Integers, Mask
+from ..errors import BeamGeometryError
+from ..message import Message
+from .beams import LINEAR, SECTOR, ProbeGeometry
+from .images import ImageStack
+from .region import ClipRectangle, Fan, ImageRegion
+
+FRAMES_LOOKED_AT = 24
+LIT = 0.01
+"""A pixel is lit when it exceeds this part of the brightest pixel in any of the frames looked at."""
+
+VERTICAL_SLOPE = 0.03
+"""Sides that lean less than this (columns per row) are those of a linear probe."""
+
+LINE_TOLERANCE_PX = 2.0
+"""How far a side may be from its straight line."""
+
+DIRECTIONS = 64
+"""Directions in which the outer radius of a sector is looked for."""
+
+BORDER_PX = 4
+"""An area that ends closer to the image's border than this has no side there that can be seen."""
+
+
+Sides = tuple[tuple[float, float], tuple[float, float]]
+"""Left and right side of a lit area, each as (column at row 0, columns per row)."""
+
+
+@dataclass(frozen=True)
+class DetectedImaging:
+    """What was recognized: probe, the pixels that are ultrasound, and the finding in words."""
+
+    probe: ProbeGeometry
+    region: ImageRegion
+    description: str
+
+
+def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)) -> DetectedImaging:
+    """Recognize a linear or sector image by its black surround.
+
+    Parameters
+    ----------
+    images : ImageStack, (frames, rows, columns)
+    spacing : (x, y), mm
+        Pixel pitch; a sector is round in mm.
+
+    Raises
+    ------
+    BeamGeometryError
+        When the outline is neither a rectangle nor a sector.
+    """
+    lit = _lit_area(images)
+    rows = np.flatnonzero(lit.any(axis=1))
+    columns = np.flatnonzero(lit.any(axis=0))
+    box = lit[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    sides = _straight_sides(box)
+    upright = sides is not None and max(abs(sides[0][1]), abs(sides[1][1])) < VERTICAL_SLOPE
+    if box.mean() > 0.97 or upright:
+        return _rectangle(lit, box, sides if upright else None, (int(columns[0]), int(rows[0])))
+    if sides is None:
+        raise _unrecognized(Message("its outline is neither a rectangle nor a sector"))
+    return _sector(lit, sides, (int(columns[0]), int(rows[0])), spacing)
+
+
+def _lit_area(images: ImageStack) -> Mask:
+    """The largest connected area that is lit in any of the frames looked at, without its holes, (rows, columns) bool."""
+    if len(images) == 0:
+        raise _unrecognized(Message("there are none"))
+    numbers = np.unique(np.linspace(0, len(images) - 1, FRAMES_LOOKED_AT).astype(int))
+    brightest = np.full(images.shape[1:], -np.inf, dtype=np.float32)
+    for number in numbers:
+        image = np.nan_to_num(np.asarray(images[int(number)], dtype=np.float32), posinf=0.0, neginf=0.0)
+        np.maximum(brightest, image, out=brightest)
+    if not brightest.size or brightest.max() <= 0:
+        raise _unrecognized(Message("all images are black"))
+    lit = ndimage.binary_closing(np.pad(brightest > LIT * brightest.max(), 4), iterations=4)[4:-4, 4:-4]
+    # An opening drops rulers, text and borders that touch the sector by a thin line
+    lit = ndimage.binary_opening(lit, iterations=2)
+    labels, count = ndimage.label(lit)
+    if count == 0:
+        raise _unrecognized(Message("no connected bright area was found"))
+    sizes = np.bincount(labels.ravel())
+    sizes[0] = 0
+    return ndimage.binary_fill_holes(labels == sizes.argmax())
+
+
+def _straight_sides(box: Mask) -> Sides | None:
+    """Left and right side of a lit box as (column at row 0, columns per row); None where they are not straight."""
+    height, width = box.shape
+    left = box.argmax(axis=1)
+    right = width - 1 - box[:, ::-1].argmax(axis=1)
+    row = np.arange(height)
+    sides = []
+    for edge, outermost in ((left, left.min()), (right, right.max())):
+        # Below its widest row a sector is bounded by its arc, not by its side
+        widest = int(np.flatnonzero(np.abs(edge - outermost) <= 1)[0])
+        last = height if widest < 0.2 * height else widest + 1
+        line = _robust_line(row[:last], edge[:last])
+        if line is None:
+            return None
+        sides.append(line)
+    return sides[0], sides[1]
+
+
+def _robust_line(columns: Integers, rows: Integers) -> tuple[float, float] | None:
+    """Offset and slope of the line that most points are on; None when fewer than 3 in 4 are."""
+    if columns.size < 10:
+        return None
+    x, y = columns.astype(np.float64), rows.astype(np.float64)
+    step = max(x.size // 3, 1)
+    slope = float(np.median((y[step:] - y[:-step]) / (x[step:] - x[:-step])))
+    offset = float(np.median(y - slope * x))
+    for _ in range(5):
+        near = np.abs(y - offset - slope * x) <= LINE_TOLERANCE_PX
+        if near.sum() < 10:
+            return None
+        slope, offset = (float(v) for v in np.polyfit(x[near], y[near], 1))
+    near = np.abs(y - offset - slope * x) <= LINE_TOLERANCE_PX
+    return (offset, slope) if near.mean() >= 0.75 else None
+
+
+def _rectangle(lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int]) -> DetectedImaging:
+    height, width = box.shape
+    left, right = 0, width - 1
+    if sides is not None:
+        # The sides rather than the box: text that touches the image widens the box
+        ends = [[offset + slope * row for row in (0, height - 1)] for offset, slope in sides]
+        left, right = max(round(min(ends[0])), left), min(round(max(ends[1])), right)
+    within = box[:, left : right + 1]
+    if right <= left or within.mean() < 0.7 or within.sum() < 0.9 * box.sum():
+        raise _unrecognized(Message("its outline is neither a rectangle nor a sector"))
+    left, right, top, bottom = left + corner[0], right + corner[0], corner[1], corner[1] + height - 1
+    if left < BORDER_PX and right >= lit.shape[1] - BORDER_PX:
+        raise _unrecognized(Message("they are lit from side to side, with no black surround that would show an outline"))
+    clip = ClipRectangle((float(left), float(top)), (float(right - left), float(bottom - top)))
+    words = Message("a linear probe, columns {left} to {right}, rows {top} to {bottom}", left=left, right=right, top=top, bottom=bottom)
+    return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
+
+
+def _sector(lit: Mask, sides: Sides, corner: tuple[int, int], spacing: tuple[float, float]) -> DetectedImaging:
+    (left_offset, left_slope), (right_offset, right_slope) = sides
+    # The outermost lit pixels lie inside the side, by half a pixel on average
+    left_offset, right_offset = left_offset - 0.5, right_offset + 0.5
+    if left_slope >= -VERTICAL_SLOPE or right_slope <= VERTICAL_SLOPE:
+        raise _unrecognized(Message("its sides do not spread downward"))
+    row = (left_offset - right_offset) / (right_slope - left_slope)
+    apex = (left_offset + left_slope * row + corner[0], row + corner[1])
+    aspect = spacing[0] / spacing[1]
+    angles = (math.degrees(math.atan(left_slope * aspect)), math.degrees(math.atan(right_slope * aspect)))
+    y, x = np.nonzero(lit)
+    radius = np.hypot((x - apex[0]) * spacing[0], (y - apex[1]) * spacing[1])
+    angle = np.degrees(np.arctan2((x - apex[0]) * spacing[0], (y - apex[1]) * spacing[1]))
+    middle = radius[np.abs(angle - np.mean(angles)) < 0.25 * (angles[1] - angles[0])]
+    if not middle.size:
+        raise _unrecognized(Message("its sides do not enclose it"))
+    first, last = float(middle.min()), _outer_radius(radius, (angle - angles[0]) / (angles[1] - angles[0]))
+    fan = Fan(apex, angles, (max(first - 0.5 * spacing[1], 0.0), last), spacing)
+    inside = fan.mask(lit.shape[1], lit.shape[0])
+    if (lit & inside).sum() < 0.95 * lit.sum() or (lit & inside).sum() < 0.7 * inside.sum():
+        raise _unrecognized(Message("its outline is not that of a sector"))
+    words = Message(
+        "a sector probe, apex at column {column:.1f}, row {row:.1f}, {first:.1f} to {last:.1f} degrees",
+        column=apex[0],
+        row=apex[1],
+        first=angles[0],
+        last=angles[1],
+    )
+    return DetectedImaging(ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan), words)
+
+
+def _outer_radius(radius: Floats, across: Floats) -> float:
+    """The radius that a sector reaches in some directions at least; `across` of each pixel is 0 at its left side, 1 at its right."""
+    farthest = np.zeros(DIRECTIONS)
+    within = (across >= 0) & (across < 1)
+    np.maximum.at(farthest, (across[within] * DIRECTIONS).astype(int), radius[within])
+    # Not quite the largest: a ruler that touches the sector sticks out in one direction or two
+    return float(np.sort(farthest)[-4])
+
+
+def _unrecognized(why: Message) -> BeamGeometryError:
+    return BeamGeometryError(
+        "The probe cannot be told from the images: {why}. Give --probe linear, or --probe sector with --apex-px COLUMN ROW; "
+        "a configuration with ScanConversion serves too.",
+        why=why,
+    )

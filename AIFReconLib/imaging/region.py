@@ -1,0 +1,299 @@
+"""Which pixels of an image are ultrasound: a clip rectangle, a fan, and what a single frame shows. Others never enter a volume.
+
+All follow the Plus toolkit's definitions, always on the image in MF orientation.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..arrays import Floats, Integers, Mask, Numbers
+from ..errors import SettingsError
+
+if TYPE_CHECKING:
+    from .beams import ProbeGeometry
+
+
+@dataclass(frozen=True)
+class ClipRectangle:
+    """A rectangle of pixels. A size of 0 along either axis means the full image.
+
+    Notes
+    -----
+    As in IGSIO, columns ceil(x) to floor(x + width) belong to it, both included, so that a whole-numbered width keeps
+    width + 1 columns; rows alike; then it is cut to the image.
+    """
+
+    origin_px: tuple[float, float]
+    size_px: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        if not all(math.isfinite(v) for v in (*self.origin_px, *self.size_px)) or min(self.size_px) < 0:
+            raise SettingsError(
+                "Input clip rectangle must be X Y W H with W, H not negative; got {origin} {size}.",
+                origin=self.origin_px,
+                size=self.size_px,
+            )
+
+    def bounds(self, columns: int, rows: int) -> tuple[int, int, int, int]:
+        """First and last column, first and last row that it keeps; a last below its first means none."""
+        if 0 in self.size_px:
+            return 0, columns - 1, 0, rows - 1
+        (x, y), (width, height) = self.origin_px, self.size_px
+        left, top = max(math.ceil(x), 0), max(math.ceil(y), 0)
+        right, bottom = min(math.floor(x + width), columns - 1), min(math.floor(y + height), rows - 1)
+        # Never below -1, which a slice would count from the image's other end
+        return left, max(right, left - 1), top, max(bottom, top - 1)
+
+
+@dataclass(frozen=True)
+class Fan:
+    """A sector about an apex, between two angles and two radii.
+
+    Parameters
+    ----------
+    apex_px : (column, row)
+    angles_deg : (first, last)
+        From the image's +y axis toward +x. Within (-90, 90).
+    radii : (first, last)
+        In the unit of `pixel_size`.
+    pixel_size : (x, y)
+        Size of a pixel. Plus measures fans in pixels, (1, 1), whatever their size; a scan conversion in mm.
+
+    Notes
+    -----
+    With x = column - apex, y = row - apex, a pixel is kept where y >= 0, tan(first) <= x sx / (y sy) <= tan(last) and
+    first^2 <= (x sx)^2 + (y sy)^2 <= last^2 (IGSIO's rule without optimization; at y = 0 only x = 0 can be kept). IGSIO states the
+    slopes as x / y against tan(angle) sy / sx, which is the same.
+    """
+
+    apex_px: tuple[float, float]
+    angles_deg: tuple[float, float]
+    radii: tuple[float, float]
+    pixel_size: tuple[float, float] = (1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        first, last = sorted(self.angles_deg)
+        object.__setattr__(self, "angles_deg", (first, last))
+        if not -90 < self.angles_deg[0] < self.angles_deg[1] < 90:
+            raise SettingsError("Input fan angles must differ and lie between -90 and 90 degrees; got {angles}.", angles=self.angles_deg)
+        if not 0 <= self.radii[0] < self.radii[1] or not math.isfinite(self.radii[1]):
+            raise SettingsError("Input fan radii must be two rising, not negative numbers; got {radii}.", radii=self.radii)
+        if min(self.pixel_size) <= 0 or not all(math.isfinite(v) for v in (*self.apex_px, *self.pixel_size)):
+            raise SettingsError(
+                "Input fan must have a finite apex and a positive pixel size; got {apex}, {pixel_size}.",
+                apex=self.apex_px,
+                pixel_size=self.pixel_size,
+            )
+
+    def mask(self, columns: int, rows: int) -> Mask:
+        """Which pixels are inside, (rows, columns) bool."""
+        x = np.arange(columns, dtype=np.float64)[None, :] - self.apex_px[0]
+        y = np.arange(rows, dtype=np.float64)[:, None] - self.apex_px[1]
+        aspect = self.pixel_size[1] / self.pixel_size[0]
+        left, right = (math.tan(math.radians(angle)) * aspect for angle in self.angles_deg)
+        squared_radius = (x * self.pixel_size[0]) ** 2 + (y * self.pixel_size[1]) ** 2
+        return (
+            (y >= 0) & (left * y <= x) & (x <= right * y) & (squared_radius >= self.radii[0] ** 2) & (squared_radius <= self.radii[1] ** 2)
+        )
+
+
+@dataclass(frozen=True)
+class ImageRegion:
+    """The part of the image that is ultrasound: clip rectangle and fan, each optional.
+
+    With `fan_detection`, each frame's own angles are looked for within those of the fan; `mask` has the fan's.
+    """
+
+    clip: ClipRectangle | None = None
+    fan: Fan | None = None
+    fan_detection: FanDetection | None = None
+
+    def mask(self, columns: int, rows: int) -> Mask:
+        """Which pixels enter a volume, (rows, columns) bool.
+
+        Raises
+        ------
+        SettingsError
+            When no pixel is left.
+        """
+        mask = np.ones((rows, columns), dtype=bool)
+        if self.clip is not None:
+            left, right, top, bottom = self.clip.bounds(columns, rows)
+            mask[:] = False
+            mask[top : bottom + 1, left : right + 1] = True
+        if self.fan is not None:
+            mask &= self.fan.mask(columns, rows)
+        if not mask.any():
+            raise SettingsError(
+                "The clip rectangle and fan leave no pixel of a {columns} x {rows} image. Check them against the image.",
+                columns=columns,
+                rows=rows,
+            )
+        return mask
+
+
+def extreme_pixels(mask: Mask) -> Floats:
+    """The first and last kept pixel of every row, (n, 2) float64 (column, row): their hull is the hull of all kept pixels."""
+    rows = np.flatnonzero(mask.any(axis=1))
+    first = mask[rows].argmax(axis=1)
+    last = mask.shape[1] - 1 - mask[rows, ::-1].argmax(axis=1)
+    return np.concatenate([np.stack([first, rows], axis=1), np.stack([last, rows], axis=1)]).astype(np.float64)
+
+
+def chosen_region(
+    configured: ImageRegion | None,
+    clip: ClipRectangle | None = None,
+    fan_angles_deg: tuple[float, float] | None = None,
+    fan_radii_px: tuple[float, float] | None = None,
+    apex_px: tuple[float, float] | None = None,
+    probe: ProbeGeometry | None = None,
+) -> ImageRegion | None:
+    """The region that a user asks for, completed by the configuration's; None where nothing is asked for.
+
+    Parameters
+    ----------
+    configured : ImageRegion or None
+    clip : ClipRectangle or None
+    fan_angles_deg, fan_radii_px : (first, last) or None
+        Of a fan; both or none.
+    apex_px : (column, row) or None
+        What the fan stands about; default: the apex of the configured fan, else that of `probe`.
+    probe : ProbeGeometry or None
+
+    Raises
+    ------
+    SettingsError
+        When angles come without radii or the other way round, or no apex is known.
+    """
+    configured = configured or ImageRegion()
+    if bool(fan_angles_deg) != bool(fan_radii_px):
+        raise SettingsError("A fan takes both --fan-angles-deg A B and --fan-radius-px R0 R1; got one of them.")
+    if not clip and not fan_angles_deg:
+        return None
+    fan, detection = configured.fan, configured.fan_detection
+    if fan_angles_deg and fan_radii_px:
+        about = apex_px
+        if about is None and fan is not None:
+            about = fan.apex_px
+        elif about is None and probe is not None:
+            about = probe.apex_px
+        if about is None:
+            raise SettingsError("A fan stands about the apex of a sector probe, which is not known. Give --apex-px COLUMN ROW.")
+        fan, detection = Fan(about, fan_angles_deg, fan_radii_px), None
+    return ImageRegion(clip or configured.clip, fan, detection)
+
+
+DEPTHS = (0.15, 0.30, 0.50, 0.70)
+"""Where the arcs are that are looked at, as parts of the way from the fan's first to its last radius."""
+
+MARGIN_DEG = 3.0
+"""What is taken off each side of the lit part of a fan."""
+
+
+@dataclass(frozen=True)
+class FanDetection:
+    """How lit parts of a fan are told from dark ones.
+
+    Parameters
+    ----------
+    threshold : float
+        Gray level that a lit pixel has at least.
+    filter_radius_px : int
+        Half the length of the window, along the arc, of which half the pixels must be lit.
+    """
+
+    threshold: float = 30.0
+    filter_radius_px: int = 10
+
+    def angles(self, image: Numbers, fan: Fan) -> tuple[float, float] | None:
+        """The angles between which a frame shows something.
+
+        Parameters
+        ----------
+        image : (rows, columns) array
+        fan : Fan
+            In pixels; the answer lies within its angles.
+
+        Returns
+        -------
+        angles_deg : (first, last) or None
+            None where no arc is lit.
+
+        Notes
+        -----
+        The widest lit part of any of four arcs, 3 degrees off either side. Arcs are sampled a pixel apart from the first angle on;
+        samples outside the image are left out, and the apex counts in whole pixels.
+        """
+        widest = (0.0, 0.0)
+        for depth in DEPTHS:
+            angles, lit = self._arc(image, fan, fan.radii[0] + (fan.radii[1] - fan.radii[0]) * depth)
+            for part in self._lit_parts(angles, lit, math.radians(fan.angles_deg[1])):
+                if part[1] - part[0] > widest[1] - widest[0]:
+                    widest = part
+        if widest == (0.0, 0.0):
+            return None
+        first = max(math.degrees(widest[0]) + MARGIN_DEG, fan.angles_deg[0])
+        last = min(math.degrees(widest[1]) - MARGIN_DEG, fan.angles_deg[1])
+        return (min(first, last), max(first, last)) if first != last else None
+
+    def _arc(self, image: Numbers, fan: Fan, radius: float) -> tuple[Floats, Mask]:
+        """Angles along an arc, rad, and whether the pixels there are lit."""
+        first, last = (math.radians(angle) for angle in fan.angles_deg)
+        angles = first + np.arange(int((last - first) * radius)) / max(radius, 1e-9)
+        column = _rounded(int(fan.apex_px[0]) + radius * np.sin(angles))
+        row = _rounded(int(fan.apex_px[1]) + radius * np.cos(angles))
+        inside = (column >= 0) & (column < image.shape[1]) & (row >= 0) & (row < image.shape[0])
+        return angles[inside], image[row[inside], column[inside]] >= self.threshold
+
+    def _lit_parts(self, angles: Floats, lit: Mask, end: float) -> list[tuple[float, float]]:
+        """First and last angle of each lit part of an arc; one that does not end on it ends at `end`."""
+        window = 2 * self.filter_radius_px
+        count = np.cumsum(np.concatenate([[0], lit]))
+        parts: list[tuple[float, float]] = []
+        start: float | None = None
+        for place in range(window, len(angles)):
+            inside = count[place] - count[place - window]
+            if start is None and 2 * inside >= window:
+                start = float(angles[place - window])
+            elif start is not None and 2 * inside <= window:
+                parts.append((start, float(angles[place - 1])))
+                start = None
+        return parts if start is None else [*parts, (start, end)]
+
+
+def _rounded(numbers: Floats) -> Integers:
+    """The nearest whole numbers, halves away from zero."""
+    whole: Floats = np.trunc(numbers + np.copysign(0.5, numbers))
+    return whole.astype(np.int64)
+
+
+class PixelFilter:
+    """Looks at one frame after the other.
+
+    Parameters
+    ----------
+    rejection : float or None
+        Pixels darker than this do not enter.
+    region : ImageRegion
+        Its fan is narrowed frame by frame where it has a `fan_detection`.
+    """
+
+    def __init__(self, rejection: float | None, region: ImageRegion):
+        self._rejection = rejection
+        self._fan, self._detection = region.fan, region.fan_detection
+
+    def kept(self, image: Numbers) -> Mask | None:
+        """The pixels of an image that enter, (rows, columns) bool; None for all (of the region, which is applied elsewhere)."""
+        kept = None if self._rejection is None else image >= self._rejection
+        if self._fan is not None and self._detection is not None:
+            angles = self._detection.angles(image, self._fan)
+            if angles is None:
+                return np.zeros(image.shape, dtype=bool)
+            fan = replace(self._fan, angles_deg=angles).mask(image.shape[1], image.shape[0])
+            kept = fan if kept is None else kept & fan
+        return kept

@@ -1,0 +1,189 @@
+"""What a recorded sweep holds, and in plain words what keeps it from being reconstructed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Floats
+from ..errors import AIFReconError, BeamGeometryError, SequenceFormatError
+from ..geometry.transform_graph import TransformName, TransformStatus
+from ..geometry.transforms import pixel_spacing
+from ..imaging.detection import detect_imaging
+from ..message import columns
+from ..progress import Progress
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import SweepPoses, sweep_poses
+from .offset_estimate import OffsetEstimate, estimate_time_offset
+from .tracking_report import TrackingReport, tracking_report
+
+
+@dataclass(frozen=True)
+class SequenceReport:
+    """The facts of a sequence, and findings about them.
+
+    Parameters
+    ----------
+    facts : tuple of (name, value)
+    transforms : tuple of (name, statuses in words)
+    findings : tuple of str
+        Sentences a user should read; the first says whether the sequence can be reconstructed.
+    ready : bool
+        Whether at least one frame can be placed.
+    tracking : TrackingReport or None
+        None when no chain leads from image to reference.
+    time_offset : OffsetEstimate or None
+        Whether images and poses are in step; None when no frame can be placed.
+    """
+
+    facts: tuple[tuple[str, str], ...]
+    transforms: tuple[tuple[str, str], ...]
+    findings: tuple[str, ...]
+    ready: bool
+    tracking: TrackingReport | None = None
+    time_offset: OffsetEstimate | None = None
+
+    def to_text(self) -> str:
+        """The report for a terminal."""
+        transforms: list[tuple[str, ...]] = [("transforms" if n == 0 else "", *row) for n, row in enumerate(self.transforms)]
+        transforms = transforms or [("transforms", "none")]
+        name, *facts = self.facts
+        tracking = self.tracking.rows() if self.tracking else []
+        return "\n".join([name[1], columns([*facts, *tracking, *transforms]), "", *self.findings])
+
+    def to_dict(self) -> dict[str, object]:
+        """The report for JSON."""
+        offset = self.time_offset
+        return {
+            **dict(self.facts),
+            "transforms": dict(self.transforms),
+            "ready": self.ready,
+            "findings": list(self.findings),
+            "tracking": self.tracking and self.tracking.to_dict(),
+            "time_offset": offset
+            and {
+                "estimate_s": offset.time_offset,
+                "uncertainty_s": offset.uncertainty,
+                "out_of_step": offset.out_of_step,
+                "words": offset.to_text(),
+            },
+        }
+
+
+def diagnose(
+    sequence: TrackedSequence, image_to_reference: str | None = None, reference: str | None = None, progress: Progress | None = None
+) -> SequenceReport:
+    """Look at a sequence as `reconstruct` would, without reconstructing.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+    image_to_reference, reference : str or None
+        See `sweep_poses`.
+    progress : Progress or None
+        Comparing images with poses takes a while, where the sweep goes to and fro.
+    """
+    columns_, rows = sequence.frame_size
+    facts = [
+        ("file", sequence.name),
+        ("frames", f"{len(sequence)} of {columns_} x {rows} pixels, {np.dtype(sequence.images.dtype).name}"),
+        ("orientation", _orientation(sequence)),
+        ("time", _describe_time(sequence)),
+    ]
+    findings, ready, spacing, tracking, offset = [], False, (1.0, 1.0), None, None
+    try:
+        poses = sweep_poses(sequence, image_to_reference, reference)
+        tracking = tracking_report(sequence, poses)
+        poses.require_usable(sequence.name)
+    except AIFReconError as error:
+        findings += [f"Cannot be reconstructed yet. {error}", *sequence.notes]
+    else:
+        ready = True
+        usable = poses.usable
+        facts.append(("pixel spacing", _describe_spacing(poses)))
+        spacing = pixel_spacing(poses.image_to_reference[usable[0]])
+        chain = ", ".join(str(name) for name in poses.path)
+        findings.append(f"Ready: {len(usable)} of {len(sequence)} frames can be placed by {chain}.")
+        findings += [*tracking.findings(), *poses.notes]
+        try:
+            offset = estimate_time_offset(sequence, poses, progress)
+            findings.append(offset.to_text())
+        except SequenceFormatError as error:
+            findings.append(f"Images cannot be compared with poses: {error}")
+    facts.append(("probe", _describe_probe(sequence, spacing)))
+    findings += _about_time(sequence) + _about_tools(sequence)
+    findings += sequence.configuration.warnings
+    names = sequence.transform_names()
+    statuses = tuple((str(name), _describe_statuses(sequence, name)) for name in names)
+    return SequenceReport(tuple(facts), statuses, tuple(findings), ready, tracking, offset)
+
+
+def _orientation(sequence: TrackedSequence) -> str:
+    stored = getattr(sequence.images, "orientation", None)
+    return "MF" if stored in (None, "MF") else f"{stored} in the file, turned to MF"
+
+
+def _describe_time(sequence: TrackedSequence) -> str:
+    times = _timestamps(sequence)
+    if times is None:
+        return "no timestamps"
+    span = float(times.max() - times.min())
+    return f"{span:.2f} s, {(len(times) - 1) / span:.1f} frames/s" if span > 0 else "all timestamps are equal"
+
+
+def _describe_spacing(poses: SweepPoses) -> str:
+    spacings = np.array([pixel_spacing(poses.image_to_reference[number]) for number in poses.usable])
+    x, y = np.median(spacings, axis=0)
+    varies = "" if np.ptp(spacings, axis=0).max() < 1e-3 * max(x, y) else ", varies between frames"
+    return f"{x:.4g} x {y:.4g} mm{varies}"
+
+
+def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float]) -> str:
+    probe = sequence.configuration.probe
+    if probe is not None:
+        apex = f", apex at column {probe.apex_px[0]:.1f}, row {probe.apex_px[1]:.1f}" if probe.apex_px else ""
+        return f"{probe.kind}{apex} (configuration)"
+    try:
+        return f"{detect_imaging(sequence.images, spacing).description} (recognized in the images)"
+    except BeamGeometryError:
+        return "not recognized in the images"
+    except SequenceFormatError as error:
+        return f"cannot be looked at: {error}"
+
+
+def _describe_statuses(sequence: TrackedSequence, name: TransformName) -> str:
+    counts = sequence.status_counts(name)
+    return ", ".join(f"{counts[status]} {status.value}" for status in TransformStatus if counts[status])
+
+
+def _timestamps(sequence: TrackedSequence) -> Floats | None:
+    times = np.array([record.timestamp for record in sequence.records if record.timestamp is not None], dtype=np.float64)
+    return times if len(times) == len(sequence) and np.isfinite(times).all() else None
+
+
+def _about_time(sequence: TrackedSequence) -> list[str]:
+    if len(sequence) < 2:
+        return []
+    times = _timestamps(sequence)
+    if times is None:
+        return ["Some frames have no timestamp; frames are taken in the order of the file."]
+    if times.max() == times.min():
+        return ["All timestamps are equal, so the frame rate is unknown; frames are taken in the order of the file."]
+    findings = []
+    if (np.diff(times) < 0).any():
+        findings.append("Timestamps go back in places; frames are taken in the order of their timestamps.")
+    equal = int((np.diff(times) == 0).sum())
+    if equal:
+        findings.append(f"{equal} frames have the timestamp of the frame before them: were images and poses repeated while recording?")
+    return findings
+
+
+def _about_tools(sequence: TrackedSequence) -> list[str]:
+    """A sentence for each tool that was never seen: its marker may have been covered, or it was never connected."""
+    findings = []
+    for name in sequence.transform_names():
+        counts = sequence.status_counts(name)
+        if not counts[TransformStatus.OK]:
+            findings.append(f"{name} is not valid in any frame: {name.source} was not tracked while recording.")
+    return findings

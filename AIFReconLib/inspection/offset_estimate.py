@@ -1,0 +1,217 @@
+"""How far images and poses are out of step, told from a sweep that goes back over the same place.
+
+On the way there and on the way back the probe sees the same anatomy at the same place. Where poses are late, images that claim one place
+show two different ones, apart by twice the speed times the delay. So the offset is sought at which images of one place, taken while moving
+in opposite directions, are most alike. A sweep that never turns back says nothing about it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Floats, Integers, Matrix, Reals
+from ..progress import Progress, report
+from ..sweep.frames import TrackedSequence
+from ..sweep.pose_tracks import LONGEST_GAP
+from ..sweep.poses import SweepPoses
+
+LARGEST = 0.5
+"""s. Offsets are sought from minus to plus this."""
+
+STEP = 0.01
+"""s. Between offsets that are tried; the minimum is then refined by a parabola."""
+
+MOST_FRAMES = 400
+"""Images that are looked at, spread evenly over the sweep."""
+
+FEWEST_FRAMES = 20
+SHORTEST_RETURN = 0.3
+"""s. Images closer in time are alike whatever the offset."""
+
+FEWEST_RETURNS = 10
+"""Frames that must have a partner on the way back."""
+
+SMALLEST_NEIGHBORHOOD = 0.5
+"""mm. Two images nearer than about this show the same place."""
+
+LARGEST_COST = 0.85
+"""Of the mean cost of all offsets: above it, no offset makes the images agree much better than any other."""
+
+LEAST_SURE = 0.1
+"""s. An estimate that is less sure than this is none."""
+
+_BLOCKS = 10
+_NEGLIGIBLE = -7.0
+"""Exponent of a weight that counts for nothing."""
+_PATCHES = 24
+"""Patches along the longer side of an image, whose mean gray levels are compared: speckle is gone, anatomy is left."""
+
+
+@dataclass(frozen=True)
+class OffsetEstimate:
+    """What a sweep says of its time offset.
+
+    Parameters
+    ----------
+    time_offset : float or None, s
+        As `with_time_offset` takes it; None when it cannot be told.
+    uncertainty : float or None, s
+        Twice the standard error (jackknife over ten parts of the sweep), and not below half a step.
+    reason : str
+        Why it cannot be told; "" otherwise.
+    """
+
+    time_offset: float | None = None
+    uncertainty: float | None = None
+    reason: str = ""
+
+    @property
+    def out_of_step(self) -> bool:
+        """Whether there is an offset beyond doubt."""
+        return self.time_offset is not None and abs(self.time_offset) > max(self.uncertainty or 0.0, STEP)
+
+    def to_text(self) -> str:
+        """One sentence for a user."""
+        if self.time_offset is None:
+            return f"Whether images and poses are in step cannot be told: {self.reason}."
+        if self.out_of_step:
+            return (
+                f"Images and poses are likely out of step by {self.time_offset:+.3f} s (give or take {self.uncertainty:.3f} s). "
+                f"Try --time-offset {self.time_offset:.3f}."
+            )
+        return f"Images and poses are in step: offset {self.time_offset:+.3f} s, give or take {self.uncertainty:.3f} s."
+
+
+def estimate_time_offset(sequence: TrackedSequence, poses: SweepPoses, progress: Progress | None = None) -> OffsetEstimate:
+    """Estimate the time offset between images and poses.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+        Images are read one at a time, `MOST_FRAMES` at most, and only when the sweep turns back on itself.
+    poses : SweepPoses
+        As `sweep_poses` finds them.
+    progress : Progress or None
+
+    Returns
+    -------
+    OffsetEstimate
+    """
+    usable = poses.usable
+    stamps = [stamp for number in usable if (stamp := sequence.records[number].timestamp) is not None]
+    if len(stamps) < len(usable) or not np.isfinite(stamps).all():
+        return OffsetEstimate(reason="not every frame has a time stamp")
+    times, first = np.unique(np.array(stamps, dtype=np.float64), return_index=True)
+    if len(times) < FEWEST_FRAMES:
+        return OffsetEstimate(reason=f"there are only {len(times)} frames with a pose and a time of their own")
+    track = _Track(times, corner_track(poses.image_to_reference[usable[first]], sequence.frame_size))
+    chosen = np.unique(np.linspace(0, len(times) - 1, min(len(times), MOST_FRAMES)).round().astype(int))
+    near = max(SMALLEST_NEIGHBORHOOD, track.typical_step / 2)
+    returns = track.weights(times[chosen], 2 * near).any(axis=1).sum()
+    if returns < FEWEST_RETURNS:
+        return OffsetEstimate(reason="the sweep does not go back over the same place in the opposite direction")
+    dissimilarity = _dissimilarity(sequence, usable[first][chosen], progress)
+    offsets = STEP * np.arange(-round(LARGEST / STEP), round(LARGEST / STEP) + 1)
+    starts = np.arange(_BLOCKS) * len(chosen) // _BLOCKS
+    sums: Floats = np.array([_block_sums(track.weights(times[chosen] + offset, near), dissimilarity, starts) for offset in offsets])
+    best = _minimum(offsets, sums.sum(axis=(2, 3)))
+    if best is None:
+        return OffsetEstimate(reason="the images agree best at no offset within half a second, or at none much better than at others")
+    without = (np.delete(np.delete(sums, b, axis=2), b, axis=3) for b in range(_BLOCKS))
+    each = [_minimum(offsets, rest.sum(axis=(2, 3))) for rest in without]
+    left_out = np.array([offset for offset in each if offset is not None])
+    spread = np.sqrt((_BLOCKS - 1) / _BLOCKS * np.sum((left_out - np.mean(left_out)) ** 2)) if len(left_out) == _BLOCKS else np.inf
+    if 2 * spread > LEAST_SURE:
+        return OffsetEstimate(reason="parts of the sweep contradict each other")
+    return OffsetEstimate(float(best), float(max(2 * spread, STEP / 2)))
+
+
+def corner_track(image_to_reference: Matrix, frame_size: tuple[int, int]) -> Floats:
+    """The four corners of every image as one point of a 12-dimensional space, (frames, 12).
+
+    Notes
+    -----
+    Divided by two, so that the distance of two such points is the root mean square distance of the corners, in mm: rotations count by
+    how far they move the image.
+    """
+    columns, rows = frame_size
+    corners = np.array([(c, r, 0.0, 1.0) for c in (0, columns - 1) for r in (0, rows - 1)])
+    track: Floats = np.einsum("nij,kj->nki", image_to_reference[:, :3], corners).reshape(len(image_to_reference), 12) / 2.0
+    return track
+
+
+class _Track:
+    """Where the image is over time."""
+
+    def __init__(self, times: Floats, points: Floats):
+        self.times = times
+        self.points = points
+        self.velocities = np.gradient(points, times, axis=0)
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)[np.diff(times) <= LONGEST_GAP]
+        self.typical_step = float(np.median(steps)) if len(steps) else 0.0
+
+    def weights(self, at: Floats, near: float) -> Floats:
+        """How much each pair of moments counts: same place, opposite ways, not one right after the other; (n, n)."""
+        points = np.stack([np.interp(at, self.times, column) for column in self.points.T], axis=1)
+        velocities = np.stack([np.interp(at, self.times, column) for column in self.velocities.T], axis=1)
+        speeds = np.linalg.norm(velocities, axis=1)
+        after = np.clip(np.searchsorted(self.times, at), 1, len(self.times) - 1)
+        known = (at >= self.times[0]) & (at <= self.times[-1]) & (self.times[after] - self.times[after - 1] <= LONGEST_GAP)
+        moving = known & (speeds > 0.2 * np.percentile(speeds, 75)) & (speeds > 0)
+        squares = (points**2).sum(axis=1)
+        exponents = (_products(points) - 0.5 * (squares[:, None] + squares[None])) / near**2
+        counts = exponents > _NEGLIGIBLE
+        counts &= _products(velocities) < -0.5 * speeds[:, None] * speeds[None]
+        counts &= np.abs(at[:, None] - at[None]) > SHORTEST_RETURN
+        counts &= moving[:, None] & moving[None]
+        weights = np.zeros(counts.shape)
+        weights[counts] = np.exp(np.minimum(exponents[counts], 0.0))
+        return weights
+
+
+def _dissimilarity(sequence: TrackedSequence, numbers: Integers, progress: Progress | None) -> Floats:
+    """Mean squared difference of every two images, in patches; (n, n)."""
+    columns, rows = sequence.frame_size
+    size = max(1, max(columns, rows) // _PATCHES)
+    patches = []
+    for done, number in enumerate(numbers):
+        report(progress, done / len(numbers), "Comparing images and poses")
+        image = np.asarray(sequence.images[number], dtype=np.float64)[: rows // size * size, : columns // size * size]
+        patches.append(image.reshape(rows // size, size, columns // size, size).mean(axis=(1, 3)).ravel())
+    report(progress, 1.0, "Comparing images and poses")
+    values = np.array(patches)
+    values -= values.mean(axis=0)
+    squares = (values**2).sum(axis=1)
+    dissimilarity: Floats = np.maximum(squares[:, None] + squares[None] - 2 * _products(values), 0)
+    return dissimilarity
+
+
+def _products(vectors: Floats) -> Floats:
+    """Every vector times every other. (The matrix product would wake all cores for so small a task.)"""
+    products: Floats = np.einsum("ik,jk->ij", vectors, vectors)
+    return products
+
+
+def _block_sums(weights: Floats, dissimilarity: Floats, starts: Integers) -> Floats:
+    """Weighted dissimilarity and weight, summed over every two blocks of frames; (2, blocks, blocks)."""
+    values = np.stack([weights * dissimilarity, weights])
+    return np.add.reduceat(np.add.reduceat(values, starts, axis=1), starts, axis=2)
+
+
+def _minimum(offsets: Reals, sums: Reals) -> float | None:
+    """Where the mean dissimilarity is least, refined by a parabola; None where that is at an end or hardly a minimum."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        cost = np.where(sums[:, 1] > 0, sums[:, 0] / sums[:, 1], np.inf)
+    finite = np.isfinite(cost)
+    if not finite.any():
+        return None
+    lowest = int(np.argmin(cost))
+    if lowest in (0, len(cost) - 1) or not np.isfinite(cost[lowest - 1 : lowest + 2]).all():
+        return None
+    if cost[lowest] > LARGEST_COST * cost[finite].mean():
+        return None
+    left, middle, right = cost[lowest - 1 : lowest + 2]
+    bend = left - 2 * middle + right
+    return float(offsets[lowest] + (STEP * 0.5 * (left - right) / bend if bend > 0 else 0.0))

@@ -1,0 +1,87 @@
+"""A drawing of a sweep for a check by eye: the frames' outlines and axes, seen along two axes of Reference, as SVG."""
+
+from __future__ import annotations
+
+from xml.sax.saxutils import escape
+
+import numpy as np
+
+from ..arrays import Floats, Matrix
+
+VIEWS = ((0, 1), (2, 1))
+"""Axes across and down of each panel: seen along z, and along x."""
+
+MOST_OUTLINES = 60
+PANEL = 420.0
+"""Points. Size of one panel, without its margin."""
+
+MARGIN = 48.0
+_AXES = "xyz"
+_COLUMN_COLOR, _ROW_COLOR = "#c0392b", "#1e8449"
+
+
+def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: str = "", reference: str = "Reference") -> str:
+    """The text of an SVG file.
+
+    Parameters
+    ----------
+    image_to_reference : (frames, 4, 4) array, pixels to mm, finite
+        In the order in which they were taken: first frames are light, last ones dark.
+    frame_size : (columns, rows)
+    title : str
+    reference : str
+        What the frame of the axes is called.
+
+    Notes
+    -----
+    The red line is the image's columns axis (+x, away from the marked side), the green one its rows axis (+y, away from the transducer),
+    both of the first frame. Both panels have one scale.
+    """
+    poses = np.asarray(image_to_reference, dtype=np.float64)
+    chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MOST_OUTLINES)).round().astype(int))
+    columns, rows = frame_size
+    corners = np.array([(0, 0, 0, 1), (columns - 1, 0, 0, 1), (columns - 1, rows - 1, 0, 1), (0, rows - 1, 0, 1)], dtype=np.float64)
+    outlines = np.einsum("nij,kj->nki", poses[chosen, :3], corners)
+    low, high = outlines.reshape(-1, 3).min(axis=0), outlines.reshape(-1, 3).max(axis=0)
+    extent = max(float((high - low).max()), 1e-6)
+    scale = PANEL / extent
+    width, height = len(VIEWS) * (PANEL + 2 * MARGIN), PANEL + 2 * MARGIN + 24
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}" '
+        'font-family="sans-serif" font-size="12">',
+        f'<rect width="{width:.0f}" height="{height:.0f}" fill="white"/>',
+        f'<text x="{MARGIN:.0f}" y="20" font-size="14">{escape(title)}</text>',
+    ]
+    for number, axes in enumerate(VIEWS):
+        place = np.array([MARGIN + number * (PANEL + 2 * MARGIN), MARGIN])
+        middle = (low + high)[list(axes)] / 2
+
+        on_page = place + PANEL / 2 + (outlines[..., list(axes)] - middle) * scale
+        parts += _panel(on_page, place, axes, scale, reference)
+    parts.append("</svg>\n")
+    return "\n".join(parts)
+
+
+def _panel(outlines: Floats, place: Floats, axes: tuple[int, int], scale: float, reference: str) -> list[str]:
+    """One view of the outlines, (frames, 4, 2) on the page."""
+    across, down = (_AXES[axis] for axis in axes)
+    parts = [f'<rect x="{place[0]:.1f}" y="{place[1]:.1f}" width="{PANEL:.0f}" height="{PANEL:.0f}" fill="none" stroke="#bbb"/>']
+    for number, outline in enumerate(outlines):
+        level = round(190 - 170 * number / max(len(outlines) - 1, 1))
+        points = " ".join(f"{x:.1f},{y:.1f}" for x, y in outline)
+        parts.append(f'<polygon points="{points}" fill="none" stroke="rgb({level},{level},{level})"/>')
+    origin, end_of_columns, _, end_of_rows = outlines[0]
+    for end, color, label in ((end_of_columns, _COLUMN_COLOR, "columns"), (end_of_rows, _ROW_COLOR, "rows")):
+        parts.append(
+            f'<line x1="{origin[0]:.1f}" y1="{origin[1]:.1f}" x2="{end[0]:.1f}" y2="{end[1]:.1f}" stroke="{color}" stroke-width="2"/>'
+        )
+        parts.append(f'<circle cx="{end[0]:.1f}" cy="{end[1]:.1f}" r="3" fill="{color}"/>')
+        parts.append(f'<text x="{end[0] + 5:.1f}" y="{end[1] - 4:.1f}" fill="{color}">{label}</text>')
+    length = 10.0 ** np.floor(np.log10(PANEL / 2 / scale))
+    y = place[1] + PANEL + 20
+    parts.append(
+        f'<line x1="{place[0]:.1f}" y1="{y:.1f}" x2="{place[0] + length * scale:.1f}" y2="{y:.1f}" stroke="black" stroke-width="2"/>'
+    )
+    words = f"{length:g} mm; {escape(reference)}: +{across} right, +{down} down"
+    parts.append(f'<text x="{place[0] + length * scale + 8:.1f}" y="{y + 4:.1f}">{words}</text>')
+    return parts

@@ -1,0 +1,201 @@
+"""How well a sweep was tracked: frames used and why others were not, gaps, jumps, the probe's speed, and coverage of the grid."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..arrays import Floats, Integers
+from ..holes.nearest import FILLED, MEASURED
+from ..message import Message, listed
+from ..sweep.frames import TrackedSequence
+from ..sweep.pose_tracks import LONGEST_GAP
+from ..sweep.poses import SweepPoses, describe_frames, time_order
+from .offset_estimate import corner_track
+from .summary import describe_coverage
+
+if TYPE_CHECKING:
+    from ..compounding.reconstructor import Reconstruction
+
+JUMP_SPEED = 200.0
+"""mm/s. Nobody moves a probe over skin faster."""
+
+JUMP_FACTOR = 8.0
+"""Times the median speed of the sweep: for sweeps that are fast as a whole."""
+
+
+@dataclass(frozen=True)
+class PoseJump:
+    """A place where the pose moves faster than a probe can: frame numbers before and after, distance in mm, time between in s."""
+
+    before: int
+    after: int
+    distance: float
+    seconds: float
+
+    def to_text(self) -> Message:
+        """``frames 11 to 12: 34.0 mm in 0.05 s``."""
+        return Message("frames {before} to {after}: {distance:.1f} mm in {seconds:.2f} s", **asdict(self))
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Voxels of the grid, how many were measured, and how many were filled from neighbors."""
+
+    voxels: int
+    measured: int
+    filled: int
+
+
+@dataclass(frozen=True)
+class TrackingReport:
+    """What a user should know of the tracking of a sweep.
+
+    Parameters
+    ----------
+    frames, used : int
+        Frames of the recording, and those with an image and a valid pose (or, after a reconstruction, those inserted).
+    skipped : dict of str to list of int
+        Numbers of the others by reason.
+    duration : float or None, s
+        From the first to the last used frame; None without time stamps.
+    longest_gap : float or None, s
+        Between used frames.
+    longest_gap_after : int or None
+        The frame after which it comes.
+    jumps : tuple of PoseJump
+        Where the image moves faster than `JUMP_SPEED` and than `JUMP_FACTOR` times the median speed.
+    median_speed, highest_speed : float or None, mm/s
+        Root mean square over the image's corners, between used frames no more than half a second apart.
+    median_step, largest_step : float or None, mm
+        The same as distances, whatever the time between.
+    coverage : Coverage or None
+        Of the grid of a reconstruction.
+    """
+
+    frames: int
+    used: int
+    skipped: dict[str, list[int]]
+    duration: float | None = None
+    longest_gap: float | None = None
+    longest_gap_after: int | None = None
+    jumps: tuple[PoseJump, ...] = ()
+    median_speed: float | None = None
+    highest_speed: float | None = None
+    median_step: float | None = None
+    largest_step: float | None = None
+    coverage: Coverage | None = None
+
+    def rows(self) -> list[tuple[Message, str]]:
+        """Names and values for a table."""
+        rows: list[tuple[Message, str]] = [(Message("frames used"), Message("{used} of {frames}", used=self.used, frames=self.frames))]
+        if self.longest_gap is not None:
+            gap = Message("{seconds:.2f} s, after frame {number}", seconds=self.longest_gap, number=self.longest_gap_after)
+            rows.append((Message("longest gap"), gap))
+        if self.median_speed is not None:
+            speed = Message("{median:.1f} mm/s in the median, {most:.1f} mm/s at most", median=self.median_speed, most=self.highest_speed)
+            rows.append((Message("probe speed"), speed))
+        if self.median_step is not None:
+            step = Message("{median:.2f} mm in the median, {most:.2f} mm at most", median=self.median_step, most=self.largest_step)
+            rows.append((Message("frame to frame"), step))
+        rows.append((Message("pose jumps"), str(len(self.jumps)) if self.jumps else Message("none")))
+        if self.coverage is not None:
+            measured, filled = (n / self.coverage.voxels for n in (self.coverage.measured, self.coverage.filled))
+            rows.append((Message("coverage"), describe_coverage(measured, filled)))
+        return rows
+
+    def findings(self) -> list[str]:
+        """Sentences on what may be wrong."""
+        skipped = (Message("Skipped: {frames}: {reason}.", frames=describe_frames(n), reason=reason) for reason, n in self.skipped.items())
+        return [*skipped, *self.findings_on_poses()]
+
+    def findings_on_poses(self) -> list[str]:
+        """Sentences on what may be wrong with poses that count as valid."""
+        sentences: list[str] = []
+        if self.jumps:
+            shown = [jump.to_text() for jump in self.jumps[:3]]
+            where = listed([*shown, "..."] if len(self.jumps) > 3 else shown, "; ")
+            sentences.append(
+                Message(
+                    "The pose jumps faster than a probe can move ({where}): was a marker seen wrongly, or its place changed?", where=where
+                )
+            )
+        return sentences
+
+    def to_dict(self) -> dict[str, object]:
+        """For JSON: numbers rounded to 6 places, units in the names."""
+        coverage = self.coverage
+        return {
+            "frames": self.frames,
+            "frames_used": self.used,
+            "frames_skipped": {reason: [int(n) for n in numbers] for reason, numbers in self.skipped.items()},
+            "duration_s": _rounded(self.duration),
+            "longest_gap_s": _rounded(self.longest_gap),
+            "longest_gap_after_frame": self.longest_gap_after,
+            "pose_jumps": [
+                {"before": jump.before, "after": jump.after, "distance_mm": _rounded(jump.distance), "time_s": _rounded(jump.seconds)}
+                for jump in self.jumps
+            ],
+            "speed_mm_per_s": {"median": _rounded(self.median_speed), "maximum": _rounded(self.highest_speed)},
+            "step_mm": {"median": _rounded(self.median_step), "maximum": _rounded(self.largest_step)},
+            "coverage": coverage and {"voxels": coverage.voxels, "measured": coverage.measured, "filled": coverage.filled},
+        }
+
+
+def tracking_report(sequence: TrackedSequence, poses: SweepPoses, result: Reconstruction | None = None) -> TrackingReport:
+    """The report of a sweep.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+        Its images are not looked at.
+    poses : SweepPoses
+        As `sweep_poses` finds them.
+    result : Reconstruction or None
+        What became of it: then frames count as used when they were inserted, and coverage is known.
+    """
+    used, skipped, coverage = len(poses.usable), poses.skipped(), None
+    if result is not None:
+        used, skipped = result.frames_inserted, dict(result.skipped)
+        mask = result.mask.array
+        coverage = Coverage(int(mask.size), int((mask == MEASURED).sum()), int((mask == FILLED).sum()))
+    numbers = np.array([n for n in time_order(sequence) if poses.problems[n] is None], dtype=np.int64)
+    found = TrackingReport(len(sequence), used, skipped, coverage=coverage)
+    if len(numbers) > 1:
+        track = corner_track(poses.image_to_reference[numbers], sequence.frame_size)
+        steps = np.linalg.norm(np.diff(track, axis=0), axis=1)
+        found = replace(found, median_step=float(np.median(steps)), largest_step=float(steps.max()))
+        stamps = [stamp for n in numbers if (stamp := sequence.records[n].timestamp) is not None]
+        if len(stamps) == len(numbers) and np.isfinite(stamps).all():
+            found = _with_times(found, numbers, steps, np.array(stamps, dtype=np.float64))
+    return found
+
+
+def _with_times(report: TrackingReport, numbers: Integers, steps: Floats, times: Floats) -> TrackingReport:
+    """With gaps, speeds and jumps of frames with these numbers, distances and times, in order of time."""
+    gaps = np.diff(times)
+    widest = int(np.argmax(gaps))
+    report = replace(
+        report,
+        duration=float(times[-1] - times[0]),
+        longest_gap=float(gaps[widest]),
+        longest_gap_after=int(numbers[widest]),
+    )
+    near = (gaps > 0) & (gaps <= LONGEST_GAP)
+    if not near.any():
+        return report
+    speeds = np.where(near, steps / np.where(near, gaps, 1.0), 0.0)
+    median = float(np.median(speeds[near]))
+    jumps = np.flatnonzero(speeds > max(JUMP_SPEED, JUMP_FACTOR * median))
+    return replace(
+        report,
+        median_speed=median,
+        highest_speed=float(speeds.max()),
+        jumps=tuple(PoseJump(int(numbers[n]), int(numbers[n + 1]), float(steps[n]), float(gaps[n])) for n in jumps),
+    )
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(float(value), 6)

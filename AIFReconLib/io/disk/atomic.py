@@ -1,0 +1,149 @@
+"""Output files that are either complete or not there: written under another name, then renamed.
+
+The other name is a folder beside the target that holds files of the same names. So libraries that choose a format by the
+suffix see the right one, a header that names its data file names the right one, and the rename stays on one disk.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+from ...errors import OutputError
+from ...message import Message
+from .detached import replace_pair
+from .workspace import flush_to_disk, workspace
+
+_REMEDIES = {
+    "ENOENT": Message("its folder does not exist. Create the folder, or choose another path."),
+    "ENOTDIR": Message("a part of its path is a file, not a folder. Choose another path."),
+    "EACCES": Message("there is no permission to write there. Choose another folder, or close programs that hold the file open."),
+    "EPERM": Message("there is no permission to write there. Choose another folder, or close programs that hold the file open."),
+    "EROFS": Message("the disk is read-only. Choose another folder."),
+    "ENOSPC": Message("the disk is full. Free some space, or choose a folder on another disk."),
+    "EDQUOT": Message("the disk quota is used up. Free some space, or choose a folder on another disk."),
+    "EFBIG": Message("the file would be larger than the system allows. Choose a larger spacing, or another disk."),
+    "EISDIR": Message("it is a folder. Give the name of a file."),
+    "ENAMETOOLONG": Message("its name is too long. Choose a shorter one."),
+    "EMFILE": Message("too many files are open. Raise the limit on open files (ulimit -n)."),
+    "ENFILE": Message("too many files are open. Close other programs."),
+    "EIO": Message("the disk does not answer. Choose a folder on another disk."),
+    "ESTALE": Message("the network disk does not answer. Connect it again, or choose a folder on another disk."),
+}
+
+
+@contextlib.contextmanager
+def atomic_output(path: str | Path) -> Iterator[Path]:
+    """A path to write to; it becomes `path` when the block ends without an exception.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to write. It is replaced if it exists.
+
+    Yields
+    ------
+    Path
+        Same file name, in a folder of its own on the same disk.
+
+    Raises
+    ------
+    OutputError
+        For every OSError of the block. Whatever the exception, Ctrl-C included, nothing is left and an older file is untouched.
+    """
+    with atomic_outputs(path) as (temporary,):
+        yield temporary
+
+
+@contextlib.contextmanager
+def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
+    """`atomic_output` for files that belong together, in one folder.
+
+    Notes
+    -----
+    They are renamed in the order given: data first, the header that names it last, and in such a way that an older header never stands
+    beside newer data. A file that the block did not write is left out, but for the last, without which nothing was written. A file keeps
+    the permissions of the one that it replaces.
+    """
+    targets = [_target(path) for path in paths]
+    if len({target.parent for target in targets}) != 1:
+        raise OutputError(
+            "Cannot write {path}: its files must lie in one folder, but one of them is a link. Remove the link.", path=paths[-1]
+        )
+    with _output_errors(paths[-1]), workspace(targets[0].parent) as folder:
+        temporaries = tuple(folder / target.name for target in targets)
+        yield temporaries
+        if not temporaries[-1].exists():
+            # A library that swallows an interrupt, or a disk that loses a file, must not look like success
+            raise OutputError("Cannot write {path}: the file did not come about. Try again, or choose another folder.", path=paths[-1])
+        written = [(temporary, target) for temporary, target in zip(temporaries, targets) if temporary.exists()]
+        for temporary, target in written:
+            flush_to_disk(temporary)
+            if target.exists():
+                shutil.copymode(target, temporary)
+        if len(written) == 2 and all(target.exists() for _, target in written):
+            replace_pair(*written[0], *written[1])
+        else:
+            for temporary, target in written:
+                os.replace(temporary, target)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write `text` to `path`, UTF-8 with line feeds, completely or not at all.
+
+    Raises
+    ------
+    OutputError
+        When it cannot be written.
+    """
+    with atomic_output(path) as temporary:
+        temporary.write_bytes(text.encode("utf-8", errors="replace"))
+
+
+def check_writable(path: str | Path) -> None:
+    """Return if a file can be created at `path`; to be asked before a long computation. Leaves nothing behind.
+
+    Raises
+    ------
+    OutputError
+        When its folder does not exist or cannot be written to, its name is impossible, or it is no regular file.
+    """
+    target = _target(path)
+    with _output_errors(path), workspace(target.parent) as folder:
+        (folder / target.name).touch()
+
+
+def _target(path: str | Path) -> Path:
+    """Where `path` leads to, links followed, so that a link stays a link; only a regular file may be replaced."""
+    target = Path(os.path.realpath(path))
+    with _output_errors(path):
+        if target.is_dir():
+            raise OutputError("Cannot write {path}: it is a folder. Give the name of a file.", path=path)
+        if target.exists() and not target.is_file():
+            raise OutputError("Cannot write {path}: it is a device or a pipe. Give the name of a regular file.", path=path)
+        if target.exists() and not os.access(target, os.W_OK):
+            raise OutputError("Cannot write {path}: it is write-protected. Remove the protection, or choose another name.", path=path)
+        if not target.parent.exists():
+            raise OutputError(
+                "Cannot write {path}: the folder {folder} does not exist. Create it, or choose another path.",
+                path=path,
+                folder=target.parent,
+            )
+    return target
+
+
+@contextlib.contextmanager
+def _output_errors(path: str | Path) -> Iterator[None]:
+    """Turn an OSError into an `OutputError` of one sentence on the cause and one on the remedy."""
+    try:
+        yield
+    except OutputError:
+        raise
+    except OSError as error:
+        other = Message("{reason}. Choose another path.", reason=error.strerror or str(error))
+        cause = _REMEDIES.get(errno.errorcode.get(error.errno or 0, ""), other)
+        raise OutputError("Cannot write {path}: {problem}", path=path, problem=cause) from error

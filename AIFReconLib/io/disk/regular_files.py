@@ -1,0 +1,36 @@
+"""A path that is to be read must be a regular file, and the same one as long as it is being read."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from stat import S_ISDIR, S_ISREG
+
+from ...errors import FileFormatError
+
+
+def require_regular_file(path: Path, error: type[FileFormatError]) -> None:
+    """Raise `error` unless `path` is a file: reading a pipe would wait forever."""
+    try:
+        mode = path.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError, ValueError):
+        raise error("{path}: there is no such file. Check the path.", path=path) from None
+    except OSError as cause:
+        raise error("{path}: the file cannot be read ({reason}). Check the path.", path=path, reason=cause.strerror) from cause
+    if S_ISDIR(mode):
+        raise error("{path}: this is a folder. Give the name of a file.", path=path)
+    if not S_ISREG(mode):
+        raise error("{path}: this is not a regular file. Give the name of a file.", path=path)
+
+
+def file_stamp(path: Path) -> tuple[int, int] | None:
+    """`stamp` of the file at `path`; None where there is none."""
+    try:
+        return stamp(path.stat())
+    except OSError:
+        return None
+
+
+def stamp(status: os.stat_result) -> tuple[int, int]:
+    """Size and time of a file, which tell whether it is still the same."""
+    return status.st_size, status.st_mtime_ns

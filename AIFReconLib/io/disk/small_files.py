@@ -1,0 +1,72 @@
+"""Files that are read as a whole, and only if they stay as they are meanwhile."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from ...errors import FileFormatError
+from .regular_files import file_stamp, require_regular_file, stamp
+
+
+def read_bytes(path: Path, limit: int, error: type[FileFormatError]) -> bytes:
+    """The first `limit` bytes of a file, or all.
+
+    Raises
+    ------
+    FileFormatError
+        The given one, when the file is not there, cannot be read, or ends before its length or changes while it is read: what has no
+        marks of its own end, as a table, would be taken for whole.
+    """
+    require_regular_file(path, error)
+    try:
+        with open(path, "rb") as file:
+            before = os.fstat(file.fileno())
+            data = file.read(limit)
+            after = os.fstat(file.fileno())
+    except OSError as cause:
+        raise error("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=cause.strerror) from cause
+    if stamp(before) != stamp(after) or len(data) < min(limit, before.st_size):
+        raise _changed(path, error)
+    return data
+
+
+@contextlib.contextmanager
+def local_copy(path: Path, error: type[FileFormatError], seen: tuple[int, int] | None) -> Iterator[Path]:
+    """A whole copy of the file on this computer's own disk, while the block runs; its name has the same suffixes.
+
+    Parameters
+    ----------
+    path : Path
+    error : type of FileFormatError
+    seen : tuple or None
+        `file_stamp` of the file before it was looked at: the copy is of that one.
+
+    Raises
+    ------
+    FileFormatError
+        The given one, when the file cannot be read or copied, or changes meanwhile.
+    """
+    require_regular_file(path, error)
+    with contextlib.ExitStack() as stack:
+        try:
+            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="aifrecon-"))
+            copy = Path(folder, "copy").with_suffix("".join(path.suffixes[-2:]).lower())
+            shutil.copyfile(path, copy)
+        except OSError as cause:
+            raise error(
+                "{path}: the file cannot be copied to be read ({reason}). Copy it to another disk, or free some space for temporary files.",
+                path=path,
+                reason=cause.strerror,
+            ) from cause
+        if seen is None or file_stamp(path) != seen or copy.stat().st_size != seen[0]:
+            raise _changed(path, error)
+        yield copy
+
+
+def _changed(path: Path, error: type[FileFormatError]) -> FileFormatError:
+    return error("{path}: the file changed while it was read. Read it again when it is complete.", path=path)

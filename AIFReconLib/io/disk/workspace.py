@@ -1,0 +1,122 @@
+"""Folders to write in, beside the file that is to come.
+
+While one is in use it is locked; so those that a killed program has left behind can be told, and are removed the next time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]  # a module elsewhere
+
+PREFIX = ".aifrecon-"
+_NAME = re.compile(re.escape(PREFIX) + r"[a-z0-9_]{8}")
+
+LEFT_BEHIND = 24 * 3600.0
+"""s without a change after which a folder counts as left behind where folders cannot be locked: Windows, some network disks."""
+
+_TRIES = 10
+
+
+@contextlib.contextmanager
+def workspace(parent: Path) -> Iterator[Path]:
+    """A new folder in `parent`, removed at the end; before, the folders that killed programs left in `parent` are removed.
+
+    Raises
+    ------
+    OSError
+        When no folder can be made.
+    """
+    remove_left_behind(parent)
+    folder, lock = _create(parent)
+    try:
+        yield folder
+    finally:
+        # First, because removing takes a descriptor too, and there may be no more; whoever takes it for left behind now removes it for us
+        _release(lock)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def remove_left_behind(parent: Path) -> None:
+    """Remove the folders of this kind in `parent` that no running program uses; what cannot be removed stays."""
+    try:
+        with os.scandir(parent) as entries:
+            found = [Path(entry.path) for entry in entries if _NAME.fullmatch(entry.name) and entry.is_dir(follow_symlinks=False)]
+    except OSError:
+        return
+    for folder in found:
+        try:
+            lock = _lock(folder)
+        except OSError:  # in use, just gone, or somebody else's
+            continue
+        if lock is not None or _untouched(folder):
+            shutil.rmtree(folder, ignore_errors=True)
+        _release(lock)
+
+
+def _create(parent: Path) -> tuple[Path, int | None]:
+    """A new folder, and what holds its lock."""
+    for _ in range(_TRIES):
+        folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))
+        try:
+            lock = _lock(folder)
+        except (BlockingIOError, FileNotFoundError):
+            continue  # another program took it for one left behind before it was locked
+        if lock is None or folder.is_dir():
+            return folder, lock
+        _release(lock)
+    raise FileNotFoundError(f"folders made in {parent} vanish at once")
+
+
+def _lock(folder: Path) -> int | None:
+    """A descriptor that locks the folder until it is closed or the program ends in any way; None where that is not possible.
+
+    Raises
+    ------
+    BlockingIOError
+        When the folder is in use.
+    OSError
+        When it cannot be opened.
+    """
+    if fcntl is None:
+        return None
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(descriptor)
+        raise
+    except OSError:
+        os.close(descriptor)
+        return None
+    return descriptor
+
+
+def _release(lock: int | None) -> None:
+    if lock is not None:
+        os.close(lock)
+
+
+def _untouched(folder: Path) -> bool:
+    """Whether nothing in the folder has changed for long."""
+    try:
+        newest = max(path.stat().st_mtime for path in [folder, *folder.iterdir()])
+    except OSError:
+        return False
+    return time.time() - newest > LEFT_BEHIND
+
+
+def flush_to_disk(path: Path) -> None:
+    """Wait until the file is on the disk: a rename must not overtake the data, and a full disk may show only now."""
+    with open(path, "rb+") as file:
+        os.fsync(file.fileno())

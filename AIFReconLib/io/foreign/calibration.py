@@ -1,0 +1,90 @@
+"""Where the image lies in the probe, from any file that people have it in: Plus configuration, Slicer transform, or sixteen numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ...arrays import Matrix
+from ...errors import GeometryError, TransformFileError
+from ...geometry.transform_graph import TransformName
+from ...geometry.transforms import as_matrix
+from ...message import Message
+from ..disk.regular_files import require_regular_file
+from ..disk.small_files import read_bytes
+from ..metafile.text_values import NotANumberError, parse_numbers
+from ..plus.configuration import read_plus_configuration
+from ..transform.files import HDF5_SUFFIXES, read_transform
+
+MAXIMUM_BYTES = 2**16
+_ITK_MAGIC = "#Insight Transform File"
+
+
+def read_calibration(path: str | Path, name: TransformName | None = None, image_frame: str = "Image") -> tuple[TransformName, Matrix]:
+    """Name and matrix of a calibration, pixels to mm.
+
+    Parameters
+    ----------
+    path : str or Path
+        .xml of Plus; .tfm, .txt or .h5 saved by Slicer; or a text file of 16 numbers, row by row.
+    name : TransformName or None
+        The transform to take from a configuration, by default its only one from `image_frame`; for other files, what to call it
+        (ImageToProbe by default).
+    image_frame : str
+
+    Raises
+    ------
+    TransformFileError, ConfigurationError
+        When the file cannot be used.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix == ".xml":
+        transforms = read_plus_configuration(path).transforms
+        names = [known for known in transforms if known == name or (name is None and known.source == image_frame)]
+        if len(names) != 1:
+            there = ", ".join(map(str, transforms)) or Message("none")
+            raise TransformFileError(
+                "{path}: it must hold {wanted}; got {there}. Name one, as in --calibration ImageToProbe=FILE.",
+                path=path,
+                wanted=name or Message("one transform from {frame}", frame=image_frame),
+                there=there,
+            )
+        return names[0], _usable(path, transforms[names[0]].matrix)
+    name = name or TransformName(image_frame, "Probe")
+    require_regular_file(path, TransformFileError)
+    if suffix in (*HDF5_SUFFIXES, ".tfm") or _text(path).startswith(_ITK_MAGIC):
+        return name, read_transform(path)
+    wrong: Message | NotANumberError | None
+    try:
+        numbers = parse_numbers(_text(path).replace(",", " ").replace(";", " ").replace("[", " ").replace("]", " "))
+        wrong = Message("got {count}", count=len(numbers)) if len(numbers) != 16 else None
+    except NotANumberError as error:
+        wrong = error
+    if wrong:
+        raise TransformFileError(
+            "{path}: a calibration must be 16 numbers, row by row; {wrong}. "
+            "Give those, a Plus configuration (.xml) or a Slicer transform (.tfm).",
+            path=path,
+            wrong=wrong,
+        )
+    return name, _usable(path, np.array(numbers))
+
+
+def _usable(path: Path, matrix: Matrix) -> Matrix:
+    try:
+        return as_matrix(matrix, "calibration")
+    except GeometryError as error:
+        raise TransformFileError(
+            "{path}: the calibration cannot be used. {problem} Repeat the calibration, or correct it.", path=path, problem=error
+        ) from error
+
+
+def _text(path: Path) -> str:
+    data = read_bytes(path, MAXIMUM_BYTES + 1, TransformFileError)
+    if len(data) > MAXIMUM_BYTES:
+        raise TransformFileError(
+            "{path}: the file is longer than {maximum} bytes. A calibration is 16 numbers.", path=path, maximum=MAXIMUM_BYTES
+        )
+    return data.decode("utf-8-sig", errors="replace").strip()

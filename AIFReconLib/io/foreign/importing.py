@@ -1,0 +1,279 @@
+"""Images and poses of any origin become a tracked sequence, every convention said and none guessed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...arrays import Floats, Integers, Mask, Matrix
+from ...errors import SettingsError
+from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ...geometry.transforms import invert, why_not_an_image_pose, why_not_rigid
+from ...sweep.frames import FrameRecord, TrackedSequence
+from ...sweep.pose_tracks import PoseTrack
+from ..sequence.orientation import IN_MEMORY, parse_orientation
+from .images import FlippedImages, ImportedImages
+from .pose_files import PoseTable
+from .pose_rows import PoseFormat, in_millimeters
+
+IMAGE_FRAME = "Image"
+
+_Place = tuple[Matrix, dict[TransformName, TransformSample], str]
+"""Poses, transforms of the header, and in words where the image is."""
+
+_Pairs = tuple[list[TransformSample], Floats | None, str]
+"""One sample per image, times, and in words how that was done."""
+
+
+@dataclass(frozen=True)
+class ImportSettings:
+    """What the files do not say.
+
+    Parameters
+    ----------
+    transform : TransformName
+        What the poses are: ImageToTracker takes the image's points to the tracker, TrackerToProbe is the inverse of ProbeToTracker.
+    spacing : (x, y) or None, mm
+        Size of a pixel, where the poses take millimeters.
+    origin_px : (column, row) or None
+        The pixel that the poses place, where that is not the first.
+    calibration : (TransformName, (4, 4) array) or None
+        ImageToProbe, pixels to mm, where the poses are the probe's.
+    orientation : str
+        Which way the pixels of the files run: MF, MN, UF or UN.
+    rate : float or None, Hz
+        Frames per second, where no file has times.
+    form : PoseFormat
+    """
+
+    transform: TransformName
+    spacing: tuple[float, float] | None = None
+    origin_px: tuple[float, float] | None = None
+    calibration: tuple[TransformName, Matrix] | None = None
+    orientation: str = IN_MEMORY
+    rate: float | None = None
+    form: PoseFormat = field(default_factory=PoseFormat)
+
+    def __post_init__(self) -> None:
+        parse_orientation(self.orientation)
+        if self.spacing is not None and not (np.isfinite(self.spacing).all() and min(self.spacing) > 0):
+            raise SettingsError("Input spacing must be two numbers above 0, in mm per pixel; got {spacing!r}.", spacing=self.spacing)
+        if self.rate is not None and not (np.isfinite(self.rate) and self.rate > 0):
+            raise SettingsError("Input rate must be above 0 frames per second; got {rate!r}.", rate=self.rate)
+
+
+def import_sequence(images: ImportedImages, poses: PoseTable, settings: ImportSettings) -> tuple[TrackedSequence, tuple[str, ...]]:
+    """The sequence of these images and poses, and in words how they were understood.
+
+    Parameters
+    ----------
+    images : ImportedImages
+    poses : PoseTable
+    settings : ImportSettings
+
+    Raises
+    ------
+    SettingsError
+        When images and poses do not fit each other, or something that is needed is not known.
+    """
+    name = settings.transform
+    places_image = IMAGE_FRAME in (name.source, name.target)
+    matrices = poses.matrices
+    good = np.array([np.isfinite(matrix).all() for matrix in matrices], dtype=bool)
+    if not good.any():
+        raise SettingsError(
+            "The poses must hold at least one that is valid; all {count} are missing. Export them again.", count=len(matrices)
+        )
+    rigid = _are_rigid(matrices[good], np.flatnonzero(good), name, settings)
+    matrices = in_millimeters(matrices, settings.form, takes_pixels=places_image and not rigid)
+    matrices, header, how = _placed(matrices, rigid, places_image, images, settings)
+    samples, times, pairing = _paired(images, poses, [_sample(m, poses, n) for n, m in enumerate(matrices)])
+    if times is None and settings.rate is not None:
+        times = np.arange(len(samples)) / settings.rate
+        pairing += f", times from {settings.rate:g} frames/s"
+    records = [FrameRecord(None if times is None else float(times[n]), transforms={name: sample}) for n, sample in enumerate(samples)]
+    orientation = parse_orientation(settings.orientation)
+    stack = images.stack if orientation[:2] == IN_MEMORY[:2] else FlippedImages(images.stack, orientation)
+    understood = (
+        f"images: {images.description}, orientation {orientation[:2]}",
+        *(f"poses: {line}" for line in poses.understood),
+        f"direction: {name} takes points of {name.source} to {name.target}",
+        f"place of the image: {how}",
+        f"pairing: {pairing}",
+        "times: " + ("none; frames are taken in this order" if times is None else _span(times)),
+        *_doubts(matrices, good, settings),
+    )
+    return TrackedSequence(stack, records, transforms=header), understood
+
+
+def _are_rigid(matrices: Matrix, numbers: Integers, name: TransformName, settings: ImportSettings) -> bool:
+    """Whether all poses are rigid; poses that are neither that nor those of an image are refused by their number."""
+    reasons = [why_not_rigid(matrix) for matrix in matrices]
+    if not any(reasons):
+        return True
+    for number, matrix, reason in zip(numbers, matrices, reasons):
+        pixels = matrix if name.source == IMAGE_FRAME else invert(matrix)
+        if reason and (IMAGE_FRAME not in (name.source, name.target) or "mirrored" in reason or why_not_an_image_pose(pixels)):
+            raise SettingsError(
+                "Pose {number} must be a rotation and a translation; it is {reason}. Check the columns, and whether the matrices are "
+                "written row by row (else give --column-major).",
+                number=number,
+                reason=reason,
+            )
+    return False
+
+
+def _placed(matrices: Matrix, rigid: bool, places_image: bool, images: ImportedImages, settings: ImportSettings) -> _Place:
+    """Poses that take pixels where they are the image's; header transforms; and where the image is, in words."""
+    name = settings.transform
+    spacing = settings.spacing or images.spacing
+    origin = settings.origin_px or (0.0, 0.0)
+    if not places_image:
+        return _placed_by_probe(matrices, spacing, settings)
+    if settings.calibration:
+        raise SettingsError("{name} places the image itself, so there is no calibration to apply. Leave out --calibration.", name=name)
+    if not rigid:
+        if settings.spacing or settings.origin_px:
+            raise SettingsError(
+                "The matrices of {name} hold the size of a pixel already. Leave out --spacing and --image-origin-px.", name=name
+            )
+        return matrices, {}, f"{name} takes pixels (its axes are not of length 1)"
+    if spacing is None:
+        raise SettingsError(
+            "The poses of {name} are rigid, so they take millimeters, and the size of a pixel is not known. Give --spacing X Y in mm.",
+            name=name,
+        )
+    pixel_to_image = _pixels_to_mm(spacing, origin)
+    matrices = matrices @ pixel_to_image if name.source == IMAGE_FRAME else invert(pixel_to_image) @ matrices
+    source = "" if settings.spacing else " (from the image files)"
+    return matrices, {}, f"pixels of {spacing[0]:g} x {spacing[1]:g} mm{source}, {name} places pixel {origin[0]:g} {origin[1]:g}"
+
+
+def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, settings: ImportSettings) -> _Place:
+    """The same for poses of a probe: its calibration goes into the header."""
+    name = settings.transform
+    ends = (name.source, name.target)
+    if settings.calibration:
+        if settings.spacing or settings.origin_px:
+            raise SettingsError(
+                "A calibration holds the size of a pixel already. Leave out --spacing and --image-origin-px, or --calibration."
+            )
+        calibration, matrix = settings.calibration
+        if calibration.source != IMAGE_FRAME or calibration.target not in ends:
+            raise SettingsError(
+                "The calibration must lead from {image_frame} to {first} or {second}; got {calibration}. "
+                "Name it, as in --calibration {image_frame}To{first}=FILE.",
+                image_frame=IMAGE_FRAME,
+                first=ends[0],
+                second=ends[1],
+                calibration=calibration,
+            )
+        return matrices, {calibration: TransformSample(matrix)}, f"{calibration} as calibrated"
+    if settings.origin_px and spacing:
+        calibration = TransformName(IMAGE_FRAME, name.source)
+        matrix = _pixels_to_mm(spacing, settings.origin_px)
+        where = f"{settings.origin_px[0]:g} {settings.origin_px[1]:g}"
+        return (
+            matrices,
+            {calibration: TransformSample(matrix)},
+            f"the image's axes are those of {name.source}, whose origin is pixel {where}",
+        )
+    if settings.spacing or settings.origin_px:
+        raise SettingsError(
+            "The size of a pixel alone does not say where the image lies in {frame}. Give --calibration FILE; or both --spacing and "
+            "--image-origin-px, if the axes of the image are those of {frame}.",
+            frame=name.source,
+        )
+    return matrices, {}, f"not in the recording: give {IMAGE_FRAME}To{name.source} with --config when reconstructing"
+
+
+def _pixels_to_mm(spacing: tuple[float, float], origin_px: tuple[float, float]) -> Matrix:
+    matrix = np.diag([spacing[0], spacing[1], (spacing[0] + spacing[1]) / 2, 1.0])
+    matrix[:2, 3] = -spacing[0] * origin_px[0], -spacing[1] * origin_px[1]
+    return matrix
+
+
+def _sample(matrix: Matrix, poses: PoseTable, number: int) -> TransformSample:
+    """A pose with the status that the file gives it, and MISSING where it has no numbers."""
+    status = TransformStatus.parse(poses.statuses[number]) if poses.statuses else TransformStatus.OK
+    if status is TransformStatus.OK and not np.isfinite(matrix).all():
+        status = TransformStatus.MISSING
+    return TransformSample(matrix, status)
+
+
+def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSample]) -> _Pairs:
+    """One sample per image, times, and how that was done."""
+    count = len(images.stack)
+    missing = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
+    if poses.images is not None:
+        return _paired_by_name(images, poses.images, poses.times, samples, missing)
+    if len(samples) == count:
+        times = poses.times if poses.times is not None else images.times
+        return samples, times, "image by image, in order"
+    if poses.times is not None and images.times is not None:
+        track = PoseTrack(zip(poses.times, samples))
+        found = [track.at(time)[0] for time in images.times]
+        if not any(matrix is not None for matrix in found):
+            raise SettingsError(
+                "The poses must be of the time of the images; poses {poses}, images {images}. Make both start at 0.",
+                poses=_span(poses.times),
+                images=_span(images.times),
+            )
+        paired = [missing if matrix is None else TransformSample(matrix) for matrix in found]
+        return paired, images.times, f"{len(samples)} poses interpolated at the times of {count} images"
+    raise SettingsError(
+        "There must be as many poses as images; got {poses} poses for {images} images. Leave out what is too much, name the image "
+        "of each pose in a column 'image', or give times on both.",
+        poses=len(samples),
+        images=count,
+    )
+
+
+def _paired_by_name(
+    images: ImportedImages,
+    names: tuple[str, ...],
+    times: Floats | None,
+    samples: list[TransformSample],
+    missing: TransformSample,
+) -> _Pairs:
+    """Poses of images by the names of their files, whatever their folder."""
+    if images.names is None:
+        raise SettingsError("The poses name an image each, but the images are all in one file. Leave out that column (--columns, with -).")
+    rows: dict[str, int] = {}
+    for number, text in enumerate(names):
+        name = text.replace("\\", "/").rsplit("/", 1)[-1]
+        if rows.setdefault(name, number) != number:
+            raise SettingsError(
+                "Two poses name the image {name} (poses {first} and {number}). Remove one of them.",
+                name=name,
+                first=rows[name],
+                number=number,
+            )
+    known = [rows.get(name) for name in images.names]
+    found = sum(number is not None for number in known)
+    if not found:
+        raise SettingsError(
+            "No pose names one of the images: poses name {pose}, images are {image}. Use the same names.",
+            pose=next(iter(rows)),
+            image=images.names[0],
+        )
+    paired = [missing if number is None else samples[number] for number in known]
+    numbers = [number for number in known if number is not None]
+    times = times[numbers] if times is not None and found == len(known) else None
+    return paired, times, f"by name: {found} of {len(known)} images have a pose, {len(rows) - found} poses have no image"
+
+
+def _span(times: Floats) -> str:
+    return f"{times.min():.3f} to {times.max():.3f} s"
+
+
+def _doubts(matrices: Matrix, good: Mask, settings: ImportSettings) -> list[str]:
+    """What looks like a wrong unit."""
+    extent = float(np.ptp(matrices[good][:, :3, 3], axis=0).max())
+    doubts = []
+    if 0 < extent < 1.0 and settings.form.length_unit == "mm" and good.sum() > 5:
+        doubts.append(f"doubt: the poses move by {extent:.3g} mm in all. If they are in meters, give --units m.")
+    if extent > 2000.0:
+        doubts.append(f"doubt: the poses move by {extent / 1000:.3g} m. If they are in another unit, give --units.")
+    return doubts

@@ -1,0 +1,89 @@
+"""Which kind of file holds images of people without Plus, and what opens it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from ...errors import FileFormatError
+from ...message import Message
+from ..disk.regular_files import require_regular_file
+from .dicom import open_dicom
+from .images import ImportedImages
+from .numpy_arrays import open_numpy
+from .pictures import open_pictures
+from .video import open_video
+
+PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
+DICOM_SUFFIXES = (".dcm", ".dicom")
+VIDEO_SUFFIXES = (".mp4", ".avi", ".mov", ".mkv", ".wmv", ".m4v", ".webm")
+NUMPY_SUFFIXES = (".npy",)
+
+
+def open_images(paths: Sequence[str | Path]) -> ImportedImages:
+    """The frames in these files, in natural order of their names (2 before 10).
+
+    Parameters
+    ----------
+    paths : sequence of str or Path
+        Pictures or DICOM files, or a folder of them; or one video, multi-frame DICOM file or .npy array (frames, rows, columns).
+
+    Raises
+    ------
+    FileFormatError
+        Names the file, and what was expected.
+    """
+    files = _listed([Path(path) for path in paths])
+    suffixes = {path.suffix.lower() for path in files}
+    kind = next((k for k in _KINDS if suffixes <= set(k[0])), None)
+    if kind is None:
+        known = ", ".join(suffix for known, _ in _KINDS for suffix in known)
+        raise FileFormatError(
+            "{path}: images must all be pictures, DICOM files, one video or one .npy array ({known}); "
+            "got {suffixes}. Give files of one kind.",
+            path=files[0],
+            known=known,
+            suffixes=", ".join(sorted(suffixes)) or Message("no suffix"),
+        )
+    return kind[1](files)
+
+
+def natural_order(path: Path) -> list[int | str]:
+    """A key that sorts 2 before 10."""
+    # Every second piece is a number; isdigit would also take a superscript for one
+    return [int(word) if place % 2 else word.lower() for place, word in enumerate(re.split(r"([0-9]+)", path.name))]
+
+
+def _listed(paths: list[Path]) -> list[Path]:
+    """The files, folders replaced by what is in them."""
+    known = {suffix for suffixes, _ in _KINDS for suffix in suffixes}
+    files: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            inside = sorted((p for p in path.iterdir() if p.is_file() and p.suffix.lower() in known), key=natural_order)
+            if not inside:
+                raise FileFormatError("{path}: there are no images in this folder. Give a folder of pictures or DICOM files.", path=path)
+            files += inside
+        else:
+            require_regular_file(path, FileFormatError)
+            files.append(path)
+    if not files:
+        raise FileFormatError("Input images must be at least one file. Name pictures, a folder, a video or a .npy file.")
+    return files
+
+
+def _only(files: list[Path], what: Message) -> Path:
+    if len(files) != 1:
+        raise FileFormatError(
+            "{path}: there must be one {what}; got {count} files. Import them one by one.", path=files[1], what=what, count=len(files)
+        )
+    return files[0]
+
+
+_KINDS: tuple[tuple[tuple[str, ...], Callable[[list[Path]], ImportedImages]], ...] = (
+    (PICTURE_SUFFIXES, open_pictures),
+    (DICOM_SUFFIXES, open_dicom),
+    (VIDEO_SUFFIXES, lambda files: open_video(_only(files, Message("video")))),
+    (NUMPY_SUFFIXES, lambda files: open_numpy(_only(files, Message("array")))),
+)

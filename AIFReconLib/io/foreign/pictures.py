@@ -1,0 +1,70 @@
+"""Frames from pictures: PNG, JPEG, TIFF (of many pages too), BMP."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from ...arrays import Numbers
+from ...errors import FileFormatError
+from ...message import Message
+from ..disk.regular_files import file_stamp
+from .images import DecodedImages, ImportedImages, decoding, describe_stack, library
+
+_FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "MPO")
+"""Pillow's names. It goes by the content, whatever the suffix, and would start Ghostscript for PostScript."""
+
+_AS_THEY_ARE = ("L", "I", "F", "RGB", "RGBA", "I;16", "I;16L", "I;16B", "I;16N", "LA")
+"""Modes that become arrays of their own type; palettes, CMYK and the like are made RGB first."""
+
+
+def open_pictures(files: list[Path]) -> ImportedImages:
+    """The pages of these files, one frame each.
+
+    Raises
+    ------
+    FileFormatError
+        When a file is no picture.
+    """
+    image_module = library("PIL.Image", Message("Pictures"))
+    opened = {path: file_stamp(path) for path in files}
+    pages = [(path, page) for path in files for page in range(_page_count(image_module, path))]
+    several = len(pages) > len(files)
+
+    def decode(number: int) -> Numbers:
+        path, page = pages[number]
+        pixels = decoded(path, page)
+        # Asked afterwards: it may have changed before or meanwhile
+        if file_stamp(path) != opened[path]:
+            raise FileFormatError("{path}: the file has changed since it was opened. Import it again.", path=path)
+        return pixels
+
+    def decoded(path: Path, page: int) -> Numbers:
+        # From a file object, not a path: Pillow maps some files into memory, and one that is cut while mapped ends the program
+        with _readable(path), open(path, "rb") as file, image_module.open(file, formats=_FORMATS) as picture:
+            picture.seek(page)
+            if picture.mode == "1":
+                return np.asarray(picture.convert("L"))
+            return np.asarray(picture if picture.mode in _AS_THEY_ARE else picture.convert("RGB"))
+
+    def where(number: int) -> str:
+        path, page = pages[number]
+        return Message("{path}, page {page}", path=path, page=page) if several else str(path)
+
+    stack = DecodedImages(len(pages), decode, where)
+    kinds = "/".join(sorted({path.suffix[1:].upper() for path in files}))
+    what = f"{kinds} {'pages' if several else 'pictures'}"
+    names = None if several else tuple(path.name for path, _ in pages)
+    return ImportedImages(stack, describe_stack(len(pages), what, stack.shape[1:], stack.dtype), names)
+
+
+def _page_count(image_module: ModuleType, path: Path) -> int:
+    with _readable(path), open(path, "rb") as file, image_module.open(file, formats=_FORMATS) as picture:
+        return int(getattr(picture, "n_frames", 1))
+
+
+def _readable(path: Path) -> AbstractContextManager[None]:
+    return decoding(Message("{path}: it cannot be read as a picture", path=path), Message("Export it again."))

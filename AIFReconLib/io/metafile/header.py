@@ -1,0 +1,231 @@
+"""The lines of a MetaImage or NRRD header, and the rules that both formats share.
+
+Everything that a header can get wrong is found here, before anyone allocates memory for what it promises.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from ...errors import FileFormatError
+from ...message import Message, shorten
+from ..disk.regular_files import stamp
+from .metafile import RAW, UNFINISHED, Metafile
+
+TO_THE_END = -1
+"""How both formats say that the pixels are the last bytes of a file, whatever comes before."""
+
+MAXIMUM_LINE = 2**20
+"""Bytes. A line of a header holds a matrix or a note; a file without line ends is no header."""
+
+MAXIMUM_HEADER = 2**28
+"""Bytes. 10,000 frames of ten transforms each take 20 MB."""
+
+LARGEST_DEFLATE_RATIO = 1032
+"""No deflate stream expands by more, so a header that promises more is wrong whatever the stream holds."""
+
+
+class HeaderLines:
+    """The lines of a header, one at a time, with limits on their length."""
+
+    def __init__(self, file: BinaryIO, path: Path, error: type[FileFormatError]):
+        self._file = file
+        self.path = path
+        self.error = error
+
+    def failure(self, problem: str, /, **values: object) -> FileFormatError:
+        """The error to raise for this header: a sentence with its values, on one line whatever the file holds."""
+        return self.error("{path}: {problem}", path=self.path, problem=Message(problem, **values))
+
+    @property
+    def position(self) -> int:
+        """Offset of the first byte behind the lines that were read."""
+        return self._file.tell()
+
+    def next(self) -> str | None:
+        """The next line without its end; None at the end of the file."""
+        line = self._file.readline(MAXIMUM_LINE + 1)
+        if not line:
+            return None
+        if len(line) > MAXIMUM_LINE or b"\0" in line:
+            raise self.failure("this is not a text header. Give a MetaImage or NRRD file.")
+        if self._file.tell() > MAXIMUM_HEADER:
+            raise self.failure("the header is longer than {maximum} bytes. Give a MetaImage or NRRD file.", maximum=MAXIMUM_HEADER)
+        return line.rstrip(b"\r\n").decode("utf-8", errors="surrogateescape")
+
+
+def build_metafile(
+    lines: HeaderLines,
+    *,
+    size_key: str,
+    size: tuple[int, ...],
+    channels: int,
+    dtype: np.dtype,
+    kinds: tuple[str, ...],
+    encoding: str,
+    data_file: str | None,
+    stored_length: int | None,
+    fields: dict[str, str],
+    entries: dict[str, str] | None = None,
+    skip: int = 0,
+) -> Metafile:
+    """The `Metafile` of a parsed header, after checking that the payload is there.
+
+    Parameters
+    ----------
+    size_key : str
+        What the format calls the size, for messages.
+    data_file : str or None
+        Name of a detached data file; None when the data follow the header.
+    stored_length : int or None
+        Length of the compressed data that the header declares, if any.
+    skip : int
+        Bytes of the data file before the pixels; `TO_THE_END` where the pixels are its last bytes.
+    """
+    data_path = lines.path if data_file is None else _beside(lines, data_file)
+    if not data_path.is_file():
+        raise lines.failure("data file {file} is missing. Put it beside the header.", file=data_path.name)
+    status = data_path.stat()
+    offset = lines.position if data_file is None else skip
+    if skip == TO_THE_END:
+        offset = max(status.st_size - math.prod(size) * channels * dtype.itemsize, 0)
+    metafile = Metafile(
+        lines.path,
+        lines.error,
+        size,
+        channels,
+        dtype,
+        kinds,
+        encoding,
+        data_path,
+        offset,
+        max(status.st_size - offset, 0),
+        fields,
+        stamp(status),
+        entries or {},
+    )
+    _check_length(metafile, size_key, stored_length)
+    return metafile
+
+
+def parse_skip(lines: HeaderLines, key: str, text: str, possible: bool) -> int:
+    """How many bytes to skip before the pixels, or `TO_THE_END`; 0 unless that is `possible`: in a raw file of their own."""
+    if text == str(TO_THE_END) and possible:
+        return TO_THE_END
+    if text not in ("", "0") and not possible:
+        raise lines.failure(
+            "{key} must be 0 where pixels are compressed or follow the header; got {text!r}. Write the file again.",
+            key=key,
+            text=shorten(text),
+        )
+    return parse_count(lines, key, text or "0", 0, 2**62)
+
+
+def parse_sizes(lines: HeaderLines, key: str, text: str, count: int) -> tuple[int, ...]:
+    """The `count` positive whole numbers of a size entry."""
+    words = text.split()
+    if len(words) != count or not all(re.fullmatch(r"[0-9]{1,12}", word) for word in words):
+        raise lines.failure(
+            "{key} must be {count} whole numbers; got {text!r}. The header is damaged.", key=key, count=count, text=shorten(text)
+        )
+    sizes = tuple(int(word) for word in words)
+    if min(sizes) < 1:
+        raise lines.failure(
+            "{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, "
+            "if it is Slicer's sequence of a transform, give it with the images as --transform-sequence NAME=FILE.",
+            key=key,
+            text=text,
+        )
+    return sizes
+
+
+def parse_count(lines: HeaderLines, key: str, text: str, lowest: int, highest: int) -> int:
+    """One whole number within limits."""
+    if not re.fullmatch(r"[0-9]{1,18}", text) or not lowest <= int(text) <= highest:
+        raise lines.failure(
+            "{key} must be a whole number from {lowest} to {highest}; got {text!r}. Such files are not supported.",
+            key=key,
+            lowest=lowest,
+            highest=highest,
+            text=shorten(text),
+        )
+    return int(text)
+
+
+def require(lines: HeaderLines, entries: Mapping[str, str], key: str) -> str:
+    """The value of a header key that must be there."""
+    if key not in entries:
+        raise lines.failure("the header has no {key}. It is damaged, or this is not an image file.", key=key)
+    return entries[key]
+
+
+def store(lines: HeaderLines, entries: dict[str, str], key: str, value: str) -> None:
+    """Add an entry; two different values under one key leave it open which of them holds."""
+    if entries.setdefault(key, value) != value:
+        raise lines.failure(
+            "{key} is given twice, as {first!r} and as {second!r}. Remove one of the two lines from the header.",
+            key=key,
+            first=shorten(entries[key]),
+            second=shorten(value),
+        )
+
+
+def _beside(lines: HeaderLines, name: str) -> Path:
+    """The data file `name` in the header's folder. Nothing else is opened because a header says so."""
+    if not name or name in (".", "..") or re.search(r"[/\\:\0]", name):
+        raise lines.failure(
+            "its data file must lie beside it and be given by its bare name; got {file!r}. Move it there and correct the header.",
+            file=shorten(name),
+        )
+    return lines.path.parent / name
+
+
+def _check_length(metafile: Metafile, size_key: str, stored_length: int | None) -> None:
+    """Compare the length of the payload with what the header promises."""
+    size = " ".join(str(n) for n in metafile.size)
+    there, needed = metafile.data_length, metafile.pixel_bytes
+    if metafile.encoding == RAW:
+        if there < needed:
+            complete = there // (needed // metafile.size[-1])
+            raise metafile.failure(
+                "the pixel data are cut short: {size_key} {size} needs {needed} bytes, there are {there} "
+                "({complete} of {total} frames or slices). Copy the file again, or correct {size_key}.",
+                size_key=size_key,
+                size=size,
+                needed=needed,
+                there=there,
+                complete=complete,
+                total=metafile.size[-1],
+            )
+        if there > needed and UNFINISHED not in metafile.fields:
+            raise metafile.failure(
+                "there are {excess} bytes more than {size_key} {size} needs ({needed}). Correct {size_key}, or write the file again.",
+                excess=there - needed,
+                size_key=size_key,
+                size=size,
+                needed=needed,
+            )
+        return
+    if stored_length is not None and there != stored_length:
+        what = Message("are cut short") if there < stored_length else Message("go on behind their end")
+        raise metafile.failure(
+            "the pixel data {what}: CompressedDataSize is {stored} bytes, there are {there}. Copy the file again, or write it again.",
+            what=what,
+            stored=stored_length,
+            there=there,
+        )
+    if needed > LARGEST_DEFLATE_RATIO * there + 4096:
+        raise metafile.failure(
+            "{size_key} {size} needs {needed} bytes, more than {there} compressed bytes can hold. Copy the file again, "
+            "or correct {size_key}.",
+            size_key=size_key,
+            size=size,
+            needed=needed,
+            there=there,
+        )

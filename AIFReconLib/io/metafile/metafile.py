@@ -1,0 +1,103 @@
+"""A MetaImage or NRRD file whose header was understood: what its pixels are and where their bytes lie."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from io import BufferedReader
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from ...errors import FileFormatError
+from ...message import Message
+from ..disk.regular_files import stamp
+
+RAW = "raw"
+COMPRESSED = "compressed"
+"""Either zlib or gzip: decoders tell them apart."""
+
+UNFINISHED = "RecordingUnfinished"
+"""A field of recordings that were cut off by a crash: their pixels may go on behind the frames that the header lists."""
+
+
+@dataclass(frozen=True, eq=False)
+class Metafile:
+    """A header that was understood, and its payload, whose length fits as far as that can be told without decoding it.
+
+    Parameters
+    ----------
+    path : Path
+    error : type of FileFormatError
+        What to raise for this file.
+    size : tuple of int
+        Pixels along each axis, fastest first, without the channels.
+    channels : int
+    dtype : numpy.dtype
+        With the file's byte order.
+    kinds : tuple of str
+        One per entry of `size`, lower case; empty when the header does not say.
+    encoding : "raw" or "compressed"
+    data_path, data_offset, data_length
+        File, first byte and number of bytes of the payload as stored.
+    fields : dict of str to str
+        What the format itself does not define, by name: custom and per-frame fields.
+    entries : dict of str to str
+        What the format defines, as written: units of axes, place in space.
+    """
+
+    path: Path
+    error: type[FileFormatError]
+    size: tuple[int, ...]
+    channels: int
+    dtype: np.dtype
+    kinds: tuple[str, ...]
+    encoding: str
+    data_path: Path
+    data_offset: int
+    data_length: int
+    fields: dict[str, str] = field(repr=False)
+    data_stamp: tuple[int, int] = (0, 0)
+    entries: dict[str, str] = field(default_factory=dict, repr=False)
+
+    @property
+    def pixel_bytes(self) -> int:
+        """Bytes of all pixels, decoded."""
+        return math.prod(self.size) * self.channels * self.dtype.itemsize
+
+    def failure(self, problem: str, /, **values: object) -> FileFormatError:
+        """The error to raise for this file: a sentence with its values, on one line whatever the file holds."""
+        return self.error("{path}: {problem}", path=self.path, problem=Message(problem, **values))
+
+    @contextlib.contextmanager
+    def open_payload(self) -> Iterator[BufferedReader]:
+        """The data file, open for reading, provided that it is still the one whose header was read.
+
+        Raises
+        ------
+        FileFormatError
+            `error`, for every OSError of the block too: a network disk that goes away shows even when the file is closed.
+        """
+        try:
+            file = open(self.data_path, "rb")  # noqa: SIM115 (closed below)
+        except OSError as error:
+            raise self.failure(
+                "data file {file} cannot be read ({reason}). Put it back beside the header.",
+                file=self.data_path.name,
+                reason=error.strerror,
+            ) from error
+        try:
+            with file:
+                self.require_unchanged(file)
+                yield file
+        except OSError as error:
+            raise self.failure("the pixel data cannot be read ({reason}). Copy the file again.", reason=error.strerror) from error
+
+    def require_unchanged(self, file: BinaryIO) -> None:
+        """Raise `error` unless the open data file is still as it was when the header was read."""
+        if stamp(os.fstat(file.fileno())) != self.data_stamp:
+            raise self.failure("data file {file} has changed since it was opened. Read the file again.", file=self.data_path.name)

@@ -1,0 +1,139 @@
+"""NRRD headers: a magic word, ``field: value`` and ``key:=value`` lines, and an empty line before attached data."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from ...message import Message
+from .header import HeaderLines, build_metafile, parse_count, parse_sizes, parse_skip, require, store
+from .metafile import COMPRESSED, RAW, Metafile
+
+_TYPE_NAMES = {
+    "i1": "int8, int8_t, signed char",
+    "u1": "uint8, uint8_t, uchar, unsigned char",
+    "i2": "int16, int16_t, short, short int, signed short, signed short int",
+    "u2": "uint16, uint16_t, ushort, unsigned short, unsigned short int",
+    "i4": "int32, int32_t, int, signed int",
+    "u4": "uint32, uint32_t, uint, unsigned int",
+    "i8": "int64, int64_t, longlong, long long, long long int, signed long long, signed long long int",
+    "u8": "uint64, uint64_t, ulonglong, unsigned long long, unsigned long long int",
+    "f4": "float",
+    "f8": "double",
+}
+TYPES = {name: code for code, names in _TYPE_NAMES.items() for name in names.split(", ")}
+"""Every spelling of a pixel type in the NRRD definition."""
+
+RAW_ENCODINGS = ("raw",)
+GZIP_ENCODINGS = ("gzip", "gz")
+
+SPELLINGS = {name.replace(" ", ""): name for name in ("data file", "line skip", "byte skip", "axis mins", "axis maxs")}
+"""Fields that may also be written as one word."""
+
+CHANNEL_KINDS = frozenset(
+    ["vector", "rgb-color", "rgba-color", "hsv-color", "xyz-color", "2-vector", "3-vector", "4-vector", "3-color", "4-color"]
+)
+"""Kinds that make the first axis the channels of a pixel."""
+
+
+def parse_nrrd(lines: HeaderLines) -> Metafile:
+    """The header and where its payload lies."""
+    entries, fields = read_nrrd_entries(lines)
+    dimensions = parse_count(lines, "dimension", require(lines, entries, "dimension"), 2, 5)
+    size = parse_sizes(lines, "sizes", require(lines, entries, "sizes"), dimensions)
+    pixel_type = require(lines, entries, "type").lower()
+    if pixel_type not in TYPES:
+        raise lines.failure("type must be a whole-number or floating-point type; got {kind!r}. Convert the file.", kind=pixel_type)
+    kinds = tuple(entries.get("kinds", "").lower().split())
+    if kinds and len(kinds) != dimensions:
+        raise lines.failure(
+            "kinds must have {dimensions} words, one for each dimension; got {kinds!r}. Correct the header.",
+            dimensions=dimensions,
+            kinds=entries["kinds"],
+        )
+    channels = 1
+    if kinds and kinds[0] in CHANNEL_KINDS:
+        channels, size, kinds = size[0], size[1:], kinds[1:]
+    parse_count(lines, "line skip", entries.get("line skip", "0"), 0, 0)
+    encoding, data_file = _encoding(lines, require(lines, entries, "encoding").lower()), _data_file(lines, entries)
+    return build_metafile(
+        lines,
+        size_key="sizes",
+        size=size,
+        channels=channels,
+        dtype=np.dtype(_byte_order(lines, entries, TYPES[pixel_type]) + TYPES[pixel_type]),
+        kinds=kinds if not {"???", "none"} & set(kinds) else (),
+        encoding=encoding,
+        data_file=data_file,
+        stored_length=None,
+        fields=fields,
+        entries=entries,
+        skip=parse_skip(lines, "byte skip", entries.get("byte skip", ""), data_file is not None and encoding == RAW),
+    )
+
+
+def unescape(text: str) -> str:
+    r"""Key or value as meant: NRRD writes a line feed as ``\n`` and a backslash as ``\\``."""
+    return re.sub(r"\\([n\\])", lambda match: "\n" if match[1] == "n" else "\\", text)
+
+
+def escape(text: str) -> str:
+    r"""Key or value as written. Only the backslash needs it here; line feeds are refused before."""
+    return text.replace("\\", "\\\\")
+
+
+def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
+    """The format's own entries, and the key/value pairs."""
+    magic = lines.next() or ""
+    if not re.fullmatch(r"NRRD000[1-5]\s*", magic):
+        raise lines.failure("this is not an NRRD file: it does not begin with NRRD0001 to NRRD0005. Give a MetaImage or NRRD file.")
+    entries: dict[str, str] = {}
+    fields: dict[str, str] = {}
+    while line := lines.next():
+        if line.startswith("#"):
+            continue
+        key, colon, value = line.partition(":")
+        if not colon or not key.strip():
+            raise lines.failure("this is not an NRRD header: a line is neither 'field: value' nor 'key:=value'. Copy the file again.")
+        if value.startswith("="):
+            store(lines, fields, unescape(key.strip()), unescape(value[1:]).strip())
+        else:
+            name = key.strip().lower()
+            name = SPELLINGS.get(name, name)
+            store(lines, entries, name, value.strip())
+            if name == "data file" and value.split()[:1] == ["LIST"]:
+                break
+    if line is None and "data file" not in entries:
+        raise lines.failure("the header ends without the empty line before the data: the file is cut short. Copy it again.")
+    return entries, fields
+
+
+def _byte_order(lines: HeaderLines, entries: dict[str, str], code: str) -> str:
+    endian = entries.get("endian", "little" if code.endswith("1") else "").lower()
+    if endian not in ("little", "big"):
+        raise lines.failure("endian must be little or big; got {endian!r}. Correct the header.", endian=endian)
+    return "<" if endian == "little" else ">"
+
+
+def _encoding(lines: HeaderLines, encoding: str) -> str:
+    if encoding in RAW_ENCODINGS:
+        return RAW
+    if encoding in GZIP_ENCODINGS:
+        return COMPRESSED
+    ascii_data = encoding in ("ascii", "txt", "text")
+    reason = Message("ASCII data are not supported") if ascii_data else Message("no other encoding is supported")
+    raise lines.failure(
+        "encoding must be raw or gzip; got {encoding!r}: {reason}. Write the file again with one of these.",
+        encoding=encoding,
+        reason=reason,
+    )
+
+
+def _data_file(lines: HeaderLines, entries: dict[str, str]) -> str | None:
+    text = entries.get("data file")
+    if text is not None and (text.split()[:1] == ["LIST"] or "%" in text):
+        raise lines.failure(
+            "data file must be one file; got {text!r}. Lists of files are not supported: write it again as one file.", text=text
+        )
+    return text.removeprefix("./") if text is not None else None

@@ -1,0 +1,52 @@
+"""A MetaImage or NRRD file is opened by its suffix."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from ...errors import FileFormatError
+from ..disk.regular_files import require_regular_file
+from .header import HeaderLines
+from .metafile import Metafile
+from .metaimage import parse_metaimage
+from .nrrd import parse_nrrd
+
+METAIMAGE_SUFFIXES = (".mha", ".mhd")
+NRRD_SUFFIXES = (".nrrd", ".nhdr")
+
+
+def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
+    """The header of a MetaImage or NRRD file, by its suffix.
+
+    Parameters
+    ----------
+    path : str or Path
+    error : type of FileFormatError
+        What to raise when the file cannot be used.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
+        raise error(
+            "{path}: its suffix must be one of {suffixes}. Give a MetaImage or NRRD file; aifrecon import makes one of pictures, DICOM "
+            "or video.",
+            path=path,
+            suffixes=", ".join(METAIMAGE_SUFFIXES + NRRD_SUFFIXES),
+        )
+    require_regular_file(path, error)
+    try:
+        with open(path, "rb") as file:
+            return (parse_metaimage if suffix in METAIMAGE_SUFFIXES else parse_nrrd)(HeaderLines(file, path, error))
+    except OSError as cause:
+        raise error("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=cause.strerror) from cause
+
+
+def data_files(path: Path) -> list[Path]:
+    """Where a header keeps its data beside itself, resolved; nothing for files that hold their own or cannot be understood."""
+    if path.suffix.lower() not in (*METAIMAGE_SUFFIXES, *NRRD_SUFFIXES):
+        return []
+    try:
+        return [Path(os.path.realpath(read_metafile(path, FileFormatError).data_path))]
+    except FileFormatError:
+        return []

@@ -1,0 +1,118 @@
+"""The image that says how much each pixel of an ultrasound image counts."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import SimpleITK as sitk
+
+from ...arrays import Numbers, Singles
+from ...errors import ConfigurationError, FileFormatError
+from ...sweep.configuration import PlusConfiguration
+from ..disk.itk import itk_path, short_cause
+
+MAXIMUM_PIXELS = 2**24
+"""An ultrasound image has one or two million."""
+
+MAXIMUM_BYTES = 2**26
+_PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
+
+_READERS = {
+    ".png": "PNGImageIO",
+    ".jpg": "JPEGImageIO",
+    ".jpeg": "JPEGImageIO",
+    ".tif": "TIFFImageIO",
+    ".tiff": "TIFFImageIO",
+}
+"""ITK's name of the reader, by suffix."""
+
+
+def read_importance_mask(path: str | Path) -> Singles:
+    """The weight of each pixel, (rows, columns) float32 array, 0 to 1, in MF orientation.
+
+    Parameters
+    ----------
+    path : str or Path
+        An 8-bit gray image (PNG and the like), as large as the ultrasound images: 0 does not count, 255 counts fully.
+
+    Raises
+    ------
+    FileFormatError
+        When it cannot be read, is no 8-bit gray image, or is 0 everywhere.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise FileFormatError("{path}: there is no such file. Name an 8-bit gray image as importance mask.", path=path)
+    if path.suffix.lower() not in _READERS:
+        raise FileFormatError(
+            "{path}: an importance mask must be one of {suffixes}. Save it as a PNG image.", path=path, suffixes=", ".join(_READERS)
+        )
+    if path.suffix.lower() == ".png":
+        _check_chunks(path)
+    reader = sitk.ImageFileReader()
+    # Other readers of ITK would follow a header to another file
+    reader.SetImageIO(_READERS[path.suffix.lower()])
+    reader.SetFileName(itk_path(path, FileFormatError))
+    try:
+        reader.ReadImageInformation()
+        if math.prod(reader.GetSize()) > MAXIMUM_PIXELS:
+            raise FileFormatError(
+                "{path}: an importance mask must have at most {maximum} pixels; got {size}. Give one as large as the ultrasound images.",
+                path=path,
+                maximum=MAXIMUM_PIXELS,
+                size=" x ".join(map(str, reader.GetSize())),
+            )
+        image = reader.Execute()
+    except RuntimeError as error:
+        raise FileFormatError(
+            "{path}: it cannot be read as an importance mask: {cause}. Give a PNG image.", path=path, cause=short_cause(error)
+        ) from error
+    array: Numbers = sitk.GetArrayFromImage(image)
+    if array.dtype != np.uint8 or image.GetNumberOfComponentsPerPixel() != 1 or array.squeeze().ndim != 2:
+        found = f"{' x '.join(map(str, image.GetSize()))} {image.GetPixelIDTypeAsString()}"
+        raise FileFormatError("{path}: an importance mask must be an 8-bit gray image; got {found}. Convert it.", path=path, found=found)
+    array = array.reshape(array.shape[-2:])
+    if not array.any():
+        raise FileFormatError("{path}: an importance mask must have pixels above 0; got none. Draw what counts in white.", path=path)
+    return array.astype(np.float32) / np.float32(255)
+
+
+def _check_chunks(path: Path) -> None:
+    """Return if every chunk of a PNG file lies within it: libpng reserves memory for whatever length a chunk declares."""
+    try:
+        with open(path, "rb") as file:
+            data = file.read(MAXIMUM_BYTES + 1)
+    except OSError as error:
+        raise FileFormatError(
+            "{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=error.strerror
+        ) from error
+    place, kind = 8, b""
+    while data.startswith(_PNG_MAGIC) and len(data) <= MAXIMUM_BYTES and kind != b"IEND":
+        length, kind = int.from_bytes(data[place : place + 4], "big"), data[place + 4 : place + 8]
+        place += 12 + length
+        if place > len(data):
+            break
+    if kind != b"IEND" or place > len(data):
+        raise FileFormatError("{path}: it cannot be read as an importance mask: it is damaged or no PNG image. Save it again.", path=path)
+
+
+def configured_importance(configuration: PlusConfiguration) -> Singles | None:
+    """The weight of each pixel that a configuration asks for, as `read_importance_mask` returns it; None where it asks for none.
+
+    Raises
+    ------
+    FileFormatError
+        When the mask has no file, or one that cannot be used.
+    """
+    if not configuration.uses_importance_mask:
+        return None
+    if configuration.importance_mask is None:
+        place = "VolumeReconstruction@ImportanceMaskFilename"
+        raise ConfigurationError(
+            "{path}: {place} is missing, and CompoundingMode=IMPORTANCE_MASK needs it. Add it, or give an importance mask.",
+            path=configuration.path,
+            place=place,
+        )
+    return read_importance_mask(configuration.importance_mask)

@@ -1,0 +1,67 @@
+"""Parsing XML that may come from anywhere: no document types, no entities, limits on size and depth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree.ElementTree import Element, TreeBuilder
+from xml.parsers import expat
+
+from ...errors import ConfigurationError
+from ..disk.small_files import read_bytes
+
+MAXIMUM_BYTES = 16 * 2**20
+MAXIMUM_DEPTH = 64
+
+
+def parse_xml(path: Path) -> Element:
+    """The root element of an XML file.
+
+    Raises
+    ------
+    ConfigurationError
+        When the file cannot be read, is not well-formed, too large or nested too deeply, or declares a document type (that is
+        where entities are defined that grow without bound or fetch other files).
+    """
+    text = read_bytes(path, MAXIMUM_BYTES + 1, ConfigurationError)
+    if len(text) > MAXIMUM_BYTES:
+        raise ConfigurationError(
+            "{path}: the file is larger than {maximum} bytes. Give a Plus configuration file.", path=path, maximum=MAXIMUM_BYTES
+        )
+
+    builder = TreeBuilder()
+    depth = 0
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > MAXIMUM_DEPTH:
+            raise ConfigurationError(
+                "{path}: elements are nested more than {maximum} deep. Give a Plus configuration file.", path=path, maximum=MAXIMUM_DEPTH
+            )
+        builder.start(tag, attributes)
+
+    def end(tag: str) -> None:
+        nonlocal depth
+        depth -= 1
+        builder.end(tag)
+
+    def refuse_doctype(*_: object) -> None:
+        raise ConfigurationError("{path}: a DOCTYPE declaration is not allowed in a configuration. Remove it.", path=path)
+
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.StartDoctypeDeclHandler = refuse_doctype
+    try:
+        parser.Parse(text, True)
+    except expat.ExpatError as error:
+        raise ConfigurationError(
+            "{path}: this is not well-formed XML ({problem}). Correct it, or give a Plus configuration file.", path=path, problem=error
+        ) from error
+    except (LookupError, ValueError) as error:
+        if isinstance(error, ConfigurationError):
+            raise
+        raise ConfigurationError(
+            "{path}: its text encoding is not supported ({problem}). Save it as UTF-8.", path=path, problem=error
+        ) from error
+    return builder.close()

@@ -1,0 +1,219 @@
+"""Fields of a sequence header as frame records, and back.
+
+Per frame, ``Seq_Frame0012_`` and a name: Timestamp, UnfilteredTimestamp, ImageStatus, ProbeToTrackerTransform (16 numbers),
+ProbeToTrackerTransformStatus, and whatever a recorder adds. The number of digits is not fixed. Names of coordinate frames begin
+with a capital: Plus reads ``probeToTracker`` as ``ProbeToTracker``, and so does this library.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping
+
+import numpy as np
+
+from ...arrays import Matrix
+from ...errors import SettingsError, TransformError
+from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
+from ...message import Message, one_line, shorten
+from ...sweep.frames import FrameRecord
+from ..metafile.metafile import Metafile
+from ..metafile.text_values import NotANumberError, format_number, parse_number, parse_numbers
+
+FRAME_KEY = re.compile(r"Seq_Frame([0-9]+)_(.+)", re.DOTALL)
+MOST_DIGITS = 12
+"""In the number of a frame; recorders write four."""
+_TIMES = ("Timestamp", "UnfilteredTimestamp")
+_IMAGE_STATUS = "ImageStatus"
+_MATRIX_SUFFIX = "Transform"
+_STATUS_SUFFIX = "TransformStatus"
+
+
+def split_fields(metafile: Metafile, frames: int) -> tuple[list[FrameRecord], dict[str, str], dict[TransformName, TransformSample]]:
+    """The records of all frames, and the header's own fields and transforms.
+
+    Raises
+    ------
+    SequenceFormatError
+        Names the key when a number is none, a matrix has not 16 of them, or a frame does not exist.
+    """
+    per_frame: dict[int, dict[str, str]] = {}
+    keys: dict[tuple[int, str], str] = {}
+    header: dict[str, str] = {}
+    for key, value in metafile.fields.items():
+        match = FRAME_KEY.fullmatch(key)
+        if match is None:
+            header[key] = value
+            continue
+        # More digits than any number of frames has are not even converted: Python refuses thousands of them
+        digits, name = match[1].lstrip("0") or "0", match[2]
+        number = int(digits[:MOST_DIGITS])
+        if number >= frames or len(digits) > MOST_DIGITS:
+            raise metafile.failure(
+                "{key} belongs to frame {number}, but there are only {frames} frames (0 to {last}). Correct DimSize.",
+                key=shorten(key),
+                number=shorten(digits),
+                frames=frames,
+                last=frames - 1,
+            )
+        if keys.setdefault((number, name), key) != key:
+            raise metafile.failure(
+                "frame {number} has {name} twice, as {first} and {second}. Remove one of them from the header.",
+                number=number,
+                name=name,
+                first=keys[number, name],
+                second=key,
+            )
+        per_frame.setdefault(number, {})[name] = value
+    records = [_record(metafile, Message("frame {number}, ", number=number), per_frame.get(number, {})) for number in range(frames)]
+    transforms, fields = _take_transforms(metafile, "", header)
+    return records, fields, transforms
+
+
+def frame_entries(records: Iterable[FrameRecord]) -> Iterator[tuple[str, str]]:
+    """Header keys and values of all frames, frame by frame.
+
+    Raises
+    ------
+    SettingsError
+        When a custom field has the name of another one.
+    """
+    for number, record in enumerate(records):
+        prefix = f"Seq_Frame{number:04d}_"
+        for name, value in _transform_entries(record.transforms):
+            yield prefix + name, value
+        for name, time in zip(_TIMES, (record.timestamp, record.unfiltered_timestamp)):
+            if time is not None:
+                if not math.isfinite(time):
+                    raise SettingsError(
+                        "Input {name} of frame {number} must be a finite number; got {time!r}.", name=name, number=number, time=time
+                    )
+                yield prefix + name, format_number(time)
+        yield prefix + _IMAGE_STATUS, record.image_status.value
+        for name, value in record.fields.items():
+            if not name or name in _TIMES or name == _IMAGE_STATUS or _transform_name(name) is not None:
+                raise SettingsError(
+                    "Input field {name!r} of frame {number} must have a name, and not that of a time, status or transform. "
+                    "Set those in the record.",
+                    name=name,
+                    number=number,
+                )
+            yield prefix + name, value
+
+
+def header_entries(fields: Mapping[str, str], transforms: Mapping[TransformName, TransformSample]) -> Iterator[tuple[str, str]]:
+    """Header keys and values that hold for the whole sequence.
+
+    Raises
+    ------
+    SettingsError
+        When a custom field would be read back as something else.
+    """
+    yield from _transform_entries(transforms)
+    for name, value in fields.items():
+        if FRAME_KEY.fullmatch(name) or _transform_name(name) is not None:
+            raise SettingsError(
+                "Input header field {name!r} must not have the name of a transform or of a frame's field. Set it where it belongs.",
+                name=name,
+            )
+        yield name, value
+
+
+def _record(metafile: Metafile, where: str, fields: dict[str, str]) -> FrameRecord:
+    """One frame's fields, with those of known meaning parsed."""
+    transforms, others = _take_transforms(metafile, where, fields)
+    times = [_time(metafile, where, name, others.pop(name, None)) for name in _TIMES]
+    status = TransformStatus.parse(others.pop(_IMAGE_STATUS, "OK"))
+    return FrameRecord(times[0], times[1], status, transforms, others)
+
+
+def _take_transforms(metafile: Metafile, where: str, fields: dict[str, str]) -> tuple[dict[TransformName, TransformSample], dict[str, str]]:
+    """The transforms among `fields`, and the rest. A status alone makes a transform that is NaN."""
+    matrices: dict[TransformName, Matrix] = {}
+    statuses: dict[TransformName, TransformStatus] = {}
+    others: dict[str, str] = {}
+    order: dict[TransformName, None] = {}
+    spelled: dict[tuple[TransformName, bool], str] = {}
+    for key, value in fields.items():
+        name = _transform_name(key)
+        if name is None:
+            others[key] = value
+            continue
+        other = spelled.setdefault((name, key.endswith(_STATUS_SUFFIX)), key)
+        if other != key:
+            raise metafile.failure(
+                "{where}{name} is given twice, as {other} and as {second}. Remove one of them from the header.",
+                where=where,
+                name=name,
+                other=other,
+                second=key,
+            )
+        order[name] = None
+        if key.endswith(_STATUS_SUFFIX):
+            statuses[name] = TransformStatus.parse(value)
+        else:
+            matrices[name] = _matrix(metafile, Message("{where}{key}", where=where, key=one_line(key)), value)
+    missing = np.full((4, 4), np.nan)
+    return {name: TransformSample(matrices.get(name, missing), statuses.get(name, TransformStatus.OK)) for name in order}, others
+
+
+def _transform_name(key: str) -> TransformName | None:
+    """The transform whose matrix or status `key` holds; None for any other field."""
+    for suffix in (_STATUS_SUFFIX, _MATRIX_SUFFIX):
+        if key.endswith(suffix) and key != suffix:
+            try:
+                name = TransformName.parse(key.removesuffix(suffix))
+            except TransformError:
+                return None
+            # "TransformToTransform" would lose a word on the way.
+            return name if f"{name}{suffix}" == capital(key) else None
+    return None
+
+
+def _matrix(metafile: Metafile, where: str, text: str) -> Matrix:
+    """(4, 4) float64. NaN is allowed: recorders write it for poses that they do not have."""
+    try:
+        numbers = parse_numbers(text)
+    except NotANumberError as error:
+        raise metafile.failure(
+            "{where} must be 16 numbers; {problem}. Correct the header, or set its status to INVALID.", where=where, problem=error
+        ) from error
+    if len(numbers) != 16:
+        raise metafile.failure(
+            "{where} must be 16 numbers; got {count}. Correct the header, or remove the entry.", where=where, count=len(numbers)
+        )
+    return np.array(numbers).reshape(4, 4)
+
+
+def _time(metafile: Metafile, where: str, name: str, text: str | None) -> float | None:
+    if text is None:
+        return None
+    try:
+        time = parse_number(text)
+    except ValueError:
+        time = math.nan
+    if not math.isfinite(time):
+        raise metafile.failure(
+            "{where}{name} must be a number of seconds; got {text!r}. Correct the header, or remove the entry.",
+            where=where,
+            name=name,
+            text=shorten(text),
+        )
+    return time
+
+
+def _transform_entries(transforms: Mapping[TransformName, TransformSample]) -> Iterator[tuple[str, str]]:
+    """Matrix and status of each transform. Without any number and not OK, the status alone, as it may have been read."""
+    for name, sample in transforms.items():
+        if _transform_name(f"{name}{_MATRIX_SUFFIX}") != name:
+            raise SettingsError(
+                "Input transform {name} must be named FromToTo, with one 'To' before an upper-case letter or a digit. Rename its frames.",
+                name=name,
+            )
+        if sample.status is TransformStatus.OK or not np.isnan(sample.matrix).all():
+            numbers = np.asarray(sample.matrix, dtype=np.float64)
+            if numbers.shape != (4, 4):
+                raise SettingsError("Input transform {name} must have shape (4, 4); got {shape}.", name=name, shape=numbers.shape)
+            yield f"{name}{_MATRIX_SUFFIX}", " ".join(format_number(number) for number in numbers.ravel())
+        yield f"{name}{_STATUS_SUFFIX}", sample.status.value

@@ -1,0 +1,138 @@
+"""The images of a sequence file, read one at a time when asked for."""
+
+from __future__ import annotations
+
+from typing import BinaryIO
+
+import numpy as np
+
+from ...arrays import Numbers
+from ...imaging.images import luminance
+from ..metafile.metafile import RAW, Metafile
+from ..metafile.payload import Inflater, PayloadError
+from .images_on_demand import ImagesOnDemand
+
+MAXIMUM_FRAMES = 1_000_000
+MAXIMUM_FRAME_BYTES = 2**28
+"""Limits of what can be a recording: nine hours at 30 frames/s, and 256 MB in one image."""
+
+
+_SPACE_KINDS = frozenset(("domain", "space"))
+_TIME_KINDS = frozenset(("list", "time"))
+
+
+class FileImages(ImagesOnDemand):
+    """Images in a sequence file, an `ImageStack` (frames, rows, columns).
+
+    Parameters
+    ----------
+    metafile : Metafile
+    flip_columns, flip_rows : bool
+        What brings the stored images to MF orientation.
+
+    Notes
+    -----
+    `images[n]` reads frame n: (rows, columns), in MF orientation, colors reduced to luminance, a new array each time. Compressed
+    data are one stream: reading in frame order decodes each byte once, going back starts over. No file stays open.
+    """
+
+    def __init__(self, metafile: Metafile, *, flip_columns: bool = False, flip_rows: bool = False):
+        self._metafile = metafile
+        frames, rows, columns = frame_layout(metafile)
+        self.shape = (frames, rows, columns)
+        self.dtype = metafile.dtype.newbyteorder("=")
+        self._flips = (slice(None, None, -1 if flip_rows else 1), slice(None, None, -1 if flip_columns else 1))
+        self._frame_bytes = metafile.pixel_bytes // frames
+        self._stream: Inflater | None = None
+        self._last: tuple[int, bytes] | None = None
+
+    def _image(self, index: int) -> Numbers:
+        _, rows, columns = self.shape
+        image = np.frombuffer(self._read(index), self._metafile.dtype)
+        if self._metafile.channels > 1:
+            image = luminance(image.reshape(rows, columns, self._metafile.channels))
+        return np.array(image.reshape(rows, columns)[self._flips], dtype=self.dtype, order="C")
+
+    def _read(self, index: int) -> bytes:
+        """The stored bytes of one frame."""
+        metafile = self._metafile
+        if self._last is not None and self._last[0] == index:
+            return self._last[1]
+        with metafile.open_payload() as file:
+            try:
+                if metafile.encoding == RAW:
+                    file.seek(metafile.data_offset + index * self._frame_bytes)
+                    data = file.read(self._frame_bytes)
+                    if len(data) != self._frame_bytes:
+                        raise PayloadError("are cut short")
+                else:
+                    data = self._decode(file, index)
+                metafile.require_unchanged(file)
+            except PayloadError as error:
+                broken = index if self._stream is None else min(self._stream.position // self._frame_bytes, len(self) - 1)
+                self._stream = None
+                raise metafile.failure(
+                    "the pixel data {problem}, in frame {number}. Copy the file again, or record it again.", problem=error, number=broken
+                ) from error
+            except OSError as error:
+                self._stream = None
+                raise metafile.failure(
+                    "frame {number} cannot be read ({reason}). Copy the file again.", number=index, reason=error.strerror
+                ) from error
+        if metafile.encoding != RAW:
+            self._last = (index, data)
+        return data
+
+    def _decode(self, file: BinaryIO, index: int) -> bytes:
+        start = index * self._frame_bytes
+        if self._stream is None or self._stream.position > start:
+            self._stream = Inflater(self._metafile.data_offset, self._metafile.data_length)
+        self._stream.skip(file, start - self._stream.position)
+        data = self._stream.read(file, self._frame_bytes)
+        if index == len(self) - 1:
+            self._stream.finish(file)
+        return data
+
+
+def frame_layout(metafile: Metafile) -> tuple[int, int, int]:
+    """Frames, rows and columns of a sequence file.
+
+    Raises
+    ------
+    FileFormatError
+        The metafile's kind, when its axes are not columns, rows and time.
+    """
+    columns, rows, *others = metafile.size
+    kinds = metafile.kinds
+    if kinds and not set(kinds[:2]) <= _SPACE_KINDS:
+        raise metafile.failure(
+            "its axes must be columns, rows and time; got the kinds {kinds}. Export the sequence from Plus or Slicer.",
+            kinds=" ".join(kinds),
+        )
+    if kinds and kinds[-1] not in _TIME_KINDS:
+        others.append(1)  # no time axis: one frame
+    frames = others.pop() if others else 1
+    depth = others[0] if others else 1
+    if depth != 1 or len(others) > 1:
+        raise metafile.failure(
+            "its images are 3D ({columns} x {rows} x {depth}), which is not supported: frames must be 2D. "
+            "If this is a recording of 2D frames, the last of its kinds must be list; if it is a volume, give it as one.",
+            columns=columns,
+            rows=rows,
+            depth=depth,
+        )
+    if metafile.channels not in (1, 3, 4):
+        raise metafile.failure(
+            "pixels must have 1 channel, or 3 or 4 (color); got {channels}. Convert the images to gray.", channels=metafile.channels
+        )
+    if frames > MAXIMUM_FRAMES or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
+        raise metafile.failure(
+            "{frames} frames of {columns} x {rows} pixels are beyond the limits ({maximum} frames, "
+            "{maximum_bytes} bytes in each). The size in the header is wrong, or the recording must be split.",
+            frames=frames,
+            columns=columns,
+            rows=rows,
+            maximum=MAXIMUM_FRAMES,
+            maximum_bytes=MAXIMUM_FRAME_BYTES,
+        )
+    return frames, rows, columns

@@ -1,0 +1,100 @@
+"""Tracked ultrasound sequences in files, as the Plus toolkit and Slicer write them: .mha, .mhd with a data file, .nrrd."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ...errors import SequenceFormatError
+from ...imaging.images import ImageStack
+from ...message import Message
+from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
+from ...sweep.frames import TrackedSequence
+from ...sweep.pose_tracks import LONGEST_GAP
+from ..metafile.opening import read_metafile
+from ..plus.configuration import read_plus_configuration
+from .fields import split_fields
+from .file_images import FileImages
+from .interleaved_images import InterleavedImages
+from .orientation import is_image_key, parse_orientation, required_flips
+from .slicer import is_interleaved, is_slicer_sequence, node_geometry, place_frames, slicer_records
+from .transforms import pair_transforms
+from .writer import write_sequence
+
+__all__ = ["read_sequence", "write_sequence"]
+
+IMAGE_FRAME = "Image"
+
+
+def read_sequence(
+    path: str | Path,
+    config: str | Path | PlusConfiguration | None = None,
+    *,
+    orientation: str | None = None,
+    transform_sequences: Mapping[str, str | Path] | None = None,
+    longest_gap: float = LONGEST_GAP,
+) -> TrackedSequence:
+    """The sequence in a file.
+
+    Parameters
+    ----------
+    path : str or Path
+        .mha, .mhd, .nrrd or .nhdr, compressed or not, of Plus or of Slicer.
+    config : str, Path, PlusConfiguration or None
+        The Plus configuration it was recorded with, which holds the calibration.
+    orientation : str or None
+        What the stored pixels are (MF, MN, UF, UN), where the file says it wrongly or not at all.
+    transform_sequences : mapping of transform name to path, or None
+        Slicer's sequences of transforms (.seq.mha) that belong to the images, as in ``{"ImageToReference": "Transform.seq.mha"}``;
+        each is taken at the time of every image.
+    longest_gap : float, s
+        Poses of a transform sequence that are farther apart in time than this are not interpolated between.
+
+    Returns
+    -------
+    TrackedSequence
+        Its images are read when asked for, in MF orientation, colors reduced to luminance. The file must stay until then.
+
+    Raises
+    ------
+    SequenceFormatError
+        When the file is damaged or of a kind that is not supported. Damage inside compressed pixel data shows when the frame
+        is read.
+    ConfigurationError
+        When the configuration cannot be used.
+    SettingsError
+        When `orientation` is none, or a transform sequence does not fit the images.
+
+    Notes
+    -----
+    A transform of the image in a Slicer sequence takes what the volume node's IJKToRAS makes of a pixel. Where that is not the identity,
+    it is multiplied into those transforms, so that they take pixels here as everywhere.
+    """
+    metafile = read_metafile(path, SequenceFormatError)
+    flip_columns, flip_rows = required_flips(metafile, parse_orientation(orientation) if orientation else None)
+    kind = InterleavedImages if is_interleaved(metafile) else FileImages
+    images: ImageStack = kind(metafile, flip_columns=flip_columns, flip_rows=flip_rows)
+    records, fields, transforms = split_fields(metafile, len(images))
+    notes: tuple[str, ...] = ()
+    from_slicer = is_slicer_sequence(metafile)
+    if from_slicer:
+        records, fields, notes = slicer_records(metafile, records, fields)
+    if transform_sequences:
+        records, paired = pair_transforms(records, transform_sequences, longest_gap)
+        notes += paired
+    geometry = node_geometry(metafile) if from_slicer else None
+    if geometry is not None:
+        records = place_frames(records, IMAGE_FRAME, geometry)
+        notes += (
+            Message("The volume nodes of this Slicer sequence have a geometry of their own, which the transforms of Image now include."),
+        )
+    configuration = read_plus_configuration(config) if isinstance(config, str | Path) else config
+    return TrackedSequence(
+        images=images,
+        records=records,
+        fields={key: value for key, value in fields.items() if not is_image_key(key)},
+        transforms=transforms,
+        configuration=NO_CONFIGURATION if configuration is None else configuration,
+        path=Path(path),
+        notes=notes,
+    )

@@ -1,0 +1,108 @@
+"""Images of a file whose fastest axis is the frame: all frames of a pixel lie together, as Slicer wrote sequences before 2022."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import tempfile
+import weakref
+from typing import BinaryIO
+
+import numpy as np
+
+from ...arrays import Numbers
+from ...imaging.images import luminance
+from ..metafile.metafile import RAW, Metafile
+from ..metafile.payload import Inflater, PayloadError
+from .file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
+from .images_on_demand import ImagesOnDemand
+
+_PIECE = 2**23
+"""Bytes that are turned over at a time."""
+
+
+class InterleavedImages(ImagesOnDemand):
+    """Images in such a file, an `ImageStack` (frames, rows, columns) in MF orientation.
+
+    Parameters
+    ----------
+    metafile : Metafile
+        Its first axis is the frame, the others columns, rows and, of size 1, slices.
+    flip_columns, flip_rows : bool
+
+    Notes
+    -----
+    When the first image is asked for, the whole payload is sorted by frames, 8 MB at a time, into a temporary file that goes away with
+    this object: reading one frame from the original would mean reading all of it.
+    """
+
+    def __init__(self, metafile: Metafile, *, flip_columns: bool = False, flip_rows: bool = False):
+        self._metafile = metafile
+        frames, columns, *others = metafile.size
+        rows = others.pop(0) if others else 1
+        if math.prod(others) != 1 or metafile.channels not in (1, 3, 4):
+            raise metafile.failure(
+                "its frames must be 2D images of 1, 3 or 4 channels; got {shape} of {channels}. Save the sequence from a newer Slicer.",
+                shape=metafile.size[1:],
+                channels=metafile.channels,
+            )
+        if frames > MAXIMUM_FRAMES or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
+            raise metafile.failure(
+                "{frames} frames of {columns} x {rows} pixels are beyond the limits. The size in the header is wrong.",
+                frames=frames,
+                columns=columns,
+                rows=rows,
+            )
+        self.shape = (frames, rows, columns)
+        self.dtype = metafile.dtype.newbyteorder("=")
+        self._flips = (slice(None, None, -1 if flip_rows else 1), slice(None, None, -1 if flip_columns else 1))
+        self._frame_bytes = metafile.pixel_bytes // frames
+        self._sorted: BinaryIO | None = None
+
+    def _image(self, index: int) -> Numbers:
+        if self._sorted is None:
+            self._sorted = self._sort()
+        metafile, (_, rows, columns) = self._metafile, self.shape
+        try:
+            self._sorted.seek(index * self._frame_bytes)
+            data = self._sorted.read(self._frame_bytes)
+        except OSError as error:
+            raise metafile.failure("its sorted copy cannot be read ({reason}). Read the file again.", reason=error.strerror) from error
+        image = np.frombuffer(data, metafile.dtype).reshape(rows, columns, metafile.channels)
+        image = luminance(image) if metafile.channels > 1 else image[..., 0]
+        return np.array(image[self._flips], dtype=self.dtype, order="C")
+
+    def _sort(self) -> BinaryIO:
+        """A temporary file that holds frame after frame; it goes away with this object."""
+        metafile = self._metafile
+        frames, rows, columns = self.shape
+        pixel_bytes = frames * metafile.channels * metafile.dtype.itemsize
+        step = max(_PIECE // pixel_bytes, 1)
+        inflater = Inflater(metafile.data_offset, metafile.data_length)
+        with contextlib.ExitStack() as stack, metafile.open_payload() as file:
+            try:
+                by_frame = stack.enter_context(tempfile.TemporaryFile())
+                file.seek(metafile.data_offset)
+                for start in range(0, rows * columns, step):
+                    count = min(step, rows * columns - start)
+                    data = file.read(count * pixel_bytes) if metafile.encoding == RAW else inflater.read(file, count * pixel_bytes)
+                    if len(data) != count * pixel_bytes:
+                        raise PayloadError("are cut short")
+                    pixels = np.frombuffer(data, metafile.dtype).reshape(count, frames, metafile.channels)
+                    for frame in range(frames):
+                        by_frame.seek(frame * self._frame_bytes + start * pixel_bytes // frames)
+                        by_frame.write(pixels[:, frame].tobytes())
+                if metafile.encoding != RAW:
+                    inflater.finish(file)
+                by_frame.flush()
+            except PayloadError as error:
+                raise metafile.failure(
+                    "the pixel data {problem}. Copy the file again, or save it from Slicer again.", problem=error
+                ) from error
+            except OSError as error:
+                raise metafile.failure(
+                    "its frames cannot be sorted ({reason}). Free some space on the disk.", reason=error.strerror
+                ) from error
+            stack.pop_all()
+            weakref.finalize(self, by_frame.close)
+            return by_frame

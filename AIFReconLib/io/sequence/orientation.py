@@ -1,0 +1,97 @@
+"""Ultrasound image orientation codes: which way the stored pixels run, and what brings them to MF.
+
+Two letters name the transducer axis along +x and +y of the stored image: M marked or U unmarked (lateral), F far or N near
+(axial). B-mode images are MF, MN, UF or UN; radio-frequency data lie across. A third letter, A or D, names the elevational
+direction, which 2D frames do not have.
+
+Slicer's sequences may carry the code as the attribute ``Sequences.UltrasoundImageOrientation``, which it copies from the file it
+imported. Its writer of metafiles spells an unknown orientation ``??`` and the type ``BRIGHTNESSBRIGHTNESS``.
+"""
+
+from __future__ import annotations
+
+import re
+
+from ...errors import SettingsError
+from ...message import shorten
+from ..metafile.metafile import Metafile
+
+IN_MEMORY = "MFA"
+"""How frames are kept and written: marked side at column 0, transducer at row 0."""
+
+BRIGHTNESS = "BRIGHTNESS"
+_DISPLAYABLE_TYPES = (BRIGHTNESS, "RGB_COLOR")
+
+_ORIENTATION_KEY = "ultrasoundimageorientation"
+_TYPE_KEY = "ultrasoundimagetype"
+_SLICER_PREFIX = "sequences."
+
+_UNKNOWN_CODES = ("??", "XX")
+"""How IGSIO and Slicer write that they do not know the orientation."""
+
+
+def is_image_key(key: str) -> bool:
+    """Whether a header key holds the orientation or the type: MetaImage writes them as one word, NRRD with spaces."""
+    return _plain(key) in (_ORIENTATION_KEY, _TYPE_KEY)
+
+
+def parse_orientation(code: str) -> str:
+    """A B-mode orientation that somebody asks for, upper case.
+
+    Raises
+    ------
+    SettingsError
+        When it is none.
+    """
+    if not re.fullmatch("[MU][FN][AD]?", code.upper()):
+        raise SettingsError(
+            "Input orientation must be MF, MN, UF or UN; got {code!r}. Say which way the stored pixels run.", code=shorten(code)
+        )
+    return code.upper()
+
+
+def required_flips(metafile: Metafile, stated: str | None = None) -> tuple[bool, bool]:
+    """Whether columns, and whether rows must be reversed to bring the stored images to MF.
+
+    Parameters
+    ----------
+    metafile : Metafile
+    stated : str or None
+        The orientation that the caller knows better than the file.
+
+    Raises
+    ------
+    SequenceFormatError
+        For radio-frequency data and for a code that is none.
+    """
+    values = {_plain(key): value for key, value in metafile.fields.items() if is_image_key(key)}
+    image_type = values.get(_TYPE_KEY, "").upper().replace(BRIGHTNESS * 2, BRIGHTNESS) or BRIGHTNESS
+    code = stated or values.get(_ORIENTATION_KEY, "").upper() or IN_MEMORY
+    if image_type.startswith("RF_") or re.fullmatch("[FN][MU][AD]?", code):
+        raise metafile.failure(
+            "it holds radio-frequency data (type {kind}, orientation {code}), which are not images. Export B-mode frames from Plus.",
+            kind=image_type,
+            code=code,
+        )
+    if image_type not in _DISPLAYABLE_TYPES:
+        raise metafile.failure(
+            "UltrasoundImageType must be {kinds}; got {kind!r}. Export B-mode frames from Plus.",
+            kinds=" or ".join(_DISPLAYABLE_TYPES),
+            kind=shorten(image_type),
+        )
+    if code in _UNKNOWN_CODES:
+        raise metafile.failure(
+            "UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it. "
+            "Look which side of the images is marked and say it with aifrecon convert --orientation: a wrong code mirrors the anatomy.",
+            code=code,
+        )
+    if not re.fullmatch("[MU][FN][AD]?", code):
+        raise metafile.failure(
+            "UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}. Correct the header: a wrong code mirrors the anatomy.",
+            code=shorten(code),
+        )
+    return code[0] == "U", code[1] == "N"
+
+
+def _plain(key: str) -> str:
+    return key.replace(" ", "").lower().removeprefix(_SLICER_PREFIX)

@@ -1,0 +1,182 @@
+"""What Slicer writes into its own sequence files (.seq.nrrd): times, attributes of frames, and the place of the volume node.
+
+``axis 3 index values`` lists one value per frame (URL-encoded, separated by blanks), which is a time where the axis has the unit of one;
+``axis 3 item 0025 NAME`` is an attribute of one frame. Before 2022 the sequence was the first axis, so these keys began with ``axis 0``
+and the frames lie interleaved in the file. Frames of a volume sequence share one IJKToRAS, which the header holds in LPS.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from urllib.parse import unquote
+
+import numpy as np
+
+from ...arrays import Matrix
+from ...errors import GeometryError
+from ...geometry.transform_graph import TransformName, TransformSample
+from ...geometry.transforms import LPS_FROM_RAS, as_matrix
+from ...message import Message, shorten
+from ...sweep.frames import FrameRecord
+from ..metafile.metafile import Metafile
+from ..metafile.text_values import NotANumberError, parse_number, parse_numbers
+from .fields import MOST_DIGITS
+
+_AXIS_KEY = re.compile(r"axis ([03]) index (type|values)")
+_ITEM_KEY = re.compile(r"axis [03] item ([0-9]+) (.+)", re.DOTALL)
+_SECONDS = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6}
+_TIME_KINDS = ("list", "time")
+_LPS, _RAS = ("left-posterior-superior", "lps"), ("right-anterior-superior", "ras")
+_IDENTITY_TOLERANCE = 1e-6
+
+
+def is_slicer_sequence(metafile: Metafile) -> bool:
+    """Whether Slicer's Sequences module wrote the file."""
+    return any(_AXIS_KEY.fullmatch(key) for key in metafile.fields)
+
+
+def slicer_records(
+    metafile: Metafile, records: list[FrameRecord], fields: dict[str, str]
+) -> tuple[list[FrameRecord], dict[str, str], tuple[str, ...]]:
+    """Records with Slicer's times and attributes of frames, the fields that are left, and what a user should know.
+
+    Parameters
+    ----------
+    metafile : Metafile
+    records : list of FrameRecord
+        As `split_fields` returns them, without times.
+    fields : dict of str to str
+        The header's own fields.
+
+    Raises
+    ------
+    SequenceFormatError
+        When there is not one index value per frame, or an attribute belongs to a frame that does not exist.
+    """
+    others: dict[str, str] = {}
+    per_frame: dict[int, dict[str, str]] = {}
+    times: list[float] | None = None
+    notes: tuple[str, ...] = ()
+    for key, value in fields.items():
+        item = _ITEM_KEY.fullmatch(key)
+        axis = _AXIS_KEY.fullmatch(key)
+        if item:
+            digits = item[1].lstrip("0") or "0"
+            number = int(digits[:MOST_DIGITS])
+            if number >= len(records) or len(digits) > MOST_DIGITS:
+                raise metafile.failure(
+                    "{key} belongs to frame {number}, but there are only {count} frames. Save the sequence from Slicer again.",
+                    key=shorten(key),
+                    number=shorten(digits),
+                    count=len(records),
+                )
+            per_frame.setdefault(number, {})[item[2]] = value
+        elif axis is None:
+            others[key] = value
+        elif axis[2] == "values":
+            times, notes = _times(metafile, key, value, len(records))
+    changed = [
+        replace(
+            record,
+            timestamp=record.timestamp if times is None or record.timestamp is not None else times[number],
+            fields={**record.fields, **per_frame.get(number, {})},
+        )
+        for number, record in enumerate(records)
+    ]
+    return changed, others, notes
+
+
+def node_geometry(metafile: Metafile) -> Matrix | None:
+    """IJKToRAS that the volume node of every frame has, (4, 4), pixels to the node's own RAS in mm; None for the identity.
+
+    Raises
+    ------
+    SequenceFormatError
+        When the header's place in space cannot be understood.
+    """
+    directions = metafile.entries.get("space directions")
+    if directions is None:
+        return None
+    space = metafile.entries.get("space", "").lower()
+    to_ras = LPS_FROM_RAS if space in _LPS else np.eye(4) if space in _RAS else None
+    vectors = [word for word in re.findall(r"none|\([^)]*\)", directions) if word != "none"]
+    if to_ras is None or len(vectors) != 3:
+        raise metafile.failure(
+            "space directions must be three vectors in left-posterior-superior; got {directions!r} in space {space!r}. "
+            "Save the sequence from Slicer again.",
+            directions=shorten(directions),
+            space=space,
+        )
+    matrix = np.eye(4)
+    try:
+        for column, text in enumerate([*vectors, metafile.entries.get("space origin", "(0,0,0)")]):
+            matrix[:3, column] = parse_numbers(text.strip("() ").replace(",", " "))
+        matrix = to_ras @ as_matrix(matrix, "space directions")
+    except (ValueError, GeometryError) as error:
+        raise metafile.failure(
+            "space directions or space origin cannot be used: {problem}. Save the sequence from Slicer again.", problem=error
+        ) from error
+    return None if np.abs(matrix - np.eye(4)).max() < _IDENTITY_TOLERANCE else matrix
+
+
+def place_frames(records: list[FrameRecord], image_frame: str, pixel_to_node: Matrix) -> list[FrameRecord]:
+    """Records whose transforms from the image frame take pixels, where they took the RAS coordinates of Slicer's volume node.
+
+    Parameters
+    ----------
+    records : list of FrameRecord
+    image_frame : str
+        "Image".
+    pixel_to_node : (4, 4) array
+        `node_geometry`.
+    """
+
+    def placed(name: TransformName, sample: TransformSample) -> TransformSample:
+        with np.errstate(all="ignore"):  # a pose that is recorded as infinite is judged later, like any other
+            if name.source == image_frame:
+                return replace(sample, matrix=sample.matrix @ pixel_to_node)
+            if name.target == image_frame:
+                return replace(sample, matrix=np.linalg.inv(pixel_to_node) @ sample.matrix)
+        return sample
+
+    return [replace(record, transforms={name: placed(name, sample) for name, sample in record.transforms.items()}) for record in records]
+
+
+def is_interleaved(metafile: Metafile) -> bool:
+    """Whether the frames are the fastest axis of the file, as Slicer wrote it before 2022."""
+    in_time = [kind in _TIME_KINDS for kind in metafile.kinds]
+    return is_slicer_sequence(metafile) and in_time[:1] == [True] and not any(in_time[1:])
+
+
+def _times(metafile: Metafile, key: str, text: str, frames: int) -> tuple[list[float] | None, tuple[str, ...]]:
+    """Times in s of all frames, where the axis is one of time."""
+    words = [unquote(word) for word in text.split()]
+    if len(words) != frames:
+        raise metafile.failure(
+            "{key} must have one value per frame ({frames}); got {count}. Save the sequence from Slicer again.",
+            key=key,
+            frames=frames,
+            count=len(words),
+        )
+    axis = int(key.split()[1])
+    unit = _axis_word(metafile, "units", axis).lower()
+    label = _axis_word(metafile, "labels", axis).lower()
+    if unit not in _SECONDS and not (not unit and label == "time"):
+        named = unit or label or Message("no unit")
+        note = Message("Slicer's index of the frames is not a time ({unit}); frames are taken in the order of the file.", unit=named)
+        return None, (note,)
+    try:
+        times = [_SECONDS.get(unit, 1.0) * parse_number(word) for word in words]
+    except NotANumberError as error:
+        raise metafile.failure("{key} must be times; {problem}. Save the sequence from Slicer again.", key=key, problem=error) from error
+    if not all(map(math.isfinite, times)):
+        raise metafile.failure("{key} must be finite times. Save the sequence from Slicer again.", key=key)
+    return times, ()
+
+
+def _axis_word(metafile: Metafile, entry: str, axis: int) -> str:
+    """Label or unit of the sequence's axis; the header has one quoted word per axis, channels included."""
+    words = re.findall(r'"((?:[^"\\]|\\.)*)"', metafile.entries.get(entry, ""))
+    return words[-1 if axis == 3 else -len(metafile.size)] if len(words) >= len(metafile.size) else ""

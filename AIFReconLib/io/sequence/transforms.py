@@ -1,0 +1,230 @@
+"""Sequences of a transform alone, as Slicer saves them (.seq.mha), paired with the images by the user.
+
+Slicer writes ``DimSize = 0 0 N``, per frame NAMETransform and NAMETransformStatus, and the index value as Timestamp. NAME is what the
+transform was called when it was recorded, so it may be any word. A recording with images serves as well.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ...arrays import Matrix
+from ...errors import SequenceFormatError, SettingsError, TransformError
+from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ...message import Message, shorten
+from ...sweep.frames import FrameRecord
+from ...sweep.pose_tracks import LONGEST_GAP, PoseTrack
+from ..disk.regular_files import require_regular_file
+from ..metafile.header import HeaderLines
+from ..metafile.metaimage import read_entries
+from ..metafile.nrrd import read_nrrd_entries
+from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES
+from ..metafile.text_values import NotANumberError, parse_number, parse_numbers
+from .fields import FRAME_KEY
+from .file_images import MAXIMUM_FRAMES
+
+ROUNDED = 1.1e-3
+"""s. Slicer rounds times to 1 ms, of images and transforms alike."""
+
+_MATRIX_SUFFIX, _STATUS_SUFFIX = "Transform", "TransformStatus"
+
+
+def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | None, TransformSample]]:
+    """The samples of one transform, each with its time in s, in the order of the file.
+
+    Parameters
+    ----------
+    path : str or Path
+        .seq.mha or .seq.mhd of Slicer, or any sequence file that holds the transform.
+    name : str
+        ``ImageToReference``. Where the file holds one transform alone, under whatever name, that one is meant.
+
+    Raises
+    ------
+    SequenceFormatError
+        When the file cannot be understood or does not hold the transform.
+    """
+    path = Path(path)
+    per_frame = _frame_fields(path)
+    present = dict.fromkeys(stem for fields in per_frame.values() for key in fields if (stem := _stem(key)))
+    wanted = next((word for word in present if word.removesuffix(_MATRIX_SUFFIX).lower() == name.lower()), None)
+    if wanted is None and len(present) != 1:
+        there = ", ".join(present) or Message("none")
+        raise SequenceFormatError(
+            "{path}: it must hold the transform {name}; got {there}. Name one of these, or give another file.",
+            path=path,
+            name=name,
+            there=there,
+        )
+    stem = wanted or next(iter(present))
+    samples: list[tuple[float | None, TransformSample]] = []
+    # One for all frames that the file leaves out, of which there may be a million
+    absent = (None, TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING))
+    for number in range(max(per_frame) + 1):
+        if number not in per_frame:
+            samples.append(absent)
+            continue
+        fields = per_frame[number]
+        matrix = _matrix(path, number, f"{stem}{_MATRIX_SUFFIX}", fields.get(stem + _MATRIX_SUFFIX))
+        status = TransformStatus.parse(fields.get(stem + _STATUS_SUFFIX, "OK" if stem + _MATRIX_SUFFIX in fields else "MISSING"))
+        samples.append((_time(path, number, fields.get("Timestamp")), TransformSample(matrix, status)))
+    return samples
+
+
+def pair_transforms(
+    records: list[FrameRecord], files: Mapping[str, str | Path], longest_gap: float = LONGEST_GAP
+) -> tuple[list[FrameRecord], tuple[str, ...]]:
+    """Records with the transforms of these files, each taken at the time of the image, and what a user should know.
+
+    Parameters
+    ----------
+    records : list of FrameRecord
+    files : mapping of transform name to path
+        As in ``{"ImageToReference": "Transform.seq.mha"}``.
+    longest_gap : float, s
+        See `PoseTrack.at`.
+
+    Raises
+    ------
+    SequenceFormatError
+        When a file cannot be used.
+    SettingsError
+        When times are missing and the numbers of samples differ, or a name is none.
+    """
+    notes = []
+    for text, path in files.items():
+        try:
+            name = TransformName.parse(text)
+        except TransformError as error:
+            raise SettingsError(
+                "{problem} Give --transform-sequence NAME=FILE, e.g. ImageToReference=Transform.seq.mha.", problem=error
+            ) from None
+        records, note = _pair(records, name, read_transform_sequence(path, str(name)), Path(path), longest_gap)
+        notes.append(note)
+    return records, tuple(notes)
+
+
+def _pair(
+    records: list[FrameRecord],
+    name: TransformName,
+    samples: list[tuple[float | None, TransformSample]],
+    path: Path,
+    longest_gap: float,
+) -> tuple[list[FrameRecord], str]:
+    image_times = [record.timestamp for record in records if record.timestamp is not None]
+    timed = [(time, sample) for time, sample in samples if time is not None]
+    if len(image_times) == len(records) and len(timed) == len(samples):
+        track = PoseTrack(timed)
+        found = [track.at(time, longest_gap, ROUNDED)[0] for time in image_times]
+        paired = [TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING) if m is None else TransformSample(m) for m in found]
+        if not sum(m is not None for m in found):
+            span = Message("{first:.3f} to {last:.3f} s", first=track.times[0], last=track.times[-1]) if len(track) else Message("none")
+            raise SequenceFormatError(
+                "{path}: no pose of {name} (times {span}) fits the images ({first:.3f} to {last:.3f} s). "
+                "Give the transform sequence that was recorded together with the images.",
+                path=path,
+                name=name,
+                span=span,
+                first=min(image_times),
+                last=max(image_times),
+            )
+        how = Message("by time")
+    elif len(samples) == len(records):
+        paired = [sample for _, sample in samples]
+        how = Message("frame by frame, for lack of times")
+    else:
+        raise SettingsError(
+            "{path}: there must be as many samples of {name} as images, or times on both; got {samples} for {images} images. "
+            "Give the transform sequence that was recorded together with the images.",
+            path=path,
+            name=name,
+            samples=len(samples),
+            images=len(records),
+        )
+    good = sum(sample.status is TransformStatus.OK for sample in paired)
+    changed = [replace(record, transforms={**record.transforms, name: sample}) for record, sample in zip(records, paired)]
+    note = Message(
+        "{name} was paired from {file} {how}: {good} of {count} frames.", name=name, file=path.name, how=how, good=good, count=len(records)
+    )
+    return changed, note
+
+
+def _frame_fields(path: Path) -> dict[int, dict[str, str]]:
+    """Fields per frame of any sequence header, images or not."""
+    suffix = path.suffix.lower()
+    if suffix not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
+        raise SequenceFormatError(
+            "{path}: its suffix must be .mha, .mhd or .nrrd. Save the transform sequence from Slicer as .seq.mha.", path=path
+        )
+    require_regular_file(path, SequenceFormatError)
+    try:
+        with open(path, "rb") as file:
+            lines = HeaderLines(file, path, SequenceFormatError)
+            entries = read_entries(lines) if suffix in METAIMAGE_SUFFIXES else read_nrrd_entries(lines)[1]
+    except OSError as error:
+        raise SequenceFormatError(
+            "{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=error.strerror
+        ) from error
+    per_frame: dict[int, dict[str, str]] = {}
+    for key, value in entries.items():
+        match = FRAME_KEY.fullmatch(key)
+        if match is None:
+            continue
+        if len(match[1]) > 12 or int(match[1]) >= MAXIMUM_FRAMES:
+            raise SequenceFormatError(
+                "{path}: {field} must belong to a frame below {maximum}. The header is damaged.",
+                path=path,
+                field=shorten(key),
+                maximum=MAXIMUM_FRAMES,
+            )
+        per_frame.setdefault(int(match[1]), {})[match[2]] = value
+    if not per_frame:
+        raise SequenceFormatError(
+            "{path}: it holds no transforms per frame (no Seq_Frame fields). Give a sequence of transforms.", path=path
+        )
+    return per_frame
+
+
+def _stem(key: str) -> str | None:
+    """The name before ``Transform`` or ``TransformStatus``."""
+    return next((key.removesuffix(suffix) for suffix in (_STATUS_SUFFIX, _MATRIX_SUFFIX) if key.endswith(suffix)), None)
+
+
+def _matrix(path: Path, frame: int, key: str, text: str | None) -> Matrix:
+    if text is None:
+        return np.full((4, 4), np.nan)
+    wrong: Message | NotANumberError | None
+    try:
+        numbers = parse_numbers(text)
+        wrong = Message("got {count}", count=len(numbers)) if len(numbers) != 16 else None
+    except NotANumberError as error:
+        wrong = error
+    if wrong:
+        raise SequenceFormatError(
+            "{path}: frame {frame}, {field} must be 16 numbers; {wrong}. Save the transform sequence again.",
+            path=path,
+            frame=frame,
+            field=key,
+            wrong=wrong,
+        )
+    return np.array(numbers).reshape(4, 4)
+
+
+def _time(path: Path, frame: int, text: str | None) -> float | None:
+    try:
+        time = None if text is None else parse_number(text)
+    except ValueError:
+        time = math.nan
+    if time is not None and not math.isfinite(time):
+        raise SequenceFormatError(
+            "{path}: frame {frame}, Timestamp must be a number of seconds; got {text!r}. Save the transform sequence again.",
+            path=path,
+            frame=frame,
+            text=shorten(text or ""),
+        )
+    return time

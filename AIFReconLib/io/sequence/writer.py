@@ -1,0 +1,261 @@
+"""Writing tracked sequences so that Plus, Slicer, SimpleITK and this library read them back."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import BinaryIO, Protocol
+
+import numpy as np
+
+from ...errors import OutputError, SettingsError
+from ...imaging.images import ImageStack
+from ...message import Message, shorten
+from ...progress import Progress, report
+from ...sweep.frames import TrackedSequence
+from ..disk.atomic import atomic_output, atomic_outputs
+from ..disk.header_pairs import check_pair_name
+from ..metafile.header import MAXIMUM_LINE
+from ..metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS
+from ..metafile.nrrd import escape
+from .fields import frame_entries, header_entries
+from .orientation import BRIGHTNESS, IN_MEMORY, is_image_key
+
+SUFFIXES = (".mha", ".mhd", ".nrrd")
+
+_COMPRESSION_LEVEL = 4
+"""Speckle compresses hardly better at higher levels, which take several times as long."""
+
+_ELEMENT_TYPE_OF = {code: name for name, code in reversed(ELEMENT_TYPES.items())}
+_NRRD_TYPE_OF = {
+    **{f"i{size}": f"int{8 * size}" for size in (1, 2, 4, 8)},
+    **{f"u{size}": f"uint{8 * size}" for size in (1, 2, 4, 8)},
+    "f4": "float",
+    "f8": "double",
+}
+
+_SIZE_DIGITS = 20
+"""Places kept free for CompressedDataSize, which is known last and written first."""
+
+Entries = Iterable[tuple[str, str]]
+
+
+class Encoder(Protocol):
+    """What compresses the pixels: an object of zlib's."""
+
+    def compress(self, data: memoryview, /) -> bytes:
+        """A part of the compressed data."""
+        ...
+
+    def flush(self) -> bytes:
+        """The rest of them."""
+        ...
+
+
+PixelWriter = Callable[[BinaryIO, Encoder | None], None]
+
+
+def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool = True, progress: Progress | None = None) -> None:
+    """Write a sequence to a file, completely or not at all.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+        Its images are read and written one at a time. Its configuration is not part of the file.
+    path : str or Path
+        .mha, .nrrd, or .mhd, which gets a .raw or .zraw file beside it.
+    compress : bool
+    progress : Progress or None
+
+    Raises
+    ------
+    OutputError
+        When it cannot be written.
+    SettingsError
+        When a field cannot be put into a header, or the images are of a type that files do not have.
+    OperationCanceled
+        When `progress` asks to stop.
+
+    Notes
+    -----
+    Images are written in MF orientation as gray levels. Fields are kept without white space around them, statuses as the words
+    of `TransformStatus`, and numbers with every digit they need to read back equal.
+    """
+    path = Path(path)
+    check_sequence_name(path)
+    suffix = path.suffix.lower()
+    code = _pixel_code(sequence.images)
+    entries = [
+        *_checked(header_entries(sequence.fields, sequence.transforms), reserved=suffix != ".nrrd"),
+        *_checked(frame_entries(sequence.records), reserved=False),
+    ]
+
+    def write_pixels(file: BinaryIO, encoder: Encoder | None) -> None:
+        _write_pixels(
+            file, sequence.images, code, encoder, lambda fraction: report(progress, fraction, Message("Writing {file}", file=path.name))
+        )
+
+    if suffix == ".mhd":
+        _write_header_and_data(path, sequence, code, entries, compress, write_pixels)
+    elif suffix == ".mha":
+        _write_metaimage(path, sequence, code, entries, compress, write_pixels)
+    else:
+        _write_nrrd(path, sequence, code, entries, compress, write_pixels)
+
+
+def check_sequence_name(path: Path) -> None:
+    """Return if a sequence can have this name; to be asked before long work.
+
+    Raises
+    ------
+    OutputError
+    """
+    if path.suffix.lower() not in SUFFIXES:
+        raise OutputError(
+            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.", path=path, suffixes=", ".join(SUFFIXES)
+        )
+    if path.suffix.lower() == ".mhd":
+        check_pair_name(path)
+
+
+def _write_metaimage(path: Path, sequence: TrackedSequence, code: str, entries: Entries, compress: bool, write_pixels: PixelWriter) -> None:
+    with atomic_output(path) as temporary, open(temporary, "wb") as file:
+        blank = " " * _SIZE_DIGITS
+        place = _write_lines(file, _metaimage_lines(sequence, code, entries, blank if compress else None, "LOCAL"), "CompressedDataSize = ")
+        start = file.tell()
+        write_pixels(file, zlib.compressobj(_COMPRESSION_LEVEL) if compress else None)
+        if compress:
+            length = file.tell() - start
+            file.seek(place)
+            file.write(str(length).ljust(_SIZE_DIGITS).encode("ascii"))
+
+
+def _write_header_and_data(
+    path: Path, sequence: TrackedSequence, code: str, entries: Entries, compress: bool, write_pixels: PixelWriter
+) -> None:
+    data_path = path.with_suffix(".zraw" if compress else ".raw")
+    with atomic_outputs(data_path, path) as (temporary_data, temporary):
+        with open(temporary_data, "wb") as file:
+            write_pixels(file, zlib.compressobj(_COMPRESSION_LEVEL) if compress else None)
+            length = str(file.tell())
+        with open(temporary, "wb") as file:
+            _write_lines(file, _metaimage_lines(sequence, code, entries, length if compress else None, data_path.name))
+
+
+def _write_nrrd(path: Path, sequence: TrackedSequence, code: str, entries: Entries, compress: bool, write_pixels: PixelWriter) -> None:
+    with atomic_output(path) as temporary, open(temporary, "wb") as file:
+        _write_lines(file, _nrrd_lines(sequence, code, entries, compress))
+        write_pixels(file, zlib.compressobj(_COMPRESSION_LEVEL, wbits=16 + zlib.MAX_WBITS) if compress else None)
+
+
+def _metaimage_lines(sequence: TrackedSequence, code: str, entries: Entries, compressed_size: str | None, data_file: str) -> Iterator[str]:
+    columns, rows = sequence.frame_size
+    yield "ObjectType = Image"
+    yield "NDims = 3"
+    yield "AnatomicalOrientation = RAI"
+    yield "BinaryData = True"
+    yield "BinaryDataByteOrderMSB = False"
+    yield "CenterOfRotation = 0 0 0"
+    yield f"CompressedData = {compressed_size is not None}"
+    if compressed_size is not None:
+        yield f"CompressedDataSize = {compressed_size}"
+    yield f"DimSize = {columns} {rows} {len(sequence)}"
+    yield "Kinds = domain domain list"
+    yield "ElementNumberOfChannels = 1"
+    yield "ElementSpacing = 1 1 1"
+    yield f"ElementType = {_ELEMENT_TYPE_OF[code]}"
+    yield "Offset = 0 0 0"
+    yield "TransformMatrix = 1 0 0 0 1 0 0 0 1"
+    yield f"UltrasoundImageOrientation = {IN_MEMORY}"
+    yield f"UltrasoundImageType = {BRIGHTNESS}"
+    for key, value in entries:
+        yield f"{key} = {value}"
+    yield f"ElementDataFile = {data_file}"
+
+
+def _nrrd_lines(sequence: TrackedSequence, code: str, entries: Entries, compress: bool) -> Iterator[str]:
+    columns, rows = sequence.frame_size
+    yield "NRRD0004"
+    yield "# Complete NRRD file format specification at:"
+    yield "# http://teem.sourceforge.net/nrrd/format.html"
+    yield "dimension: 3"
+    yield f"encoding: {'gzip' if compress else 'raw'}"
+    yield "endian: little"
+    yield "kinds: domain domain list"
+    yield f"sizes: {columns} {rows} {len(sequence)}"
+    yield "space dimension: 2"
+    yield "space directions: (1,0) (0,1) none"
+    yield "space origin: (0,0)"
+    yield f"type: {_NRRD_TYPE_OF[code]}"
+    yield f"ultrasound image orientation:={IN_MEMORY}"
+    yield f"ultrasound image type:={BRIGHTNESS}"
+    for key, value in entries:
+        yield f"{escape(key)}:={escape(value)}"
+    yield ""
+
+
+def _write_lines(file: BinaryIO, lines: Iterable[str], watched: str | None = None) -> int:
+    """Write the lines; the answer is the offset behind the prefix `watched`, where a value can be put in later."""
+    place = 0
+    for line in lines:
+        if watched and line.startswith(watched):
+            place = file.tell() + len(watched)
+        file.write(line.encode("utf-8", errors="surrogateescape") + b"\n")
+    return place
+
+
+def _write_pixels(file: BinaryIO, images: ImageStack, code: str, encoder: Encoder | None, tell: Callable[[float], None]) -> None:
+    shape = tuple(images.shape[1:])
+    tell(0.0)
+    for index in range(len(images)):
+        image = np.asarray(images[index])
+        if image.shape != shape:
+            raise SettingsError(
+                "Input image of frame {index} must have shape {shape}; got {found}.", index=index, shape=shape, found=image.shape
+            )
+        data = np.ascontiguousarray(image, dtype=np.dtype("<" + code)).data
+        file.write(data if encoder is None else encoder.compress(data))
+        tell((index + 1) / len(images))
+    if encoder is not None:
+        file.write(encoder.flush())
+
+
+def _pixel_code(images: ImageStack) -> str:
+    """Kind and size of the pixel type, as in ``u1``; checks that the stack has frames at all."""
+    if len(images.shape) != 3 or min(images.shape) < 1:
+        raise SettingsError("Input images must have shape (frames, rows, columns), none of them 0; got {shape}.", shape=tuple(images.shape))
+    dtype = np.dtype(images.dtype)
+    code = "u1" if dtype.kind == "b" else f"{dtype.kind}{dtype.itemsize}"
+    if code not in _NRRD_TYPE_OF:
+        raise SettingsError("Input images must be whole numbers of 8 to 64 bits, float32 or float64; got {kind}. Convert them.", kind=dtype)
+    return code
+
+
+def _checked(entries: Entries, reserved: bool) -> Iterator[tuple[str, str]]:
+    """The entries, after making sure that no name or value can turn into another line of the header."""
+    for key, value in entries:
+        value = str(value).strip()
+        if not key or key != key.strip() or any(c in key for c in "=:#\\") or not _is_one_line(key):
+            raise SettingsError(
+                "Input field name must be one line without = : # or a backslash, not empty; got {name!r}. Rename the field.",
+                name=shorten(key),
+            )
+        if (reserved and key in FORMAT_KEYS) or is_image_key(key):
+            raise SettingsError("Input field name must not be a key of the file format; got {name!r}. Rename the field.", name=key)
+        if not _is_one_line(value):
+            raise SettingsError(
+                "Input field {name} must have a value of one short line of text; got {value!r}. Change the value.",
+                name=shorten(key),
+                value=shorten(value),
+            )
+        yield key, value
+
+
+def _is_one_line(text: str) -> bool:
+    """Whether a header line can hold `text`."""
+    try:
+        length = len(text.encode("utf-8", errors="surrogateescape"))
+    except UnicodeEncodeError:
+        return False
+    return length < MAXIMUM_LINE // 4 and not any(c in text for c in "\r\n\0")

@@ -1,0 +1,163 @@
+"""Linear transforms in ITK files, as Slicer saves them: .tfm, .txt, .h5.
+
+Slicer stores, in LPS, the transform that takes points of the parent to the node's own frame, because ITK resamples that way.
+The matrix of the node is its inverse, in RAS: node = F inv(file) F with F = diag(-1, -1, 1, 1).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import SimpleITK as sitk
+
+from ...arrays import Matrix
+from ...errors import GeometryError, OutputError, TransformFileError
+from ...geometry.transforms import as_matrix, invert, ras_to_lps
+from ...message import shorten
+from ..disk.atomic import atomic_output
+from ..disk.itk import itk_path, short_cause
+from ..disk.small_files import read_bytes
+from ..metafile.text_values import NotANumberError, parse_numbers
+from .hdf5 import MAGIC as HDF5_MAGIC
+from .hdf5 import read_transform_hdf5
+from .parts import TransformPart, TransformPartError, composed
+
+TEXT_SUFFIXES = (".tfm", ".txt")
+HDF5_SUFFIXES = (".h5", ".hdf5")
+TEXT_MAGIC = "#Insight Transform File"
+
+MAXIMUM_BYTES = 2**24
+"""A linear transform takes a few thousand."""
+
+
+def read_transform(path: str | Path) -> Matrix:
+    """The matrix of a linear transform node that Slicer saved: from the node's frame to its parent, in RAS.
+
+    Parameters
+    ----------
+    path : str or Path
+        .tfm, .txt, .h5 or .hdf5. Any linear ITK transform, or several composed.
+
+    Returns
+    -------
+    node_to_parent : (4, 4) float64 array, mm
+
+    Raises
+    ------
+    TransformFileError
+        When the file is damaged, or the transform is not linear, not 3D or not invertible.
+    """
+    path = Path(path)
+    data = _read(path)
+    try:
+        in_hdf5 = path.suffix.lower() in HDF5_SUFFIXES
+        itk = composed(read_transform_hdf5(data) if in_hdf5 else read_transform_text(data.decode("utf-8", "replace")))
+    except TransformPartError as error:
+        raise TransformFileError("{path}: the transform {problem}", path=path, problem=error) from error
+    try:
+        return ras_to_lps(invert(as_matrix(itk, "transform")))
+    except GeometryError as error:
+        raise TransformFileError(
+            "{path}: the transform cannot be used. {problem} Save the transform from Slicer again.", path=path, problem=error
+        ) from error
+
+
+def write_transform(node_to_parent: Matrix, path: str | Path) -> None:
+    """Write a linear transform so that Slicer loads it as a node with this matrix.
+
+    Parameters
+    ----------
+    node_to_parent : (4, 4) array_like, mm
+        In RAS.
+    path : str or Path
+        .tfm, .txt, .h5 or .hdf5.
+
+    Raises
+    ------
+    OutputError
+        When it cannot be written.
+    GeometryError
+        When the matrix is not finite or not invertible.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in TEXT_SUFFIXES + HDF5_SUFFIXES:
+        raise OutputError(
+            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.",
+            path=path,
+            suffixes=", ".join(TEXT_SUFFIXES + HDF5_SUFFIXES),
+        )
+    itk = ras_to_lps(invert(as_matrix(node_to_parent, "node_to_parent")))
+    transform = sitk.AffineTransform(3)
+    transform.SetMatrix(itk[:3, :3].ravel().tolist())
+    transform.SetTranslation(itk[:3, 3].tolist())
+    with atomic_output(path) as temporary:
+        try:
+            sitk.WriteTransform(transform, itk_path(temporary, OutputError))
+        except RuntimeError as error:
+            raise _not_written(path, short_cause(error)) from error
+        # SimpleITK does not notice that a disk is full
+        try:
+            written = read_transform(temporary)
+        except TransformFileError as error:
+            raise _not_written(path, "the file came out incomplete") from error
+        # Inverting twice costs digits of the largest number, here a translation
+        if not np.allclose(written, node_to_parent, rtol=0, atol=1e-9 * max(1.0, np.abs(node_to_parent).max())):
+            raise _not_written(path, "the file came out different")
+
+
+def _not_written(path: Path, cause: str) -> OutputError:
+    return OutputError("Cannot write {path}: {cause}. Check that the disk is not full, or choose another path.", path=path, cause=cause)
+
+
+def _read(path: Path) -> bytes:
+    """The bytes of a file that begins as one of its suffix must."""
+    suffix = path.suffix.lower()
+    if suffix not in TEXT_SUFFIXES + HDF5_SUFFIXES:
+        raise TransformFileError(
+            "{path}: its suffix must be one of {suffixes}. Save the transform from Slicer as one.",
+            path=path,
+            suffixes=", ".join(TEXT_SUFFIXES + HDF5_SUFFIXES),
+        )
+    data = read_bytes(path, MAXIMUM_BYTES + 1, TransformFileError)
+    if not data.startswith(TEXT_MAGIC.encode() if suffix in TEXT_SUFFIXES else HDF5_MAGIC):
+        raise TransformFileError("{path}: this is not an ITK transform file. Save the transform from Slicer as .tfm or .h5.", path=path)
+    if len(data) > MAXIMUM_BYTES:
+        raise TransformFileError(
+            "{path}: the transform must be linear, and the file is longer than {maximum} bytes. Give a rigid or affine registration.",
+            path=path,
+            maximum=MAXIMUM_BYTES,
+        )
+    return data
+
+
+def read_transform_text(text: str) -> list[TransformPart]:
+    """The transforms of a file in text, in its order: blocks of ``Transform:``, ``Parameters:`` and ``FixedParameters:``.
+
+    Raises
+    ------
+    TransformPartError
+        When a line is none of such a file.
+    """
+    blocks: list[dict[str, str]] = []
+    for line in text.splitlines():
+        if line.startswith("#") or not line.strip():
+            continue
+        key, colon, value = (word.strip() for word in line.partition(":"))
+        if key == "Transform" and colon:
+            blocks.append({})
+        if not blocks or not colon or key not in ("Transform", "Parameters", "FixedParameters") or key in blocks[-1]:
+            raise TransformPartError(
+                "has a line that is none of an ITK transform file: {line!r}. Save the transform from Slicer again.", line=shorten(line)
+            )
+        blocks[-1][key] = value
+    return [TransformPart(block["Transform"], _numbers(block, "Parameters"), _numbers(block, "FixedParameters")) for block in blocks]
+
+
+def _numbers(block: dict[str, str], key: str) -> tuple[float, ...]:
+    try:
+        return tuple(parse_numbers(block.get(key, "")))
+    except NotANumberError as error:
+        raise TransformPartError(
+            "has {key} that must be numbers; {problem}. Save the transform from Slicer again.", key=key, problem=error
+        ) from None

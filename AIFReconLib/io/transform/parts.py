@@ -1,0 +1,116 @@
+"""ITK's linear transforms from their kind and numbers, as transform files list them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import SimpleITK as sitk
+
+from ...arrays import Matrix
+from ...errors import AIFReconError
+
+COMPOSITE = "CompositeTransform"
+
+_KINDS: dict[str, tuple[Callable[[], sitk.Transform], int, tuple[int, ...]]] = {
+    "AffineTransform": (lambda: sitk.AffineTransform(3), 12, (3,)),
+    "MatrixOffsetTransformBase": (lambda: sitk.AffineTransform(3), 12, (3,)),
+    "Rigid3DTransform": (lambda: sitk.AffineTransform(3), 12, (3,)),
+    "Euler3DTransform": (sitk.Euler3DTransform, 6, (3, 4)),
+    "VersorTransform": (sitk.VersorTransform, 3, (3,)),
+    "VersorRigid3DTransform": (sitk.VersorRigid3DTransform, 6, (3,)),
+    "Similarity3DTransform": (sitk.Similarity3DTransform, 7, (3,)),
+    "ScaleTransform": (lambda: sitk.ScaleTransform(3), 3, (3,)),
+    "ScaleVersor3DTransform": (sitk.ScaleVersor3DTransform, 9, (3,)),
+    "ScaleSkewVersor3DTransform": (sitk.ScaleSkewVersor3DTransform, 15, (3,)),
+    "ComposeScaleSkewVersor3DTransform": (sitk.ComposeScaleSkewVersor3DTransform, 12, (3,)),
+    "TranslationTransform": (lambda: sitk.TranslationTransform(3), 3, (0,)),
+    "IdentityTransform": (lambda: sitk.Transform(3, sitk.sitkIdentity), 0, (0,)),
+}
+"""By ITK's name: an object of that kind, how many parameters it has, and how many fixed ones."""
+
+_FAR = 2.0**20
+"""mm from the origin to the points whose images are asked for: not much less than any translation, which would cost digits."""
+
+
+class TransformPartError(AIFReconError, ValueError):
+    """What is wrong with a transform, as the predicate of "the transform ..."."""
+
+
+@dataclass(frozen=True)
+class TransformPart:
+    """One transform of a file: ``AffineTransform_double_3_3``, its parameters and fixed parameters."""
+
+    kind: str
+    parameters: tuple[float, ...] = ()
+    fixed: tuple[float, ...] = ()
+
+
+def composed(parts: list[TransformPart]) -> Matrix:
+    """The matrix of a file's transforms, (4, 4), mm: of the only one, or of those behind a CompositeTransform, the last applied first.
+
+    Raises
+    ------
+    TransformPartError
+        When there is none, more than one without a composite, or one that is not linear or not 3D.
+    """
+    if not parts:
+        raise TransformPartError("is missing: the file holds none. Save the transform from Slicer again.")
+    if _name(parts[0]) == COMPOSITE:
+        parts = parts[1:]
+    elif len(parts) > 1:
+        raise TransformPartError("must be one, or several in a composite; got {count}. Save one of them.", count=len(parts))
+    matrix = np.eye(4)
+    with np.errstate(all="ignore"):  # whatever overflows is refused by who takes the matrix
+        for part in parts:
+            matrix = matrix @ _matrix(part)
+    return matrix
+
+
+def _name(part: TransformPart) -> str:
+    """The kind without its type of numbers and its dimensions, which must be 3."""
+    words = re.fullmatch(r"(\w+)_(double|float)_([0-9]+)_([0-9]+)", part.kind, re.ASCII)
+    if words is None:
+        raise TransformPartError(
+            "must be of a kind of ITK, as AffineTransform_double_3_3; got {kind!r}. Save the transform from Slicer again.",
+            kind=part.kind[:60],
+        )
+    if (words[3], words[4]) != ("3", "3"):
+        raise TransformPartError("must be 3D; got {dimensions} dimensions. Give a 3D transform.", dimensions=words[3][:9])
+    return words[1]
+
+
+def _matrix(part: TransformPart) -> Matrix:
+    name = _name(part)
+    if name not in _KINDS:
+        raise TransformPartError("must be linear; got {kind}. Give a rigid or affine registration.", kind=name[:60])
+    make, count, fixed_counts = _KINDS[name]
+    # Only after this check may ITK see the numbers: it trusts their count
+    if len(part.parameters) != count or len(part.fixed) not in fixed_counts or not np.isfinite([*part.parameters, *part.fixed]).all():
+        raise TransformPartError(
+            "of kind {kind} must have {count} finite parameters and {fixed} fixed ones; got {parameters} and {others}. "
+            "Save the transform from Slicer again.",
+            kind=name,
+            count=count,
+            fixed=" or ".join(map(str, fixed_counts)),
+            parameters=len(part.parameters),
+            others=len(part.fixed),
+        )
+    transform = make()
+    try:
+        if part.fixed:
+            transform.SetFixedParameters(part.fixed)
+        if part.parameters:
+            transform.SetParameters(part.parameters)
+        # An affine map is known from the images of the origin and a point on each axis; this holds for every linear kind
+        origin, *ends = (transform.TransformPoint(point) for point in ((0.0, 0.0, 0.0), *(_FAR * np.eye(3)).tolist()))
+    except RuntimeError:
+        raise TransformPartError(
+            "of kind {kind} has numbers that ITK does not take. Save the transform from Slicer again.", kind=name
+        ) from None
+    matrix = np.eye(4)
+    matrix[:3, 3] = origin
+    matrix[:3, :3] = np.subtract(ends, origin).T / _FAR
+    return matrix

@@ -1,0 +1,237 @@
+"""Volume files: MetaImage, NRRD and, through SimpleITK, NIfTI. Files hold left-posterior-superior coordinates, memory RAS ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import SimpleITK as sitk
+
+from ...arrays import Matrix, Numbers
+from ...errors import FileFormatError, GeometryError, OutputError, VolumeFormatError
+from ...geometry.transforms import LPS_FROM_RAS
+from ...geometry.volume import Volume
+from ..disk.atomic import atomic_outputs, check_writable
+from ..disk.header_pairs import check_pair_name, split_metaimage
+from ..disk.itk import itk_path, short_cause
+from ..disk.regular_files import file_stamp
+from ..disk.small_files import local_copy
+from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
+from ..metafile.payload import check_payload
+from ..transform.files import read_transform, write_transform
+from .metafile_volumes import StoredVolume, read_metafile_volume
+from .nifti_payload import check_nifti
+
+__all__ = ["check_volume_path", "read_labels", "read_transform", "read_volume", "write_transform", "write_volume"]
+
+NIFTI_SUFFIXES = (".nii", ".nii.gz")
+READABLE_SUFFIXES = METAIMAGE_SUFFIXES + NRRD_SUFFIXES + NIFTI_SUFFIXES
+WRITABLE_SUFFIXES = (".nrrd", *METAIMAGE_SUFFIXES, *NIFTI_SUFFIXES)
+
+
+def read_volume(path: str | Path) -> Volume:
+    """The volume in a file, placed in RAS.
+
+    Parameters
+    ----------
+    path : str or Path
+        .nrrd, .nhdr, .mha, .mhd, .nii or .nii.gz.
+
+    Raises
+    ------
+    VolumeFormatError
+        When the file is damaged, incomplete, or holds something other than one scalar 3D volume.
+    """
+    stored = _read_stored(Path(path))
+    if stored.components != 1:
+        raise VolumeFormatError(
+            "{path}: its voxels must be single numbers; got {count} each ({kind}). Export a scalar volume.",
+            path=stored.path,
+            count=stored.components,
+            kind=stored.array.dtype,
+        )
+    return _as_volume(stored, stored.array)
+
+
+def read_labels(path: str | Path) -> Volume:
+    """The labels in a file, as whole numbers: 0 is background.
+
+    Parameters
+    ----------
+    path : str or Path
+        A label volume, or a segmentation as Slicer saves it (.seg.nrrd). Where its segments overlap, it has several layers; the
+        result is then 1 wherever any layer has a label.
+
+    Raises
+    ------
+    VolumeFormatError
+        As `read_volume`, and when a voxel is not a whole number or is negative.
+    """
+    stored = _read_stored(Path(path))
+    array = stored.array
+    if stored.components != 1:
+        if not any(key.startswith("Segment") for key in stored.keys):
+            raise VolumeFormatError(
+                "{path}: its voxels must be single labels; got {count} numbers each ({kind}). Export a label volume.",
+                path=stored.path,
+                count=stored.components,
+                kind=array.dtype,
+            )
+        array = np.asarray((array > 0).any(axis=-1), dtype=np.uint8)
+    return _as_volume(stored, _as_labels(stored.path, array))
+
+
+def write_volume(volume: Volume, path: str | Path) -> None:
+    """Write a volume, completely or not at all.
+
+    Parameters
+    ----------
+    volume : Volume
+        Truth values are written as 0 and 1, 8 bit.
+    path : str or Path
+        .nrrd, .mha, .mhd (with .zraw beside it), .nii or .nii.gz; compressed, except .nii.
+
+    Raises
+    ------
+    OutputError
+        When it cannot be written.
+    """
+    path = Path(path)
+    suffix = _writable_suffix(path)
+    array = volume.array.astype(np.uint8) if volume.array.dtype == bool else volume.array
+    image = _as_image(path, array, volume.ijk_to_reference)
+    companions = (path.with_suffix(".zraw"),) if suffix == ".mhd" else ()
+    with atomic_outputs(*companions, path) as temporaries:
+        one_file = temporaries[-1].with_suffix(".mha") if companions else temporaries[-1]
+        try:
+            sitk.WriteImage(image, itk_path(one_file, OutputError), useCompression=suffix != ".nii")
+            if companions:
+                split_metaimage(one_file, temporaries[-1], temporaries[0])
+            # A full disk can pass unnoticed by SimpleITK; a file that is not all there must not get its name.
+            _check_complete(temporaries[-1])
+        except FileFormatError as error:
+            raise OutputError("Cannot write {path}: the file came out incomplete. Check that the disk is not full.", path=path) from error
+        except RuntimeError as error:
+            raise OutputError(
+                "Cannot write {path}: {cause}. Check that the disk is not full, or choose another path.",
+                path=path,
+                cause=short_cause(error),
+            ) from error
+
+
+def check_volume_path(path: str | Path) -> None:
+    """Return if a volume can be written to `path`; to be asked before a long computation. Leaves nothing behind.
+
+    Raises
+    ------
+    OutputError
+        When no volume format has that suffix, or no file can be created there.
+    """
+    _writable_suffix(Path(path))
+    itk_path(Path(path).absolute(), OutputError)
+    check_writable(path)
+
+
+def _writable_suffix(path: Path) -> str:
+    suffix = _suffix(path)
+    if suffix not in WRITABLE_SUFFIXES:
+        raise OutputError(
+            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.",
+            path=path,
+            suffixes=", ".join(WRITABLE_SUFFIXES),
+        )
+    if suffix == ".mhd":
+        check_pair_name(path)
+    return suffix
+
+
+def _suffix(path: Path) -> str:
+    """The suffix that names the format, ``.nii.gz`` being one."""
+    name = path.name.lower()
+    return ".nii.gz" if name.endswith(".nii.gz") else path.suffix.lower()
+
+
+def _check_complete(path: Path) -> None:
+    """Return if all voxels of a file that was just written are there."""
+    if _suffix(path) in NIFTI_SUFFIXES:
+        check_nifti(path, VolumeFormatError)
+    else:
+        check_payload(read_metafile(path, VolumeFormatError))
+
+
+def _read_stored(path: Path) -> StoredVolume:
+    suffix = _suffix(path)
+    if suffix not in READABLE_SUFFIXES:
+        raise VolumeFormatError(
+            "{path}: its suffix must be one of {suffixes}. Export the volume in one of these formats.",
+            path=path,
+            suffixes=", ".join(READABLE_SUFFIXES),
+        )
+    if suffix in NIFTI_SUFFIXES:
+        return _read_nifti(path)
+    return read_metafile_volume(read_metafile(path, VolumeFormatError))
+
+
+def _read_nifti(path: Path) -> StoredVolume:
+    seen = file_stamp(path)
+    check_nifti(path, VolumeFormatError)
+    # From a copy, because SimpleITK takes what it cannot read, where a disk fails, for zeros
+    with local_copy(path, VolumeFormatError, seen) as copy:
+        try:
+            # Left to look for a reader itself, it asks others too
+            image = sitk.ReadImage(itk_path(copy, VolumeFormatError), imageIO="NiftiImageIO")
+        except RuntimeError as error:
+            raise VolumeFormatError(
+                "{path}: SimpleITK cannot read it: {cause}. Export the volume again.", path=path, cause=short_cause(error)
+            ) from error
+    if image.GetDimension() != 3:
+        raise VolumeFormatError(
+            "{path}: it must be a 3D volume; got {dimensions} dimensions. Export one 3D volume.", path=path, dimensions=image.GetDimension()
+        )
+    if "complex" in image.GetPixelIDTypeAsString():
+        raise VolumeFormatError("{path}: its voxels must be real numbers; got complex ones. Export the magnitude.", path=path)
+    ijk_to_lps = np.eye(4)
+    ijk_to_lps[:3, :3] = np.array(image.GetDirection()).reshape(3, 3) * np.array(image.GetSpacing())
+    ijk_to_lps[:3, 3] = image.GetOrigin()
+    return StoredVolume(path, sitk.GetArrayFromImage(image), ijk_to_lps)
+
+
+def _as_volume(stored: StoredVolume, array: Numbers) -> Volume:
+    """Place an array [k, j, i] where the file says: the only way from LPS files into memory."""
+    try:
+        return Volume(array, LPS_FROM_RAS @ stored.ijk_to_lps)
+    except GeometryError as error:
+        raise VolumeFormatError("{path}: its place in space cannot be used. {problem}", path=stored.path, problem=error) from error
+
+
+def _as_image(path: Path, array: Numbers, ijk_to_reference: Matrix) -> sitk.Image:
+    """The counterpart of `_as_volume`."""
+    ijk_to_lps = LPS_FROM_RAS @ ijk_to_reference
+    spacing = np.linalg.norm(ijk_to_lps[:3, :3], axis=0)
+    try:
+        image = sitk.GetImageFromArray(array)
+    except (TypeError, KeyError, RuntimeError) as error:
+        raise OutputError(
+            "Cannot write {path}: volume files cannot hold {kind}. Convert the volume to another type.", path=path, kind=array.dtype
+        ) from error
+    image.SetSpacing(spacing.tolist())
+    image.SetDirection((ijk_to_lps[:3, :3] / spacing).ravel().tolist())
+    image.SetOrigin(ijk_to_lps[:3, 3].tolist())
+    return image
+
+
+def _as_labels(path: Path, array: Numbers) -> Numbers:
+    """Whole numbers; floating-point voxels that are whole become int32."""
+    if array.dtype.kind == "f":
+        if not np.isfinite(array).all() or (array != np.rint(array)).any() or np.abs(array).max() >= 2**31:
+            raise VolumeFormatError(
+                "{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, "
+                "give them as --bone-probability.",
+                path=path,
+            )
+        array = array.astype(np.int32)
+    if array.min() < 0:
+        raise VolumeFormatError(
+            "{path}: labels must not be negative; got {least}. If this is a CT, segment its bone first.", path=path, least=array.min()
+        )
+    return array

@@ -1,0 +1,85 @@
+"""Whether a NIfTI file (.nii, .nii.gz) holds all the voxels that its header promises."""
+
+from __future__ import annotations
+
+import math
+import struct
+from pathlib import Path
+
+from ...errors import FileFormatError
+from ..disk.regular_files import require_regular_file
+from ..metafile.payload import Inflater, PayloadError
+
+_HEADERS = {348: (40, "8h", 72, 108, "f"), 540: (16, "8q", 14, 168, "q")}
+"""By length of the header (NIfTI-1, NIfTI-2): where the dimensions, the bits per voxel and the offset of the voxels stand."""
+
+_BITS = {2: 8, 4: 16, 8: 32, 16: 32, 32: 64, 64: 64, 128: 24, 256: 8, 512: 16, 768: 32, 1024: 64, 1280: 64, 1792: 128, 2304: 32}
+"""By NIfTI's number of a type: bits of a voxel. SimpleITK's reader prints its own complaint about others."""
+
+
+def check_nifti(path: Path, error: type[FileFormatError]) -> None:
+    """Return if the file is complete, its checksum included if it is compressed. Keeps nothing in memory.
+
+    Raises
+    ------
+    FileFormatError
+        Of the class given.
+    """
+    require_regular_file(path, error)
+    try:
+        with open(path, "rb") as file:
+            length = path.stat().st_size
+            if path.suffix.lower() != ".gz":
+                needed = _needed_bytes(file.read(max(_HEADERS)))
+                if length < needed:
+                    raise PayloadError(
+                        "are cut short: the header promises {needed} bytes, there are {length}", needed=needed, length=length
+                    )
+                return
+            stream = Inflater(0, length)
+            head = stream.read(file, min(_HEADERS))
+            if _header_length(head) != len(head):
+                head += stream.read(file, max(_HEADERS) - len(head))
+            stream.skip(file, _needed_bytes(head) - len(head))
+            stream.drain(file)
+    except PayloadError as cause:
+        raise error("{path}: the voxels {problem}. Copy or export the file again.", path=path, problem=cause) from cause
+    except OSError as cause:
+        raise error("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=cause.strerror) from cause
+
+
+def _header_length(head: bytes) -> int:
+    """348 or 540; the byte order is told by it."""
+    return int(struct.unpack(_byte_order(head) + "i", head[:4])[0])
+
+
+def _byte_order(head: bytes) -> str:
+    for order in "<>":
+        if len(head) >= 4 and struct.unpack(order + "i", head[:4])[0] in _HEADERS:
+            return order
+    raise PayloadError("are not those of a NIfTI file: it does not begin with 348 or 540")
+
+
+def _needed_bytes(head: bytes) -> int:
+    """Length of the whole file, decoded."""
+    order = _byte_order(head)
+    dimensions_at, dimensions_format, bits_at, offset_at, offset_format = _HEADERS[_header_length(head)]
+    if len(head) < _header_length(head):
+        raise PayloadError("are missing, and part of the header too")
+    if head[344:347] != b"n+1" and head[4:7] != b"n+2":
+        raise PayloadError("are not in this file: it is the header of a pair, or an old Analyze file")
+    count, *sizes = struct.unpack_from(order + dimensions_format, head, dimensions_at)
+    kind, bits = struct.unpack_from(order + "2h", head, bits_at - 2)
+    (offset,) = struct.unpack_from(order + offset_format, head, offset_at)
+    if not 1 <= count <= 7 or min(sizes[:count]) < 1 or bits < 1 or not math.isfinite(offset) or offset < 0:
+        raise PayloadError(
+            "cannot be told from the header: dimensions {count} {sizes}, {bits} bits, offset {offset}",
+            count=count,
+            sizes=sizes,
+            bits=bits,
+            offset=offset,
+        )
+    if _BITS.get(kind) != bits:
+        raise PayloadError("are of a type that is not read: {kind}, of {bits} bits", kind=kind, bits=bits)
+    voxels: int = math.prod(sizes[:count])
+    return int(offset) + (voxels * int(bits) + 7) // 8

@@ -1,0 +1,278 @@
+"""Where one image of a stream lies, from what the stream says of its transforms, and whether that can be believed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ...arrays import Matrix
+from ...errors import TransformError
+from ...geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus, capital
+from ...message import Message, said
+from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
+from ...sweep.frames import FrameRecord, TrackedSequence
+from ...sweep.poses import chain_ends, sweep_poses
+from ..wire.messages import ImageMessage
+
+PROBE = "Probe"
+"""Plus's name of the tool that carries the transducer, by which a chain is recognized that no configuration tells."""
+
+STATUS_SUFFIX = "TransformStatus"
+
+UNCONFIRMED = "pose not confirmed (no transform or status of its tool is sent)"
+
+
+Doubt = str | tuple[TransformName, TransformStatus]
+"""What makes an image's own matrix unusable: a sentence, or a transform's name with its status."""
+
+
+class PlacementSettings(Protocol):
+    """What `SynchronizerSettings` say of poses; see there."""
+
+    @property
+    def image_to_reference(self) -> str | None:
+        """The transform that places the image."""
+        ...
+
+    @property
+    def reference(self) -> str | None:
+        """The frame to reconstruct in."""
+        ...
+
+    @property
+    def time_offset(self) -> float:
+        """Seconds that images are late."""
+        ...
+
+    @property
+    def trust_image_pose(self) -> bool:
+        """Whether an image's own pose needs no confirmation."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """The pose of an image (None without), its status, and all of its transforms."""
+
+    image_to_reference: Matrix | None
+    status: str
+    transforms: dict[TransformName, TransformSample]
+
+
+def stream_name(text: str) -> TransformName | None:
+    """The transform that a device name means; None for a name that is no ``FromToTo``."""
+    try:
+        name = TransformName.parse(text)
+    except TransformError:
+        return None
+    # A name that would not come back from a sequence file as itself cannot be recorded
+    return name if str(name) == capital(text) else None
+
+
+class Placement:
+    """Places images.
+
+    Parameters
+    ----------
+    settings : PlacementSettings
+    configuration : PlusConfiguration
+
+    Notes
+    -----
+    An image device named ``<Image>_<Frame>`` brings its own matrix to that frame, which the server computes whether or not it sees
+    the tool. So the matrix counts only when the stream says that the tool is seen: by the transform of the image itself
+    (ImageToReference), else by every tool on the way from the image, or from the frame called Probe, to that frame; where neither is
+    known, by every tool in the image's metadata. Without any of these the pose is not confirmed. Other images are placed by the chain
+    of transforms from Image to Reference.
+    """
+
+    def __init__(self, settings: PlacementSettings, configuration: PlusConfiguration = NO_CONFIGURATION):
+        self.problem: str | None = None
+        self._trusting = settings.trust_image_pose
+        self._uses_image_matrix = settings.time_offset == 0.0
+        self._configuration = configuration
+        self._configured = configuration.transforms
+        self.wanted, self._named = chain_ends(configuration, settings.image_to_reference, settings.reference)
+        self._paths: dict[tuple[str, str, frozenset[TransformName], bool], tuple[TransformName, ...] | None] = {}
+
+    def embedded_frame(self, message: ImageMessage) -> str | None:
+        """The frame to which the image's own matrix leads; None where it is not used."""
+        prefix, _, frame = message.device.rpartition("_")
+        if not self._uses_image_matrix or not prefix or not frame[:1].isupper() or frame == self.wanted.source:
+            return None
+        return frame if stream_name(str(TransformName(self.wanted.source, frame))) else None
+
+    def _used_frame(self, message: ImageMessage, names: frozenset[TransformName]) -> str | None:
+        """`embedded_frame`, where a way leads on from there."""
+        frame = self.embedded_frame(message)
+        leads_on = frame == self.wanted.target or (frame is not None and self._chain(frame, self.wanted.target, names) is not None)
+        return frame if leads_on else None
+
+    def needed(
+        self, message: ImageMessage, sent: Iterable[TransformName], told: Iterable[TransformName]
+    ) -> frozenset[TransformName] | None:
+        """The transforms that decide on the image, of those that are sent and told of; None while they are not known.
+
+        Parameters
+        ----------
+        message : ImageMessage
+        sent : TransformNames that have come as messages of their own
+        told : TransformNames in the image's metadata
+        """
+        sent, told = frozenset(sent), frozenset(told)
+        names = sent | told
+        frame = self._used_frame(message, names)
+        if frame is None:
+            chain = self._chain(self.wanted.source, self.wanted.target, self._fewest(sent, names), self._named)
+            return None if chain is None else names & set(chain)
+        deciding = self._deciding(message, frame, names, told)
+        if deciding is None:
+            return frozenset() if self._trusting and frame == self.wanted.target else None
+        if frame == self.wanted.target:
+            return names & set(deciding)
+        chain = self._chain(frame, self.wanted.target, names)
+        return None if chain is None else names & {*deciding, *chain}
+
+    def place(
+        self,
+        message: ImageMessage,
+        sent: Mapping[TransformName, TransformSample],
+        told: Mapping[TransformName, TransformSample],
+        problems: Mapping[TransformName, str],
+    ) -> Placed:
+        """The image's pose and status.
+
+        Parameters
+        ----------
+        message : ImageMessage
+        sent : dict of TransformName to TransformSample
+            Every transform that has come as messages of its own, at the time of the image; MISSING where none belongs to it.
+        told : dict of TransformName to TransformSample
+            Those in the image's metadata.
+        problems : dict of TransformName to str
+            What is wrong with one of them where its status does not tell.
+        """
+        # Where a message did not come, the image's metadata tell why, or bring the pose
+        transforms = {name: told.get(name, s) if s.status is TransformStatus.MISSING else s for name, s in sent.items()}
+        transforms = {**told, **transforms}
+        frame = self._used_frame(message, frozenset(transforms))
+        if frame is None:
+            fewest = self._fewest(frozenset(sent), frozenset(transforms))
+            transforms = {name: sample for name, sample in transforms.items() if name in fewest}
+            return self._follow(transforms, problems, str(self.wanted) if self._named else None)
+        own = TransformName(self.wanted.source, frame)
+        status, doubt = self._confirm(message, frame, transforms, frozenset(told))
+        transforms.pop(own.inverse, None)
+        transforms[own] = TransformSample(message.image_to_sender, status)
+        if doubt is not None:
+            return Placed(None, self._word(doubt, problems), transforms)
+        return self._follow(transforms, problems, str(self.wanted) if self._named or frame == self.wanted.target else None)
+
+    def _fewest(self, sent: frozenset[TransformName], names: frozenset[TransformName]) -> frozenset[TransformName]:
+        """The transforms that were sent where they suffice: metadata repeat them in other words, which would be a second way."""
+        return sent if self._chain(self.wanted.source, self.wanted.target, sent, self._named) is not None else names
+
+    def _confirm(
+        self, message: ImageMessage, frame: str, transforms: Mapping[TransformName, TransformSample], told: frozenset[TransformName]
+    ) -> tuple[TransformStatus, Doubt | None]:
+        """Status of the image's own matrix, and what makes it unusable: a transform's name with its status, or a sentence."""
+        names = frozenset(transforms)
+        deciding = self._deciding(message, frame, names, told)
+        if deciding is None:
+            return (TransformStatus.OK, None) if self._trusting else (TransformStatus.UNKNOWN, UNCONFIRMED)
+        tools = self._tools(frame, names, told) or ()
+        broken = [name for name in tools if name in names and transforms[name].status is not TransformStatus.OK]
+        # A message that was lost says nothing against a pose whose tools the metadata confirm
+        confirmed = bool(tools) and not broken and told.issuperset(tools)
+        for name in deciding:
+            status = transforms[name].status
+            if status is not TransformStatus.OK and not (confirmed and status is TransformStatus.MISSING):
+                # The tool that was not seen says more than the chain that broke
+                culprit = broken[0] if broken else name
+                return transforms[culprit].status, (culprit, transforms[culprit].status)
+        return TransformStatus.OK, None
+
+    def _deciding(
+        self, message: ImageMessage, frame: str, names: frozenset[TransformName], told: frozenset[TransformName]
+    ) -> tuple[TransformName, ...] | None:
+        """The transforms that tell whether the image's own matrix is valid; None where there are none."""
+        own = {TransformName(self.wanted.source, frame), TransformName(message.device.rpartition("_")[0], frame)}
+        direct = tuple(name for name in names if own & {name, name.inverse})
+        return direct or self._tools(frame, names, told)
+
+    def _tools(self, frame: str, names: frozenset[TransformName], told: frozenset[TransformName]) -> tuple[TransformName, ...] | None:
+        """The tools that the image's own matrix is made of, in the order of the chain."""
+        moving = frozenset(name for name in names if self.wanted.source not in (name.source, name.target))
+        if frame == PROBE:
+            return ()
+        for start in (self.wanted.source, PROBE):
+            path = self._chain(start, frame, moving)
+            if path is not None:
+                return tuple(name for name in path if name in moving)
+        return tuple(sorted(told & moving, key=str)) or None
+
+    def _chain(self, source: str, target: str, names: frozenset[TransformName], named: bool = False) -> tuple[TransformName, ...] | None:
+        """The stored transforms that lead from one frame to another, by those of the stream and of the configuration; None without any."""
+        key = (source, target, names, named)
+        if key not in self._paths:
+            if len(self._paths) > 100:
+                self._paths.clear()
+            self._paths[key] = self._find(source, target, names, named)
+        return self._paths[key]
+
+    def _find(self, source: str, target: str, names: frozenset[TransformName], named: bool) -> tuple[TransformName, ...] | None:
+        if named and TransformName(source, target) in names:
+            return (TransformName(source, target),)
+        graph = TransformGraph()
+        try:
+            for name in dict.fromkeys([*self._configured, *sorted(names, key=str)]):
+                graph.put(name, np.eye(4))
+            path = graph.lookup(source, target).path
+        except TransformError:
+            return None
+        return tuple(name if name in graph.names else name.inverse for name in path)
+
+    def _follow(self, transforms: dict[TransformName, TransformSample], problems: Mapping[TransformName, str], named: str | None) -> Placed:
+        """Follow the chain exactly as for one frame of a recording, so that live and offline agree to the bit."""
+        record = FrameRecord(transforms=transforms)
+        sequence = TrackedSequence(np.empty((1, 0, 0), np.uint8), [record], configuration=self._configuration)
+        try:
+            poses = sweep_poses(sequence, named, self.wanted.target)
+        except TransformError as error:
+            self.problem = said(error)
+            ends = {"source": self.wanted.source, "target": self.wanted.target}
+            if "Two paths" in self.problem:
+                return Placed(None, Message("two ways lead from {source} to {target}", **ends), transforms)
+            return Placed(None, Message("no transform leads from {source} to {target}", **ends), transforms)
+        self.problem = None
+        status = poses.problems[0]
+        if status is None:
+            return Placed(poses.image_to_reference[0], "OK", transforms)
+        culprit = next((name for name in problems if status.startswith(f"{name} ")), None)
+        what = Message("{transform} {problem}", transform=culprit, problem=problems[culprit]) if culprit else status
+        return Placed(None, what, transforms)
+
+    @staticmethod
+    def _word(doubt: Doubt, problems: Mapping[TransformName, str]) -> str:
+        if isinstance(doubt, str):
+            return doubt
+        name, status = doubt
+        return Message("{transform} {problem}", transform=name, problem=problems.get(name, status.value))
+
+
+def metadata_transforms(message: ImageMessage) -> dict[TransformName, TransformSample]:
+    """The transforms that an image of header version 2 brings as metadata: ``ProbeToTrackerTransform`` with its ``...Status``."""
+    found = {}
+    for key, word in message.metadata.items():
+        name = stream_name(key.removesuffix(STATUS_SUFFIX)) if key.endswith(STATUS_SUFFIX) else None
+        if name is None:
+            continue
+        try:
+            matrix = np.array(message.metadata.get(f"{name}Transform", "").split(), dtype=np.float64).reshape(4, 4)
+        except ValueError:
+            matrix = np.full((4, 4), np.nan)
+        found[name] = TransformSample(matrix, TransformStatus.parse(word))
+    return found

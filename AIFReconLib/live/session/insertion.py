@@ -1,0 +1,314 @@
+"""The thread that puts frames into the volume, and the volume that others look at meanwhile."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ...arrays import NumberType
+from ...bone.map import BoneMap
+from ...compounding.reconstructor import Reconstruction, Reconstructor
+from ...geometry.volume import VoxelGrid
+from ...imaging.beams import LINEAR, ProbeGeometry
+from ...message import Message
+from ...progress import Progress
+from ...resolve import Imaging, ReconstructorParts
+from ...settings import ReconstructionSettings
+from ...sweep.frames import TrackedFrame
+from ..pairing.synchronizer import LiveFrame
+from .statistics import Meter
+
+logger = logging.getLogger(__name__)
+
+TOO_SLOW = Message("skipped to keep up")
+OTHER_SIZE = Message("image of another size or type")
+AFTER_ERROR = Message("not inserted after an error")
+
+MOST_WAITING_BYTES = 512 * 2**20
+"""Pixels that wait to be inserted at most, whatever their number."""
+
+WARM_UP = 2
+"""Insertions that tell nothing of the speed: engines are compiled and tables built."""
+
+LARGEST_STRIDE = 64.0
+
+
+class Inserter:
+    """Inserts frames in their order on a thread of its own.
+
+    Parameters
+    ----------
+    settings : ReconstructionSettings
+        With everything resolved.
+    bone : BoneMap or None
+    meter : Meter
+    longest_delay : float or None, s
+        Leave frames out when those that wait will take longer than this; None: never, and `put` waits instead.
+    parts : ReconstructorParts
+        What else the configuration gives.
+    """
+
+    def __init__(
+        self,
+        settings: ReconstructionSettings,
+        bone: BoneMap | None,
+        meter: Meter,
+        longest_delay: float | None,
+        parts: ReconstructorParts | None = None,
+    ):
+        self._parts = parts or ReconstructorParts()
+        self.error: Exception | None = None
+        self.ready = threading.Event()
+        self._settings = settings
+        self._bone = bone
+        self._meter = meter
+        self._patient = longest_delay is None
+        self._keep_up = KeepUp(longest_delay or 1.0)
+        self._changed = threading.Condition()
+        self._tasks: deque[Callable[[], None] | tuple[LiveFrame, int, bool]] = deque()
+        self._waiting_frames = 0
+        self._waiting_bytes = 0
+        self._closed = False
+        self._volume = threading.Lock()
+        self._turnstile = threading.Lock()
+        self._reconstructor: Reconstructor | None = None
+        self._notes: tuple[str, ...] = ()
+        self._begin: Callable[[], None] | None = None
+        self._image_like: tuple[tuple[int, ...], NumberType] | None = None
+        self._insertions = 0
+        self._seconds_per_frame = 0.0
+        self._ready = 0.0
+        self._thread = threading.Thread(target=self._work, name="aifrecon live insertion", daemon=True)
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Insert what waits, then end. Returns when that is done."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        if self._thread.ident is not None:
+            self._thread.join()
+
+    def begin(self, grid: VoxelGrid, imaging: Callable[[], Imaging]) -> None:
+        """Make an empty volume before any frame that is put from now on.
+
+        Parameters
+        ----------
+        grid : VoxelGrid
+        imaging : callable
+            Called on the thread; its answer is asked once.
+        """
+        known: list[Imaging] = []
+        unknown = [imaging]
+
+        def make() -> None:
+            if not known:
+                known.append(unknown[0]())
+                # It may hold every image that was scouted
+                unknown.clear()
+            reconstructor = Reconstructor(
+                grid,
+                self._settings,
+                self._bone,
+                probe=known[0].probe,
+                region=known[0].region,
+                threads=self._parts.threads,
+                importance=self._parts.importance,
+                holes=self._parts.holes,
+                fixed_point=self._parts.fixed_point,
+            )
+            notes = (*known[0].notes, *self._parts.notes)
+            with self._volume:
+                self._reconstructor, self._image_like, self._insertions, self._notes = reconstructor, None, 0, notes
+            self.error, self._ready = None, time.monotonic()
+            self.ready.set()
+
+        self._begin = make
+        with self._changed:
+            self._tasks.append(make)
+            self._changed.notify_all()
+
+    def restart(self) -> None:
+        """Empty the volume, and forget the frames that wait."""
+        with self._changed:
+            self._tasks = deque(task for task in self._tasks if callable(task))
+            self._waiting_frames = self._waiting_bytes = 0
+            if self._begin is not None:
+                self._tasks.append(self._begin)
+            self._changed.notify_all()
+
+    def put(self, frame: LiveFrame, round_: int, live: bool = True) -> None:
+        """Hand over a frame, usable or not.
+
+        Parameters
+        ----------
+        frame : LiveFrame
+        round_ : int
+            The meter's count that it belongs to.
+        live : bool
+            It has just come. Others are never left out, and their latency tells nothing.
+        """
+        with self._changed:
+            if self._patient:
+                self._changed.wait_for(lambda: self._waiting_bytes < MOST_WAITING_BYTES or self._closed)
+            elif frame.status == "OK" and live:
+                admitted = self._keep_up.admit(self._waiting_frames * self._seconds_per_frame)
+                if not admitted or self._waiting_bytes + _bytes(frame) > MOST_WAITING_BYTES:
+                    frame = replace(frame, image=None, status=TOO_SLOW)
+            if frame.status != "OK":
+                frame = replace(frame, image=None)
+            self._waiting_frames += frame.status == "OK"
+            self._waiting_bytes += _bytes(frame)
+            self._tasks.append((frame, round_, live))
+            self._changed.notify_all()
+
+    def snapshot(self, progress: Progress | None = None) -> Reconstruction | None:
+        """The volume as it is now, holes filled; None before there is one. Frames wait only while the voxels are copied."""
+        with self._turnstile, self._volume:
+            if self._reconstructor is None:
+                return None
+            make, notes = self._reconstructor.capture(), self._notes
+        result = make(progress)
+        return replace(result, notes=(*notes, *result.notes))
+
+    def finish(self, progress: Progress | None = None) -> Reconstruction | None:
+        """The final volume, after `close`; it can be asked for once."""
+        with self._volume:
+            if self._reconstructor is None:
+                return None
+            reconstructor, self._reconstructor = self._reconstructor, None
+        result = reconstructor.finish(progress)
+        return replace(result, notes=(*self._notes, *result.notes))
+
+    # ---- the thread
+
+    def _warm_up(self) -> None:
+        """Let the engine load and compile on a volume of a few voxels, so that the first frames of the scan need not wait for it."""
+        image = np.ones((8, 8), np.uint8)
+        # Another engine takes pixels that count unequally
+        importance = None if self._parts.importance is None else image.astype(np.float32)
+        try:
+            grid = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (8, 8, 8), 1.0)
+            tiny = Reconstructor(grid, self._settings, self._bone, probe=ProbeGeometry(LINEAR), importance=importance)
+            tiny.insert(TrackedFrame(image, np.eye(4)))
+        except Exception:  # what is wrong shows with the real volume, where it is reported
+            logger.debug("The engine could not be warmed up", exc_info=True)
+
+    def _work(self) -> None:
+        self._warm_up()
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._tasks or self._closed)
+                if not self._tasks:
+                    return
+                task = self._tasks.popleft()
+            try:
+                if callable(task):
+                    task()
+                else:
+                    self._insert(*task)
+            except Exception as error:  # kept and reported: the volume so far, and the recording, must survive it
+                self.error = error
+                self.ready.set()
+                logger.exception("The reconstruction of a live scan stopped")
+                if not callable(task):
+                    self._meter.skip(AFTER_ERROR, task[1])
+            if not callable(task):
+                with self._changed:
+                    self._waiting_frames = max(self._waiting_frames - (task[0].status == "OK"), 0)
+                    self._waiting_bytes = max(self._waiting_bytes - _bytes(task[0]), 0)
+                    self._changed.notify_all()
+
+    def _insert(self, frame: LiveFrame, round_: int, live: bool) -> None:
+        if frame.status == "OK":
+            image, _ = frame.placed()
+            like = image.shape, image.dtype
+            if self.error is not None or self._reconstructor is None:
+                frame = replace(frame, image=None, status=AFTER_ERROR)
+            elif self._image_like is None:
+                self._image_like = like
+            elif self._image_like != like:
+                frame = replace(frame, image=None, status=OTHER_SIZE)
+        with self._turnstile:
+            # Whoever wants the volume stands here, and comes next
+            pass
+        started = time.monotonic()
+        with self._volume:
+            reason = self._insert_into_volume(frame)
+        now = time.monotonic()
+        if frame.status == "OK":
+            self._insertions += 1
+            if self._insertions > WARM_UP:
+                last = now - started
+                self._seconds_per_frame = last if self._insertions == WARM_UP + 1 else 0.9 * self._seconds_per_frame + 0.1 * last
+        if reason is None:
+            # What waited for the volume to be made tells nothing of the speed
+            self._meter.insert(now - frame.received if live and frame.received >= self._ready else None, round_)
+        else:
+            self._meter.skip(reason, round_)
+
+    def _insert_into_volume(self, frame: TrackedFrame) -> str | None:
+        """Insert a frame; the answer is why it did not enter, None when it did."""
+        if self._reconstructor is None:
+            return frame.status
+        counts = self._reconstructor.counts
+        before = counts.inserted
+        self._reconstructor.insert(frame)
+        if counts.inserted > before:
+            return None
+        return next((reason for reason, numbers in counts.skipped.items() if numbers[-1] == frame.number), frame.status)
+
+
+def _bytes(frame: TrackedFrame) -> int:
+    return 0 if frame.image is None else frame.image.nbytes
+
+
+class KeepUp:
+    """Which frames to leave out when they come faster than they can be inserted: evenly, and no more than it takes.
+
+    Decides frame by frame from how long the frames that wait already will take.
+
+    Parameters
+    ----------
+    longest_delay : float, s
+        Above it frames are left out; ever more while it lasts. Below half of it ever fewer.
+    """
+
+    def __init__(self, longest_delay: float = 0.5):
+        self._longest_delay = longest_delay
+        self._stride = 1.0
+        self._credit = 0.0
+
+    @property
+    def stride(self) -> float:
+        """Every how many frames one is taken; 1 when all are."""
+        return self._stride
+
+    def admit(self, delay: float) -> bool:
+        """Whether to take the next frame.
+
+        Parameters
+        ----------
+        delay : float, s
+            How long the frames that wait will take.
+        """
+        if delay > self._longest_delay:
+            self._stride = min(self._stride * 1.1, LARGEST_STRIDE)
+        elif delay < 0.5 * self._longest_delay:
+            self._stride = max(self._stride * 0.98, 1.0)
+        # Sharing out whole frames by a fraction leaves them evenly spaced
+        self._credit += 1.0 / self._stride
+        if self._credit < 1.0 - 1e-9 or delay > 4.0 * self._longest_delay:
+            self._credit = min(self._credit, 1.0)
+            return False
+        self._credit -= 1.0
+        return True

@@ -1,0 +1,125 @@
+"""Frames that are kept before there is a volume: to find its box and to recognize the probe, then to be inserted after all."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ...arrays import Matrix, Numbers
+from ...errors import NoUsableFramesError
+from ...geometry.transforms import pixel_spacing
+from ...geometry.volume import VoxelGrid
+from ...imaging.extent import grid_around_sweep
+from ...imaging.sound_speed import depth_scale
+from ...message import Message
+from ...resolve import Imaging
+from ...settings import ReconstructionSettings
+from ...sweep.frames import FrameRecord, TrackedSequence
+from ...sweep.poses import SweepPoses
+from ..pairing.synchronizer import LiveFrame
+
+SCOUTED = Message("seen while scouting")
+
+
+class ScoutedFrames:
+    """Frames that wait for a volume.
+
+    Parameters
+    ----------
+    byte_limit : int
+        Bytes of pixels that are kept; of later frames only the poses are, which is enough for the box. Of frames that cannot be used only
+        the numbers are.
+    """
+
+    def __init__(self, byte_limit: int = 512 * 2**20):
+        self.usable = 0
+        self._kept: list[tuple[LiveFrame, int]] = []
+        self._others: dict[tuple[str, int], array[int]] = {}
+        self._poses: list[Matrix] = []
+        self._left = byte_limit
+
+    def add(self, frame: LiveFrame, round_: int) -> None:
+        """Keep a frame; `round_` is the count that it belongs to."""
+        if frame.status == "OK":
+            image, image_to_reference = frame.placed()
+            self.usable += 1
+            self._poses.append(image_to_reference)
+            self._left -= image.nbytes
+        if frame.status == "OK" and self._left >= 0:
+            self._kept.append((frame, round_))
+        else:
+            # Hours may pass before there is a volume, so only their numbers are kept
+            status = SCOUTED if frame.status == "OK" else frame.status
+            self._others.setdefault((status, round_), array("q")).append(frame.number)
+
+    def __iter__(self) -> Iterator[tuple[LiveFrame, int]]:
+        """Every frame and its count: first those without an image, by reason, then the usable ones in order of arrival."""
+        for (status, round_), numbers in self._others.items():
+            for number in numbers:
+                yield LiveFrame(None, None, status=status, number=number), round_
+        yield from self._kept
+
+    def clear(self) -> None:
+        """Keep no frame any longer."""
+        self._kept.clear()
+        self._others.clear()
+
+    def sequence(self) -> tuple[TrackedSequence, SweepPoses]:
+        """The usable frames of one size that were kept, as a recording and its poses.
+
+        Raises
+        ------
+        NoUsableFramesError
+        """
+        placed = [(*frame.placed(), frame.timestamp) for frame, _ in self._kept]
+        if not placed:
+            raise NoUsableFramesError("Not one tracked frame was seen yet. Check that the probe and the reference are visible, then scan.")
+        first, _, _ = placed[0]
+        placed = [kept for kept in placed if kept[0].shape == first.shape and kept[0].dtype == first.dtype]
+        images, matrices, times = zip(*placed, strict=True)
+        poses = SweepPoses(np.stack(matrices), (None,) * len(placed), ())
+        return TrackedSequence(_Images(images), [FrameRecord(time) for time in times]), poses
+
+    def grid(
+        self, imaging: Imaging, settings: ReconstructionSettings, bytes_per_voxel: int, margin: float = 0.0, fits_spacing: bool = False
+    ) -> VoxelGrid:
+        """The box around every pose that was seen, `margin` mm larger on each side; the other arguments as in `grid_around_sweep`.
+
+        Parameters
+        ----------
+        imaging : Imaging
+            Which pixels count, and the probe where a speed of sound moves them.
+        settings : ReconstructionSettings
+            Of which spacing and speed of sound count.
+        bytes_per_voxel : int
+        margin : float, mm
+        fits_spacing : bool
+
+        Raises
+        ------
+        NoUsableFramesError, GeometryError, InsufficientMemoryError
+        """
+        (columns, rows), poses = self.sequence()[0].frame_size, np.stack(self._poses)
+        scale = depth_scale(settings, imaging.region.mask(columns, rows), imaging.probe, pixel_spacing(poses[0]))
+        spacing = settings.spacing_xyz()
+        grid = grid_around_sweep(poses, (columns, rows), imaging.region, spacing, bytes_per_voxel, scale, fits_spacing)
+        more = np.ceil(margin / grid.spacing).astype(int)
+        size = [n + 2 * int(extra) for n, extra in zip(grid.size, more, strict=True)]
+        return VoxelGrid.from_spacing(grid.origin - more * grid.spacing, size, grid.spacing)
+
+
+class _Images:
+    """Images in a list, as an `ImageStack` that copies none."""
+
+    def __init__(self, images: Sequence[Numbers]):
+        self._images = images
+        self.shape = (len(images), *images[0].shape)
+        self.dtype = images[0].dtype
+
+    def __len__(self) -> int:
+        return len(self._images)
+
+    def __getitem__(self, index: int) -> Numbers:
+        return self._images[index]

@@ -1,0 +1,402 @@
+"""A volume that grows during the scan: source, synchronizer, recording and reconstructor, held together and closed together."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from ...arrays import Reals
+from ...bone.map import BoneMap
+from ...compounding.reconstructor import Reconstruction, needs_beams
+from ...compounding.state import bytes_per_voxel
+from ...errors import AIFReconError, OutputError, SettingsError
+from ...geometry.volume import VoxelGrid
+from ...imaging.beams import ProbeGeometry
+from ...imaging.region import ImageRegion
+from ...imaging.sound_speed import depth_factor
+from ...message import Message, said
+from ...progress import Progress, part
+from ...resolve import Imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
+from ...settings import ReconstructionSettings
+from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
+from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
+from ..wire.messages import StreamEvent, StreamMessage
+from ..wire.sources import CONNECTED, ENDED, MessageSource
+from .insertion import Inserter
+from .recording import Recorder
+from .scouting import SCOUTED, ScoutedFrames
+from .statistics import NO_IMAGES, LiveStatistics, Meter, tracking_words
+
+logger = logging.getLogger(__name__)
+
+SCOUTING, LOOKING, RECONSTRUCTING, PAUSED, FAILED, STOPPED = "scouting", "looking", "reconstructing", "paused", "failed", "stopped"
+
+FRAMES_LOOKED_AT = 24
+"""Tracked frames that are awaited to recognize the probe in, where neither options nor a configuration tell."""
+
+POLL = 0.25
+"""s after which a source that says nothing is asked again."""
+
+SILENCE = 1.0
+"""s without an image after which there are none."""
+
+TROUBLE_SHOWN = 10.0
+"""s that an event of a stream that goes on is told."""
+
+WHILE_PAUSED = Message("paused")
+LEFT_OUT = Message("left out by --skip")
+
+
+class LiveSession:
+    """Reconstructs while scanning. Use it in a `with` block, or call `stop`.
+
+    Parameters
+    ----------
+    source : MessageSource
+        E.g. an `OpenIGTLinkClient`; started and stopped by the session.
+    settings : ReconstructionSettings
+    bone : BoneMap or None
+        Needed by methods that weight by incidence.
+    grid : VoxelGrid or None
+        Where to reconstruct. None: it begins by scouting; see `grid_from_scout` and `use_grid`.
+    region, probe, importance : ImageRegion, ProbeGeometry, (rows, columns) array of 0 to 1, or None
+        Override the configuration and what the images show; `importance` is the weight of each pixel in an average.
+    configuration : PlusConfiguration or None
+        Gives calibration, names of frames, region, probe, method, spacing and skip where the other arguments leave them open.
+    synchronizer : SynchronizerSettings
+    record : str, Path or None
+        A sequence file for every frame that is received, tracked or not. See `Recorder`.
+    frame_limit : int or None
+        End after so many frames.
+    longest_delay : float or None, s
+        When the frames that wait to be inserted will take longer than this, some are left out, evenly, and counted. None: none is ever left
+        out; the source then has to wait or to drop messages.
+
+    Raises
+    ------
+    SettingsError
+        When the method needs a bone map and there is none.
+    OutputError
+        When the recording cannot be written. Troubles that show while frames come in end up in `error`.
+
+    Notes
+    -----
+    Two threads: one takes messages, makes frames of them and records them; the other inserts. Frames are inserted in the order in which
+    their images arrive, so with images in the order of their times the volume is, to the bit, that of `reconstruct` on the recording with
+    the same grid, region and probe.
+
+    Frames in are accounted for: ``frames_received = inserted + skipped + waiting`` in `statistics`.
+    """
+
+    def __init__(
+        self,
+        source: MessageSource,
+        settings: ReconstructionSettings | None = None,
+        bone: BoneMap | None = None,
+        grid: VoxelGrid | None = None,
+        *,
+        region: ImageRegion | None = None,
+        probe: ProbeGeometry | None = None,
+        importance: Reals | None = None,
+        configuration: PlusConfiguration | None = None,
+        synchronizer: SynchronizerSettings | None = None,
+        record: str | Path | None = None,
+        frame_limit: int | None = None,
+        longest_delay: float | None = 1.0,
+    ):
+        self._source = source
+        self._configuration = configuration = configuration or NO_CONFIGURATION
+        asked = settings or ReconstructionSettings()
+        self.settings = resolve_settings(asked, configuration, bone is not None, importance is not None)
+        parts = reconstructor_parts(asked, self.settings, configuration, importance)
+        self._fits_spacing = parts.fits_spacing
+        self._method = self.settings.method_for(bone is not None)
+        self._uses_beams = needs_beams(self._method, self.settings)
+        self._needs_probe = self._uses_beams or depth_factor(self.settings) != 1.0
+        if self._uses_beams and bone is None:
+            raise SettingsError(
+                "Method {method} needs to know where bone is. Give labels or a bone probability, or choose method average.",
+                method=self._method,
+            )
+        self._region, self._probe = region, probe
+        self._imaging = known_imaging(configuration, self._needs_probe, region, probe)
+        self._synchronizer = Synchronizer(synchronizer, configuration)
+        self._reference = self._synchronizer.reference
+        self.recorder = Recorder(record) if record is not None else None
+        self.recorded: Path | None = None
+        self.finished = threading.Event()
+        self.latest: LiveFrame | None = None
+        self._frame_limit = frame_limit
+        self._meter = Meter()
+        self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts)
+        self._grid = grid
+        self._lock = threading.RLock()
+        self._phase = RECONSTRUCTING if self._imaging else LOOKING
+        if grid is None:
+            self._phase = SCOUTING
+        self._scouted = ScoutedFrames()
+        self._paused = False
+        self._prepared = self._started = self._closed = False
+        self._trouble = ("", 0.0)
+        self._unfinished: str | None = None
+        self._collect_error: Exception | None = None
+        self._collector = threading.Thread(target=self._collect, name="aifrecon live reception", daemon=True)
+
+    # ---- control
+
+    def start(self) -> None:
+        """Begin to receive: to scout without a grid, to reconstruct with one. Does nothing when called again. A session starts once."""
+        with self._lock:
+            if self._closed:
+                raise RuntimeError("stop() was called: this session takes no more frames. Make a new one.")
+            if self._started:
+                return
+            self._started = True
+            self._start_inserting()
+            self._source.start()
+            self._collector.start()
+
+    def prepare(self, timeout: float | None = None) -> bool:
+        """Make the volume and place the bone map before `start`, so that the first frames need not wait; whether that is done.
+
+        Without a grid, or with a probe that is still to be recognized, there is nothing to prepare yet.
+        """
+        with self._lock:
+            self._start_inserting()
+        return self._phase != RECONSTRUCTING or self._inserter.ready.wait(timeout)
+
+    def pause(self) -> None:
+        """Insert nothing until `resume`. Frames are still received, shown, recorded and counted."""
+        self._paused = True
+
+    def resume(self) -> None:
+        """Go on after `pause`."""
+        self._paused = False
+
+    def reset(self) -> None:
+        """Empty the volume and begin to count anew, on the same grid; frames that wait are forgotten. The recording goes on."""
+        with self._lock:
+            self._meter.restart()
+            self._inserter.restart()
+            if self._phase in (SCOUTING, LOOKING):
+                self._scouted = ScoutedFrames()
+
+    def scout(self) -> None:
+        """Collect frames for a new grid. The volume so far stays until `use_grid`."""
+        with self._lock:
+            self._scouted, self._phase = ScoutedFrames(), SCOUTING
+
+    def grid_from_scout(self, spacing: float | tuple[float, float, float] | None = None, margin: float = 0.0) -> VoxelGrid:
+        """The box around the frames seen since scouting began.
+
+        Parameters
+        ----------
+        spacing : float, (x, y, z) or None, mm
+            That of the settings by default.
+        margin : float, mm
+            Added on each side, for a scan that reaches farther.
+
+        Raises
+        ------
+        NoUsableFramesError, BeamGeometryError, GeometryError, InsufficientMemoryError
+            As `reconstruct` raises them, the first where no tracked frame was seen.
+        """
+        with self._lock:
+            fits = self._fits_spacing and spacing is None
+            settings = self.settings if spacing is None else replace(self.settings, spacing=spacing)
+            cost = bytes_per_voxel(self._method, self._uses_beams, self.settings.best_cosine, shares=True)
+            return self._scouted.grid(self._find_imaging(self._scouted), settings, cost, margin, fits)
+
+    def use_grid(self, grid: VoxelGrid) -> None:
+        """Reconstruct on `grid` from now on, beginning with the frames seen while scouting that were kept."""
+        with self._lock:
+            self._grid = grid
+            if self._imaging is None and self._scouted.usable < FRAMES_LOOKED_AT and not self._closed:
+                self._phase = LOOKING
+            else:
+                self._begin(grid)
+
+    def stop(self, progress: Progress | None = None) -> None:
+        """Receive no more, insert and record what was received, and finish the recording. Can be called again.
+
+        A recording that cannot be finished is no error of the reconstruction: see `recording_failure`.
+        """
+        with self._lock:
+            closed, self._closed = self._closed, True
+        if closed:
+            return
+        self._source.stop()
+        if self._started:
+            self._collector.join()
+        self._close_scouting()
+        self._inserter.close()
+        self._phase = STOPPED
+        self.finished.set()
+        if self.recorder is not None:
+            try:
+                self.recorded = self.recorder.finish(progress)
+            except OutputError as error:
+                self._unfinished = said(error)
+                logger.exception("A recording could not be finished")
+            except AIFReconError as error:
+                self._unfinished = Message(
+                    "{problem} The recording is kept in {path} and its .raw file.", problem=error, path=self.recorder.header_path
+                )
+                logger.exception("A recording could not be finished")
+
+    def finish(self, progress: Progress | None = None) -> Reconstruction | None:
+        """`stop`, and the final volume, holes filled; None when there never was a grid. It can be asked for once."""
+        self.stop(part(progress, 0.0, 0.7))
+        return self._inserter.finish(part(progress, 0.7, 1.0))
+
+    def __enter__(self) -> LiveSession:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    # ---- what is seen of it
+
+    def snapshot(self, progress: Progress | None = None) -> Reconstruction | None:
+        """The volume as it is now, holes filled; None before there is one. No frame is lost by it."""
+        return self._inserter.snapshot(progress)
+
+    @property
+    def grid(self) -> VoxelGrid | None:
+        """The voxels that are or will be filled."""
+        return self._grid
+
+    @property
+    def scouted(self) -> int:
+        """Tracked frames seen since scouting began."""
+        return self._scouted.usable
+
+    def devices(self) -> dict[str, tuple[str, ...]]:
+        """Names of the devices that the source has seen, each with the types of its messages."""
+        return self._source.devices()
+
+    @property
+    def error(self) -> Exception | None:
+        """What stopped the reconstruction; `reset` or `use_grid` tries again. Volume and recording so far are not lost."""
+        return self._collect_error or self._inserter.error
+
+    @property
+    def recording_failure(self) -> str | None:
+        """Why the recording ended early or could not be finished, and where its frames are; None while all is well."""
+        return self._unfinished or (self.recorder.failure if self.recorder is not None else None)
+
+    @property
+    def statistics(self) -> LiveStatistics:
+        """A snapshot of everything that is counted."""
+        now = time.monotonic()
+        latest, recorder = self.latest, self.recorder
+        tracking = NO_IMAGES if latest is None or now - latest.received > SILENCE else tracking_words(latest.status, self._reference)
+        error, source = self.error, self._source.statistics
+        return LiveStatistics(
+            phase=self._phase_shown(error),
+            connection=self._source.state,
+            tracking=tracking,
+            dropped=source.dropped,
+            dropped_images=source.dropped_images,
+            repeated=self._synchronizer.repeated,
+            other_images=self._synchronizer.other_images,
+            recorded=recorder.frames if recorder is not None else 0,
+            recording_failure=self.recording_failure,
+            trouble=said(error) if error is not None else self._recent_trouble(now) or self._synchronizer.problem,
+            **self._meter.counts(now),
+        )
+
+    def _phase_shown(self, error: Exception | None) -> str:
+        """The phase for the user, to whom a failure matters more than a pause, and a pause more than what is paused."""
+        if error is not None and self._phase != STOPPED:
+            return FAILED
+        return PAUSED if self._paused else self._phase
+
+    def _start_inserting(self) -> None:
+        if not self._prepared:
+            self._prepared = True
+            if self._grid is not None and self._phase == RECONSTRUCTING:
+                self._begin(self._grid)
+            self._inserter.start()
+
+    def _recent_trouble(self, now: float) -> str | None:
+        """What the stream last complained of, while it lasts or was a moment ago."""
+        what, when = self._trouble
+        return what if what and (self._source.state != CONNECTED or now - when < TROUBLE_SHOWN) else None
+
+    # ---- the receiving thread
+
+    def _collect(self) -> None:
+        try:
+            while not self.finished.is_set():
+                message = self._source.get(self._patience())
+                if message is None and self._source.state == ENDED:
+                    break
+                frames = self._synchronizer.expire(time.monotonic()) if message is None else self._synchronizer.feed(message)
+                self._note(message)
+                self._take(frames)
+            self._take(self._synchronizer.flush())
+        except Exception as error:  # kept and reported: the volume so far, and the recording, must survive it
+            self._collect_error = error
+            logger.exception("The reception of a live scan ended")
+        self.finished.set()
+
+    def _patience(self) -> float:
+        deadline = self._synchronizer.deadline
+        return POLL if deadline is None else min(max(deadline - time.monotonic(), 0.0), POLL)
+
+    def _note(self, message: StreamMessage | None) -> None:
+        if isinstance(message, StreamEvent):
+            self._trouble = ("", 0.0) if message.kind == "connected" else (message.detail, time.monotonic())
+
+    def _take(self, frames: list[LiveFrame]) -> None:
+        for frame in frames:
+            if self._frame_limit is not None and frame.number >= self._frame_limit:
+                break
+            self.latest = frame
+            if self.recorder is not None:
+                self.recorder.append(frame)
+            with self._lock:
+                self._hand_on(frame, self._meter.receive(frame.received))
+            if frame.number + 1 == self._frame_limit:
+                self.finished.set()
+
+    def _hand_on(self, frame: LiveFrame, round_: int) -> None:
+        if self._paused:
+            self._meter.skip(WHILE_PAUSED, round_)
+        elif frame.number % (self.settings.skip or 1):
+            self._meter.skip(LEFT_OUT, round_)
+        elif self._phase in (SCOUTING, LOOKING):
+            self._scouted.add(frame, round_)
+            if self._grid is not None and self._phase == LOOKING and self._scouted.usable >= FRAMES_LOOKED_AT:
+                self._begin(self._grid)
+        else:
+            self._inserter.put(frame, round_)
+
+    def _begin(self, grid: VoxelGrid) -> None:
+        """Reconstruct from now on, what was kept first."""
+        kept, self._scouted = self._scouted, ScoutedFrames()
+        self._inserter.begin(grid, lambda: self._find_imaging(kept))
+        for frame, round_ in kept:
+            self._inserter.put(frame, round_, live=False)
+        self._phase = RECONSTRUCTING
+
+    def _close_scouting(self) -> None:
+        """Account for the frames that still wait for a grid or for more of them."""
+        with self._lock:
+            if self._grid is not None and self._phase == LOOKING and self._scouted.usable:
+                self._begin(self._grid)
+            for frame, round_ in self._scouted:
+                self._meter.skip(SCOUTED if frame.status == "OK" else frame.status, round_)
+            self._scouted.clear()
+
+    def _find_imaging(self, kept: ScoutedFrames) -> Imaging:
+        """How the images are to be read: as given and configured, else recognized in the frames that were kept."""
+        if self._imaging is None:
+            sequence, poses = kept.sequence()
+            self._imaging = recognized_imaging(sequence.images, poses, self._configuration, self._needs_probe, self._region, self._probe)
+        return replace(self._imaging, notes=(*self._configuration.warnings, *self._imaging.notes))

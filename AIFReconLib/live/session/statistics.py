@@ -1,0 +1,172 @@
+"""What a live session tells of itself: frames in and where they went, rate, latency, and the tracking in words."""
+
+from __future__ import annotations
+
+import threading
+from collections import Counter, deque
+from dataclasses import dataclass, field
+from typing import TypedDict
+
+import numpy as np
+
+from ...message import Message, listed
+from ..pairing.placement import stream_name
+
+RATE_WINDOW = 2.0
+"""s over which the frame rate is counted."""
+
+LATENCIES = 4096
+"""Frames over which latency is judged: the last two minutes or more."""
+
+TRACKED = Message("tracked")
+NO_IMAGES = Message("no images")
+
+_NO_TOOLS = ("Tracker", "Image", "World")
+_REASONS_KEPT = 200
+OTHER_REASONS = Message("other reasons")
+
+
+@dataclass(frozen=True)
+class LiveStatistics:
+    """A snapshot of a session.
+
+    Parameters
+    ----------
+    phase : str
+        ``scouting``, ``looking`` (at the first images, to recognize the probe), ``reconstructing``, ``paused``, ``failed`` or ``stopped``.
+    connection : str
+        The state of the source.
+    tracking : str
+        ``tracked``, or in words what is wrong with the latest frame: ``Reference not visible``.
+    frames_received, inserted, waiting : int
+        Since the start or the last reset: received = inserted + skipped + waiting.
+    skipped : dict of str to int
+        Frames that were not inserted, by reason.
+    frame_rate : float, frames/s
+        Of what is received.
+    latency_p50, latency_p99 : float, s
+        From the arrival of an image to its voxels; NaN before the first.
+    dropped : int
+        Messages that the source had to drop.
+    dropped_images : int
+        Images among them, which no other number counts.
+    repeated : int
+        Images that the server sent again after a reconnection; they are no frames.
+    other_images : int
+        Images of other devices; they are no frames either.
+    recorded : int
+        Frames in the recording.
+    recording_failure : str or None
+    trouble : str or None
+        One sentence on the last thing that went wrong with the stream; None while all is well.
+    """
+
+    phase: str
+    connection: str
+    tracking: str
+    frames_received: int
+    inserted: int
+    waiting: int
+    skipped: dict[str, int] = field(default_factory=dict)
+    frame_rate: float = 0.0
+    latency_p50: float = float("nan")
+    latency_p99: float = float("nan")
+    dropped: int = 0
+    dropped_images: int = 0
+    repeated: int = 0
+    other_images: int = 0
+    recorded: int = 0
+    recording_failure: str | None = None
+    trouble: str | None = None
+
+    @property
+    def frames_skipped(self) -> int:
+        """Frames that were not inserted, for whatever reason."""
+        return sum(self.skipped.values())
+
+
+class Counts(TypedDict):
+    """The fields of `LiveStatistics` that a `Meter` counts."""
+
+    frames_received: int
+    inserted: int
+    waiting: int
+    skipped: dict[str, int]
+    frame_rate: float
+    latency_p50: float
+    latency_p99: float
+
+
+class Meter:
+    """Counts frames; every method may be called from any thread."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._round = 0
+        self._arrivals: deque[float] = deque(maxlen=1024)
+        self.restart()
+
+    def restart(self) -> int:
+        """Begin at zero; the answer is the number of the new count, which later calls name."""
+        with self._lock:
+            self._round += 1
+            self._received = self._inserted = 0
+            self._skipped: Counter[str] = Counter()
+            self._latencies: deque[float] = deque(maxlen=LATENCIES)
+            return self._round
+
+    def receive(self, received: float) -> int:
+        """Count a frame that arrived at `received`, s of `time.monotonic`; the answer is the number of the count it belongs to."""
+        with self._lock:
+            self._received += 1
+            self._arrivals.append(received)
+            return self._round
+
+    def insert(self, latency: float | None, round_: int) -> None:
+        """Count an inserted frame; `latency` in s, None where it tells nothing."""
+        with self._lock:
+            if round_ == self._round:
+                self._inserted += 1
+                if latency is not None:
+                    self._latencies.append(latency)
+
+    def skip(self, reason: str, round_: int) -> None:
+        """Count a frame that was not inserted."""
+        with self._lock:
+            if round_ == self._round:
+                known = reason in self._skipped or len(self._skipped) < _REASONS_KEPT
+                self._skipped[reason if known else OTHER_REASONS] += 1
+
+    def counts(self, now: float) -> Counts:
+        """The fields of `LiveStatistics` that are counted here, at the time `now`, s of `time.monotonic`."""
+        with self._lock:
+            recent = [time for time in self._arrivals if now - time <= RATE_WINDOW]
+            span = recent[-1] - recent[0] if len(recent) > 1 else 0.0
+            p50, p99 = np.percentile(self._latencies, (50, 99)) if self._latencies else (np.nan, np.nan)
+            return Counts(
+                frames_received=self._received,
+                inserted=self._inserted,
+                skipped=dict(self._skipped.most_common()),
+                waiting=self._received - self._inserted - self._skipped.total(),
+                frame_rate=(len(recent) - 1) / span if span > 0 else 0.0,
+                latency_p50=float(p50),
+                latency_p99=float(p99),
+            )
+
+
+def tracking_words(status: str, reference: str) -> str:
+    """What a frame's status means to the person at the probe: ``ProbeToTracker OUT_OF_VIEW`` is ``Probe not visible``."""
+    if status == "OK":
+        return TRACKED
+    word, _, what = status.partition(" ")
+    name = stream_name(word)
+    if name is None:
+        return status
+    if what == "stale":
+        return Message("{name} comes too rarely", name=name)
+    if what not in ("MISSING", "OUT_OF_VIEW", "OUT_OF_VOLUME", "INVALID", "REQ_TIMEOUT", "UNKNOWN"):
+        return status
+    tools = [frame for frame in (name.source, name.target) if frame not in _NO_TOOLS]
+    if name.source == "Image" and tools == [reference]:
+        tools = ["Probe", reference]
+    return Message("{tools} not visible", tools=listed(tools, " or ") or name)

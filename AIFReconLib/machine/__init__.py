@@ -1,0 +1,4 @@
+"""What the computer has and how it is used: memory, threads, reading ahead, compiling.
+
+May import errors, messages, progress and settings only.
+"""

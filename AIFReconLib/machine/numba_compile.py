@@ -1,0 +1,77 @@
+"""How loops are compiled: once per machine where a folder can be written to, without fused or reordered arithmetic, and without the GIL."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, TypeVar
+
+from numba import __version__ as VERSION
+from numba import njit
+
+logger = logging.getLogger(__name__)
+
+__all__ = ["VERSION", "compiled", "inlined"]
+
+Kernel = TypeVar("Kernel", bound=Callable[..., object])
+"""A loop over arrays; compiled, it is called as before."""
+
+_OPTIONS = {"nogil": True, "error_model": "numpy", "fastmath": False}
+
+
+def compiled(function: Kernel) -> Kernel:
+    """`function` compiled when it is first called; the code is kept on disk for the next time.
+
+    Notes
+    -----
+    numba keeps it beside the source, else in the user's cache folder (or where NUMBA_CACHE_DIR says). Where neither can be written to
+    it is compiled anew in every process. Kept code that is damaged, and a disk that is full, cost time and nothing else. A kernel calls
+    only `inlined` functions of its own file, because the kept code is told to be out of date by that file alone.
+    """
+    try:
+        dispatcher = njit(cache=True, **_OPTIONS)(function)
+        dispatcher._cache = _DispensableCache(dispatcher._cache)
+    except RuntimeError as error:
+        logger.info("%s is compiled anew in every process: its code cannot be kept (%s)", function.__name__, error)
+        dispatcher = njit(**_OPTIONS)(function)
+    kernel: Kernel = dispatcher
+    return kernel
+
+
+def inlined(function: Kernel) -> Kernel:
+    """`function` to be called by a `compiled` one of the same file, and made part of it before it is compiled.
+
+    Notes
+    -----
+    A call between compiled functions counts the references to every array that it hands over, each count a locked instruction: where
+    rows of a few hundred pixels are handed over, that is a fifth of the time.
+    """
+    kernel: Kernel = njit(inline="always", **_OPTIONS)(function)
+    return kernel
+
+
+class _DispensableCache:
+    """numba's cache of a kernel, whose failures do not matter: what cannot be loaded is compiled, what cannot be saved is not."""
+
+    # numba's own types, which no version of it promises
+    def __init__(self, cache: Any):
+        self._cache = cache
+
+    def load_overload(self, *arguments: Any) -> Any:
+        try:
+            return self._cache.load_overload(*arguments)
+        except Exception:  # a damaged file fails in whatever way it likes
+            logger.info("Kept code cannot be loaded and is compiled anew", exc_info=True)
+            with suppress(Exception):
+                self._cache.flush()
+            return None
+
+    def save_overload(self, *arguments: Any) -> None:
+        try:
+            self._cache.save_overload(*arguments)
+        except Exception:
+            logger.info("Compiled code cannot be kept", exc_info=True)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._cache, name)

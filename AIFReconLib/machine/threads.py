@@ -1,0 +1,106 @@
+"""Work in parts, on as many threads as are useful, by compiled code where there is any."""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import logging
+import os
+import threading
+import time
+from collections.abc import Callable
+from importlib.util import find_spec
+from types import ModuleType
+
+from ..errors import SettingsError
+
+logger = logging.getLogger(__name__)
+
+
+def in_parts(work: Callable[[int], None], parts: int, threads: int) -> None:
+    """Call `work` with 0 to `parts` - 1, each once, on up to `threads` threads of which the caller's is one.
+
+    Each thread takes the next part when it is done with one, so that parts may differ in size. All threads have ended when this
+    returns or raises; the first error stops the rest, and is raised here. Where the system allows fewer threads, it is done on fewer.
+    """
+    numbers = itertools.count()
+    errors: list[BaseException] = []
+
+    def take_turns() -> None:
+        try:
+            while not errors and (part := next(numbers)) < parts:
+                work(part)
+        except BaseException as error:
+            errors.append(error)
+
+    helpers = [threading.Thread(target=take_turns, daemon=True) for _ in range(min(threads, parts) - 1)]
+    started = list(itertools.takewhile(start, helpers))
+    take_turns()
+    for helper in started:
+        helper.join()
+    if errors:
+        raise errors[0]
+
+
+def start(thread: threading.Thread) -> bool:
+    """Start the thread; False where the system allows no more threads."""
+    try:
+        thread.start()
+    except RuntimeError as error:
+        logger.warning("The system allows no more threads (%s): %s does without", error, thread.name)
+        return False
+    return True
+
+
+def checked_threads(threads: int | None) -> int:
+    """How many threads to use: as many as asked for, else `usable_cores`.
+
+    Raises
+    ------
+    SettingsError
+        When it is not at least 1.
+    """
+    if threads is not None and threads < 1:
+        raise SettingsError("Input threads must be at least 1; got {threads!r}.", threads=threads)
+    return usable_cores() if threads is None else int(threads)
+
+
+def usable_cores() -> int:
+    """How many threads are useful: the NUMBA_NUM_THREADS of the environment, else the cores that this process may use."""
+    given = os.environ.get("NUMBA_NUM_THREADS", "")
+    if given.isdigit() and int(given) > 0:
+        return int(given)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def optional_module(name: str) -> ModuleType | None:
+    """One of the library's modules that import numba; None where numba is not there or does not work."""
+    if find_spec("numba") is None:
+        return None
+    try:
+        return importlib.import_module(name)
+    # A numba that does not fit its numpy or its Python fails in whatever way it likes
+    except Exception:
+        logger.warning("numba is installed but %s does not work; numpy and scipy stand in", name, exc_info=True)
+        return None
+
+
+def pause(seconds: float, unless: threading.Event) -> bool:
+    """Wait in the main thread, so that an interrupt always comes out as `KeyboardInterrupt`.
+
+    `Event.wait` may turn it into a RuntimeError: a signal that comes while its lock is taken again leaves it with a lock to release
+    that it does not hold.
+
+    Parameters
+    ----------
+    seconds : float, s
+    unless : threading.Event
+        Nothing is waited for when it is set; setting it does not end a wait that has begun.
+
+    Returns
+    -------
+    is_set : bool
+    """
+    if not unless.is_set():
+        time.sleep(seconds)
+    return unless.is_set()

@@ -1,0 +1,226 @@
+"""What the caller leaves open is taken from the Plus configuration, else from the images: settings, what a reconstructor gets, imaging."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeVar
+
+from .arrays import Reals
+from .errors import BeamGeometryError, SettingsError
+from .geometry.transforms import pixel_spacing
+from .geometry.volume import VoxelGrid
+from .holes.filling import HoleFilling
+from .imaging.beams import SECTOR, ProbeGeometry
+from .imaging.detection import detect_imaging
+from .imaging.images import ImageStack
+from .imaging.region import ImageRegion
+from .io.plus.importance_mask import configured_importance
+from .message import Message
+from .settings import LINEAR_METHODS, ReconstructionSettings
+from .sweep.frames import TrackedSequence
+from .sweep.poses import SweepPoses
+
+if TYPE_CHECKING:
+    from .sweep.configuration import PlusConfiguration
+
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True, eq=False)
+class ReconstructorParts:
+    """What a `Reconstructor` is given.
+
+    Parameters
+    ----------
+    importance : (rows, columns) float32 array, 0 to 1, or None
+    holes : tuple of HoleFilling
+    threads : int or None
+    fixed_point : bool
+        Whether pixels are placed as Plus's Optimization=FULL does.
+    fits_spacing : bool
+        Whether the spacing along z may grow to fit the box around the sweep.
+    grid : VoxelGrid or None
+        In the configuration's reference frame.
+    notes : tuple of str
+        What the configuration asks for and does not go with what the caller chose.
+    """
+
+    importance: Reals | None = None
+    holes: tuple[HoleFilling, ...] = ()
+    threads: int | None = None
+    fixed_point: bool = False
+    fits_spacing: bool = False
+    grid: VoxelGrid | None = None
+    notes: tuple[str, ...] = ()
+
+
+def resolve_settings(
+    settings: ReconstructionSettings, configuration: PlusConfiguration, has_bone: bool, has_importance: bool = False
+) -> ReconstructionSettings:
+    """`settings` with what they leave open taken from a configuration, else from the defaults.
+
+    That is the method (where there is no bone), spacing, skip, interpolation (where the method has one) and pixel rejection. With an
+    importance mask the method is average where none is named.
+
+    Raises
+    ------
+    SettingsError
+        When a way to fill holes has no limit.
+    """
+    if settings.holes not in (None, "off") and settings.hole_limit == 0:
+        raise SettingsError(
+            "Input hole_limit must be above 0 mm to fill holes by {holes}; got 0. Give --hole-limit MM.", holes=settings.holes
+        )
+
+    method = settings.method
+    if method is None and not has_bone:
+        method = "average" if has_importance else configuration.method
+    method = method or settings.method_for(has_bone)
+    interpolation = settings.interpolation
+    if interpolation is None and method in LINEAR_METHODS and not settings.best_cosine:
+        interpolation = configuration.interpolation
+    return replace(
+        settings,
+        method=method,
+        spacing=configuration.spacing if settings.spacing is None else settings.spacing,
+        skip=_first_known(settings.skip, configuration.skip),
+        interpolation=interpolation or "nearest",
+        pixel_rejection=_first_known(settings.pixel_rejection, configuration.pixel_rejection),
+    )
+
+
+def _first_known(own: Value | None, configured: Value | None) -> Value | None:
+    return configured if own is None else own
+
+
+def reconstructor_parts(
+    asked: ReconstructionSettings,
+    resolved: ReconstructionSettings,
+    configuration: PlusConfiguration,
+    importance: Reals | None = None,
+) -> ReconstructorParts:
+    """The parts for settings as `asked` by the caller and as `resolve_settings` returned them.
+
+    Parameters
+    ----------
+    asked, resolved : ReconstructionSettings
+    configuration : PlusConfiguration
+    importance : (rows, columns) array, 0 to 1, or None
+        The caller's; it comes before the configuration's.
+
+    Raises
+    ------
+    FileFormatError
+        When the configuration's importance mask cannot be read.
+    """
+    notes = []
+    if importance is None and configuration.uses_importance_mask:
+        if asked.method is None and resolved.method == "average":
+            importance = configured_importance(configuration)
+        else:
+            notes.append(
+                Message(
+                    "The configuration's importance mask is not used: it is for an average, and the method is {method}.",
+                    method=resolved.method,
+                )
+            )
+    if asked.interpolation is None and configuration.interpolation == "linear" and resolved.interpolation != "linear":
+        this = Message("{method} with cosines", method=resolved.method) if resolved.best_cosine else resolved.method
+        notes.append(
+            Message(
+                "The configuration's Interpolation=LINEAR is not used: it is for methods {methods}, and this is {method}.",
+                methods=", ".join(LINEAR_METHODS),
+                method=this,
+            )
+        )
+    return ReconstructorParts(
+        importance,
+        configuration.holes,
+        configuration.threads,
+        # Methods that weight by incidence are not Plus's
+        configuration.fixed_point and resolved.method in LINEAR_METHODS,
+        configuration.fits_spacing and asked.spacing is None,
+        configuration.grid(resolved.spacing_xyz()),
+        tuple(notes),
+    )
+
+
+@dataclass(frozen=True)
+class Imaging:
+    """How the images are to be read: the pixels that count, the probe where it is known, and where that knowledge is from."""
+
+    region: ImageRegion
+    probe: ProbeGeometry | None
+    notes: tuple[str, ...] = ()
+
+    def known_probe(self) -> ProbeGeometry:
+        """The probe.
+
+        Raises
+        ------
+        BeamGeometryError
+            When it is not known.
+        """
+        if self.probe is None:
+            raise BeamGeometryError(
+                "The directions of the beams are not known. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
+            )
+        return self.probe
+
+
+def known_imaging(
+    configuration: PlusConfiguration, need_probe: bool, region: ImageRegion | None = None, probe: ProbeGeometry | None = None
+) -> Imaging | None:
+    """Probe and region as given, else from the configuration; None where the images must be looked at."""
+    region = region or configuration.imaged_region
+    probe = probe or configuration.probe
+    if probe is None and region is not None and region.fan is not None:
+        probe = ProbeGeometry(SECTOR, region.fan.apex_px)
+    return None if region is None or (need_probe and probe is None) else Imaging(region, probe)
+
+
+def resolve_imaging(
+    sequence: TrackedSequence, poses: SweepPoses, need_probe: bool, region: ImageRegion | None = None, probe: ProbeGeometry | None = None
+) -> Imaging:
+    """Probe and region: as given, else from the configuration, else recognized in the images.
+
+    Raises
+    ------
+    BeamGeometryError
+        When the probe is needed and cannot be told.
+    """
+    configuration = sequence.configuration
+    known = known_imaging(configuration, need_probe, region, probe)
+    if known is not None:
+        return known
+    try:
+        return recognized_imaging(sequence.images, poses, configuration, need_probe, region, probe)
+    except BeamGeometryError as error:
+        raise BeamGeometryError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
+
+
+def recognized_imaging(
+    images: ImageStack,
+    poses: SweepPoses,
+    configuration: PlusConfiguration,
+    need_probe: bool,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+) -> Imaging:
+    """What `known_imaging` leaves open, recognized in the images.
+
+    Raises
+    ------
+    BeamGeometryError
+        When the probe is needed and cannot be told.
+    """
+    region, probe = region or configuration.imaged_region, probe or configuration.probe
+    try:
+        detected = detect_imaging(images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
+    except BeamGeometryError:
+        if need_probe and probe is None:
+            raise
+        return Imaging(region or ImageRegion(), probe)
+    note = Message("Recognized in the images: {probe}.", probe=detected.description)
+    return Imaging(region or detected.region, probe or detected.probe, (note,))

@@ -1,0 +1,106 @@
+"""What is known of a recording beside the file: the parts of a Plus configuration that concern a reconstruction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..geometry.transform_graph import TransformName, TransformSample
+from ..geometry.volume import VoxelGrid
+from ..holes.filling import HoleFilling
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion
+
+
+@dataclass(frozen=True, eq=False)
+class PlusConfiguration:
+    """The parts of a Plus configuration that concern a reconstruction; empty where nothing is configured.
+
+    Parameters
+    ----------
+    path : Path or None
+        None where there is no file.
+    transforms : dict of TransformName to TransformSample
+        From CoordinateDefinitions: the calibration and other fixed relations.
+    image_frame, reference_frame : str or None
+        Names of the coordinate frames, None when not given.
+    spacing, origin : (x, y, z) or None, mm
+        Of the volume, in Reference.
+    extent : 6 int or None
+        First and last voxel along x, y, z.
+    region : ImageRegion
+        Clip rectangle and fan of the volume reconstruction, in pixels.
+    probe : ProbeGeometry or None
+        From ScanConversion.
+    scan_region : ImageRegion or None
+        The part of the image that the scan conversion fills.
+    method : str or None
+        How pixels are combined, in this library's words; None when not given or not supported.
+    interpolation : "nearest", "linear" or None
+    uses_importance_mask : bool
+        Whether an average is to be weighted by an importance mask.
+    importance_mask : Path or None
+        Image with the weight of each pixel, 0 to 255; not looked at yet. None where it must come from elsewhere.
+    pixel_rejection : float or None
+        Pixels darker than this do not enter.
+    holes : tuple of HoleFilling
+        Tried in this order; none where holes stay.
+    threads : int or None
+        How many to use.
+    skip : int
+        Every how many frames one is used.
+    fixed_point : bool
+        Whether pixels are to be placed in fixed-point numbers, as Plus's Optimization=FULL does.
+    fits_spacing : bool
+        Whether the spacing along z may grow so that the box around the sweep is a whole number of voxels.
+    warnings : tuple of str
+        What the file asks for and is not honored, one sentence each.
+    """
+
+    path: Path | None = None
+    transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
+    image_frame: str | None = None
+    reference_frame: str | None = None
+    spacing: tuple[float, float, float] | None = None
+    origin: tuple[float, float, float] | None = None
+    extent: tuple[int, int, int, int, int, int] | None = None
+    region: ImageRegion = field(default_factory=ImageRegion)
+    probe: ProbeGeometry | None = None
+    scan_region: ImageRegion | None = None
+    method: str | None = None
+    interpolation: str | None = None
+    uses_importance_mask: bool = False
+    importance_mask: Path | None = None
+    pixel_rejection: float | None = None
+    holes: tuple[HoleFilling, ...] = ()
+    threads: int | None = None
+    skip: int = 1
+    fixed_point: bool = False
+    fits_spacing: bool = False
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def imaged_region(self) -> ImageRegion | None:
+        """The pixels that are ultrasound: of the volume reconstruction, else of the scan conversion; None where neither tells."""
+        known = (region for region in (self.region, self.scan_region) if region is not None and (region.clip or region.fan))
+        return next(known, None)
+
+    def grid(self, spacing: tuple[float, float, float] | None = None) -> VoxelGrid | None:
+        """The voxels that OutputOrigin, OutputExtent and OutputSpacing ask for; None where they are not given.
+
+        With another `spacing` (mm), the same box in voxels of that size: its first voxel's center stays where it was, and its size is
+        that of the box rounded to whole voxels.
+        """
+        if self.extent is None or self.spacing is None:
+            return None
+        wanted = self.spacing if spacing is None else spacing
+        first, last = np.array(self.extent[::2]), np.array(self.extent[1::2])
+        size = np.floor((last - first) * np.array(self.spacing) / wanted + 0.5).astype(int) + 1
+        origin = np.array(self.origin or (0.0, 0.0, 0.0)) + first * self.spacing
+        return VoxelGrid.from_spacing(origin, tuple(int(n) for n in size), wanted)
+
+
+NO_CONFIGURATION = PlusConfiguration()
+"""Of a recording that came without one."""

@@ -1,0 +1,273 @@
+"""Changes to a recorded sequence that leave images in their place: other frames, a part of each image, other names, another calibration.
+
+Each function returns a new sequence whose images are views of the old one's, read one at a time.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import Matrix, Numbers, NumberType
+from ..errors import SettingsError, TransformError
+from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
+from ..geometry.transforms import as_matrix, invert
+from ..imaging.images import ImageStack
+from ..message import Message
+from .frames import TrackedSequence
+
+Transforms = dict[TransformName, TransformSample]
+
+
+class ImageView:
+    """Some frames, or a part of each, of another `ImageStack`.
+
+    Parameters
+    ----------
+    images : ImageStack
+    numbers : sequence of int or None
+        Frames, in this order; all by default.
+    columns, rows : (first, count) or None
+        The part of each image; all of it by default.
+    """
+
+    def __init__(
+        self,
+        images: ImageStack,
+        numbers: Sequence[int] | None = None,
+        columns: tuple[int, int] | None = None,
+        rows: tuple[int, int] | None = None,
+    ):
+        self._images = images
+        self._numbers = range(len(images)) if numbers is None else numbers
+        first_column, width = columns or (0, images.shape[2])
+        first_row, height = rows or (0, images.shape[1])
+        self._part = (slice(first_row, first_row + height), slice(first_column, first_column + width))
+        self.shape = (len(self._numbers), height, width)
+        self.dtype = np.dtype(images.dtype)
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, index: int) -> Numbers:
+        return np.asarray(self._images[self._numbers[operator.index(index)]])[self._part]
+
+    def __array__(self, dtype: NumberType | None = None, copy: bool | None = None) -> Numbers:
+        if copy is False:
+            raise ValueError("Images that are read one by one cannot become an array without a copy.")
+        array = np.stack([self[index] for index in range(len(self))])
+        return array if dtype is None else array.astype(dtype)
+
+
+def select_frames(sequence: TrackedSequence, first: int = 0, last: int | None = None, every: int = 1) -> TrackedSequence:
+    """The frames from `first` to `last`, both included, every `every`-th.
+
+    Raises
+    ------
+    SettingsError
+        When there are no such frames.
+    """
+    last = len(sequence) - 1 if last is None else last
+    if not 0 <= first <= last < len(sequence):
+        raise SettingsError(
+            "Input frames must be two numbers from 0 to {largest}, rising; got {first} {last}.",
+            largest=len(sequence) - 1,
+            first=first,
+            last=last,
+        )
+    if every < 1:
+        raise SettingsError("Input every must be 1 or more; got {every}.", every=every)
+    numbers = range(first, last + 1, every)
+    return replace(sequence, images=ImageView(sequence.images, numbers), records=[sequence.records[number] for number in numbers])
+
+
+def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, image_frame: str = "Image") -> TrackedSequence:
+    """The rectangle of `width` x `height` pixels from column `x`, row `y`, in its old place: transforms of the image move along.
+
+    Raises
+    ------
+    SettingsError
+        When the rectangle is not within the images, or the sequence has no transform of the image to keep it in its place.
+    """
+    columns, rows = sequence.frame_size
+    if width < 1 or height < 1 or x < 0 or y < 0 or x + width > columns or y + height > rows:
+        raise SettingsError(
+            "Input crop must lie within the image of {columns} x {rows} pixels; got X {x}, Y {y}, W {width}, H {height}.",
+            columns=columns,
+            rows=rows,
+            x=x,
+            y=y,
+            width=width,
+            height=height,
+        )
+    if not any(image_frame in (name.source, name.target) for name in sequence.transform_names()):
+        raise SettingsError(
+            "{sequence}: cropping moves the first pixel, so the calibration must move along, and the recording has none of "
+            "{image_frame}. Give it with --config PlusDeviceSet.xml or --calibration FILE.",
+            sequence=sequence.name,
+            image_frame=image_frame,
+        )
+    moved = np.eye(4)
+    moved[:2, 3] = x, y
+    note = Message(
+        "Columns {x} to {last_x} and rows {y} to {last_y} were cut out. A configuration's clip rectangle, fan and "
+        "transducer center are about the whole image: subtract {x} and {y} from them.",
+        x=x,
+        last_x=x + width - 1,
+        y=y,
+        last_y=y + height - 1,
+    )
+    sequence = _with_images_moved(sequence, moved, image_frame)
+    return replace(sequence, images=ImageView(sequence.images, None, (x, width), (y, height)), notes=(*sequence.notes, note))
+
+
+def rename(sequence: TrackedSequence, names: Mapping[str, str]) -> TrackedSequence:
+    """Transforms, or coordinate frames, under other names.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+    names : mapping of str to str
+        Old to new: two transforms (``{"ProbeToTracker": "NeedleToTracker"}``) or two frames (``{"Marker": "Probe"}``).
+
+    Raises
+    ------
+    SettingsError
+        When a name does not occur, is taken, or a transform would become a frame.
+    """
+    for old, new in names.items():
+        change = _renaming(sequence, old, new)
+        taken = [change(name) for name in sequence.transform_names()]
+        twice = next((name for name in taken if taken.count(name) > 1 or name.inverse in taken), None)
+        if twice is not None:
+            raise SettingsError(
+                "Input rename {old}={new} must give names that are free; there would be two of {twice}. Choose another name.",
+                old=old,
+                new=new,
+                twice=twice,
+            )
+        sequence = _renamed(sequence, change)
+    return sequence
+
+
+def _renamed(sequence: TrackedSequence, change: Callable[[TransformName], TransformName]) -> TrackedSequence:
+    return _map_transforms(sequence, lambda transforms: {change(name): sample for name, sample in transforms.items()})
+
+
+def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, wrong: Matrix | None = None) -> TrackedSequence:
+    """The recording with another calibration.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+    name : TransformName
+        What the calibration is called, ImageToProbe.
+    matrix : (4, 4) array, pixels to mm
+    wrong : (4, 4) array or None
+        The calibration that recorded transforms such as ImageToReference include; the recording's own transform of that name by default.
+
+    Raises
+    ------
+    SettingsError
+        When recorded transforms include a calibration that is not known.
+
+    Notes
+    -----
+    M = X C_wrong becomes X C = M inv(C_wrong) C for every transform M of the image. The calibration itself is written once, into the
+    header.
+    """
+    matrix = as_matrix(matrix, f"calibration {name}")
+    others = [
+        other for other in sequence.transform_names() if name.source in (other.source, other.target) and other not in (name, name.inverse)
+    ]
+    if wrong is None and others:
+        wrong = _recorded(sequence, name)
+        if wrong is None:
+            raise SettingsError(
+                "{sequence}: its {transform} includes the calibration that it was recorded with, which is not in the file. "
+                "Give that too, with --wrong-calibration FILE.",
+                sequence=sequence.name,
+                transform=others[0],
+            )
+    was_recorded = {name, name.inverse} & set(sequence.transform_names())
+    sequence = _map_transforms(
+        sequence, lambda transforms: {other: sample for other, sample in transforms.items() if other not in (name, name.inverse)}
+    )
+    if others and wrong is not None:
+        sequence = _with_images_moved(sequence, invert(as_matrix(wrong, "wrong calibration")) @ matrix, name.source)
+    if others and not was_recorded:
+        return sequence  # a second way from the image to the tracker would contradict the first sooner or later
+    return replace(sequence, transforms={**sequence.transforms, name: TransformSample(matrix)})
+
+
+def with_configured_transforms(sequence: TrackedSequence) -> TrackedSequence:
+    """The sequence with the transforms of its configuration in its header, those excepted that it holds already."""
+    configured = sequence.configuration.transforms
+    recorded = {name for known in sequence.transform_names() for name in (known, known.inverse)}
+    added = {name: sample for name, sample in configured.items() if name not in recorded}
+    return replace(sequence, transforms={**sequence.transforms, **added})
+
+
+def _with_images_moved(sequence: TrackedSequence, new_to_old: Matrix, image_frame: str) -> TrackedSequence:
+    """Transforms of the image with another definition of its pixels: new pixel to old pixel, (4, 4)."""
+    old_to_new = invert(new_to_old)
+
+    def moved(transforms: Transforms) -> Transforms:
+        changed = {}
+        for name, sample in transforms.items():
+            if name.source == image_frame:
+                sample = replace(sample, matrix=sample.matrix @ new_to_old)
+            elif name.target == image_frame:
+                sample = replace(sample, matrix=old_to_new @ sample.matrix)
+            changed[name] = sample
+        return changed
+
+    return _map_transforms(sequence, moved)
+
+
+def _map_transforms(sequence: TrackedSequence, change: Callable[[Transforms], Transforms]) -> TrackedSequence:
+    """The sequence with `change` done to the transforms of the header and of each frame."""
+    records = [replace(record, transforms=change(record.transforms)) for record in sequence.records]
+    return replace(sequence, records=records, transforms=change(sequence.transforms))
+
+
+def _renaming(sequence: TrackedSequence, old: str, new: str) -> Callable[[TransformName], TransformName]:
+    known = sequence.transform_names()
+    one, other = _parsed(old), _parsed(new)
+    if one and other:
+        if one not in known:
+            there = ", ".join(map(str, known)) or Message("none")
+            raise SettingsError(
+                "Input rename {old}={new} must name a transform of the recording; it has {there}.", old=old, new=new, there=there
+            )
+        return lambda name: other if name == one else name
+    if one or other or not new:
+        raise SettingsError("Input rename {old}={new} must be two transforms (AToB=CToD) or two frames (A=B).", old=old, new=new)
+    old, new = capital(old), capital(new)
+    frames = {frame for name in known for frame in (name.source, name.target)}
+    if old not in frames:
+        raise SettingsError(
+            "Input rename {old}={new} must name a frame of the recording; it has {frames}.",
+            old=old,
+            new=new,
+            frames=", ".join(sorted(frames)) or Message("none"),
+        )
+    return lambda name: TransformName(*(new if frame == old else frame for frame in (name.source, name.target)))
+
+
+def _parsed(text: str) -> TransformName | None:
+    try:
+        return TransformName.parse(text)
+    except TransformError:
+        return None
+
+
+def _recorded(sequence: TrackedSequence, name: TransformName) -> Matrix | None:
+    """The one matrix that the recording holds under `name`; None where it has none, or more than one."""
+    samples = [transforms[name] for transforms in (sequence.transforms, *(r.transforms for r in sequence.records)) if name in transforms]
+    usable = [sample.matrix for sample in samples if sample.status is TransformStatus.OK]
+    same = usable and all(np.array_equal(matrix, usable[0]) for matrix in usable)
+    return usable[0] if same else None

@@ -1,0 +1,78 @@
+"""The poses of one tool over time: where it was at any moment, and why that cannot be said."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from ..arrays import Matrix
+from ..errors import GeometryError
+from ..geometry.pose_interpolation import interpolate_pose
+from ..geometry.transform_graph import TransformSample, TransformStatus
+from ..geometry.transforms import why_not_affine
+
+LONGEST_GAP = 0.5
+"""s. Poses farther apart are not interpolated between. Plus's own limit."""
+
+SAME_TIME = 1e-6
+"""s. A pose this near in time is taken as it is."""
+
+
+class PoseTrack:
+    """The usable poses of one transform, in order of time.
+
+    Parameters
+    ----------
+    samples : iterable of (time in s, TransformSample)
+        In any order. Poses that are not OK or not finite are left out; of several at one time, the first counts.
+    """
+
+    def __init__(self, samples: Iterable[tuple[float, TransformSample]]):
+        usable = [
+            (time, sample.matrix)
+            for time, sample in samples
+            if sample.status is TransformStatus.OK and np.isfinite(time) and not why_not_affine(sample.matrix)
+        ]
+        times = np.array([time for time, _ in usable], dtype=np.float64)
+        self.times, first = np.unique(times, return_index=True)
+        self._matrices = [usable[index][1] for index in first]
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def at(self, time: float, longest_gap: float = LONGEST_GAP, tolerance: float = SAME_TIME) -> tuple[Matrix, None] | tuple[None, str]:
+        """The pose at one moment, or why there is none.
+
+        Parameters
+        ----------
+        time : float, s
+        longest_gap : float, s
+            Poses on either side that are farther apart from each other than this say nothing of the time between.
+        tolerance : float, s
+            A pose this near in time is returned bit for bit.
+
+        Returns
+        -------
+        matrix : (4, 4) array or None
+        problem : str or None
+            ``"no valid pose between 1.200 and 2.450 s"``, ``"no pose after 2.450 s"``.
+        """
+        if not len(self.times):
+            return None, "no valid pose at all"
+        after = int(np.searchsorted(self.times, time))
+        nearest = min((index for index in (after - 1, after) if 0 <= index < len(self.times)), key=lambda i: abs(self.times[i] - time))
+        if abs(self.times[nearest] - time) <= tolerance:
+            return self._matrices[nearest], None
+        if after == 0:
+            return None, f"no pose before {self.times[0]:.3f} s"
+        if after == len(self.times):
+            return None, f"no pose after {self.times[-1]:.3f} s"
+        start, stop = self.times[after - 1], self.times[after]
+        if stop - start > longest_gap + SAME_TIME:
+            return None, f"no valid pose between {start:.3f} and {stop:.3f} s"
+        part = (time - start) / (stop - start)
+        try:
+            return interpolate_pose(self._matrices[after - 1], self._matrices[after], float(part)), None
+        except GeometryError:
+            return None, f"poses at {start:.3f} and {stop:.3f} s that cannot be interpolated"

@@ -1,0 +1,230 @@
+"""Where every frame of a sequence lies, and why a frame cannot be used.
+
+The chain from Image to Reference is looked up once for the whole sequence and then followed frame by frame, so that a tool that was
+out of view in some frames costs those frames and no others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Integers, Matrix
+from ..errors import GeometryError, NoUsableFramesError, TransformError
+from ..geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
+from ..geometry.transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
+from ..message import Message, listed
+from .configuration import PlusConfiguration
+from .frames import TrackedFrame, TrackedSequence
+
+
+@dataclass(frozen=True, eq=False)
+class SweepPoses:
+    """The poses of a sequence.
+
+    Parameters
+    ----------
+    image_to_reference : (frames, 4, 4) float64 array, pixels to mm
+        NaN where the frame cannot be used.
+    problems : tuple of str or None, one per frame
+        Why a frame cannot be used: ``"ProbeToTracker OUT_OF_VIEW"``, ``"no image (MISSING)"``.
+    path : tuple of TransformName
+        The chain that was followed.
+    notes : tuple of str
+        What a user should know about the choice.
+    """
+
+    image_to_reference: Matrix
+    problems: tuple[str | None, ...]
+    path: tuple[TransformName, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def usable(self) -> Integers:
+        """The numbers of the frames that have an image and a valid pose, in file order."""
+        return np.array([i for i, problem in enumerate(self.problems) if problem is None], dtype=np.int64)
+
+    def skipped(self) -> dict[str, list[int]]:
+        """Numbers of the frames that cannot be used, by reason."""
+        reasons: dict[str, list[int]] = {}
+        for number, problem in enumerate(self.problems):
+            if problem is not None:
+                reasons.setdefault(problem, []).append(number)
+        return reasons
+
+    def require_usable(self, name: str) -> Integers:
+        """`usable`, or an error that says why there is none."""
+        usable = self.usable
+        if not usable.size:
+            raise NoUsableFramesError(
+                "{name}: no frame can be placed ({reasons}). Check the tracking of this recording.",
+                name=name,
+                reasons=describe_skipped(self.skipped()) or Message("it has no frames"),
+            )
+        return usable
+
+
+def chain_ends(configuration: PlusConfiguration, image_to_reference: str | None, reference: str | None) -> tuple[TransformName, bool]:
+    """The transform to look up, and whether the caller named it: options first, then the configuration, then Plus's usual names."""
+    if image_to_reference is not None:
+        name = TransformName.parse(image_to_reference)
+        return TransformName(name.source, reference or name.target), True
+    source = configuration.image_frame or "Image"
+    target = reference or configuration.reference_frame or "Reference"
+    return TransformName(source, target), False
+
+
+def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None, reference: str | None = None) -> SweepPoses:
+    """Find the image's place in every frame.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+        Its configuration, if any, contributes calibration and other static transforms.
+    image_to_reference : str or None
+        The transform that places the image. When the recording holds one of that very name it is used alone, whatever other paths
+        there are; else it is looked up as a chain. Default: from the configuration's image frame to its reference frame.
+    reference : str or None
+        Frame to reconstruct in, e.g. "Tracker" when there is no reference marker.
+
+    Raises
+    ------
+    TransformError
+        When no chain, or more than one, leads from image to reference.
+    """
+    wanted, named = chain_ends(sequence.configuration, image_to_reference, reference)
+    recorded = sequence.transform_names()
+    configured = sequence.configuration.transforms
+    notes = list(sequence.notes)
+    twice = [name for name in recorded if name in configured]
+    notes += [Message("{name} is in the recording and in the configuration; the recording's is used.", name=name) for name in twice]
+    path = (wanted,) if named and wanted in recorded else _find_chain(sequence, wanted, recorded, configured)
+    # A frame that lacks a recorded transform is a frame without a pose: the configuration's must not stand in for it
+    static = {**{name: sample for name, sample in configured.items() if name not in recorded}, **sequence.transforms}
+    known = {*recorded, *configured}
+    count = len(sequence)
+    matrices = np.full((count, 4, 4), np.nan)
+    problems: list[str | None] = []
+    for number, record in enumerate(sequence.records):
+        if record.image_status is not TransformStatus.OK:
+            problems.append(Message("no image ({status})", status=record.image_status.value))
+            continue
+        matrix, problem = _follow(path, known, record.transforms, static, image_frame=wanted.source)
+        problems.append(problem)
+        if problem is None:
+            matrices[number] = matrix
+    return SweepPoses(matrices, tuple(problems), path, tuple(notes))
+
+
+def tracked_frames(sequence: TrackedSequence, poses: SweepPoses, numbers: Iterable[int]) -> Iterable[TrackedFrame]:
+    """The frames with these numbers, one after the other, images read when asked for."""
+    for number in numbers:
+        record, problem = sequence.records[number], poses.problems[number]
+        yield TrackedFrame(
+            image=sequence.images[number] if problem is None else None,
+            image_to_reference=poses.image_to_reference[number] if problem is None else None,
+            timestamp=record.timestamp if record.timestamp is not None else float(number),
+            status=problem or "OK",
+            number=number,
+        )
+
+
+def time_order(sequence: TrackedSequence) -> Integers:
+    """Frame numbers in order of their timestamps; in file order where a timestamp is missing, and among equal ones."""
+    timestamps = [record.timestamp for record in sequence.records]
+    if any(t is None or not np.isfinite(t) for t in timestamps):
+        return np.arange(len(sequence))
+    return np.argsort(np.array(timestamps), kind="stable")
+
+
+def describe_frames(numbers: Sequence[int], at_most: int = 4) -> Message:
+    """Frame numbers in words: ``12 frames (0-8, 11, 13-14)``."""
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and number == runs[-1][1] + 1:
+            runs[-1][1] = number
+        else:
+            runs.append([number, number])
+    spelled = [str(a) if a == b else f"{a}-{b}" for a, b in runs[:at_most]]
+    which = ", ".join([*spelled, "..."] if len(runs) > at_most else spelled)
+    if len(numbers) == 1:
+        return Message("1 frame ({numbers})", numbers=which)
+    return Message("{count} frames ({numbers})", count=len(numbers), numbers=which)
+
+
+def describe_skipped(skipped: Mapping[str, Sequence[int]]) -> Message:
+    """Frames by reason, in words: ``no image: 1 frame (3); ProbeToTracker OUT_OF_VIEW: 2 frames (5-6)``."""
+    words = (Message("{reason}: {frames}", reason=reason, frames=describe_frames(numbers)) for reason, numbers in skipped.items())
+    return listed(words, "; ")
+
+
+def _find_chain(
+    sequence: TrackedSequence, wanted: TransformName, recorded: Iterable[TransformName], configured: Iterable[TransformName]
+) -> tuple[TransformName, ...]:
+    """The chain from image to reference over everything that any frame or the configuration holds."""
+    if wanted.source == wanted.target:
+        raise TransformError(
+            "{sequence}: Image and reference must be two frames; got {frame} for both.", sequence=sequence.name, frame=wanted.source
+        )
+    graph = TransformGraph()
+    try:
+        for name in dict.fromkeys([*configured, *recorded]):
+            graph.put(name, np.eye(4))
+    except TransformError as error:
+        raise TransformError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
+    try:
+        return graph.lookup(wanted.source, wanted.target).path
+    except TransformError as error:
+        advice = _advice(graph, wanted)
+        if advice is None:
+            raise TransformError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
+        raise TransformError("{sequence}: {problem} {advice}", sequence=sequence.name, problem=error, advice=advice) from None
+
+
+def _advice(graph: TransformGraph, wanted: TransformName) -> Message | None:
+    """What to do about a missing chain, in one sentence; None where the chain is not missing."""
+    if len(graph) == 0:
+        return Message(
+            "The recording has no transforms at all: was a tracker connected? "
+            "Slicer saves transforms as sequences of their own; give them with --transform-sequence NAME=FILE."
+        )
+    if wanted.target in graph.connected(wanted.source):
+        return None
+    frames = {frame for name in graph.names for frame in (name.source, name.target)}
+    if wanted.source not in frames:
+        return Message("Give the calibration (for example {name}) with --config PlusDeviceSet.xml.", name=f"{wanted.source}ToProbe")
+    if wanted.target not in frames:
+        others = ", ".join(sorted(frames - {wanted.source}))
+        return Message("Choose another frame to reconstruct in with --reference, one of: {frames}.", frames=others)
+    return Message("Give the missing link with --config PlusDeviceSet.xml.")
+
+
+def _follow(
+    path: tuple[TransformName, ...],
+    known: set[TransformName],
+    recorded: dict[TransformName, TransformSample],
+    static: dict[TransformName, TransformSample],
+    image_frame: str,
+) -> tuple[Matrix, str | None]:
+    """The product of one frame's transforms along `path`, or what is wrong with the first link that cannot be used."""
+    matrix = np.eye(4)
+    for name in path:
+        stored = name if name in known else name.inverse
+        is_recorded = stored in recorded
+        sample = recorded.get(stored) if is_recorded else static.get(stored)
+        if sample is None:
+            return matrix, Message("{transform} not recorded", transform=stored)
+        if sample.status is not TransformStatus.OK:
+            return matrix, f"{stored} {sample.status.value}"
+        scales_pixels = image_frame in (name.source, name.target)
+        problem = why_not_rigid(sample.matrix) if is_recorded and not scales_pixels else why_not_affine(sample.matrix)
+        if problem:
+            return matrix, Message("{transform} {problem}", transform=stored, problem=problem)
+        try:
+            matrix = (sample.matrix if stored == name else invert(sample.matrix)) @ matrix
+        except GeometryError:
+            return matrix, Message("{transform} singular", transform=stored)
+    problem = why_not_an_image_pose(matrix)
+    return matrix, Message("image pose {problem}", problem=problem) if problem else None

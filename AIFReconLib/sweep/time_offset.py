@@ -1,0 +1,100 @@
+"""Images and poses that are out of step: every image gets the pose of the moment it was really taken.
+
+Plus calls the constant `LocalTimeOffsetSec`: seconds added to the time stamps of a device to get to the common clock. Here it is that
+of the images, as in Plus's configurations: negative where images arrive late, as frame grabbers do. Poses that arrive late by 0.1 s
+are mended by +0.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import SettingsError
+from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ..message import Message
+from .frames import TrackedSequence
+from .pose_tracks import LONGEST_GAP, PoseTrack
+
+LARGEST_OFFSET = 10.0
+"""s. More is a mistake in the unit."""
+
+
+def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap: float = LONGEST_GAP) -> TrackedSequence:
+    """The sequence with the poses of every frame taken `time_offset` seconds after its time stamp.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+        Its images are shared, not copied.
+    time_offset : float, s
+        `LocalTimeOffsetSec` of the images: image time = time stamp + offset. 0 returns the sequence as it is.
+    longest_gap : float, s
+        Where valid poses are farther apart than this, frames between them get none (status MISSING), and neither do frames before the
+        first and after the last; frames that had another status than OK keep it.
+
+    Raises
+    ------
+    SettingsError
+        When the offset or the gap is out of range, or time stamps are missing or all equal.
+
+    Notes
+    -----
+    Each recorded transform is interpolated on its own: rotations on the shortest arc (slerp), origins along the straight line. Frames
+    without an image still say where the tools were.
+    """
+    if not np.isfinite(time_offset) or abs(time_offset) > LARGEST_OFFSET:
+        raise SettingsError(
+            "Input time_offset must be within {limit:g} s; got {time_offset!r}. Give it in seconds.",
+            limit=LARGEST_OFFSET,
+            time_offset=time_offset,
+        )
+    if not np.isfinite(longest_gap) or longest_gap <= 0:
+        raise SettingsError("Input longest_gap must be above 0 s; got {longest_gap!r}. Give it in seconds.", longest_gap=longest_gap)
+    if time_offset == 0:
+        return sequence
+    times = [record.timestamp for record in sequence.records if record.timestamp is not None]
+    if len(times) < len(sequence) or not np.isfinite(times).all() or len(set(times)) < 2:
+        raise SettingsError(
+            "{sequence}: a time offset needs a time stamp for every frame, and they must differ. Leave out --time-offset, or record "
+            "the sweep with time stamps.",
+            sequence=sequence.name,
+        )
+    images_taken = [time + time_offset for time in times]
+    names = dict.fromkeys(name for record in sequence.records for name in record.transforms)
+    tracks = {name: _track(sequence, name, times) for name in names}
+    records, lost = [], 0
+    for record, taken in zip(sequence.records, images_taken, strict=True):
+        transforms = {name: _sample(track, taken, longest_gap, record.transforms.get(name)) for name, track in tracks.items()}
+        was = {name for name, sample in record.transforms.items() if sample.status is TransformStatus.OK}
+        lost += any(transforms[name].status is not TransformStatus.OK for name in was)
+        records.append(replace(record, transforms=transforms))
+    return replace(sequence, records=records, notes=(*sequence.notes, _note(time_offset, lost)))
+
+
+def _note(time_offset: float, lost: int) -> Message:
+    """What was done, and how many frames have no pose for it."""
+    if time_offset > 0:
+        shift = Message("Poses are those of {seconds:g} s after each image's time stamp", seconds=time_offset)
+    else:
+        shift = Message("Poses are those of {seconds:g} s before each image's time stamp", seconds=-time_offset)
+    if not lost:
+        return Message("{shift}.", shift=shift)
+    if lost == 1:
+        return Message("{shift}; 1 frame has no pose then.", shift=shift)
+    return Message("{shift}; {count} frames have no pose then.", shift=shift, count=lost)
+
+
+def _track(sequence: TrackedSequence, name: TransformName, times: list[float]) -> PoseTrack:
+    samples = ((time, record.transforms.get(name)) for time, record in zip(times, sequence.records, strict=True))
+    return PoseTrack((time, sample) for time, sample in samples if sample is not None)
+
+
+def _sample(track: PoseTrack, time: float, longest_gap: float, recorded: TransformSample | None) -> TransformSample:
+    """The pose at one moment; without one, the status that the frame had, unless that was OK."""
+    matrix, _ = track.at(time, longest_gap)
+    if matrix is not None:
+        return TransformSample(matrix)
+    status = TransformStatus.MISSING if recorded is None or recorded.status is TransformStatus.OK else recorded.status
+    return TransformSample(np.full((4, 4), np.nan), status)
