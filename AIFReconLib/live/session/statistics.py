@@ -18,6 +18,9 @@ RATE_WINDOW = 2.0
 LATENCIES = 4096
 """Frames over which latency is judged: the last two minutes or more."""
 
+TROUBLE_SHOWN = 10.0
+"""s that an event of a stream that goes on is told."""
+
 TRACKED = Message("tracked")
 NO_IMAGES = Message("no images")
 
@@ -83,10 +86,6 @@ class LiveStatistics:
     def frames_skipped(self) -> int:
         """Frames that were not inserted, for whatever reason."""
         return sum(self.skipped.values())
-
-
-TROUBLE_SHOWN = 10.0
-"""s that an event of a stream that goes on is told."""
 
 
 class Counts(TypedDict):
