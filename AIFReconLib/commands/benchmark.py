@@ -163,7 +163,7 @@ def _seconds_to_receive(frame: TrackedFrame, repeats: int) -> float:
 
 def _seconds_to_insert(method: str, sweep: list[TrackedFrame], grid: VoxelGrid, repeats: int, progress: Progress | None) -> float:
     """For one frame, into a volume that is there already, with its bone map."""
-    rows, across = np.shape(sweep[0].image)
+    rows, across = np.asarray(sweep[0].image).shape
     bone = slab_of_bone(grid) if method in BONE_METHODS else None
     reconstructor = Reconstructor(grid, ReconstructionSettings(method=method), bone, probe=sector_probe(across, rows))
     return _median_seconds(lambda: reconstructor.insert(sweep), repeats, progress) / len(sweep)
