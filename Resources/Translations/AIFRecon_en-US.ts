@@ -1059,11 +1059,6 @@
         <source>Reconstruct with each method and show them side by side</source>
         <translation type="unfinished"></translation>
     </message>
-    <message>
-        <location filename="../../AIFRecon/AIFReconGui/dependentWidgets.py"/>
-        <source>The sweep cannot be reconstructed: see under Sweep.</source>
-        <translation type="unfinished"></translation>
-    </message>
 </context>
 <context>
     <name>AIFReconGui.livePanel</name>
@@ -4806,6 +4801,11 @@
     <message>
         <location filename="../../AIFRecon/AIFReconScene/readiness.py"/>
         <source>The output would overwrite {name}: select another output volume, or a new one.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../AIFRecon/AIFReconScene/readiness.py"/>
+        <source>The sweep cannot be reconstructed: see under Sweep.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
