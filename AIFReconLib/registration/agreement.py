@@ -1,0 +1,171 @@
+"""How well the bone of a placed CT and the bone echoes of a sweep agree, in numbers and in one sentence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..geometry.transforms import invert, transform_points
+from ..message import Message, listed
+from .bone_field import BoneField
+from .echoes import SweepEchoes
+
+CLOSE = 2.0
+"""mm from the surface within which an echo agrees with bone."""
+
+NEAR = 10.0
+"""mm from bone beyond which an echo says nothing about the registration: it is of bone that the labels lack, or of something else."""
+
+ENOUGH, ENOUGH_OF_LABEL, LARGEST_MEDIAN = 0.7, 0.4, 0.75
+"""A registration is believed from this share of agreeing echoes, of all and of each bone, and up to this median distance in mm.
+docs/registration.md has right and wrong ones: right ones have 0.75 to 0.95 and 0.3 to 0.6 mm, the CT of another patient 0.57 to 0.76 and
+0.86 mm or more; one level off, a bone stands where no sound came back from, and less than a fifth of its echoes agree."""
+
+LABEL_ECHOES = 0.05
+"""Share of all echoes near bone that must be a label's before it is judged alone."""
+
+ENTERING = 0.1
+"""Cosine between beam and surface below which sound would come out of bone, or graze it, and no echo comes back."""
+
+COVER_FROM, COVER_TO, COVER_STEP, COVER_DEPTH = 3.0, 45.0, 1.5, 1.0
+"""mm before an echo where bone is looked for, how finely, and how deep in bone counts: bone there would have stopped the beam."""
+
+
+@dataclass(frozen=True, eq=False)
+class EchoFit:
+    """Echo by echo, how a placed CT explains them.
+
+    Parameters
+    ----------
+    distances : (n,) float64 array, mm
+        Signed distance to bone, positive before the surface or beside it.
+    reachable : (n,) bool array
+        Whether the sound enters bone there and no bone lies before it.
+    """
+
+    distances: np.ndarray
+    reachable: np.ndarray
+
+    @property
+    def near(self) -> np.ndarray:
+        """Echoes that say something about the registration, (n,) bool."""
+        return self.distances <= NEAR
+
+    @property
+    def agreeing(self) -> np.ndarray:
+        """Echoes within `CLOSE` of bone that their beams could reach, (n,) bool."""
+        return (np.abs(self.distances) <= CLOSE) & self.reachable
+
+
+@dataclass(frozen=True)
+class LabelAgreement:
+    """How one bone agrees: share of its echoes that do, their median distance in mm, and how many there are."""
+
+    agreement: float
+    median_distance: float
+    echoes: int
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How a placed CT and a sweep agree.
+
+    Parameters
+    ----------
+    share : float, 0 to 1
+        Of the echoes near labeled bone: how many lie within `CLOSE` of bone that their beams could reach.
+    median_distance : float, mm
+        Of the echoes near bone, without sign; NaN without echoes.
+    echoes : int
+        Near labeled bone, within `NEAR`.
+    elsewhere : int
+        Farther away: of bone that the labels lack, or of none.
+    per_label : dict of int to LabelAgreement
+    """
+
+    share: float
+    median_distance: float
+    echoes: int
+    elsewhere: int
+    per_label: dict[int, LabelAgreement] = field(default_factory=dict)
+
+    @property
+    def explained(self) -> float:
+        """Share of all echoes, wherever they lie, that agree: what decides between places that are far apart."""
+        return self.share * self.echoes / max(self.echoes + self.elsewhere, 1)
+
+    @property
+    def enough(self) -> bool:
+        """Whether the registration is to be believed, as far as this tells."""
+        return self.share >= ENOUGH and self.median_distance <= LARGEST_MEDIAN and not self.disagreeing_labels
+
+    @property
+    def disagreeing_labels(self) -> tuple[int, ...]:
+        """Bones that do not lie where their echoes are: of another level, or moved since the CT was taken."""
+        least = LABEL_ECHOES * self.echoes
+        return tuple(label for label, own in self.per_label.items() if own.agreement < ENOUGH_OF_LABEL and own.echoes >= least)
+
+    def sentence(self) -> Message:
+        """The agreement as users read it."""
+        if not self.echoes:
+            return Message("CT and sweep do not agree: none of {count:,} bone echoes lies near the CT's bone.", count=self.elsewhere)
+        return Message(
+            "CT and sweep {verdict}: {share:.0%} of {count:,} bone echoes lie within {close:g} mm of the CT's bone, "
+            "median {median:.1f} mm.",
+            verdict=Message("agree") if self.enough else Message("do not agree"),
+            share=self.share,
+            count=self.echoes,
+            close=CLOSE,
+            median=self.median_distance,
+        )
+
+    def warning(self) -> Message | None:
+        """What is probably wrong, in one sentence; None where CT and sweep agree. What to do about it depends on who asks."""
+        if self.enough:
+            return None
+        if self.share >= ENOUGH and self.median_distance <= LARGEST_MEDIAN:
+            return Message(
+                "Label {labels} does not lie on its echoes: the CT may be a level off, or the spine have bent since.",
+                labels=listed([str(label) for label in self.disagreeing_labels]),
+            )
+        return Message("The CT is probably not where the bone is, or of another patient.")
+
+
+def fit_echoes(echoes: SweepEchoes, bone: BoneField, labels_to_reference: np.ndarray) -> EchoFit:
+    """How each echo lies to bone that stands where `labels_to_reference` puts it."""
+    to_labels = invert(labels_to_reference)
+    points, beams = transform_points(to_labels, echoes.points), echoes.beams @ to_labels[:3, :3].T
+    distances, slopes = bone.sample(points)
+    slopes /= np.maximum(np.linalg.norm(slopes, axis=1, keepdims=True), 1e-6)
+    reachable = -(slopes * beams).sum(axis=1) >= ENTERING
+    # Only what would agree otherwise needs to be followed back
+    followed = np.flatnonzero(reachable & (np.abs(distances) <= CLOSE))
+    before = points[followed, None] - np.arange(COVER_FROM, COVER_TO, COVER_STEP)[None, :, None] * beams[followed, None]
+    reachable[followed] = (bone.distances(before) > -COVER_DEPTH).all(axis=1)
+    return EchoFit(distances, reachable)
+
+
+def check(echoes: SweepEchoes, bone: BoneField, labels_to_reference: np.ndarray) -> Agreement:
+    """How well bone that stands where `labels_to_reference` puts it agrees with the echoes.
+
+    Parameters
+    ----------
+    echoes : SweepEchoes
+        All of them: counts are part of the answer.
+    bone : BoneField
+    labels_to_reference : (4, 4) array, mm
+        Rigid.
+    """
+    fit = fit_echoes(echoes, bone, labels_to_reference)
+    near, agreeing = fit.near, fit.agreeing
+    owners = bone.label_at(transform_points(invert(labels_to_reference), echoes.points[near]))
+    per_label = {}
+    for label in np.unique(owners[owners > 0]):
+        of_label = owners == label
+        per_label[int(label)] = LabelAgreement(
+            float(agreeing[near][of_label].mean()), float(np.median(np.abs(fit.distances[near][of_label]))), int(of_label.sum())
+        )
+    count = int(near.sum())
+    share, median = (float(agreeing[near].mean()), float(np.median(np.abs(fit.distances[near])))) if count else (0.0, float("nan"))
+    return Agreement(share, median, count, len(echoes) - count, per_label)
