@@ -8,11 +8,13 @@ from pathlib import Path
 
 from ..errors import RegistrationRefused
 from ..geometry.transforms import invert, transform_points
+from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import write_transform
 from ..io.volume.files import check_volume_path, read_labels, read_transform
 from ..progress import part
 from ..registration.registration import Registration, as_report, register
+from ..registration.segments import placed_labels
 from .console import ProgressBar
 from .options import add_imaging_options, imaging_from, refuse_to_overwrite
 from .reconstruct import add_tracking_options
@@ -78,7 +80,7 @@ def run(arguments: argparse.Namespace) -> None:
         labels = read_labels(arguments.bone_labels)
         start = read_transform(arguments.bone_transform) if arguments.bone_transform else None
         sequences = [sequence_from(one) for one in of_each]
-        region, probe = imaging_from(arguments, sequences[0])
+        region, probe = imaging_from(arguments, sequences[0].configuration, sequences[0].images)
         found = register(
             sequences,
             labels,
@@ -103,15 +105,14 @@ def _is_taken(arguments: argparse.Namespace, found: Registration) -> bool:
     return found.accepted or arguments.accept or arguments.level is not None
 
 
-def _write(arguments: argparse.Namespace, found: Registration, labels) -> list[Path]:
+def _write(arguments: argparse.Namespace, found: Registration, labels: Volume) -> list[Path]:
     """Write what was asked for; the transform and the labels only when the answer is taken."""
     written = []
     if _is_taken(arguments, found):
         write_transform(found.transform, arguments.output)
         written.append(arguments.output)
         if arguments.labels_output:
-            placed = found.segments.labels if found.segments else labels.placed_by(found.transform)
-            placed.write(arguments.labels_output)
+            _placed(found, labels).write(arguments.labels_output)
             written.append(arguments.labels_output)
     if arguments.report:
         write_text(arguments.report, json.dumps({**as_report(found), "written": [str(path) for path in written]}, indent=2) + "\n")
@@ -121,10 +122,15 @@ def _write(arguments: argparse.Namespace, found: Registration, labels) -> list[P
 
         # Bones that moved on their own are drawn where they came to lie, along the axes of the CT all the same
         to_labels = invert(found.transform)
-        shown = labels if found.segments is None else found.segments.labels.placed_by(to_labels)
+        shown = _placed(found, labels).placed_by(to_labels)
         registration_figure(arguments.preview, transform_points(to_labels, found.echoes.points), shown, str(found.agreement.sentence()))
         written.append(arguments.preview)
     return written
+
+
+def _placed(found: Registration, labels: Volume) -> Volume:
+    """The labels in Reference, where they came to lie."""
+    return placed_labels(labels, found.segments.transforms) if found.segments else labels.placed_by(found.transform)
 
 
 def _findings(found: Registration) -> list[str]:

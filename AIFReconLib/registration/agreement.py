@@ -158,14 +158,22 @@ def check(echoes: SweepEchoes, bone: BoneField, labels_to_reference: np.ndarray)
         Rigid.
     """
     fit = fit_echoes(echoes, bone, labels_to_reference)
-    near, agreeing = fit.near, fit.agreeing
-    owners = bone.label_at(transform_points(invert(labels_to_reference), echoes.points[near]))
-    per_label = {}
-    for label in np.unique(owners[owners > 0]):
-        of_label = owners == label
-        per_label[int(label)] = LabelAgreement(
-            float(agreeing[near][of_label].mean()), float(np.median(np.abs(fit.distances[near][of_label]))), int(of_label.sum())
-        )
-    count = int(near.sum())
-    share, median = (float(agreeing[near].mean()), float(np.median(np.abs(fit.distances[near])))) if count else (0.0, float("nan"))
-    return Agreement(share, median, count, len(echoes) - count, per_label)
+    owners = np.zeros(len(echoes), dtype=np.int64)
+    owners[fit.near] = bone.label_at(transform_points(invert(labels_to_reference), echoes.points[fit.near]))
+    return agreement_of(fit, owners)
+
+
+def agreement_of(fit: EchoFit, owners: np.ndarray) -> Agreement:
+    """The agreement of echoes that are fitted and belong to the labels `owners` (n,); 0: to none in particular."""
+    near = fit.near
+    distances, agreeing, owners = np.abs(fit.distances[near]), fit.agreeing[near], owners[near]
+    per_label = {
+        int(label): LabelAgreement(*_share_and_median(agreeing[owners == label], distances[owners == label]), int((owners == label).sum()))
+        for label in np.unique(owners[owners > 0])
+    }
+    return Agreement(*_share_and_median(agreeing, distances), len(distances), len(near) - len(distances), per_label)
+
+
+def _share_and_median(agreeing: np.ndarray, distances: np.ndarray) -> tuple[float, float]:
+    """Share of True, and median in mm; 0 and NaN of none."""
+    return (float(agreeing.mean()), float(np.median(distances))) if len(distances) else (0.0, float("nan"))

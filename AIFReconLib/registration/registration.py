@@ -20,10 +20,13 @@ from .bone_field import BoneField
 from .certainty import HELD_MM, Loose, not_held, restart_spread
 from .echoes import SweepEchoes, sweep_echoes
 from .search import Place, anywhere, around, distinct, finished, level_shifts, motion_between, search
-from .segments import Segments, fit_segments
+from .segments import Segments, fields_of_labels, fit_segments
 
 AS_GOOD = 0.9
 """A second place that explains this share of what the best one explains makes the answer ambiguous."""
+
+BENT, NEARLY_AS_GOOD = 3, 0.8
+"""Most places in which the bones are let loose, and the share of what the best one explains that makes it worth trying."""
 
 WORTH_JUDGING = 0.3
 """Agreement below which it is no use to ask what holds a place."""
@@ -138,20 +141,38 @@ def register(
     )
     places = _places(echoes, bone, start, part(progress, 0.5, 0.8))
     places = distinct([*places, *(finished(echoes, bone, places[0].labels_to_reference @ _shift(by)) for by in shifts.values())], echoes)
+    fields = fields_of_labels(labels) if per_segment else {}
+    segments_of: dict[int, Segments] = {}
+    if per_segment:
+        # A bent spine fits rigidly a level off nearly as well: the bones decide
+        rivals = [place for place in places[:BENT] if place.agreement.explained >= NEARLY_AS_GOOD * places[0].agreement.explained]
+        bent = [(place, fit_segments(echoes, fields, place.labels_to_reference)) for place in rivals]
+        bent.sort(key=lambda one: -one[1].agreement.explained)
+        segments_of = {id(place): segments for place, segments in bent}
+        places = [*(place for place, _ in bent), *places[len(rivals) :]]
     chosen = places[0]
     if level:
         unit = shifts[1] * np.sign(shifts[1][2] or 1.0)
         chosen = finished(echoes, bone, places[0].labels_to_reference @ _shift(level * unit))
     others = [place for place in places if place is not chosen]
-    alternatives = tuple(Alternative(o.labels_to_reference, o.agreement, _levels(o, chosen, bone, shifts)) for o in others)
     report(progress, 0.85, "Judging the CT's place")
-    segments = fit_segments(echoes, bone, chosen.labels_to_reference) if per_segment else None
+    segments = segments_of.get(id(chosen))
+    if per_segment and segments is None:
+        segments = fit_segments(echoes, fields, chosen.labels_to_reference)
     agreement = segments.agreement if segments else chosen.agreement
+    alternatives = tuple(
+        Alternative(
+            other.labels_to_reference,
+            segments_of[id(other)].agreement if id(other) in segments_of else other.agreement,
+            _levels(other, chosen, bone, shifts),
+        )
+        for other in others
+    )
     loose, restarts = [], 0.0
     if chosen.agreement.share >= WORTH_JUDGING:
         loose, restarts = not_held(echoes, bone, chosen.refined), restart_spread(echoes, bone, chosen.refined)
     moved = None if start is None else motion_between(start, chosen.labels_to_reference, echoes.thinned(200).points)
-    refusal = _disagreement(agreement) or (None if level else _ambiguity(chosen, alternatives))
+    refusal = _disagreement(agreement) or (None if level else _ambiguity(agreement, alternatives))
     report(progress, 1.0, "Registered")
     return Registration(chosen.labels_to_reference, agreement, refusal, tuple(loose), restarts, alternatives, moved, segments, echoes)
 
@@ -206,9 +227,9 @@ def _disagreement(agreement: Agreement) -> Message | None:
     )
 
 
-def _ambiguity(best: Place, others: Iterable[Alternative]) -> Message | None:
+def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Message | None:
     rival = next(iter(others), None)
-    if rival is None or rival.agreement.share < ENOUGH or rival.agreement.explained < AS_GOOD * best.agreement.explained:
+    if rival is None or rival.agreement.share < ENOUGH or rival.agreement.explained < AS_GOOD * best.explained:
         return None
     where = Message("elsewhere") if not rival.levels else Message("{levels:+d} level(s) away", levels=rival.levels)
     return Message(
@@ -216,7 +237,7 @@ def _ambiguity(best: Place, others: Iterable[Alternative]) -> Message | None:
         "Compare the alternatives in --report, then choose one with --level N, or take the best with --accept.",
         where=where,
         other=rival.agreement.explained,
-        best=best.agreement.explained,
+        best=best.explained,
     )
 
 

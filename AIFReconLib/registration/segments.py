@@ -21,15 +21,15 @@ from scipy.optimize import least_squares
 
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume, VoxelGrid
-from .agreement import CLOSE, Agreement, LabelAgreement, fit_echoes
+from .agreement import Agreement, EchoFit, agreement_of, fit_echoes
 from .bone_field import BoneField
 from .echoes import SweepEchoes
 from .refine import _Cost, vector_motion
 
-SEGMENT_SCALES = (6.0, 4.0, 2.0, 1.0)
+SEGMENT_SCALES = (4.0, 2.0, 1.0)
 """mm. As `SCALES`."""
 
-SEGMENT_ECHOES = 3000
+SEGMENT_ECHOES = 1800
 """Echoes that take part, of all bones together."""
 
 SPRING = 4.0
@@ -47,19 +47,21 @@ class Segments:
     ----------
     transforms : dict of int to (4, 4) float64 array, mm
         labels_to_reference of each label.
-    labels : Volume
-        The labels in those places, in Reference.
     agreement : Agreement
         Of the bones in those places.
     """
 
     transforms: dict[int, np.ndarray]
-    labels: Volume
     agreement: Agreement
 
 
-def fit_segments(echoes: SweepEchoes, bone: BoneField, labels_to_reference: np.ndarray) -> Segments:
-    """Let each label move on its own from a place that is about right for all.
+def fields_of_labels(labels: Volume) -> dict[int, BoneField]:
+    """The field of each label alone, in the order of their numbers."""
+    return {int(label): BoneField.from_labels(labels, int(label)) for label in np.unique(labels.array) if label > 0}
+
+
+def fit_segments(echoes: SweepEchoes, fields: dict[int, BoneField], labels_to_reference: np.ndarray) -> Segments:
+    """Let each label, with its field as `fields_of_labels` gives it, move on its own from a place that is about right for all.
 
     Notes
     -----
@@ -68,17 +70,14 @@ def fit_segments(echoes: SweepEchoes, bone: BoneField, labels_to_reference: np.n
     one tenth of their echoes times the mean squared difference, in units of `SPRING`, by which six points about the middle between them
     move. An echo belongs to the bone nearest to it, anew at each scale. Neighbors are labels that follow each other.
     """
-    numbers = [int(label) for label in np.unique(bone.labels.array) if label > 0]
-    fields = {label: BoneField.from_labels(bone.labels, label) for label in numbers}
-    centers = np.array(ndimage.center_of_mass(bone.labels.array > 0, bone.labels.array, numbers))[:, ::-1]
-    centers = transform_points(bone.labels.ijk_to_reference, centers)
+    numbers = list(fields)
+    centers = np.array([fields[label].middle for label in numbers])
     places = {label: np.array(labels_to_reference, dtype=np.float64) for label in numbers}
     chosen = echoes.thinned(SEGMENT_ECHOES)
     for scale in SEGMENT_SCALES:
         owners = _owners(chosen, fields, places)
         places = _moved_together(chosen, fields, places, owners, centers, scale)
-    placed = placed_labels(bone.labels, places)
-    return Segments(places, placed, _agreement(echoes, fields, places))
+    return Segments(places, _agreement(echoes, fields, places))
 
 
 def _owners(echoes: SweepEchoes, fields: dict[int, BoneField], places: dict[int, np.ndarray]) -> np.ndarray:
@@ -141,30 +140,16 @@ def _moved_together(echoes, fields, places, owners, centers, scale: float) -> di
         rho[:, :echo_count] = 2 * (1 - decay), decay, -0.5 * decay
         return rho
 
-    solution = least_squares(residuals, np.zeros(6 * len(numbers)), jac=jacobian, loss=loss, xtol=1e-4, ftol=1e-5, gtol=1e-6, max_nfev=30)
+    solution = least_squares(residuals, np.zeros(6 * len(numbers)), jac=jacobian, loss=loss, xtol=1e-4, ftol=1e-4, gtol=1e-6, max_nfev=20)
     return {label: motion(solution.x, label) @ places[label] for label in numbers}
 
 
 def _agreement(echoes: SweepEchoes, fields: dict[int, BoneField], places: dict[int, np.ndarray]) -> Agreement:
     """As `check`, where every bone has its own place: an echo is judged by the bone nearest to it, and must not lie behind another."""
-    fits = {label: fit_echoes(echoes, fields[label], places[label]) for label in fields}
-    distances = np.array([fit.distances for fit in fits.values()])
-    owners = np.argmin(np.abs(distances), axis=0)
-    own = distances[owners, np.arange(len(echoes))]
-    reachable = np.array([fit.reachable for fit in fits.values()])[owners, np.arange(len(echoes))]
-    near, agreeing = own <= 10.0, (np.abs(own) <= CLOSE) & reachable
-    per_label = {
-        label: LabelAgreement(
-            float(agreeing[mine].mean()) if mine.any() else 0.0,
-            float(np.median(np.abs(own[mine]))) if mine.any() else float("nan"),
-            int(mine.sum()),
-        )
-        for n, label in enumerate(fits)
-        if (mine := near & (owners == n)).any()
-    }
-    count = int(near.sum())
-    share, median = (float(agreeing[near].mean()), float(np.median(np.abs(own[near])))) if count else (0.0, float("nan"))
-    return Agreement(share, median, count, len(echoes) - count, per_label)
+    fits = [fit_echoes(echoes, fields[label], places[label]) for label in fields]
+    distances, reachable = (np.array([getattr(fit, name) for fit in fits]) for name in ("distances", "reachable"))
+    nearest = np.argmin(np.abs(distances), axis=0), np.arange(len(echoes))
+    return agreement_of(EchoFit(distances[nearest], reachable[nearest]), np.array(list(fields))[nearest[0]])
 
 
 def placed_labels(labels: Volume, places: dict[int, np.ndarray]) -> Volume:
