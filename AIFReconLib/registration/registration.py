@@ -126,11 +126,9 @@ def register(
     AIFReconError
         For input that cannot be registered. An answer that is ambiguous or does not agree is no error: see `Registration.refusal`.
     """
+    # What is wrong with the CT is said before the sweep is read
     start = None if start is None else _rigid(start)
     bone = BoneField.from_labels(labels)
-    shifts = level_shifts(bone)
-    if level and not shifts:
-        raise SettingsError("Input level must be 0 for labels of a single bone; got {level}. Give one label per vertebra.", level=level)
     echoes = sweep_echoes(
         sequences,
         region=region,
@@ -139,9 +137,31 @@ def register(
         reference=reference,
         progress=part(progress, 0.0, 0.5),
     )
-    places = _places(echoes, bone, start, part(progress, 0.5, 0.8))
+    return register_echoes(echoes, bone, start, per_segment=per_segment, level=level, progress=part(progress, 0.5, 1.0))
+
+
+def register_echoes(
+    echoes: SweepEchoes,
+    bone: BoneField,
+    start: np.ndarray | None = None,
+    *,
+    per_segment: bool = False,
+    level: int = 0,
+    progress: Progress | None = None,
+) -> Registration:
+    """`register`, for echoes and a field that are there already: of the last seconds of a live scan, say.
+
+    Raises
+    ------
+    SettingsError
+        When a level is asked for of a single bone.
+    """
+    shifts = level_shifts(bone)
+    if level and not shifts:
+        raise SettingsError("Input level must be 0 for labels of a single bone; got {level}. Give one label per vertebra.", level=level)
+    places = _places(echoes, bone, start, part(progress, 0.0, 0.6))
     places = distinct([*places, *(finished(echoes, bone, places[0].labels_to_reference @ _shift(by)) for by in shifts.values())], echoes)
-    fields = fields_of_labels(labels) if per_segment else {}
+    fields = fields_of_labels(bone.labels) if per_segment else {}
     segments_of: dict[int, Segments] = {}
     if per_segment:
         # A bent spine fits rigidly a level off nearly as well: the bones decide
@@ -155,7 +175,7 @@ def register(
         unit = shifts[1] * np.sign(shifts[1][2] or 1.0)
         chosen = finished(echoes, bone, places[0].labels_to_reference @ _shift(level * unit))
     others = [place for place in places if place is not chosen]
-    report(progress, 0.85, "Judging the CT's place")
+    report(progress, 0.7, "Judging the CT's place")
     segments = segments_of.get(id(chosen))
     if per_segment and segments is None:
         segments = fit_segments(echoes, fields, chosen.labels_to_reference)

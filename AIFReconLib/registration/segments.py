@@ -32,7 +32,7 @@ SEGMENT_SCALES = (4.0, 2.0, 1.0)
 SEGMENT_ECHOES = 1800
 """Echoes that take part, of all bones together."""
 
-SPRING = 4.0
+SPRING = 8.0
 """mm by which points of a disc may move differently at the cost of one echo in ten that do not agree."""
 
 DISC_ARM = 15.0
