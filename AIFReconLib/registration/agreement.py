@@ -17,10 +17,10 @@ CLOSE = 2.0
 NEAR = 10.0
 """mm from bone beyond which an echo says nothing about the registration: it is of bone that the labels lack, or of something else."""
 
-ENOUGH, ENOUGH_OF_LABEL, LARGEST_MEDIAN = 0.7, 0.4, 0.75
+ENOUGH, ENOUGH_OF_LABEL, LARGEST_MEDIAN = 0.7, 0.4, 0.45
 """A registration is believed from this share of agreeing echoes, of all and of each bone, and up to this median distance in mm.
-docs/registration.md has right and wrong ones: right ones have 0.75 to 0.95 and 0.3 to 0.6 mm, the CT of another patient 0.57 to 0.76 and
-0.86 mm or more; one level off, a bone stands where no sound came back from, and less than a fifth of its echoes agree."""
+docs/registration.md has right and wrong ones: the median is 0.2 to 0.4 mm in the right place, a real bone's included, and 0.5 mm or more 5 mm
+off, a level off, or with another patient's CT. A level off, a bone also stands where no sound came back from, and few of its echoes agree."""
 
 LABEL_ECHOES = 0.05
 """Share of all echoes near bone that must be a label's before it is judged alone."""
