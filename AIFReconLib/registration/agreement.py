@@ -19,8 +19,9 @@ NEAR = 10.0
 
 ENOUGH, ENOUGH_OF_LABEL, LARGEST_MEDIAN = 0.7, 0.4, 0.45
 """A registration is believed from this share of agreeing echoes, of all and of each bone, and up to this median distance in mm.
-docs/registration.md has right and wrong ones: the median is 0.2 to 0.4 mm in the right place, a real bone's included, and 0.5 mm or more 5 mm
-off, a level off, or with another patient's CT. A level off, a bone also stands where no sound came back from, and few of its echoes agree."""
+docs/registration.md has right and wrong ones: the median is 0.2 to 0.4 mm in the right place, a real bone's included, and 0.5 mm or more
+5 mm off, a level off, or with another patient's CT. A level off, a bone also stands where no sound came back from, and few of its echoes
+agree."""
 
 LABEL_ECHOES = 0.05
 """Share of all echoes near bone that must be a label's before it is judged alone."""
@@ -94,6 +95,14 @@ class Agreement:
     def explained(self) -> float:
         """Share of all echoes, wherever they lie, that agree: what decides between places that are far apart."""
         return self.share * self.echoes / max(self.echoes + self.elsewhere, 1)
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """What places are compared by, the better the larger: whether they are to be believed, then how much they explain.
+
+        A wrong place may explain more echoes, less closely, than the right one of a CT that shows fewer bones than the sweep.
+        """
+        return self.enough, self.explained
 
     @property
     def enough(self) -> bool:

@@ -15,7 +15,7 @@ from ..imaging.region import ImageRegion
 from ..message import Message
 from ..progress import Progress, part, report
 from ..sweep.frames import TrackedSequence
-from .agreement import ENOUGH, Agreement
+from .agreement import Agreement
 from .bone_field import BoneField
 from .certainty import HELD_MM, Loose, not_held, restart_spread
 from .echoes import SweepEchoes, sweep_echoes
@@ -167,7 +167,7 @@ def register_echoes(
         # A bent spine fits rigidly a level off nearly as well: the bones decide
         rivals = [place for place in places[:BENT] if place.agreement.explained >= NEARLY_AS_GOOD * places[0].agreement.explained]
         bent = [(place, fit_segments(echoes, fields, place.labels_to_reference)) for place in rivals]
-        bent.sort(key=lambda one: -one[1].agreement.explained)
+        bent.sort(key=lambda one: one[1].agreement.rank, reverse=True)
         segments_of = {id(place): segments for place, segments in bent}
         places = [*(place for place, _ in bent), *places[len(rivals) :]]
     chosen = places[0]
@@ -249,7 +249,7 @@ def _disagreement(agreement: Agreement) -> Message | None:
 
 def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Message | None:
     rival = next(iter(others), None)
-    if rival is None or rival.agreement.share < ENOUGH or rival.agreement.explained < AS_GOOD * best.explained:
+    if rival is None or not rival.agreement.enough or rival.agreement.explained < AS_GOOD * best.explained:
         return None
     where = Message("elsewhere") if not rival.levels else Message("{levels:+d} level(s) away", levels=rival.levels)
     return Message(

@@ -60,10 +60,10 @@ def finished(echoes: SweepEchoes, bone: BoneField, start: np.ndarray) -> Place:
 
 
 def distinct(places: Sequence[Place], echoes: SweepEchoes) -> list[Place]:
-    """The places by how many echoes they explain, best first, without those that are another one within `APART`."""
+    """The places by their agreement's rank, best first, without those that are another one within `APART`."""
     points = echoes.thinned(COARSE_ECHOES).points
     kept: list[Place] = []
-    for place in sorted(places, key=lambda place: -place.agreement.explained):
+    for place in sorted(places, key=lambda place: place.agreement.rank, reverse=True):
         if all(motion_between(place.labels_to_reference, other.labels_to_reference, points) > APART for other in kept):
             kept.append(place)
     return kept
