@@ -14,6 +14,9 @@ from .echoes import SweepEchoes
 CLOSE = 2.0
 """mm from the surface within which an echo agrees with bone."""
 
+TIGHT = 0.5
+"""mm. Scale of the distances that tell the right place from one that only resembles it."""
+
 NEAR = 10.0
 """mm from bone beyond which an echo says nothing about the registration: it is of bone that the labels lack, or of something else."""
 
@@ -83,6 +86,10 @@ class Agreement:
     elsewhere : int
         Farther away: of bone that the labels lack, or of none.
     per_label : dict of int to LabelAgreement
+    tightness : float, 0 to 1
+        Mean over all echoes, wherever they lie, of exp(-d^2 / 2 t^2) for those that their beams could reach, t = `TIGHT`: what decides
+        between places that are far apart. A wrong place may explain more echoes than the right one of a CT that shows fewer bones than
+        the sweep, but never so closely.
     """
 
     share: float
@@ -90,19 +97,17 @@ class Agreement:
     echoes: int
     elsewhere: int
     per_label: dict[int, LabelAgreement] = field(default_factory=dict)
+    tightness: float = 0.0
 
     @property
     def explained(self) -> float:
-        """Share of all echoes, wherever they lie, that agree: what decides between places that are far apart."""
+        """Share of all echoes, wherever they lie, that agree."""
         return self.share * self.echoes / max(self.echoes + self.elsewhere, 1)
 
     @property
     def rank(self) -> tuple[bool, float]:
-        """What places are compared by, the better the larger: whether they are to be believed, then how much they explain.
-
-        A wrong place may explain more echoes, less closely, than the right one of a CT that shows fewer bones than the sweep.
-        """
-        return self.enough, self.explained
+        """What places are compared by, the better the larger: whether they are to be believed, then how closely echoes lie on bone."""
+        return self.enough, self.tightness
 
     @property
     def enough(self) -> bool:
@@ -180,7 +185,8 @@ def agreement_of(fit: EchoFit, owners: np.ndarray) -> Agreement:
         int(label): LabelAgreement(*_share_and_median(agreeing[owners == label], distances[owners == label]), int((owners == label).sum()))
         for label in np.unique(owners[owners > 0])
     }
-    return Agreement(*_share_and_median(agreeing, distances), len(distances), len(near) - len(distances), per_label)
+    tightness = float((np.exp(-0.5 * (np.minimum(np.abs(fit.distances), NEAR) / TIGHT) ** 2) * fit.reachable).mean()) if len(near) else 0.0
+    return Agreement(*_share_and_median(agreeing, distances), len(distances), len(near) - len(distances), per_label, tightness)
 
 
 def _share_and_median(agreeing: np.ndarray, distances: np.ndarray) -> tuple[float, float]:

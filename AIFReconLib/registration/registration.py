@@ -23,7 +23,11 @@ from .search import Place, anywhere, around, distinct, finished, level_shifts, m
 from .segments import Segments, fields_of_labels, fit_segments
 
 AS_GOOD = 0.9
-"""A second place that explains this share of what the best one explains makes the answer ambiguous."""
+"""A second place whose echoes lie this share as closely on bone as the best one's makes the answer ambiguous."""
+
+REFINED_MEDIAN = 0.33
+"""mm. Median distance beyond which a place that was refined is not the right one: a level off it is 0.35 mm or more, in the right place
+0.3 mm or less, a real bone's included. What is only checked need not be refined, so it is judged less strictly."""
 
 BENT, NEARLY_AS_GOOD = 3, 0.8
 """Most places in which the bones are let loose, and the share of what the best one explains that makes it worth trying."""
@@ -237,6 +241,10 @@ def _levels(place: Place, best: Place, bone: BoneField, shifts: dict[int, np.nda
 
 def _disagreement(agreement: Agreement) -> Message | None:
     warning = agreement.warning()
+    if warning is None and agreement.median_distance > REFINED_MEDIAN:
+        warning = Message(
+            "It fits only roughly for a place that was refined: a level off, the spine bent, the poses shaking, or another patient."
+        )
     if warning is None:
         return None
     return Message(
@@ -249,7 +257,7 @@ def _disagreement(agreement: Agreement) -> Message | None:
 
 def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Message | None:
     rival = next(iter(others), None)
-    if rival is None or not rival.agreement.enough or rival.agreement.explained < AS_GOOD * best.explained:
+    if rival is None or not rival.agreement.enough or rival.agreement.tightness < AS_GOOD * best.tightness:
         return None
     where = Message("elsewhere") if not rival.levels else Message("{levels:+d} level(s) away", levels=rival.levels)
     return Message(
