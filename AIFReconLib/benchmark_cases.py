@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from .arrays import Bytes, Singles
 from .bone.map import BoneMap
 from .geometry.transform_graph import TransformName, TransformSample
 from .geometry.volume import Volume, VoxelGrid
@@ -65,7 +66,7 @@ def labels_of_size(voxels: int) -> Volume:
     return Volume(labels, np.diag([0.5, 0.5, 0.5, 1.0]))
 
 
-def half_empty(voxels: int) -> tuple[np.ndarray, np.ndarray]:
+def half_empty(voxels: int) -> tuple[Singles, Bytes]:
     """Values and mask [k, j, i] of a cube of which every second voxel, at random, was measured."""
     edge = max(round(voxels ** (1 / 3)), 4)
     rng = np.random.default_rng(2)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arrays import Floats, Mask
 from ..bone.map import BoneMap
 from ..geometry.transform_graph import TransformName, TransformSample
 from ..geometry.volume import Volume
@@ -163,7 +164,7 @@ def without_middle_process(phantom: LumbarPhantom) -> LumbarPhantom:
     return replace(phantom, bone_distance=cut, labels=labels)
 
 
-def removed_surface(surface: BoneSurface, distance_without: Volume) -> np.ndarray:
+def removed_surface(surface: BoneSurface, distance_without: Volume) -> Mask:
     """Which points of a surface are bone no more once something was taken away, (n,) bool."""
     grid = distance_without.grid
     ijk = surface.points_reference @ grid.reference_to_ijk[:3, :3].T + grid.reference_to_ijk[:3, 3]
@@ -171,7 +172,7 @@ def removed_surface(surface: BoneSurface, distance_without: Volume) -> np.ndarra
     return distance_without.array[k, j, i] > 1.0
 
 
-def restricted(truth: BoneTruth, points: np.ndarray, shadows: Volume | None = None) -> BoneTruth:
+def restricted(truth: BoneTruth, points: Floats, shadows: Volume | None = None) -> BoneTruth:
     """A truth of some of its surface points only, (n,) bool; `shadows` where another scan is measured at them."""
     surface = truth.surface
     part = BoneSurface(surface.points_reference[points], surface.normals_reference[points], surface.areas[points], surface.labels[points])
