@@ -78,11 +78,12 @@ format: setup
 	@$(BIN)/python -m ruff check --quiet --fix .
 	@$(BIN)/python -m ruff format --quiet .
 
+# More or less of it: make bench BENCH="--quick"; a live session: make bench BENCH=live
 bench: setup
-	@$(BIN)/python -m AIFReconLib benchmark
+	@$(BIN)/python Testing/benchmark $(BENCH)
 
 study: setup
-	@$(BIN)/python -m AIFReconLib study --output "$(STUDY_OUTPUT)"
+	@$(BIN)/python Testing/study methods --output "$(STUDY_OUTPUT)"
 
 # Shorter, or with other faults: make soak SOAK="--minutes 5 --seed 7"
 soak: setup
@@ -102,4 +103,4 @@ fuzz: setup
 	@$(BIN)/python Testing/fuzz/run.py --seconds $(FUZZ_SECONDS)
 
 clean:
-	rm -rf $(VENV) demo-output study-output htmlcov build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis .coverage *.egg-info
+	rm -rf $(VENV) demo-output study-output Resources/Translations htmlcov build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis .coverage *.egg-info

@@ -25,14 +25,14 @@ except ImportError:
     # Loaded from source: Slicer knows this folder alone, and the library stands beside it
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
-from AIFReconGui.dependentWidgets import updateButtons, updateDependentWidgets
-from AIFReconGui.parameterNode import LONGEST_GAP, AIFReconParameterNode
-from AIFReconGui.startup import onStartupCompleted
-from AIFReconScene import readiness
+from AIFReconGui.panel.dependentWidgets import updateButtons, updateDependentWidgets
+from AIFReconScene.inputs import readiness
+from AIFReconScene.inputs.inputs.parameters import readingFrom, settingsFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
-from AIFReconScene.parameters import readingFrom, settingsFrom, takeConfigured
-from AIFReconScene.sweepReport import SweepReport
-from AIFReconScene.sweepStatus import SweepStatus
+from AIFReconScene.sweep.sweepReport import SweepReport
+from AIFReconScene.sweep.sweepStatus import SweepStatus
+
+from AIFReconLib.sweep.pose_tracks import LONGEST_GAP
 
 
 class AIFRecon(ScriptedLoadableModule):
@@ -52,7 +52,17 @@ class AIFRecon(ScriptedLoadableModule):
             "The method is that of Jiang, Xu, Moghekar, Kazanzides and Boctor: Insonification Angle-based Ultrasound Volume "
             "Reconstruction for Spine Intervention."
         )
-        slicer.app.connect("startupCompleted()", onStartupCompleted)
+
+    def setup(self) -> None:
+        """Offer the sample, and let scenes be loaded that were saved while methods were compared.
+
+        Called once every module is made, at start or later. Before that no class of Sequences, Markups or another C++ module exists.
+        """
+        from AIFReconGui.sampleData import registerSampleData
+        from AIFReconScene.display.display.sliceDisplay import registerLayouts
+
+        registerSampleData()
+        registerLayouts()
 
 
 class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
@@ -75,12 +85,15 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def setup(self) -> None:
         """Load the .ui file and connect it; called when the module is first opened."""
         ScriptedLoadableModuleWidget.setup(self)
-        from AIFReconGui.livePanel import LivePanel
+        from AIFReconGui.libraryLog import LibraryLog
         from AIFReconGui.longWork import LongWork
-        from AIFReconGui.pathField import PathField
-        from AIFReconGui.reportPanel import ReportPanel
-        from AIFReconGui.segmentsChooser import SegmentsChooser
-        from AIFReconScene.inputWatch import InputWatch
+        from AIFReconGui.panel.boxChooser import BoxChooser
+        from AIFReconGui.panel.livePanel import LivePanel
+        from AIFReconGui.panel.pathField import PATHS, PathField
+        from AIFReconGui.panel.reportPanel import ReportPanel
+        from AIFReconGui.panel.segmentsChooser import SegmentsChooser
+        from AIFReconScene.display.display.boneOutlines import BoneOutlines
+        from AIFReconScene.inputs.inputs.inputWatch import InputWatch
 
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
         self.layout.addWidget(uiWidget)
@@ -89,15 +102,15 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic = AIFReconLogic()
         self._followers = (
             SegmentsChooser(self.ui.segmentsComboBox, self.ui.segmentsLabel),
-            PathField(self.ui.recordingPathLineEdit, "recordingPath"),
-            PathField(self.ui.configurationPathLineEdit, "configurationPath"),
-            PathField(self.ui.liveRecordPathLineEdit, "liveRecordPath"),
-            PathField(self.ui.importanceMaskPathLineEdit, "importanceMaskPath"),
+            *(PathField(getattr(self.ui, f"{name}LineEdit"), name) for name in PATHS),
+            BoxChooser(),
+            BoneOutlines(),
             ReportPanel(self.ui, self.logic.trackingReport),
         )
         self._work = LongWork(uiWidget)
-        self._live = LivePanel(self.ui, self._run)
-        self._watch = InputWatch(self._onParametersModified, lambda: self.logic.followFrame(self._parameterNode))
+        self._libraryLog = LibraryLog()
+        self._live = LivePanel(self.ui, self._work, self._onParametersModified)
+        self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
 
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneIsNew)
@@ -116,6 +129,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.setParameterNode(None)
         self.removeObservers()
         self.logic.cleanup()
+        self._libraryLog.detach()
 
     def enter(self) -> None:
         """The user opens the module."""
@@ -147,7 +161,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def initializeParameterNode(self) -> None:
         """Take the scene's parameters; where nothing is chosen, choose the only sweep, CT and segmentation there are."""
         self.setParameterNode(self.logic.getParameterNode())
-        self.logic.chooseDefaults(self._parameterNode)
+        readiness.chooseDefaults(self._parameterNode)
 
     def setParameterNode(self, parameterNode) -> None:
         """Bind the panel to these parameters, or to none."""
@@ -176,11 +190,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             follower.update()
         updateDependentWidgets(self.ui, parameters, self.logic.describeSweep(parameters))
         self._live.update(readiness.whyNotLive(parameters))
-        self._checkCanApply()
-        self.logic.updateDisplay(parameters)
-
-    def _checkCanApply(self) -> None:
-        updateButtons(self.ui, self.logic, self._parameterNode, self._live.whyNotNow(), self._report)
+        updateButtons(self.ui, self.logic, parameters, self._live.whyNotNow(), self._report)
+        self.logic.display.update(parameters)
 
     # ---- buttons
 
@@ -198,7 +209,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def onSingleViewButton(self) -> None:
         """Go back from the comparison."""
-        self.logic.showOutput(self._parameterNode)
+        self.logic.display.showOutput(self._parameterNode)
 
     def _run(self, title: str, failure: str, work) -> None:
         """Do long work with progress and cancel; its errors are shown, a cancel leaves the scene as it was."""
@@ -222,20 +233,23 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
     """
 
     def __init__(self) -> None:
+        from AIFReconScene.display.display import SceneDisplay
+
         ScriptedLoadableModuleLogic.__init__(self)
-        self._display = None
+        self.display = SceneDisplay()
         self._sweep = SweepStatus()
         self._tracking = SweepReport()
 
     def getParameterNode(self):
         """The parameters of the scene, typed."""
+        from AIFReconGui.parameterNode import AIFReconParameterNode
+
         return AIFReconParameterNode(super().getParameterNode())
 
     def cleanup(self) -> None:
         """Take what is drawn for orientation out of the scene, and forget what is known of its sweeps."""
         self._sweep, self._tracking = SweepStatus(), SweepReport()
-        if self._display is not None:
-            self._display.clear()
+        self.display.clear()
 
     # ---- for the console
 
@@ -246,7 +260,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         or missing one, `timeOffset` (s) and `longestGap` (s) are those of `with_time_offset`. Returns the browser node. An AIFReconError
         says what is wrong, where, and what to do; the scene is then as before.
         """
-        from AIFReconScene.sequenceNodes import browserFromSequence
+        from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
         from AIFReconLib import read_sequence, with_time_offset
 
@@ -267,7 +281,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         progress : callable or None
             ``progress(fraction, message) -> bool``; False cancels.
         inputs : dict or None
-            More about the inputs: the fields of `AIFReconScene.inputs.Inputs`, as ``{"boneSigmaMm": 4.0, "region": roiNode}``.
+            More about the inputs: the fields of `AIFReconScene.inputs.inputs.Inputs`, as ``{"boneSigmaMm": 4.0, "region": roiNode}``.
         **settings
             The fields of `AIFReconLib.ReconstructionSettings`, as ``method="average", spacing=0.5``.
 
@@ -276,7 +290,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         volume : vtkMRMLScalarVolumeNode
             Or an AIFReconError with what is wrong and what to do, OperationCanceled after a cancel; the scene is then as before.
         """
-        from AIFReconScene.inputs import Inputs
+        from AIFReconScene.inputs.inputs import Inputs
 
         from AIFReconLib import ReconstructionSettings
 
@@ -285,10 +299,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         return nodes["intensity"]
 
     # ---- for the panel
-
-    def chooseDefaults(self, parameters) -> None:
-        """Choose the only sweep, CT and segmentation there are, where nothing is chosen yet."""
-        readiness.chooseDefaults(parameters)
 
     def describeSweep(self, parameters) -> str:
         """How many frames the chosen sweep has and why some cannot be used, in words; also what is wrong with it as a whole."""
@@ -308,58 +318,40 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def loadRecording(self, parameters, progress=None) -> str:
         """Read the chosen recording and select it; the spacing follows a configuration that tells one."""
+        from AIFReconScene.display.display.firstLook import showInputs
+
         configuration = parameters.configurationPath if parameters.configurationPath.is_file() else None
         browser = self.readRecording(parameters.recordingPath, configuration, progress, **readingFrom(parameters))
         parameters.sweep, parameters.imageSequence = browser, None
         takeConfigured(parameters, browser)
-        return self.describeSweep(parameters)
+        showInputs(browser, parameters.ctVolume)
+        return _("Loaded {name}.").format(name=browser.GetName())
 
     def apply(self, parameters, progress=None) -> str:
         """Reconstruct what the parameters ask for, show it over the CT, and return what was done in a few lines."""
-        from AIFReconScene.inputs import Inputs
+        from AIFReconScene.inputs.inputs import Inputs
+
+        from AIFReconLib.progress import part
 
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
         nodes, report = self._reconstruct(Inputs.fromParameters(parameters), settingsFrom(parameters), parameters.output, keep, progress)
         parameters.output = nodes["intensity"]
-        self.showOutput(parameters)
+        self.display.showOutput(parameters, part(progress, 0.95, 1.0))
         return report
 
     def compare(self, parameters, progress=None) -> str:
         """Reconstruct with every method that is compared, show the volumes side by side and measure them; returns what was done."""
-        from AIFReconScene.comparison import compareMethods
-        from AIFReconScene.inputs import Inputs
+        from AIFReconScene.inputs.inputs import Inputs
+        from AIFReconScene.volumes.comparison import compareMethods
 
         comparison = compareMethods(Inputs.fromParameters(parameters), settingsFrom(parameters), progress)
         self.display.showComparison(comparison, parameters)
         return comparison.report
 
-    def showOutput(self, parameters) -> None:
-        """Show the output over the CT in the usual slice views."""
-        self.display.showOutput(parameters)
-
-    def updateDisplay(self, parameters) -> None:
-        """Let the views follow the panel: opacity, volume rendering, probe and outlines."""
-        if self._display is not None or parameters.output is not None or parameters.showProbe or parameters.showOutlines:
-            self.display.update(parameters)
-
-    def followFrame(self, parameters) -> None:
-        """Let the probe follow the frame that is shown now."""
-        if self._display is not None:
-            self._display.followFrame(parameters)
-
-    @property
-    def display(self):
-        """What the views show, kept in step with the parameters."""
-        if self._display is None:
-            from AIFReconScene.display import SceneDisplay
-
-            self._display = SceneDisplay()
-        return self._display
-
     def _reconstruct(self, inputs, settings, output, keep, progress):
-        from AIFReconScene.inputs import reconstructed
-        from AIFReconScene.volumeNodes import outputNodes
+        from AIFReconScene.inputs.inputs import reconstructed
+        from AIFReconScene.volumes.volumeNodes import outputNodes
 
         from AIFReconLib.inspection.summary import summary_lines
         from AIFReconLib.message import listed
@@ -381,17 +373,17 @@ class AIFReconTest(ScriptedLoadableModuleTest):
 
     def test_the_simulated_patient_s_bone_appears_where_the_ct_shows_it(self):
         """The peaks across the segmented surface lie on it."""
-        from AIFReconScene.boneNodes import labelsFromNode
-        from AIFReconScene.metricsTable import measureVolumes
-        from AIFReconScene.phantomSample import loadPhantom
+        from AIFReconScene.inputs.inputs.boneNodes import labelsFromNode
         from AIFReconScene.transforms import ijkToRAS
+        from AIFReconScene.volumes.metricsTable import measureVolumes
+        from AIFReconScene.volumes.phantomSample import loadPhantom
 
         from AIFReconLib import Volume
 
         loadPhantom()
         logic = AIFReconLogic()
         parameters = logic.getParameterNode()
-        logic.chooseDefaults(parameters)
+        readiness.chooseDefaults(parameters)
         volume = logic.reconstruct(parameters.sweep, parameters.bone, spacing=1.0, hole_limit=2.0, inputs={"boneSigmaMm": 4.0})
         placed = Volume(slicer.util.arrayFromVolume(volume), ijkToRAS(volume))
         bone = measureVolumes({"": placed}, labelsFromNode(parameters.bone))[""].bone

@@ -8,6 +8,7 @@ Reference is taken as RAS, and only files hold LPS.
 
 from __future__ import annotations
 
+import logging
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     from .io.plus.configuration import read_plus_configuration
     from .io.sequence.files import read_sequence
     from .io.sequence.writer import write_sequence
-    from .io.volume.files import read_labels, read_transform, read_volume, write_volume
+    from .io.transform.files import read_transform
+    from .io.volume.files import read_labels, read_volume, write_volume
     from .live.pairing.synchronizer import SynchronizerSettings
     from .live.replay.server import ReplayServer
     from .live.session.session import LiveSession
@@ -35,6 +37,8 @@ if TYPE_CHECKING:
     from .settings import ReconstructionSettings
     from .sweep.frames import TrackedFrame, TrackedSequence
     from .sweep.time_offset import with_time_offset
+
+from .machine.moved import find_moved_modules
 
 __version__ = "0.1.0"
 
@@ -103,6 +107,11 @@ __all__ = [
     "write_sequence",
     "write_volume",
 ]
+
+find_moved_modules()
+
+# What is worth knowing afterwards is logged under this name; nothing is shown unless a program wants it
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 
 def __getattr__(name: str) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -23,6 +24,8 @@ from .resolve import reconstructor_parts, resolve_imaging, resolve_settings
 from .settings import ReconstructionSettings
 from .sweep.frames import TrackedFrame, TrackedSequence
 from .sweep.poses import describe_skipped, sweep_poses, time_order, tracked_frames
+
+logger = logging.getLogger(__name__)
 
 
 def _reporting(frames: Iterable[TrackedFrame], count: int, progress: Progress | None) -> Iterable[TrackedFrame]:
@@ -125,4 +128,7 @@ def reconstruct(
         sequence.images[last]
     result = reconstructor.finish(part(progress, 0.95, 1.0))
     report(progress, 1.0, "Reconstructed")
+    logger.info(
+        "%s: %d of %d frames by %s into %s voxels", sequence.name, result.frames_inserted, len(sequence), settings.method, grid.size
+    )
     return replace(result, notes=(*sequence.configuration.warnings, *parts.notes, *poses.notes, *imaging.notes, *result.notes))

@@ -1,18 +1,17 @@
 """Writes what translators work on: every visible text of the module and the library, in the format of Qt Linguist.
 
-    python Testing/write_translations.py [--check]
+    python Testing/write_translations.py
 
-The file is named as Slicer's language tools name that of an extension (``AIFRecon_en-US.ts``, see SlicerLanguagePacks). Their own search,
-Qt's lupdate, finds `_()`, `translate()` and the .ui file; that the library's errors and messages are translated, and when, it cannot see.
+The file is made when it is wanted and not kept in git. It is named as Slicer's language tools name that of an extension
+(``AIFRecon_en-US.ts``, see SlicerLanguagePacks). Their own search, Qt's lupdate, finds `_()`, `translate()` and the .ui file; that the
+library's errors and messages are translated, and when, it cannot see.
 Contexts are those that are looked up at run time: that of `slicer.i18n` for a file, the class of a .ui file, and one for the library.
 Texts of the command line stay English and are left out.
 """
 
 from __future__ import annotations
 
-import argparse
 import ast
-import sys
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,7 +22,7 @@ MODULE, LIBRARY = REPOSITORY / "AIFRecon", REPOSITORY / "AIFReconLib"
 TARGET = REPOSITORY / "Resources" / "Translations" / "AIFRecon_en-US.ts"
 
 LIBRARY_CONTEXT = "AIFReconLib"
-COMMAND_LINE = ("commands", "cli.py", "__main__.py")
+COMMAND_LINE = ("commands", "__main__.py")
 """Of the library: what only its command line says."""
 
 Texts = dict[str, dict[str, set[str]]]
@@ -161,19 +160,12 @@ def to_ts(texts: Texts) -> str:
     return "\n".join([*lines, "</TS>", ""])
 
 
-def main(argv: list[str] | None = None) -> int:
-    """Write the file, or say with --check whether it is current; the answer is the exit status."""
-    parser = argparse.ArgumentParser(description="Write the texts of AIFRecon for translators.")
-    parser.add_argument("--check", action="store_true", help="write nothing; the exit status is 1 if the file is not current")
-    arguments = parser.parse_args(argv)
-    text = to_ts(all_texts())
-    if arguments.check:
-        return int(not TARGET.is_file() or TARGET.read_text(encoding="utf-8") != text)
-    TARGET.parent.mkdir(parents=True, exist_ok=True)
-    TARGET.write_text(text, encoding="utf-8", newline="\n")
-    print(f"wrote {TARGET.relative_to(REPOSITORY).as_posix()}")
-    return 0
+def write(target: Path = TARGET) -> None:
+    """Write the file."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    target.write_text(to_ts(all_texts()), encoding="utf-8", newline="\n")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    write()
+    print(f"wrote {TARGET.relative_to(REPOSITORY).as_posix()}")

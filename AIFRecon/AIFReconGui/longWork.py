@@ -1,9 +1,9 @@
 """Long work of the panel: with progress and cancel, its errors shown in the panel's words."""
 
-import slicer
-from AIFReconScene.panelWords import errorsInPanelWords, inPanelWords
+from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
+from .errorsShown import errorsShown
 from .progressDialog import ProgressDialog
 
 
@@ -33,18 +33,16 @@ class LongWork:
     def run(self, title: str, failure: str, work, parameters) -> str:
         """Call ``work(parameters, progress=...)`` and return what it did, in words.
 
-        An error is shown under `failure` and raised again; a cancel leaves the scene as it was.
+        An error of the library is shown under `failure`, and nothing was done; another one is a bug: it is shown and raised again. A cancel
+        leaves the scene as it was.
         """
         from AIFReconLib.errors import OperationCanceled
 
         try:
-            with slicer.util.tryWithErrorDisplay(failure, waitCursor=True), ProgressDialog(title) as self._progress:
+            with errorsShown(failure, waitCursor=True) as outcome, ProgressDialog(title) as self._progress:
                 self._panel.enabled = False
-                try:
-                    with errorsInPanelWords():
-                        return inPanelWords(work(parameters, progress=self._progress))
-                except OperationCanceled:
-                    return _("Canceled. Nothing was changed.")
+                return inPanelWords(work(parameters, progress=self._progress))
+            return _("Canceled. Nothing was changed.") if isinstance(outcome.error, OperationCanceled) else ""
         finally:
             self._progress = None
             self._panel.enabled = True

@@ -2,11 +2,18 @@
 
 import importlib.util
 import pathlib
+import subprocess
 
 import slicer
 from slicer.i18n import tr as _
 
+from AIFReconLib.errors import AIFReconError
+
 REQUIREMENTS = pathlib.Path(__file__).resolve().parent.parent / "Resources" / "requirements.txt"
+
+
+class PackageMissingError(AIFReconError, RuntimeError):
+    """A package is not there, because the user did not want it or because it could not be installed."""
 
 
 def ensureLivePackages() -> None:
@@ -14,7 +21,7 @@ def ensureLivePackages() -> None:
 
     Raises
     ------
-    RuntimeError
+    PackageMissingError
         When the user declines or the installation fails.
     """
     if importlib.util.find_spec("pyigtl") is not None:
@@ -22,8 +29,14 @@ def ensureLivePackages() -> None:
     try:
         from slicer import packaging
     except ImportError:
-        if not slicer.util.confirmOkCancelDisplay(_("Live reconstruction needs the Python package pyigtl. Install it now?")):
-            raise RuntimeError(_("pyigtl is not installed, and live reconstruction needs it.")) from None
-        slicer.util.pip_install(["-r", str(REQUIREMENTS)])
-        return
-    packaging.pip_ensure(packaging.load_requirements(REQUIREMENTS), requester="AIFRecon")
+        packaging = None
+    try:
+        if packaging is not None:
+            packaging.pip_ensure(packaging.load_requirements(REQUIREMENTS), requester="AIFRecon")
+        elif slicer.util.confirmOkCancelDisplay(_("Live reconstruction needs the Python package pyigtl. Install it now?")):
+            slicer.util.pip_install(["-r", str(REQUIREMENTS)])
+    except (RuntimeError, subprocess.CalledProcessError) as error:
+        raise PackageMissingError("pyigtl was not installed, and live reconstruction needs it: {why}", why=error) from error
+    importlib.invalidate_caches()
+    if importlib.util.find_spec("pyigtl") is None:
+        raise PackageMissingError("pyigtl is not installed, and live reconstruction needs it.")

@@ -3,7 +3,7 @@
 import pathlib
 from typing import Annotated
 
-from AIFReconScene.parameters import (
+from AIFReconScene.inputs.inputs.parameters import (
     PARAMETERS,
     BoneDirection,
     Engine,

@@ -20,20 +20,26 @@ def registerSampleData():
         thumbnailFileName=str(THUMBNAIL),
         customDownloader=loadPhantomSample,
     )
+    panel = getattr(slicer.modules, "SampleDataWidget", None)
+    if panel is not None:
+        # Built before this module was loaded, with what was on offer then
+        panel.setCategoriesFromSampleDataSources(panel.categoryLayout, slicer.modules.sampleDataSources, panel.logic)
 
 
 def loadPhantomSample(source=None):
     """Simulate the patient and add CT, segmentation and sweep to the scene; cancel leaves the scene as it was."""
-    from AIFReconScene.panelWords import errorsInPanelWords
-    from AIFReconScene.phantomSample import loadPhantom
+    from AIFReconScene.display.display.firstLook import showInputs
+    from AIFReconScene.display.display.threeDViews import makeSurface
+    from AIFReconScene.volumes.phantomSample import loadPhantom
 
-    from AIFReconLib.errors import OperationCanceled
+    from AIFReconLib.progress import part
 
+    from .errorsShown import errorsShown
     from .progressDialog import ProgressDialog
 
-    with slicer.util.tryWithErrorDisplay(_("The lumbar phantom could not be made.")), ProgressDialog(_("Lumbar phantom")) as progress:
-        try:
-            with errorsInPanelWords():
-                return loadPhantom(progress).nodes
-        except OperationCanceled:
-            return []
+    with errorsShown(_("The lumbar phantom could not be made.")), ProgressDialog(_("Lumbar phantom")) as progress:
+        phantom = loadPhantom(part(progress, 0.0, 0.95))
+        makeSurface(phantom.segmentation, part(progress, 0.95, 1.0))
+        showInputs(phantom.browser, phantom.ct)
+        return phantom.nodes
+    return []

@@ -21,7 +21,8 @@ def inPanelWords(message) -> str:
     message : Message, AIFReconError or str
         A plain str has lost what it was made of: it stays in English.
     """
-    text = str(translated(message, lambda template: translate(LIBRARY_CONTEXT, template)))
+    own = _sentences()
+    text = str(translated(message, lambda template: own.get(template) or translate(LIBRARY_CONTEXT, template)))
 
     def word(found) -> str:
         shown = _words().get(found["option"])
@@ -52,7 +53,7 @@ def _words() -> dict:
         "--config": _("Configuration"),
         "--fan-angles-deg": _("Fan angles"),
         "--fan-radius-px": _("Fan radii"),
-        "--grid-like": _("Like volume"),
+        "--grid-like": _("Region"),
         "--hole-limit": _("Hole limit"),
         "--importance-mask": _("Importance mask"),
         "--intensity-maximum": _("Brightest value"),
@@ -64,4 +65,39 @@ def _words() -> dict:
         "--spacing": _("Spacing"),
         "--speed-of-sound": _("Speed of sound"),
         "--time-offset": _("Time offset"),
+    }
+
+
+def _sentences() -> dict:
+    """What the panel says in the place of sentences whose advice is about files and options that it does not have."""
+    return {
+        "{sequence}: no frame falls into the volume ({reasons}). "
+        "Check its box (--grid-like, or the configuration's OutputOrigin and OutputExtent) and --reference.": _(
+            "{sequence}: no frame falls into the volume ({reasons}). Check the region, and the transforms of the sweep."
+        ),
+        "The recording has no transforms at all: was a tracker connected? "
+        "Slicer saves transforms as sequences of their own; give them with --transform-sequence NAME=FILE.": _(
+            "The recording has no transforms at all: was a tracker connected? "
+            "Slicer saves transforms as sequences of their own: load them too, and put the images under them."
+        ),
+        "Choose another frame to reconstruct in with --reference, one of: {frames}.": _(
+            "Its transforms lead to {frames}: put the one that leads farthest under a transform to the world, named for both."
+        ),
+        "Two paths lead from {source} to {target}: {one}; and {other}. "
+        "Remove one of them, or take the recorded one with --image-to-reference {source}To{target}.": _(
+            "Two paths lead from {source} to {target}: {one}; and {other}. Remove one of them."
+        ),
+        "{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, "
+        "if it is Slicer's sequence of a transform, give it with the images as --transform-sequence NAME=FILE.": _(
+            "{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, "
+            "if it is Slicer's sequence of a transform, load it with Slicer's own Add Data."
+        ),
+        "UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it. "
+        "Look which side of the images is marked and say it with aifrecon convert --orientation: a wrong code mirrors the anatomy.": _(
+            "UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it. "
+            "Look which side of the images is marked and choose it as “Stored pixels”: a wrong code mirrors the anatomy."
+        ),
+        "{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, give them as --bone-probability.": _(
+            "{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, choose them as a scalar volume."
+        ),
     }

@@ -1,1 +1,4 @@
-"""The commands, one module each: `add_to` declares the arguments, `run` does the work through the library's public functions."""
+"""The command line: parser, console, signals, and one file a command, in which `add_to` declares the arguments and `run` does the work.
+
+May import everything; nothing imports it.
+"""

@@ -1,66 +1,245 @@
-"""`aifrecon benchmark`: how fast this machine reconstructs."""
+"""`aifrecon benchmark`: whether this machine keeps up with a live scan, by each method."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
+import platform
+import statistics
+import time
+from collections.abc import Callable
 from pathlib import Path
 
-from ..benchmark import VOXELS, benchmark
+import numpy as np
+
+from .. import __version__
+from ..bone.map import BoneMap
+from ..compounding.engines import INSTALL_NUMBA, choose_engine
+from ..compounding.numpy_engine import NumpyEngine
+from ..compounding.reconstructor import Reconstructor
 from ..errors import SettingsError
+from ..geometry.volume import Volume, VoxelGrid
+from ..imaging.beams import SECTOR, ProbeGeometry
+from ..imaging.extent import grid_around_sweep
+from ..imaging.region import ImageRegion
 from ..io.disk.atomic import check_writable, write_text
+from ..live.wire.decoding import decode
+from ..live.wire.encoding import encode_image
+from ..live.wire.framing import Frame, Framer
+from ..machine.threads import optional_module, usable_cores
 from ..message import columns
+from ..progress import Progress, part, report
+from ..settings import BONE_METHODS, DEFAULT_SPACING, METHODS, ReconstructionSettings
+from ..sweep.frames import TrackedFrame
 from .console import ProgressBar
 from .options import Commands
+
+DEPTH, APEX, FAN_DEG = 96.0, 20.0, 30.0
+"""mm that an image is deep and that its beams' apex lies above it, and the angle that the sweep is turned through."""
+
+LEAST_SIDE, LARGEST_SIDE = 16, 8192
+AMPLE = 0.5
+"""Share of a frame's time up to which a method keeps up: what is left is for the display, the tracker's messages and a recording."""
+
+KEEPS_UP, JUST_KEEPS_UP, TOO_SLOW = "keeps up", "just keeps up", "does not keep up"
+_ANY = "any method"
 
 
 def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "benchmark",
-        help="measure how fast this machine reconstructs",
-        description="Time every method on 640 x 480 frames of 0.2 mm pixels, and say whether that keeps up with 30 frames/s live.",
+        help="measure whether this machine keeps up with a live scan",
+        description="Receive and insert made-up images with every method, and say whether this machine keeps up with a live scan of that "
+        "size and rate.",
     )
+    parser.add_argument(
+        "--size", type=int, nargs=2, default=[640, 480], metavar=("COLUMNS", "ROWS"), help="of your images (default: 640 480)"
+    )
+    parser.add_argument("--rate", type=float, default=30.0, metavar="FPS", help="frames/s of your scan (default: %(default)g)")
+    parser.add_argument("--spacing", type=float, default=DEFAULT_SPACING, metavar="MM", help="distance of voxels (default: %(default)s)")
     parser.add_argument("--frames", type=int, default=120, metavar="N", help="frames per repeat (default: %(default)s)")
     parser.add_argument("--repeats", type=int, default=5, metavar="N", help="the median of this many is shown (default: %(default)s)")
-    parser.add_argument("--spacing", type=float, nargs="+", default=[0.5, 0.3], metavar="MM", help="voxel sizes to time (default: 0.5 0.3)")
-    parser.add_argument("--quick", action="store_true", help="only reconstruction, at the first voxel size, with a third of the frames")
-    parser.add_argument(
-        "--data", type=Path, metavar="DIR", help="also time the real recordings in this folder (default: AIFRECON_DATA_DIR, if set)"
-    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here, to compare later")
-    parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table here, for a document")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Measure and print."""
-    frames, spacings = arguments.frames, tuple(arguments.spacing)
-    if frames < 2 or arguments.repeats < 1 or min(spacings) <= 0:
-        raise SettingsError("A benchmark takes at least 2 frames, 1 repeat and positive voxel sizes.")
-    if arguments.quick:
-        frames, spacings = max(frames // 3, 2), spacings[:1]
-    if arguments.data is not None and not arguments.data.is_dir():
-        raise SettingsError("Input --data must be a folder; got {folder!r}.", folder=str(arguments.data))
-    for path in (arguments.json, arguments.markdown):
-        if path:
-            check_writable(path)
-    data = arguments.data or (Path(os.environ["AIFRECON_DATA_DIR"]) if os.environ.get("AIFRECON_DATA_DIR") else None)
-    with ProgressBar() as progress:
-        result = benchmark(
-            frames,
-            arguments.repeats,
-            spacings,
-            voxels=0 if arguments.quick else VOXELS,
-            data=None if arguments.quick else data,
-            progress=progress,
+    """Measure, print, and answer."""
+    size, rate, spacing = tuple(arguments.size), arguments.rate, arguments.spacing
+    if arguments.frames < 2 or arguments.repeats < 1:
+        raise SettingsError("A benchmark takes at least 2 --frames and 1 of --repeats.")
+    if not all(LEAST_SIDE <= n <= LARGEST_SIDE for n in size):
+        raise SettingsError(
+            "Input --size must be {least} to {most} pixels each way; got {size!r}.", least=LEAST_SIDE, most=LARGEST_SIDE, size=size
         )
-    files = {arguments.json: json.dumps(result.to_dict(), indent=2) + "\n", arguments.markdown: result.markdown()}
-    for path, text in files.items():
-        if path:
-            write_text(path, text)
-    print(f"{result.heading()}\n")
-    print(columns(result.rows()))
-    for path in filter(None, files):
-        print(f"\n  wrote {path}")
+    for name, value, unit in (("--rate", rate, "frames/s"), ("--spacing", spacing, "mm")):
+        if not (value > 0 and math.isfinite(value)):
+            raise SettingsError("Input {name} must be above 0; got {value!r}. Give it in {unit}.", name=name, value=value, unit=unit)
+    if arguments.json:
+        check_writable(arguments.json)
+    engine, warning = choose_engine("auto")
+    with ProgressBar() as progress:
+        busy = busy_share()
+        sweep = fan_sweep(arguments.frames, *size)
+        poses = np.array([frame.image_to_reference for frame in sweep])
+        grid = grid_around_sweep(poses, size, ImageRegion(), (spacing,) * 3)
+        receiving = _seconds_to_receive(sweep[0], arguments.repeats)
+        seconds = {}
+        for number, method in enumerate(METHODS):
+            of_method = part(progress, number / len(METHODS), (number + 1) / len(METHODS))
+            seconds[method] = receiving + _seconds_to_insert(method, sweep, grid, arguments.repeats, of_method)
+    name = "numpy" if engine is NumpyEngine else "numba"
+    if arguments.json:
+        found = {
+            "machine": machine(),
+            "version": __version__,
+            "size": size,
+            "rate": rate,
+            "spacing_mm": spacing,
+            "voxels": grid.voxels,
+            "engine": name,
+            "busy": busy,
+            "methods": {
+                method: {"seconds_per_frame": each, "frames_per_second": 1 / each, "live": verdict(each * rate)}
+                for method, each in seconds.items()
+            },
+        }
+        write_text(arguments.json, json.dumps(found, indent=2) + "\n")
+    print(f"{machine()}\nAIFRecon {__version__}; {size[0]} x {size[1]} pixels into {grid.voxels / 1e6:.1f} million voxels, with {name}\n")
+    heading = ("method", "frames/s", f"at {rate:g}/s")
+    print(columns([heading, *((m, f"{1 / s:.0f}", f"{100 * s * rate:.0f}% of the time, {verdict(s * rate)}") for m, s in seconds.items())]))
+    print(f"\n{answer({method: each * rate for method, each in seconds.items()}, size, rate)}")
+    for text in (warning, busy_warning(busy)):
+        if text:
+            print(text)
+    if arguments.json:
+        print(f"\n  wrote {arguments.json}")
+
+
+def verdict(share: float) -> str:
+    """What it means that frames take this share of the time there is."""
+    return KEEPS_UP if share <= AMPLE else JUST_KEEPS_UP if share <= 1 else TOO_SLOW
+
+
+def answer(shares: dict[str, float], size: tuple[int, int], rate: float) -> str:
+    """In words, whether this machine keeps up, and what helps where it does not.
+
+    Parameters
+    ----------
+    shares : dict of float
+        Of the time there is, by method.
+    size : (columns, rows), px
+    rate : float, frames/s
+    """
+    by_verdict = {word: [m for m, share in shares.items() if verdict(share) == word] for word in (KEEPS_UP, JUST_KEEPS_UP, TOO_SLOW)}
+    said = [f"{word} with {_ANY if len(ms) == len(shares) else ', '.join(ms)}" for word, ms in by_verdict.items() if ms]
+    text = f"At {rate:g} frames/s of {size[0]} x {size[1]} pixels, this machine {'; '.join(said)}."
+    if len(by_verdict[KEEPS_UP]) == len(shares):
+        return text
+    numba = "" if optional_module("AIFReconLib.compounding.compiled.numba_engine") else f"numba ({INSTALL_NUMBA}), "
+    return (
+        f"{text}\nWhat helps: {numba}larger voxels (--spacing), a smaller part of the image (--clip-px), every second frame (--skip 2).\n"
+        "Frames that do not fit are left out evenly and counted; --record keeps them all, to be reconstructed afterwards."
+    )
+
+
+def _seconds_to_receive(frame: TrackedFrame, repeats: int) -> float:
+    """For one frame: its OpenIGTLink message, checksum and all."""
+    image, pose = frame.image, frame.image_to_reference
+    if image is None or pose is None:
+        return 0.0
+    message = encode_image("Image_Reference", frame.timestamp, image, pose)
+
+    def receive() -> None:
+        for whole in Framer().feed(message):
+            if isinstance(whole, Frame):
+                decode(whole)
+
+    return _median_seconds(receive, max(repeats, 5))
+
+
+def _seconds_to_insert(method: str, sweep: list[TrackedFrame], grid: VoxelGrid, repeats: int, progress: Progress | None) -> float:
+    """For one frame, into a volume that is there already, with its bone map."""
+    rows, across = np.asarray(sweep[0].image).shape
+    bone = slab_of_bone(grid) if method in BONE_METHODS else None
+    reconstructor = Reconstructor(grid, ReconstructionSettings(method=method), bone, probe=sector_probe(across, rows))
+    return _median_seconds(lambda: reconstructor.insert(sweep), repeats, progress) / len(sweep)
+
+
+def _median_seconds(work: Callable[[], object], repeats: int, progress: Progress | None = None) -> float:
+    """After it was done once, which prepares tables and compiles."""
+    work()
+    taken = []
+    for turn in range(repeats):
+        report(progress, turn / repeats, "Measuring")
+        started = time.perf_counter()
+        work()
+        taken.append(time.perf_counter() - started)
+    return statistics.median(taken)
+
+
+def fan_sweep(frames: int, across: int, rows: int) -> list[TrackedFrame]:
+    """Images of speckle, turned step by step through 30 degrees about the x axis of Reference."""
+    pixel = DEPTH / rows
+    image = np.random.default_rng(1).integers(0, 256, (rows, across), dtype=np.uint8)
+    sweep = []
+    for number, angle in enumerate(np.radians(np.linspace(-FAN_DEG / 2, FAN_DEG / 2, frames))):
+        pose = np.eye(4)
+        pose[:3, 0] = pixel, 0.0, 0.0
+        pose[:3, 1] = 0.0, pixel * np.cos(angle), pixel * np.sin(angle)
+        pose[:3, 2] = 0.0, -pixel * np.sin(angle), pixel * np.cos(angle)
+        pose[0, 3] = -pixel * across / 2
+        sweep.append(TrackedFrame(image, pose, number / 30.0, number=number))
+    return sweep
+
+
+def sector_probe(across: int, rows: int) -> ProbeGeometry:
+    """Beams of the images of `fan_sweep`."""
+    return ProbeGeometry(SECTOR, (across / 2, -APEX * rows / DEPTH))
+
+
+def slab_of_bone(grid: VoxelGrid) -> BoneMap:
+    """A block of bone in the middle of the grid, as a CT of 1 mm voxels would show it."""
+    span = np.array(grid.size) * grid.spacing
+    size = np.maximum(np.ceil(span), 8).astype(int)
+    labels = np.zeros(size[::-1], np.uint8)
+    labels[tuple(slice(n // 3, 2 * n // 3 + 1) for n in labels.shape)] = 1
+    matrix = np.eye(4)
+    matrix[:3, 3] = grid.origin
+    return BoneMap.from_labels(Volume(labels, matrix), sigma_mm=4.0)
+
+
+def busy_share() -> float:
+    """Share of the processor that others use, by a short stretch of work; 0 where it cannot be told."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    total = 0
+    while time.perf_counter() - wall < 0.5:
+        total += 1
+    return max(1.0 - (time.process_time() - cpu) / (time.perf_counter() - wall), 0.0)
+
+
+def busy_warning(busy: float) -> str:
+    """That the numbers are too slow, where they are."""
+    return f"Other work took {100 * busy:.0f} % of the processor meanwhile: these numbers are too slow." if busy > 0.1 else ""
+
+
+def machine() -> str:
+    """System, cores, processor and versions."""
+    names = [platform.system(), platform.machine(), f"{usable_cores()} cores"]
+    if model := _processor():
+        names.append(model)
+    numba = optional_module("AIFReconLib.machine.numba_compile")
+    versions = f"Python {platform.python_version()}, numpy {np.__version__}" + (f", numba {numba.VERSION}" if numba else ", no numba")
+    return ", ".join(names) + "; " + versions
+
+
+def _processor() -> str:
+    """The processor's model, where the system tells."""
+    if os.path.isfile("/proc/cpuinfo"):
+        for line in Path("/proc/cpuinfo").read_text("utf-8", "replace").splitlines():
+            if line.startswith("model name"):
+                return " ".join(line.split(":", 1)[1].split())
+    return platform.processor()

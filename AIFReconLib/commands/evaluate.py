@@ -18,7 +18,8 @@ from ..evaluation.visibility import BEAM_THICKNESS, SweepBeams, bone_truth
 from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable, write_text
 from ..io.sequence.files import read_sequence
-from ..io.volume.files import read_labels, read_transform, read_volume
+from ..io.transform.files import read_transform
+from ..io.volume.files import read_labels, read_volume
 from ..message import columns
 from ..progress import part
 from .console import ProgressBar

@@ -19,7 +19,8 @@ from ..imaging.images import ImageStack
 from ..imaging.region import ClipRectangle, ImageRegion, chosen_region
 from ..io.metafile.opening import data_files
 from ..io.plus.importance_mask import read_importance_mask
-from ..io.volume.files import read_labels, read_transform, read_volume
+from ..io.transform.files import read_transform
+from ..io.volume.files import read_labels, read_volume
 from ..progress import Progress
 from ..resolve import resolve_imaging
 from ..settings import ReconstructionSettings, rule_of

@@ -19,11 +19,12 @@ from typing import Any, NoReturn
 from .. import __version__
 from ..errors import AIFReconError, OperationCanceled
 from ..message import LONGEST_QUOTE, one_line, shorten
-from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, replay, simulate, study
+from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, replay, simulate
 from .console import prepare_streams
+from .log import add_log_options, logging_as_asked
 from .signals import OrderlyEnd, orderly_end
 
-COMMANDS = (demo, reconstruct, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark, study)
+COMMANDS = (demo, reconstruct, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
 
 SUCCESS, BAD_INPUT = 0, 2
 
@@ -92,6 +93,8 @@ def build_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=OneLineParser)
     for command in COMMANDS:
         command.add_to(commands)
+    for each in commands.choices.values():
+        add_log_options(each)
     return parser
 
 
@@ -115,7 +118,7 @@ def main(argv: list[str] | None = None) -> int:
         return int(stop.code or 0)
     end = OrderlyEnd()
     try:
-        with orderly_end(end):
+        with orderly_end(end), logging_as_asked(arguments, sys.argv[1:] if argv is None else argv):
             arguments.run(arguments)
     except (KeyboardInterrupt, OperationCanceled):
         return _fail(_INTERRUPTED, end.exit_code)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,8 @@ from .numpy_engine import NumpyEngine
 
 if TYPE_CHECKING:
     from .compiled.numba_engine import NumbaEngine
+
+logger = logging.getLogger(__name__)
 
 INSTALL_NUMBA = "pip install 'numba>=0.60'"
 
@@ -49,5 +52,6 @@ def choose_engine(wanted: str) -> tuple[type[NumpyEngine] | type[NumbaEngine], s
                 reason=reason,
                 command=INSTALL_NUMBA,
             ) from error
+        logger.warning("%s; the numpy engine stands in", reason, exc_info=True)
         return NumpyEngine, Message("Warning: {reason}; the slower numpy engine was used. The voxels are the same.", reason=reason)
     return NumbaEngine, None

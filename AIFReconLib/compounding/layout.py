@@ -23,6 +23,9 @@ ROWS_AT_ONCE = 64
 CENTER_TOLERANCE = 1e-6
 """Voxels. The box around a sweep begins at a pixel's center, which rounding must not put outside of it."""
 
+FIXED_POINT_ONE = 2**14
+"""What stands for 1 where pixels are placed as by Plus's Optimization=FULL."""
+
 
 Value = TypeVar("Value", bound=np.generic)
 
@@ -260,3 +263,15 @@ def _floors_along_one(along_rows: Floats, along_columns: Floats) -> Floats | Non
         return ends[:, :1]
     ends = np.floor(along_rows[[0, -1]] + along_columns)
     return ends[:1] if np.array_equal(ends[0], ends[1]) else None
+
+
+def in_fixed_point(image_to_ijk: Matrix) -> Matrix:
+    """A (4, 4) matrix with its numbers rounded as IGSIO's fixed-point type holds them.
+
+    Notes
+    -----
+    With whole columns and rows, places are then whole numbers of 2^-14 voxel, which doubles add up exactly: pixels fall into the voxels
+    of IGSIO's integer arithmetic. A pixel moves by at most (columns + rows + 1) 2^-15 voxels along an axis.
+    """
+    rounded: Matrix = np.rint(image_to_ijk * FIXED_POINT_ONE) / FIXED_POINT_ONE
+    return rounded

@@ -28,9 +28,8 @@ from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .engines import choose_engine
 from .evidence import ScanLines
-from .fixed_point import in_fixed_point
 from .image_format import ImageKind
-from .layout import PixelLayout
+from .layout import PixelLayout, in_fixed_point
 from .numpy_engine import NumpyEngine
 from .splat_engine import SplatEngine, check_shares, splat_engine, uses_shares
 from .state import VoxelState, bytes_per_voxel

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, TypeVar
 
 from numba import __version__ as VERSION
 from numba import njit
+
+logger = logging.getLogger(__name__)
 
 __all__ = ["VERSION", "compiled", "inlined"]
 
@@ -29,7 +32,8 @@ def compiled(function: Kernel) -> Kernel:
     try:
         dispatcher = njit(cache=True, **_OPTIONS)(function)
         dispatcher._cache = _DispensableCache(dispatcher._cache)
-    except RuntimeError:
+    except RuntimeError as error:
+        logger.info("%s is compiled anew in every process: its code cannot be kept (%s)", function.__name__, error)
         dispatcher = njit(**_OPTIONS)(function)
     kernel: Kernel = dispatcher
     return kernel
@@ -58,13 +62,16 @@ class _DispensableCache:
         try:
             return self._cache.load_overload(*arguments)
         except Exception:  # a damaged file fails in whatever way it likes
+            logger.info("Kept code cannot be loaded and is compiled anew", exc_info=True)
             with suppress(Exception):
                 self._cache.flush()
             return None
 
     def save_overload(self, *arguments: Any) -> None:
-        with suppress(Exception):
+        try:
             self._cache.save_overload(*arguments)
+        except Exception:
+            logger.info("Compiled code cannot be kept", exc_info=True)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._cache, name)

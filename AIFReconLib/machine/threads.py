@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import itertools
+import logging
 import os
 import threading
 import time
@@ -12,6 +13,8 @@ from importlib.util import find_spec
 from types import ModuleType
 
 from ..errors import SettingsError
+
+logger = logging.getLogger(__name__)
 
 
 def in_parts(work: Callable[[int], None], parts: int, threads: int) -> None:
@@ -43,7 +46,8 @@ def start(thread: threading.Thread) -> bool:
     """Start the thread; False where the system allows no more threads."""
     try:
         thread.start()
-    except RuntimeError:
+    except RuntimeError as error:
+        logger.warning("The system allows no more threads (%s): %s does without", error, thread.name)
         return False
     return True
 
@@ -77,6 +81,7 @@ def optional_module(name: str) -> ModuleType | None:
         return importlib.import_module(name)
     # A numba that does not fit its numpy or its Python fails in whatever way it likes
     except Exception:
+        logger.warning("numba is installed but %s does not work; numpy and scipy stand in", name, exc_info=True)
         return None
 
 

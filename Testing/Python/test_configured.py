@@ -18,7 +18,7 @@ from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.holes.plus_ways import fill_holes_by_kind
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
-from AIFReconLib.io.sequence.files import write_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import reconstructor_parts, resolve_settings

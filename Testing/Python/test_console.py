@@ -71,7 +71,7 @@ def test_a_program_elsewhere_is_called_as_it_was(monkeypatch, tmp_path):
 
 def test_a_module_is_called_with_the_python_that_runs_it(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", [str(Path(console.__file__).parent / "__main__.py"), "demo"])
+    monkeypatch.setattr(sys, "argv", [str(Path(console.__file__).parents[1] / "__main__.py"), "demo"])
     monkeypatch.setattr(sys, "executable", str(tmp_path / ".venv" / "bin" / "python"))
     assert program() == f"{Path('.venv') / 'bin' / 'python'} -m AIFReconLib"
 

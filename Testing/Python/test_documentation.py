@@ -17,7 +17,7 @@ from doc_workplace import make_workplace, serve
 from AIFReconLib.commands.parser import build_parser, main
 from AIFReconLib.settings import METHODS
 
-LONG_RUNNING = {"demo": "test_demo.py", "study": "test_study.py", "benchmark": "test_benchmark.py", "simulate": "test_demo.py"}
+LONG_RUNNING = {"demo": "test_demo.py", "benchmark": "test_benchmark.py", "simulate": "test_demo.py"}
 """Commands that are only parsed here, and where they are run."""
 
 BLOCKS = [block for page in PAGES for block in blocks(page)]

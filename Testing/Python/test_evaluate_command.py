@@ -11,7 +11,8 @@ from files import write_patient
 from AIFReconLib.commands.evaluate import unique_names
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
-from AIFReconLib.io.volume.files import read_labels, read_transform
+from AIFReconLib.io.transform.files import read_transform
+from AIFReconLib.io.volume.files import read_labels
 
 
 @pytest.fixture

@@ -29,7 +29,7 @@ def test_nothing_is_lost_by_a_few_faults_of_each_kind(kind):
 NAIVE = """
 import os, sys
 sys.path[:0] = [os.path.dirname(os.getcwd()), os.path.join(os.getcwd(), "Python")]
-from AIFReconLib.io import workspace
+from AIFReconLib.io.disk import workspace
 from faults import killing, writers
 from faults.ledger import Ledger
 

@@ -27,8 +27,6 @@ CALLS = frozenset(
 )  # fmt: skip
 
 ALLOWED = {
-    # A Python of its own, for timing a first call; it gets no input
-    ("AIFReconLib/benchmark_first.py", "subprocess"),
     # ffmpeg, told to follow nothing; test_security.py
     ("AIFReconLib/io/foreign/video.py", "subprocess"),
 }

@@ -90,10 +90,10 @@ def with_bases(class_name: str) -> dict:
 
 def stand_ins() -> dict[str, type]:
     """Every stand-in class by name."""
-    from host import application, modules, qt_modules, widgets_collapsible, widgets_ctk, widgets_qmrml
+    from host import application, modules, qt_modules, views, widgets_collapsible, widgets_ctk, widgets_qmrml, windows
 
     found = {}
-    for module in (widgets_collapsible, widgets_ctk, widgets_qmrml, application, modules):
+    for module in (widgets_collapsible, widgets_ctk, widgets_qmrml, application, modules, views, windows):
         found |= qt_modules.stand_ins(module)
     return found
 

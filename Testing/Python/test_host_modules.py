@@ -44,13 +44,6 @@ def test_the_module_is_found_by_its_lower_case_name(module):
     assert slicer.util.getModule("Tiny") is module
 
 
-def test_startup_is_told(host, module):
-    import slicer
-
-    host.startup()
-    assert slicer.modules.tinyStarted is True
-
-
 def test_opening_a_module_builds_its_panel_once(host, widget):
     host.leave()
     assert host.open("Tiny") is widget

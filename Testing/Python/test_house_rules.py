@@ -154,18 +154,18 @@ def test_a_relative_import_is_no_package():
 @pytest.mark.parametrize(
     ("path", "package", "allowed"),
     [
-        ("io/volume_files.py", "SimpleITK", True),
-        ("io/pictures.py", "PIL", True),
-        ("importing.py", "PIL", False),
-        ("bone.py", "SimpleITK", False),
+        ("io/volume/files.py", "SimpleITK", True),
+        ("io/foreign/pictures.py", "PIL", True),
+        ("sweep/frames.py", "PIL", False),
+        ("bone/map.py", "SimpleITK", False),
         ("io.py", "SimpleITK", False),
-        ("live/openigtlink.py", "pyigtl", True),
-        ("live/openigtlink.py", "SimpleITK", False),
-        ("compounding/numba_engine.py", "numba", True),
+        ("live/wire/client.py", "pyigtl", True),
+        ("live/wire/client.py", "SimpleITK", False),
+        ("compounding/compiled/numba_engine.py", "numba", True),
         ("compounding/numpy_engine.py", "numba", False),
         ("evaluation/figures.py", "matplotlib", True),
-        ("cli.py", "matplotlib", False),
-        ("cli.py", "slicer", False),
+        ("commands/parser.py", "matplotlib", False),
+        ("commands/parser.py", "slicer", False),
     ],
 )
 def test_a_room_admits_its_own_packages(path, package, allowed):

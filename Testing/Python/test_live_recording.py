@@ -160,7 +160,7 @@ def test_a_crash_between_any_two_writes_leaves_a_file_that_can_be_read(moment, t
 
 CHILD = """
 import sys, numpy as np
-from AIFReconLib.live import recording
+from AIFReconLib.live.session import recording
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 recording.REFRESH = 0.001
 recorder = recording.Recorder(sys.argv[1])

@@ -27,7 +27,7 @@ from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from AIFReconLib.live.replay.server import ReplayServer
-from AIFReconLib.live.session.keep_up import KeepUp
+from AIFReconLib.live.session.insertion import KeepUp
 from AIFReconLib.live.session.recording import Recorder
 from AIFReconLib.live.session.scouting import ScoutedFrames
 from AIFReconLib.live.session.session import LiveSession

@@ -12,7 +12,8 @@ from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.io.sequence.files import read_sequence, write_sequence
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence

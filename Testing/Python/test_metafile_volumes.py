@@ -11,10 +11,11 @@ import pytest
 import SimpleITK as sitk
 from volume_samples import refusal
 
-from AIFReconLib.errors import InsufficientMemoryError
+from AIFReconLib.errors import InsufficientMemoryError, VolumeFormatError
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS
+from AIFReconLib.io.metafile.opening import read_metafile
 from AIFReconLib.io.volume import metafile_volumes
-from AIFReconLib.io.volume.files import VolumeFormatError, read_metafile, read_volume
+from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.io.volume.metafile_volumes import read_metafile_volume
 
 DATA = bytes(range(96))

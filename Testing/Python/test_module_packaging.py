@@ -17,8 +17,8 @@ UI = ElementTree.parse(MODULE / "Resources" / "UI" / "AIFRecon.ui").getroot()
 WIDGETS = {widget.get("name"): widget for widget in UI.iter("widget")}
 PASSIVE = {"QLabel", "qMRMLWidget", "ctkCollapsibleButton", "QWidget", "QFrame", "ctkCollapsibleGroupBox", "QProgressBar"}
 WITHIN_A_RECONSTRUCTION = (
-    "beams", "bone", "detection", "extent", "memory", "poses", "reconstruction", "region", "transform_graph", "volume",
-    "compounding/reconstructor", "io/plus_config",
+    "imaging/beams", "bone/map", "imaging/detection", "imaging/extent", "machine/memory", "sweep/poses", "reconstruction", "resolve",
+    "imaging/region", "geometry/transform_graph", "geometry/volume", "compounding/reconstructor", "io/plus/configuration",
 )  # fmt: skip
 HEAVY = {"scipy", "SimpleITK", "matplotlib", "numba", "pyigtl"}
 

@@ -75,7 +75,7 @@ def live(scene, count=4, values=None, poses=None, **options):
 
 
 def read(browser, *arguments, **options):
-    from AIFReconScene.sequenceReader import sequenceFromBrowser
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
     return sequenceFromBrowser(browser, *arguments, **options)
 
@@ -268,7 +268,7 @@ def test_a_browser_without_images_is_refused(scene):
 
 
 def summary(browser):
-    from AIFReconScene.sequenceReader import sweepSummary
+    from AIFReconScene.sweep.sequenceReader import sweepSummary
 
     return sweepSummary(browser)
 
@@ -290,7 +290,7 @@ def test_a_summary_says_what_keeps_a_sweep_from_being_used(scene):
 
 
 def test_a_summary_reads_no_pixels(scene, monkeypatch):
-    from AIFReconScene import sweepImages
+    from AIFReconScene.sweep import sweepImages
 
     browser = live(scene)
     monkeypatch.setattr(sweepImages.SweepImages, "__getitem__", lambda *_: pytest.fail("a pixel was read"))

@@ -60,7 +60,7 @@ def equal(a: BoneMap, b: BoneMap) -> bool:
 
 
 def bone_of(node, *arguments, **options) -> BoneMap:
-    from AIFReconScene.boneNodes import boneMapFromNode
+    from AIFReconScene.inputs.inputs.boneNodes import boneMapFromNode
 
     return boneMapFromNode(node, *arguments, **options)
 
@@ -133,7 +133,7 @@ def test_overlapping_segments_are_both_bone(scene):
 
 
 def test_every_segment_gets_a_label_of_its_own(scene):
-    from AIFReconScene.boneNodes import labelsFromNode
+    from AIFReconScene.inputs.inputs.boneNodes import labelsFromNode
 
     far = np.roll(ball_labels(radius=3.0), 8, axis=1)
     labels = labelsFromNode(segmentation_node(scene, {"L3": ball_labels(radius=4.0), "L4": far}))
@@ -166,7 +166,7 @@ def sphere_surface_node(scene):
 
 
 def test_surfaces_become_voxels_of_the_ct(scene):
-    from AIFReconScene.boneNodes import labelsFromNode
+    from AIFReconScene.inputs.inputs.boneNodes import labelsFromNode
 
     ct = volume_node(scene, np.zeros((40, 40, 40), np.int16), np.array([[1, 0, 0, -10], [0, 1, 0, 0], [0, 0, 1, 10], [0, 0, 0, 1.0]]))
     labels = labelsFromNode(sphere_surface_node(scene), referenceVolumeNode=ct)
@@ -227,7 +227,7 @@ def roi_node(scene, size=(20.0, 30.0, 41.0), matrix=ROI_MATRIX, parent=None):
 
 
 def grid_of(*arguments):
-    from AIFReconScene.gridNodes import gridFromROI
+    from AIFReconScene.inputs.inputs.gridNodes import gridFromROI
 
     return gridFromROI(*arguments)
 
@@ -284,7 +284,7 @@ def test_a_sheared_roi_is_refused_by_name(scene):
 
 
 def test_a_grid_like_a_volume_lies_where_its_transform_puts_it(scene):
-    from AIFReconScene.gridNodes import gridFromVolume
+    from AIFReconScene.inputs.inputs.gridNodes import gridFromVolume
 
     node = volume_node(scene, np.zeros((4, 5, 6), np.int16), CT_MATRIX, parent=transform_node(scene, REGISTRATION))
     grid = gridFromVolume(node)
@@ -293,7 +293,7 @@ def test_a_grid_like_a_volume_lies_where_its_transform_puts_it(scene):
 
 
 def test_a_grid_like_a_volume_without_voxels_is_refused(scene):
-    from AIFReconScene.gridNodes import gridFromVolume
+    from AIFReconScene.inputs.inputs.gridNodes import gridFromVolume
 
     with pytest.raises(GeometryError, match="V: it has no voxels"):
         gridFromVolume(scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", "V"))
@@ -320,13 +320,13 @@ def result(method="weighted", cosine=True):
 
 
 def outputs(*arguments, **options):
-    from AIFReconScene.volumeNodes import outputNodes
+    from AIFReconScene.volumes.volumeNodes import outputNodes
 
     return outputNodes(*arguments, **options)
 
 
 def test_a_volume_file_and_a_volume_node_lie_in_the_same_place(scene, tmp_path):
-    from AIFReconScene.volumeNodes import updateVolumeNode
+    from AIFReconScene.volumes.volumeNodes import updateVolumeNode
 
     volume = Volume(np.arange(210, dtype=np.int16).reshape(5, 6, 7), CT_MATRIX)
     volume.write(tmp_path / "volume.nrrd")
@@ -405,7 +405,7 @@ def test_an_input_is_never_overwritten(scene):
 
 
 def test_a_failure_midway_leaves_the_scene_as_it_was(scene, monkeypatch):
-    from AIFReconScene import volumeNodes
+    from AIFReconScene.volumes import volumeNodes
 
     def fail(*_):
         raise MemoryError
@@ -418,7 +418,7 @@ def test_a_failure_midway_leaves_the_scene_as_it_was(scene, monkeypatch):
 
 
 def test_the_window_ends_where_almost_all_measured_voxels_do():
-    from AIFReconScene.volumeNodes import ultrasoundWindow
+    from AIFReconScene.volumes.volumeNodes import ultrasoundWindow
 
     levels = np.full((10, 10, 100), 120.0, np.float32)
     levels[0, 0, 0], levels[1] = 60000.0, 9000.0
@@ -428,7 +428,7 @@ def test_the_window_ends_where_almost_all_measured_voxels_do():
 
 
 def test_a_volume_of_nothing_still_has_a_window():
-    from AIFReconScene.volumeNodes import ultrasoundWindow
+    from AIFReconScene.volumes.volumeNodes import ultrasoundWindow
 
     assert ultrasoundWindow(np.zeros((2, 2, 2)), np.zeros((2, 2, 2), np.uint8)) == (0.0, 1.0)
 

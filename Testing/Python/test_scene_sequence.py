@@ -14,8 +14,9 @@ from scene_host import class_counts, transform_node, warping_node  # noqa: E402
 
 from AIFReconLib.errors import NoUsableFramesError, OperationCanceled, SequenceFormatError, SettingsError, TransformError  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
+from AIFReconLib.holes.filling import HoleFilling  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
-from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion  # noqa: E402
+from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion  # noqa: E402
 from AIFReconLib.message import Message, translated  # noqa: E402
 from AIFReconLib.reconstruction import reconstruct  # noqa: E402
 from AIFReconLib.settings import ReconstructionSettings  # noqa: E402
@@ -37,7 +38,8 @@ def plus_configuration(**changes) -> PlusConfiguration:
         "image_frame": "Image",
         "reference_frame": "Reference",
         "spacing": (0.9, 0.9, 0.9),
-        "region": ImageRegion(ClipRectangle((1.0, 2.0), (15.0, 11.0)), Fan((8.0, -6.0), (-40.0, 40.0), (5.0, 40.0))),
+        "region": ImageRegion(ClipRectangle((1.0, 2.0), (15.0, 11.0)), Fan((8.0, -6.0), (-40.0, 40.0), (5.0, 40.0)), FanDetection(25.0, 3)),
+        "holes": (HoleFilling("stick", 9, sticks=2), HoleFilling("gaussian", 5, 0.7, 0.4)),
         "probe": ProbeGeometry("sector", (8.0, -6.0)),
         "method": "average",
         "skip": 2,
@@ -65,13 +67,13 @@ def sweep(frames: int = 7, lost=(2, 3), dtype=np.uint8, start: float = 215.1021,
 
 @pytest.fixture
 def converted(scene):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     return browserFromSequence(sweep(), "Sweep")
 
 
 def back(browser, *arguments) -> TrackedSequence:
-    from AIFReconScene.sequenceReader import sequenceFromBrowser
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
     return sequenceFromBrowser(browser, *arguments)
 
@@ -115,7 +117,7 @@ def test_pixels_come_back(converted):
 
 @pytest.mark.parametrize("dtype", [np.int8, np.int16, np.uint16, np.float32, np.float64])
 def test_pixels_of_any_type_come_back(scene, dtype):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     images = back(browserFromSequence(sweep(dtype=dtype), "Sweep")).images
     assert images.dtype == dtype
@@ -147,20 +149,27 @@ def test_custom_fields_come_back(converted):
     assert back(converted).fields == COMMENT
 
 
+def test_what_a_record_could_not_be_read_back_with_is_refused(scene):
+    from AIFReconScene.sweep.sweepRecord import encode
+
+    with pytest.raises(TypeError, match="ReconstructionSettings"):
+        encode({"settings": ReconstructionSettings()})
+
+
 def test_the_configuration_comes_back_without_the_calibration_that_is_in_the_poses(converted):
     expected = plus_configuration(transforms={}, image_frame=None, reference_frame=None)
     assert vars(back(converted).configuration) == vars(expected)
 
 
 def test_what_the_user_should_know_of_the_recording_comes_back(scene):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     told = replace(sweep(), notes=("Images were turned to MF.",))
     assert sweep_poses(back(browserFromSequence(told, "Sweep"))).notes == ("Images were turned to MF.",)
 
 
 def test_what_is_known_of_the_recording_can_be_translated_when_it_comes_back(scene):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     inner = SettingsError("{count} frames are late", count=3)
     note = Message("{name} has {share:.1f}% and {problem}", name=IMAGE_TO_PROBE, share=2.5, problem=inner)
@@ -176,7 +185,7 @@ def test_what_is_known_of_the_recording_can_be_translated_when_it_comes_back(sce
 
 @pytest.mark.parametrize("template", ["{name.__class__}", "{name:>99999999}", "{other}", "{", "{0}"])
 def test_a_message_of_a_damaged_scene_is_not_made(scene, template):
-    from AIFReconScene import sweepRecord
+    from AIFReconScene.sweep import sweepRecord
 
     browser = scene.AddNewNodeByClass("vtkMRMLSequenceBrowserNode")
     sweepRecord.writeRecord(browser, {"notes": Message("{name} is late", name="a")})
@@ -196,7 +205,7 @@ def test_reconstruction_from_the_scene_gives_the_same_voxels(converted):
 
 
 def test_a_frame_without_an_image_stays_one(scene):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     recording = sweep(lost=())
     recording.records[1] = FrameRecord(215.2, None, TransformStatus.INVALID, recording.records[1].transforms)
@@ -204,7 +213,7 @@ def test_a_frame_without_an_image_stays_one(scene):
 
 
 def test_a_transform_that_one_frame_lacks_is_missing_there(scene):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     recording = sweep(lost=())
     del recording.records[4].transforms[PROBE_TO_TRACKER]
@@ -221,7 +230,7 @@ def test_items_are_numbered_by_time_in_seconds(converted):
 
 @pytest.mark.parametrize("times", [[1.0, 1.0, 2.0], [3.0, 2.0, 1.0], [1.0, None, 2.0], [0.0, 0.0005, 0.001], [0.0, 0.0014, 0.0026]])
 def test_times_that_cannot_number_frames_are_kept_beside_frame_numbers(scene, times):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     recording = sweep(len(times), lost=())
     records = [FrameRecord(time, None, r.image_status, r.transforms) for time, r in zip(times, recording.records)]
@@ -256,8 +265,8 @@ def test_recorded_transforms_replay_too(converted):
 
 
 def test_a_recording_without_calibration_can_be_looked_at(scene):
-    from AIFReconScene.sequenceNodes import browserFromSequence
-    from AIFReconScene.sequenceReader import sweepSummary
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceReader import sweepSummary
 
     recording = sweep()
     browser = browserFromSequence(TrackedSequence(recording.images, recording.records), "Sweep")
@@ -266,14 +275,14 @@ def test_a_recording_without_calibration_can_be_looked_at(scene):
 
 
 def test_loading_the_same_sweep_again_makes_another_browser(scene, converted):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     assert browserFromSequence(sweep(), "Sweep").GetName() != "Sweep"
     assert np.array_equal(np.asarray(back(converted).images), sweep().images)
 
 
 def test_canceling_leaves_the_scene_as_it_was(scene):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     before = class_counts(scene)
     with pytest.raises(OperationCanceled):
@@ -282,7 +291,7 @@ def test_canceling_leaves_the_scene_as_it_was(scene):
 
 
 def test_a_frame_that_cannot_be_read_leaves_the_scene_as_it_was(scene):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     class Damaged(list):
         shape, dtype = (3, 4, 5), np.dtype(np.uint8)
@@ -297,7 +306,7 @@ def test_a_frame_that_cannot_be_read_leaves_the_scene_as_it_was(scene):
 
 
 def test_an_empty_recording_is_refused(scene):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     with pytest.raises(NoUsableFramesError, match="has no frames"):
         browserFromSequence(TrackedSequence(np.zeros((0, 3, 4), np.uint8), []), "Sweep")
@@ -330,7 +339,7 @@ def test_a_warping_transform_above_the_sweep_is_named(scene, converted):
 
 
 def test_a_transform_that_another_browser_replays_is_refused(scene, converted):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     other = browserFromSequence(sweep(), "Other")
     proxy(converted, "Image").SetAndObserveTransformNodeID(proxy(other, "ImageToReference").GetID())

@@ -23,7 +23,7 @@ METRICS = BoneMetrics(SURFACE, SURFACE, SURFACE, 3.21, 1.0, 4.444)
 
 @pytest.fixture
 def filled(scene):
-    from AIFReconScene.metricsTable import updateMetricsTable
+    from AIFReconScene.volumes.metricsTable import updateMetricsTable
 
     node = scene.AddNewNodeByClass("vtkMRMLTableNode", "Metrics")
     updateMetricsTable(node, {"average": METRICS, "weighted": METRICS})
@@ -63,7 +63,7 @@ def test_columns_say_what_they_are(filled):
 
 
 def test_filling_again_replaces_what_was_there(filled):
-    from AIFReconScene.metricsTable import updateMetricsTable
+    from AIFReconScene.volumes.metricsTable import updateMetricsTable
 
     updateMetricsTable(filled, {"aif": METRICS})
     assert (filled.GetNumberOfRows(), filled.GetNumberOfColumns()) == (1, 1 + len(HEADINGS))
@@ -95,7 +95,7 @@ def quick(monkeypatch, coarse_phantom):
 
 @pytest.fixture
 def patient(scene, quick):
-    from AIFReconScene.phantomSample import loadPhantom
+    from AIFReconScene.volumes.phantomSample import loadPhantom
 
     return loadPhantom(frames=9)
 
@@ -111,7 +111,7 @@ def test_the_patient_has_a_segment_per_vertebra(patient):
 
 
 def test_the_sweep_has_all_its_frames_in_place_and_knows_its_probe(patient):
-    from AIFReconScene.sequenceReader import sequenceFromBrowser
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
     sequence = sequenceFromBrowser(patient.browser)
     assert len(sweep_poses(sequence).usable) == 9
@@ -119,7 +119,7 @@ def test_the_sweep_has_all_its_frames_in_place_and_knows_its_probe(patient):
 
 
 def test_segments_lie_on_the_bone_of_the_ct(patient):
-    from AIFReconScene.boneNodes import labelsFromNode
+    from AIFReconScene.inputs.inputs.boneNodes import labelsFromNode
 
     labels = labelsFromNode(patient.segmentation)
     hounsfield = slicer.util.arrayFromVolume(patient.ct)
@@ -128,7 +128,7 @@ def test_segments_lie_on_the_bone_of_the_ct(patient):
 
 
 def test_canceling_the_simulation_leaves_the_scene_as_it_was(scene, quick):
-    from AIFReconScene.phantomSample import loadPhantom
+    from AIFReconScene.volumes.phantomSample import loadPhantom
 
     before = class_counts(scene)
     with pytest.raises(OperationCanceled):
@@ -137,9 +137,9 @@ def test_canceling_the_simulation_leaves_the_scene_as_it_was(scene, quick):
 
 
 def test_the_sweep_shows_bone_where_the_registered_ct_has_it(patient):
-    from AIFReconScene.boneNodes import labelsFromNode
-    from AIFReconScene.metricsTable import measureVolumes
-    from AIFReconScene.sequenceReader import sequenceFromBrowser
+    from AIFReconScene.inputs.inputs.boneNodes import labelsFromNode
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
+    from AIFReconScene.volumes.metricsTable import measureVolumes
 
     from AIFReconLib.reconstruction import reconstruct
 

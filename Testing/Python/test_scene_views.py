@@ -61,7 +61,7 @@ def center_of(node) -> np.ndarray:
 
 @pytest.mark.parametrize("view", ["Red", "Yellow", "Green"])
 def test_the_output_covers_the_ct(logic, ct, output, view):
-    from AIFReconScene.sliceDisplay import showOverCT
+    from AIFReconScene.display.display.sliceDisplay import showOverCT
 
     showOverCT(output, ct, 0.35, logic)
     shown = composite(logic, view)
@@ -71,7 +71,7 @@ def test_the_output_covers_the_ct(logic, ct, output, view):
 
 @pytest.mark.parametrize("view", ["Red", "Yellow", "Green"])
 def test_views_go_to_the_output_in_millimeters(logic, ct, output, view):
-    from AIFReconScene.sliceDisplay import showOverCT
+    from AIFReconScene.display.display.sliceDisplay import showOverCT
 
     showOverCT(output, ct, 0.5, logic)
     slice_node = logic.GetSliceLogicByLayoutName(view).GetSliceNode()
@@ -81,7 +81,7 @@ def test_views_go_to_the_output_in_millimeters(logic, ct, output, view):
 
 
 def test_without_a_ct_the_output_is_the_background(logic, output):
-    from AIFReconScene.sliceDisplay import showOverCT
+    from AIFReconScene.display.display.sliceDisplay import showOverCT
 
     showOverCT(output, None, 0.5, logic)
     assert composite(logic, "Red").GetBackgroundVolumeID() == output.GetID()
@@ -89,7 +89,7 @@ def test_without_a_ct_the_output_is_the_background(logic, output):
 
 
 def test_opacity_changes_where_the_output_is_shown(logic, ct, output):
-    from AIFReconScene.sliceDisplay import setOpacity, showOverCT
+    from AIFReconScene.display.display.sliceDisplay import setOpacity, showOverCT
 
     showOverCT(output, ct, 0.5, logic)
     composite(logic, "Green").SetForegroundVolumeID(ct.GetID())
@@ -101,7 +101,7 @@ def test_opacity_changes_where_the_output_is_shown(logic, ct, output):
 
 
 def side_by_side(scene, logic, ct, count=3):
-    from AIFReconScene.sliceDisplay import showSideBySide
+    from AIFReconScene.display.display.sliceDisplay import showSideBySide
 
     nodes = [made_output(scene, f"V{n}") for n in range(1, count + 1)]
     showSideBySide([(node, f"method {n}") for n, node in enumerate(nodes, 1)], ct, "Sagittal", logic)
@@ -141,7 +141,7 @@ def test_the_red_view_is_left_alone(scene, logic, ct):
 
 
 def test_the_layout_of_before_comes_back(scene, logic, ct):
-    from AIFReconScene.sliceDisplay import restoreLayout
+    from AIFReconScene.display.display.sliceDisplay import restoreLayout
 
     layout = scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
     layout.SetViewArrangement(slicer.vtkMRMLLayoutNode.SlicerLayoutConventionalView)
@@ -153,7 +153,7 @@ def test_the_layout_of_before_comes_back(scene, logic, ct):
 
 
 def test_a_layout_that_the_user_chose_meanwhile_stays(scene, logic, ct):
-    from AIFReconScene.sliceDisplay import restoreLayout
+    from AIFReconScene.display.display.sliceDisplay import restoreLayout
 
     side_by_side(scene, logic, ct)
     layout = scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
@@ -164,7 +164,7 @@ def test_a_layout_that_the_user_chose_meanwhile_stays(scene, logic, ct):
 
 @pytest.mark.parametrize("count", [0, 10])
 def test_too_few_or_too_many_views_are_refused(scene, logic, ct, count):
-    from AIFReconScene.sliceDisplay import showSideBySide
+    from AIFReconScene.display.display.sliceDisplay import showSideBySide
 
     with pytest.raises(SettingsError, match="1 to 9"):
         showSideBySide([(ct, "x")] * count, ct, applicationLogic=logic)
@@ -174,7 +174,7 @@ def test_too_few_or_too_many_views_are_refused(scene, logic, ct, count):
 def test_views_fill_rows(count, rows):
     from xml.etree import ElementTree
 
-    from AIFReconScene.sliceDisplay import layoutDescription
+    from AIFReconScene.display.display.sliceDisplay import layoutDescription
 
     layout = ElementTree.fromstring(layoutDescription(count))
     assert len(layout) == rows
@@ -185,7 +185,7 @@ def test_views_fill_rows(count, rows):
 
 
 def test_volume_rendering_is_turned_on_and_off(logic, output):
-    from AIFReconScene.sliceDisplay import showVolumeRendering
+    from AIFReconScene.display.display.sliceDisplay import showVolumeRendering
 
     display = showVolumeRendering(output, True, logic)
     assert display.GetVisibility()
@@ -194,7 +194,7 @@ def test_volume_rendering_is_turned_on_and_off(logic, output):
 
 
 def test_turning_off_what_never_was_on_adds_nothing(scene, logic, output):
-    from AIFReconScene.sliceDisplay import showVolumeRendering
+    from AIFReconScene.display.display.sliceDisplay import showVolumeRendering
 
     before = class_counts(scene)
     assert showVolumeRendering(output, False, logic) is None
@@ -202,14 +202,14 @@ def test_turning_off_what_never_was_on_adds_nothing(scene, logic, output):
 
 
 def test_soft_tissue_is_transparent_and_bone_is_not(logic, output):
-    from AIFReconScene.sliceDisplay import showVolumeRendering
+    from AIFReconScene.display.display.sliceDisplay import showVolumeRendering
 
     opacity = showVolumeRendering(output, True, logic).GetVolumePropertyNode().GetScalarOpacity()
     assert (opacity.GetValue(0.25 * 200), opacity.GetValue(200)) == (0.0, pytest.approx(0.8))
 
 
 def test_what_the_user_changes_in_the_rendering_stays(logic, output):
-    from AIFReconScene.sliceDisplay import showVolumeRendering
+    from AIFReconScene.display.display.sliceDisplay import showVolumeRendering
 
     properties = showVolumeRendering(output, True, logic).GetVolumePropertyNode()
     mine = vtk.vtkPiecewiseFunction()
@@ -230,7 +230,7 @@ def pose(number: int) -> np.ndarray:
 
 @pytest.fixture
 def browser(scene):
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     name = TransformName("Image", "Reference")
     statuses = [TransformStatus.OK] * 5 + [TransformStatus.OUT_OF_VIEW]
@@ -240,7 +240,7 @@ def browser(scene):
 
 @pytest.fixture
 def overlay(scene):
-    from AIFReconScene.probeOverlay import ProbeOverlay
+    from AIFReconScene.display.display.probeOverlay import ProbeOverlay
 
     return ProbeOverlay(scene)
 
@@ -273,7 +273,7 @@ def test_the_sector_moves_with_the_frame(browser, overlay):
 
 
 def test_beams_end_within_the_sector(browser, overlay):
-    from AIFReconScene.probeOverlay import beams
+    from AIFReconScene.display.display.probeOverlay import beams
 
     ends = np.array([line[1] for line in beams(FAN.mask(61, 50), SECTOR)])
     radii = np.hypot(*(ends - (30.0, -5.0)).T)
@@ -282,14 +282,14 @@ def test_beams_end_within_the_sector(browser, overlay):
 
 
 def test_beams_of_a_linear_probe_run_down_the_image():
-    from AIFReconScene.probeOverlay import beams
+    from AIFReconScene.display.display.probeOverlay import beams
 
     lines = np.array(beams(np.ones((10, 21), bool), ProbeGeometry("linear"), 3))
     assert lines.tolist() == [[[0, 0], [0, 9]], [[10, 0], [10, 9]], [[20, 0], [20, 9]]]
 
 
 def test_the_outline_is_the_border_of_the_region():
-    from AIFReconScene.probeOverlay import outline
+    from AIFReconScene.display.display.probeOverlay import outline
 
     assert outline(np.ones((2, 4), bool)).tolist() == [[0, 0], [0, 1], [3, 1], [3, 0], [0, 0]]
 
@@ -311,7 +311,7 @@ def test_beams_are_drawn_in_the_slice_views(browser, overlay):
 
 
 def sequence_of(browser):
-    from AIFReconScene.sequenceReader import sequenceFromBrowser
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
     return sequenceFromBrowser(browser)
 

@@ -129,8 +129,8 @@ def test_a_3d_view_shows_a_model_in_the_middle_that_is_looked_at(scene):
 
 @pytest.mark.usefixtures("opengl")
 def test_beams_are_drawn_in_a_slice_that_lies_in_the_plane_of_their_frame(scene):
-    from AIFReconScene.probeOverlay import ProbeOverlay
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.display.display.probeOverlay import ProbeOverlay
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
     from AIFReconLib.imaging.beams import ProbeGeometry

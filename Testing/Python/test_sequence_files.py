@@ -12,7 +12,8 @@ from sequence_samples import FIELDS, IDENTITY, metaimage, nrrd, ramp
 from AIFReconLib.errors import OperationCanceled, OutputError, SequenceFormatError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.metafile.opening import read_metafile
-from AIFReconLib.io.sequence.files import read_sequence, write_sequence
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 

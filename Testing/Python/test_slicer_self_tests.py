@@ -18,11 +18,25 @@ sys.path.insert(0, "Testing")
 from host import runHost
 host = runHost()
 before = set(sys.modules)
-host.load_module("AIFRecon/AIFRecon.py")
-host.startup()
+host.start("AIFRecon/AIFRecon.py")
 host.open("AIFRecon")
 host.raise_slot_errors()
 print("imported:", *sorted({name.split(".")[0] for name in set(sys.modules) - before}))
+"""
+
+LOAD_LATER = """
+import sys
+sys.path.insert(0, "Testing")
+from host import runHost
+host = runHost()
+module = host.load_module("AIFRecon/AIFRecon.py")
+import slicer
+layout = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+print("samples:", len(slicer.modules.sampleDataSources["AIFRecon"]))
+print("layouts:", layout.IsLayoutDescription(4204) and layout.IsLayoutDescription(4214))
+print("icon:", not module.icon.isNull())
+host.open("AIFRecon")
+host.raise_slot_errors()
 """
 
 
@@ -55,3 +69,9 @@ def test_nothing_heavy_is_imported_when_the_panel_is_opened():
     imported = next(line for line in done.stdout.splitlines() if line.startswith("imported:")).split()
     assert "AIFReconLib" in imported
     assert set(imported) & set(HEAVY) == set()
+
+
+def test_sample_data_layouts_and_icon_are_there_where_the_module_is_loaded_while_slicer_runs():
+    done = run("-c", LOAD_LATER)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert {"samples: 1", "layouts: True", "icon: True"} <= set(done.stdout.splitlines())

@@ -161,7 +161,7 @@ def test_a_speed_that_is_none_of_sound_is_refused():
 
 
 def test_bone_from_the_sweep_itself_is_refused_with_it(tmp_path, capsys):
-    from AIFReconLib.io.sequence.files import write_sequence
+    from AIFReconLib.io.sequence.writer import write_sequence
 
     write_sequence(tracked_sequence(), tmp_path / "sweep.igs.mha")
     arguments = ["reconstruct", str(tmp_path / "sweep.igs.mha"), "--output", str(tmp_path / "v.nrrd"), "--probe", "linear"]

@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from dataclasses import asdict
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import FileFormatError
-from AIFReconLib.evaluation import study_cases
-from AIFReconLib.evaluation.study import Spread, read_rows, run_study, spread_of
-from AIFReconLib.evaluation.study_cases import Row, removed_surface, restricted, without_middle_process
-from AIFReconLib.evaluation.study_page import COLUMNS, study_page
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import multi_angle_sweep
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from study import method_cases, methods
+from study.__main__ import STUDIES
+from study.__main__ import main as start
+from study.method_cases import Row, patient_rows, removed_surface, restricted, without_middle_process
+from study.method_page import COLUMNS, study_page
+from study.patients import Spread, read_rows, run_study, spread_of
+
+TESTING = Path(__file__).resolve().parents[1]
 NAMES = [name for _, name, _ in COLUMNS]
 
 
@@ -28,7 +36,7 @@ def phantom():
 
 @pytest.fixture(scope="module")
 def scan(phantom):
-    return study_cases.simulated_scan(phantom, PhasedArray(), multi_angle_sweep(phantom, 36), seed=2)
+    return method_cases.simulated_scan(phantom, PhasedArray(), multi_angle_sweep(phantom, 36), seed=2)
 
 
 def row(seed, method="average", value=1.0, scan="multi-angle", condition="exact", direction=""):
@@ -52,7 +60,7 @@ def test_the_phantom_without_its_process_has_the_same_bone_in_ct_and_ultrasound(
 
 def test_the_removed_surface_is_that_of_the_process(phantom, scan):
     removed = removed_surface(scan.truth.surface, without_middle_process(phantom).bone_distance)
-    middle = study_cases._middle(phantom)
+    middle = method_cases._middle(phantom)
     assert 0.02 < removed.mean() < 0.2
     assert (scan.truth.surface.points_reference[removed][:, 1] < middle[1]).all()
 
@@ -66,10 +74,10 @@ def test_a_restricted_truth_measures_only_its_points(scan):
 
 
 def test_a_case_reconstructs_and_measures(phantom, scan, monkeypatch):
-    monkeypatch.setattr(study_cases, "SPACING", 2.0)
-    monkeypatch.setattr(study_cases, "HOLE_LIMIT", 4.0)
+    monkeypatch.setattr(method_cases, "SPACING", 2.0)
+    monkeypatch.setattr(method_cases, "HOLE_LIMIT", 4.0)
     average, weighted = (
-        study_cases._row(2, "multi-angle", "exact", method, scan, phantom.labels).metrics for method in ("average", "weighted")
+        method_cases._row(2, "multi-angle", "exact", method, scan, phantom.labels).metrics for method in ("average", "weighted")
     )
     assert weighted["bone_cnr"] > average["bone_cnr"]
     assert weighted["oblique_cnr"] > average["oblique_cnr"]
@@ -103,23 +111,50 @@ def test_the_page_has_a_dash_where_nothing_is_known():
 def test_a_finished_study_is_read_and_not_run_again(tmp_path):
     rows = [row(0), row(0, "weighted", 2.0, direction="gradient")]
     (tmp_path / "patient-000.json").write_text(json.dumps([asdict(r) for r in rows]))
-    assert run_study(tmp_path, [0]) == rows
+    assert run_study(patient_rows, Row, tmp_path, [0]) == rows
 
 
 def test_a_spoiled_result_is_named(tmp_path):
     path = tmp_path / "patient-000.json"
     path.write_text("[{]")
     with pytest.raises(FileFormatError, match=r"patient-000\.json"):
-        read_rows(path)
+        read_rows(path, Row)
 
 
-def test_the_command_writes_the_page_of_what_is_there(tmp_path, capsys):
+def rows_in_another_process(seed):
+    return [row(seed, value=float(seed))]
+
+
+def test_the_rows_of_every_patient_are_made_in_processes_of_their_own(tmp_path):
+    made = run_study(rows_in_another_process, Row, tmp_path, [3, 5])
+    assert [(each.seed, each.metrics[NAMES[0]]) for each in made] == [(3, 3.0), (5, 5.0)]
+
+
+def test_the_study_writes_the_page_of_what_is_there(tmp_path):
     (tmp_path / "patient-000.json").write_text(json.dumps([asdict(row(0))]))
-    assert main(["study", "--output", str(tmp_path), "--patients", "1"]) == 0
+    assert start(["methods", "--output", str(tmp_path), "--patients", "1"]) == 0
     assert (tmp_path / "study.md").read_text().startswith("1 simulated patient")
     assert (tmp_path / "study.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 
 
 def test_a_study_of_nobody_is_refused(tmp_path, capsys):
-    assert main(["study", "--output", str(tmp_path), "--patients", "0"]) == 2
+    with pytest.raises(SystemExit):
+        methods.main(["--output", str(tmp_path), "--patients", "0"])
     assert "at least 1 patient" in capsys.readouterr().err
+
+
+def test_a_spoiled_result_is_one_line_of_the_study(tmp_path, capsys):
+    (tmp_path / "patient-000.json").write_text("[{]")
+    assert start(["methods", "--output", str(tmp_path), "--patients", "1"]) == 2
+    assert "patient-000.json" in capsys.readouterr().err
+
+
+def test_without_a_name_the_studies_are_listed(capsys):
+    assert start([]) == 2
+    assert all(name in capsys.readouterr().err for name in STUDIES)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_every_study_starts_from_its_folder(name):
+    done = subprocess.run([sys.executable, TESTING / "study", name, "--help"], capture_output=True, text=True, check=False)
+    assert (done.returncode, "--output DIR" in done.stdout) == (0, True), done.stderr

@@ -315,5 +315,5 @@ def test_a_name_that_is_no_text_is_refused_where_simpleitk_would_end_the_program
 
 
 def test_the_command_that_is_installed_is_the_one_that_is_tested():
-    project = (Path(cli.__file__).parents[1] / "pyproject.toml").read_text("utf-8")
+    project = (Path(cli.__file__).parents[2] / "pyproject.toml").read_text("utf-8")
     assert 'aifrecon = "AIFReconLib.__main__:main"' in project

@@ -15,7 +15,8 @@ from volume_samples import noise_volume, oblique_matrix, refusal
 
 from AIFReconLib.errors import GeometryError, OutputError, TransformFileError
 from AIFReconLib.geometry.transforms import transform_points
-from AIFReconLib.io.volume.files import read_transform, read_volume, write_transform, write_volume
+from AIFReconLib.io.transform.files import read_transform, write_transform
+from AIFReconLib.io.volume.files import read_volume, write_volume
 
 TESTING = Path(__file__).resolve().parents[1]
 if str(TESTING) not in sys.path:

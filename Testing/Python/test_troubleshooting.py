@@ -190,7 +190,7 @@ def test_what_the_panel_says_is_on_the_page():
 def said_live() -> str:
     """Everything that live sessions and what they call can say, as written in the sources."""
     rooms = [REPOSITORY / "AIFReconLib" / room for room in ("live", "compounding")]
-    return " ".join(path.read_text("utf-8") for room in rooms for path in room.glob("*.py"))
+    return " ".join(path.read_text("utf-8") for room in rooms for path in room.rglob("*.py"))
 
 
 def test_what_the_live_setup_quotes_is_said():

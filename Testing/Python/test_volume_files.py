@@ -17,7 +17,8 @@ from volume_samples import noise_volume, refusal
 from AIFReconLib.errors import OutputError, TransformFileError, VolumeFormatError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.io.volume.files import read_labels, read_transform, read_volume, write_transform, write_volume
+from AIFReconLib.io.transform.files import read_transform, write_transform
+from AIFReconLib.io.volume.files import read_labels, read_volume, write_volume
 
 SUFFIXES = (".nrrd", ".mha", ".mhd", ".nii", ".nii.gz")
 COMPRESSED_SUFFIXES = (".nrrd", ".mha", ".nii.gz")

@@ -108,7 +108,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
         self.assertFalse(self.ui.applyButton.enabled)
 
     def test_a_sweep_is_not_read_again_while_it_is_replayed(self):
-        from AIFReconScene.sweepStatus import sweepKey
+        from AIFReconScene.sweep.sweepStatus import sweepKey
 
         sweep = tinyScene.addSweep()
         before = sweepKey(sweep)
@@ -117,7 +117,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
         self.assertEqual(sweepKey(sweep), before)
 
     def test_a_sweep_is_described_once_its_recording_has_ended(self):
-        from AIFReconScene import sequenceReader
+        from AIFReconScene.sweep import sequenceReader
 
         self.addInputs()
         sweep = self.parameters.sweep
@@ -151,7 +151,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
         self.assertTrue(self.ui.copyReportButton.enabled)
 
     def test_the_probe_is_drawn_on_the_frame_that_is_shown(self):
-        from AIFReconScene.parameters import ProbeShape
+        from AIFReconScene.inputs.inputs.parameters import ProbeShape
 
         sweep = self.addEmbeddedSweep()
         self.parameters.sweep, self.parameters.probe, self.parameters.showProbe = sweep, ProbeShape.LINEAR, True
@@ -207,7 +207,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
     # ---- output
 
     def test_the_output_s_name_tells_the_method_that_made_it(self):
-        from AIFReconScene.parameters import Method
+        from AIFReconScene.inputs.inputs.parameters import Method
 
         self.addInputs()
         self.parameters.method = Method.AIF_COMPENSATED
@@ -219,7 +219,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
         self.assertEqual(output.GetName(), "Sweep aif")
 
     def test_a_name_that_the_user_gave_stays(self):
-        from AIFReconScene.parameters import Method
+        from AIFReconScene.inputs.inputs.parameters import Method
 
         self.addInputs()
         self.ui.applyButton.click()
@@ -248,10 +248,11 @@ class AIFReconLifecycleTest(unittest.TestCase):
         red = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceNode()
         red.SetFieldOfView(12.0, 12.0, 1.0)
         red.SetSliceOffset(red.GetSliceOffset() + 3.0)
-        before = (red.GetFieldOfView(), red.GetSliceOffset())
+        scale, place = tinyScene.scaleOf(red), tinyScene.placeOf(red)
         self.parameters.alpha = 0.3
         self.ui.applyButton.click()
-        self.assertEqual((red.GetFieldOfView(), red.GetSliceOffset()), before)
+        self.assertAlmostEqual(tinyScene.scaleOf(red), scale)
+        np.testing.assert_allclose(tinyScene.placeOf(red), place, atol=1e-6)
 
     def test_the_table_of_a_comparison_is_shown(self):
         self.addInputs()
@@ -275,8 +276,8 @@ class AIFReconLifecycleTest(unittest.TestCase):
         self.assertIn("weighted", self.ui.statusLabel.text)
 
     def test_the_spacing_follows_the_configuration_of_a_recording(self):
-        from AIFReconScene.parameters import takeConfigured
-        from AIFReconScene.sweepRecord import writeRecord
+        from AIFReconScene.inputs.inputs.parameters import takeConfigured
+        from AIFReconScene.sweep.sweepRecord import writeRecord
 
         from AIFReconLib.sweep.configuration import PlusConfiguration
 

@@ -2,6 +2,7 @@
 
 import pathlib
 import sys
+import tempfile
 import threading
 import unittest
 
@@ -37,7 +38,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
 
     def begin(self, box=True):
         """Serve the tiny sweep again and again, and start a scan."""
-        from AIFReconScene.parameters import Region
+        from AIFReconScene.inputs.inputs.parameters import Region
 
         from AIFReconLib.live.replay.server import ReplayServer
 
@@ -116,13 +117,14 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         self.red().SetBackgroundVolumeID(ct.GetID())
         red = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceNode()
         red.SetFieldOfView(33.0, 44.0, 1.0)
+        scale = tinyScene.scaleOf(red)
         place = slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()).copy()
         self.begin(box=False)
         self.assertEqual(self.red().GetBackgroundVolumeID(), self.live._live.frameNode.GetID())
         self.ui.liveStopButton.click()
         self.assertEqual(self.red().GetBackgroundVolumeID(), ct.GetID())
         np.testing.assert_allclose(slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()), place, atol=1e-9)
-        self.assertEqual(red.GetFieldOfView()[:2], (33.0, 44.0))
+        self.assertAlmostEqual(tinyScene.scaleOf(red), scale)
 
     def test_a_reload_during_a_scan_ends_it_and_takes_the_frame_away(self):
         self.begin()
@@ -174,6 +176,54 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         self.begin()
         self.assertTrue(waitFor(lambda: "left out" in self.ui.liveStatisticsLabel.text))
         self.assertNotIn("--", self.ui.liveStatisticsLabel.text)
+
+    def test_what_a_scan_ended_with_is_read_in_the_place_of_its_rate(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "scan.mhd"
+            self.parameters.liveRecordPath = path
+            self.begin()
+            self.assertTrue(waitFor(lambda: "frames/s" in self.ui.liveStatisticsLabel.text))
+            self.ui.liveStopButton.click()
+            self.assertEqual(self.ui.liveStateLabel.text, "stopped")
+            self.assertIn(f"Recorded to {path}", self.ui.liveStatisticsLabel.text)
+            self.assertIn("frames inserted", self.ui.liveStatisticsLabel.text)
+            self.assertNotIn("frames/s", self.ui.liveStatisticsLabel.text)
+            self.assertNotIn("connected", self.ui.liveStatisticsLabel.text)
+
+    def test_a_cancel_at_the_end_of_a_scan_is_told(self):
+        self.parameters.holeLimit = 3.0
+        self.begin()
+        self.grow()
+        stop = self.live._live.stop
+        self.live._live.stop = lambda progress: stop(lambda fraction, message: False)
+        self.ui.liveStopButton.click()
+        self.assertIn("Canceled", self.ui.liveStatisticsLabel.text)
+
+    def test_a_canceled_start_is_told_though_no_sweep_is_chosen(self):
+        from AIFReconLib.errors import OperationCanceled
+
+        def canceled(parameters, progress):
+            raise OperationCanceled
+
+        self.live._start = canceled
+        self.ui.liveStartButton.click()
+        del self.live._start
+        self.assertIn("Canceled", self.ui.liveStatisticsLabel.text)
+        self.assertEqual(self.ui.liveStateLabel.text, "not started")
+
+    def test_nothing_is_said_of_a_scan_whose_scene_was_closed(self):
+        self.begin()
+        self.assertTrue(waitFor(lambda: "frames/s" in self.ui.liveStatisticsLabel.text))
+        slicer.mrmlScene.Clear()
+        self.assertEqual(self.ui.liveStateLabel.text, "not started")
+        self.assertEqual(self.ui.liveStatisticsLabel.text, "")
+
+    def test_a_scan_that_failed_tells_no_rate(self):
+        self.begin()
+        self.live._live.session._collect_error = RuntimeError("The cable broke.")
+        self.assertTrue(waitFor(lambda: "Failed" in self.ui.liveStateLabel.text))
+        self.assertNotIn("frames/s", self.ui.liveStatisticsLabel.text)
+        self.assertEqual(self.ui.liveStatisticsLabel.text.count("The cable broke."), 1)
 
     def test_a_server_that_is_entered_stays_entered(self):
         self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", 12345

@@ -1,8 +1,11 @@
 """Self tests of the panel: nodes to widgets and back, what can be pressed and why not, cancel, a scene that is closed or saved, reload."""
 
+import logging
 import pathlib
 import sys
 import tempfile
+import threading
+import time
 import unittest
 
 import numpy as np
@@ -49,7 +52,7 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertIs(self.parameters.sweep, sweep)
 
     def test_the_method_of_the_list_reaches_the_settings(self):
-        from AIFReconScene.parameters import settingsFrom
+        from AIFReconScene.inputs.inputs.parameters import settingsFrom
 
         self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText("aif-compensated")
         self.assertEqual(settingsFrom(self.parameters).method, "aif-compensated")
@@ -78,7 +81,7 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertIn("sweep", self.ui.applyButton.toolTip)
 
     def test_apply_asks_for_bone_where_the_method_needs_it(self):
-        from AIFReconScene.parameters import Method
+        from AIFReconScene.inputs.inputs.parameters import Method
 
         self.parameters.sweep = tinyScene.addSweep()
         self.parameters.method = Method.WEIGHTED
@@ -86,7 +89,7 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertIn("needs bone", self.ui.statusLabel.text)
 
     def test_apply_asks_for_the_box_where_one_is_wanted(self):
-        from AIFReconScene.parameters import Region
+        from AIFReconScene.inputs.inputs.parameters import Region
 
         self.addInputs()
         self.parameters.region = Region.BOX
@@ -237,6 +240,50 @@ class AIFReconPanelTest(unittest.TestCase):
         slicer.mrmlScene.Clear()
         self.assertFalse(self.ui.applyButton.enabled)
         self.assertIsNone(self.widget._parameterNode.sweep)
+
+    def test_what_a_thread_of_the_library_notes_reaches_the_application_s_log_on_the_main_thread(self):
+        seen = self.logged()
+        self.noteFromAThread("noted")
+        self.assertEqual(seen, [])
+        end = time.monotonic() + 10.0
+        while not seen and time.monotonic() < end:
+            slicer.app.processEvents()
+            time.sleep(0.01)
+        self.assertEqual(seen, [("noted", True)])
+
+    def test_what_the_panel_s_own_thread_notes_is_logged_at_once_and_in_order(self):
+        seen = self.logged()
+        self.noteFromAThread("first")
+        logging.getLogger("AIFReconLib.io").error("second")
+        self.assertEqual([text for text, _onMainThread in seen], ["first", "second"])
+
+    def test_nothing_that_was_noted_is_lost_when_the_panel_is_reloaded_and_nothing_is_logged_twice(self):
+        seen = self.logged()
+        self.noteFromAThread("before")
+        self.widget.onReload()
+        logging.getLogger("AIFReconLib.io").error("after")
+        self.assertEqual([text for text, _onMainThread in seen], ["before", "after"])
+
+    def logged(self) -> list:
+        """What reaches the root logger, by which Slicer's application log gets it, and whether on the main thread."""
+        seen = []
+
+        class Catch(logging.Handler):
+            """Keeps what comes."""
+
+            def emit(self, record):
+                seen.append((record.getMessage(), threading.current_thread() is threading.main_thread()))
+
+        handler = Catch()
+        logging.getLogger().addHandler(handler)
+        self.addCleanup(logging.getLogger().removeHandler, handler)
+        return seen
+
+    def noteFromAThread(self, text: str) -> None:
+        """As the threads of a live scan do."""
+        thread = threading.Thread(target=logging.getLogger("AIFReconLib.live").error, args=(text,))
+        thread.start()
+        thread.join()
 
     def test_the_module_can_be_reloaded(self):
         self.widget.onReload()

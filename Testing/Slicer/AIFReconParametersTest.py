@@ -3,11 +3,6 @@
 import unittest
 
 import slicer
-from AIFReconGui.parameterNode import SMALLEST_WEIGHT_FLOOR, AIFReconParameterNode
-from AIFReconScene.parameters import PARAMETERS, SettingChoice, camelCase, settingsFrom
-
-from AIFRecon import AIFReconLogic
-from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
 
 
 class AIFReconParametersTest(unittest.TestCase):
@@ -15,16 +10,32 @@ class AIFReconParametersTest(unittest.TestCase):
 
     def setUp(self):
         slicer.mrmlScene.Clear()
-        self.parameters = AIFReconLogic().getParameterNode()
+        self.parameters = self.logic().getParameterNode()
+
+    def logic(self):
+        """A new logic, of the module as it was loaded last."""
+        import AIFRecon
+
+        return AIFRecon.AIFReconLogic()
 
     def test_every_setting_of_the_library_is_a_parameter(self):
+        from AIFReconGui.parameterNode import AIFReconParameterNode
+        from AIFReconScene.inputs.inputs.parameters import PARAMETERS, camelCase
+
         missing = [name for name in PARAMETERS if camelCase(name) not in AIFReconParameterNode.allParameters]
         self.assertEqual(missing, [])
 
     def test_untouched_parameters_are_the_library_s_defaults(self):
+        from AIFReconScene.inputs.inputs.parameters import settingsFrom
+
+        from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
+
         self.assertEqual(settingsFrom(self.parameters), ReconstructionSettings(spacing=DEFAULT_SPACING))
 
     def test_ranges_are_the_library_s(self):
+        from AIFReconGui.parameterNode import SMALLEST_WEIGHT_FLOOR
+        from AIFReconScene.inputs.inputs.parameters import PARAMETERS, SettingChoice, camelCase, settingsFrom
+
         for name, rule in PARAMETERS.items():
             value = getattr(self.parameters, camelCase(name))
             if isinstance(value, bool | SettingChoice) or rule["default"] is None:
@@ -38,6 +49,8 @@ class AIFReconParametersTest(unittest.TestCase):
                         setattr(self.parameters, camelCase(name), limit + beyond * abs(limit) + beyond * 1e-3)
 
     def test_choices_are_the_library_s(self):
+        from AIFReconScene.inputs.inputs.parameters import PARAMETERS, camelCase
+
         for name, rule in PARAMETERS.items():
             if rule["choices"]:
                 with self.subTest(name=name):
@@ -45,6 +58,8 @@ class AIFReconParametersTest(unittest.TestCase):
                     self.assertEqual(words, list(rule["choices"]))
 
     def test_a_number_that_is_left_open_is_left_to_the_library(self):
+        from AIFReconScene.inputs.inputs.parameters import settingsFrom
+
         self.parameters.skip, self.parameters.intensityMaximum = 0, 0.0
         settings = settingsFrom(self.parameters)
         self.assertIsNone(settings.skip)
@@ -55,6 +70,6 @@ class AIFReconParametersTest(unittest.TestCase):
         self.assertEqual(self.parameters.parameterNode.GetParameter("method"), "AIF_COMPENSATED")
 
     def test_there_is_one_set_of_parameters_in_a_scene(self):
-        again = AIFReconLogic().getParameterNode()
+        again = self.logic().getParameterNode()
         self.parameters.alpha = 0.7
         self.assertAlmostEqual(again.alpha, 0.7)

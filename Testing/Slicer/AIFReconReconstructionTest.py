@@ -142,7 +142,7 @@ class AIFReconReconstructionTest(unittest.TestCase):
         self.assertAlmostEqual(volume.GetSpacing()[0], 2.0)
 
     def _inputs(self):
-        from AIFReconScene.inputs import Inputs
+        from AIFReconScene.inputs.inputs import Inputs
 
         return Inputs(sweep=self.sweep, bone=self.bone)
 

@@ -71,7 +71,7 @@ class AIFReconWorkTest(unittest.TestCase):
             if node.IsA("vtkMRMLSliceCompositeNode")
         }
         places = {
-            node.GetID(): (node.GetFieldOfView(), node.GetSliceOffset(), node.GetOrientation())
+            node.GetID(): (round(tinyScene.scaleOf(node), 6), tinyScene.placeOf(node).round(6).tolist())
             for node in nodes
             if node.IsA("vtkMRMLSliceNode")
         }
@@ -93,6 +93,12 @@ class AIFReconWorkTest(unittest.TestCase):
                 self.assertEqual(self.scene(), before)
                 self.assertIsNone(self.parameters.sweep)
                 self.assertIn("Canceled", self.widget._report)
+
+    def test_a_cancel_is_told_where_no_sweep_is_chosen(self):
+        self.chooseRecording()
+        self.pressAndCancel(self.ui.loadButton, "loadRecording", 0.3)
+        self.assertIn("Canceled", self.ui.statusLabel.text)
+        self.assertIn("sweep", self.ui.statusLabel.text)
 
     def test_a_recording_loaded_after_a_cancel_has_the_name_of_its_file(self):
         self.chooseRecording()
@@ -142,7 +148,7 @@ class AIFReconWorkTest(unittest.TestCase):
         self.assertEqual(slicer.util.getNode("Sweep comparison aif").GetSpacing(), (3.0, 3.0, 3.0))
 
     def test_a_comparison_does_not_write_over_a_reconstruction(self):
-        from AIFReconScene.parameters import Method
+        from AIFReconScene.inputs.inputs.parameters import Method
 
         self.addInputs()
         self.ui.compareButton.click()
@@ -185,10 +191,11 @@ class AIFReconWorkTest(unittest.TestCase):
         view = slicer.app.layoutManager().sliceWidget("AIFRecon1").mrmlSliceNode()
         view.SetFieldOfView(12.0, 12.0, 1.0)
         view.SetSliceOffset(view.GetSliceOffset() + 3.0)
-        before = (view.GetFieldOfView(), view.GetSliceOffset())
+        scale, place = tinyScene.scaleOf(view), tinyScene.placeOf(view)
         self.parameters.alpha = 0.3
         self.ui.compareButton.click()
-        self.assertEqual((view.GetFieldOfView(), view.GetSliceOffset()), before)
+        self.assertAlmostEqual(tinyScene.scaleOf(view), scale)
+        np.testing.assert_allclose(tinyScene.placeOf(view), place, atol=1e-6)
 
     # ---- undo, several scenes
 

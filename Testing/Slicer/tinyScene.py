@@ -64,7 +64,7 @@ def makeSequence():
 
 def addSweep(name="Sweep"):
     """The sweep as a sequence browser node of the scene."""
-    from AIFReconScene.sequenceNodes import browserFromSequence
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     return browserFromSequence(makeSequence(), name)
 
@@ -104,6 +104,16 @@ def ijkToRAS(volumeNode) -> np.ndarray:
     matrix = vtk.vtkMatrix4x4()
     volumeNode.GetIJKToRASMatrix(matrix)
     return slicer.util.arrayFromVTKMatrix(matrix)
+
+
+def scaleOf(sliceNode) -> float:
+    """mm per pixel of a slice view; the width of its field of view says less, for the view fits that to its widget."""
+    return sliceNode.GetFieldOfView()[1] / sliceNode.GetDimensions()[1]
+
+
+def placeOf(sliceNode) -> np.ndarray:
+    """(4, 4) where a slice view looks, and how: center and axes."""
+    return slicer.util.arrayFromVTKMatrix(sliceNode.GetSliceToRAS()).copy()
 
 
 def worldOfBrightVoxels(volumeNode, threshold: float) -> np.ndarray:

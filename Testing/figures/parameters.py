@@ -5,6 +5,7 @@ Run from anywhere: ``make figures``, or ``python Testing/figures/parameters.py``
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,7 +18,6 @@ from AIFReconLib.commands.console import ProgressBar
 from AIFReconLib.evaluation.figures import BACKGROUND, BONE_COLOR, INK, NOT_SCANNED, within_spinous_process
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, Plane, cut
-from AIFReconLib.evaluation.study_cases import Scan, simulated_scan
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import part
 from AIFReconLib.reconstruction import reconstruct
@@ -25,6 +25,10 @@ from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import ct_misregistration, multi_angle_sweep
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from study.method_cases import Scan, simulated_scan
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 SEED, FRAMES = 0, 270

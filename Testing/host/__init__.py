@@ -3,11 +3,14 @@
 Real: the MRML scene, nodes and logics (slicer-core); VTK; Qt with its layouts, signals, property system and .ui loader (PySide6);
 `slicer.util` (slicer-core ships Slicer's own file); the module and its .ui file.
 
-Stood in, as small as can be: PythonQt's way of showing Qt (`pythonqt.py`, `connections.py`); CTK's and MRML's widgets
-(`widgets_ctk.py`, `widgets_qmrml.py`), whose accepted names a test compares with their headers; the application object, its windows
-and its module list (`application.py`, `modules.py`); `slicer.ScriptedLoadableModule`, `slicer.parameterNodeWrapper`, `slicer.i18n` and
-the part of `SampleData` that registers data. With AIFRECON_SLICER_SOURCE=<a checkout of Slicer> the first three and `slicer.util` are
-Slicer's own files instead.
+Stood in, as small as can be: PythonQt's way of showing Qt (`pythonqt.py`, `connections.py`); CTK's and MRML's widgets (`widgets_ctk.py`,
+`widgets_qmrml.py`), whose accepted names tests compare with their headers and with what the running application told of them; the
+application object, its window, views and module list (`application.py`, `windows.py`, `views.py`, `modules.py`);
+`slicer.ScriptedLoadableModule`, `slicer.parameterNodeWrapper`, `slicer.i18n` and the part of `SampleData` that registers data. With
+AIFRECON_SLICER_SOURCE=<a checkout of Slicer> the first three and `slicer.util` are Slicer's own files instead.
+
+As in Slicer, a module's panel lies in a scroll area that its size hints widen (`windows.py`); slice views fit their field of view to their
+widget, 3D cameras stay where they are until they are reset (`views.py`), and widgets answer to no name that the application's list lacks.
 
 What it cannot show: nothing is drawn in views, so no displayable manager, no interaction and no picture of a slice; no readers or
 writers of the application (`slicer.util.loadVolume` fails), no panels of C++ modules, no language but a test's, no packaging, no packages
@@ -20,7 +23,7 @@ file, an exception in `setup`, `enter` or `exit`), the host raises; exceptions i
 (`take_slot_errors`). Conversions of arguments are PySide6's, which accepts less than PythonQt. Modal dialogs never wait: `dialogs`
 says what was shown and gives the answers.
 
-Use: `host = runHost(); host.load_module("AIFRecon/AIFRecon.py"); widget = host.open("AIFRecon")`. One host per process.
+Use: `host = runHost(); host.start("AIFRecon/AIFRecon.py"); widget = host.open("AIFRecon")`. One host per process.
 """
 
 from .slicer_host import SlicerHost, missing, runHost

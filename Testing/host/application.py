@@ -5,121 +5,11 @@ from __future__ import annotations
 from PySide6 import QtCore, QtWidgets
 from PySide6.QtCore import Property, Signal
 
+from .views import qSlicerLayoutManager
+from .windows import qSlicerMainWindow
+
 VERSION = (5, 11)
 """The Slicer that the host takes itself for."""
-
-
-class qMRMLSliceWidget(QtWidgets.QWidget):
-    """A slice view: its node and logic are real, nothing is drawn."""
-
-    api = {"methods": ("sliceLogic", "mrmlSliceNode", "mrmlSliceCompositeNode", "fitSliceToBackground")}
-
-    def __init__(self, logic):
-        super().__init__()
-        self._logic = logic
-
-    def sliceLogic(self):
-        """The slice's logic."""
-        return self._logic
-
-    def mrmlSliceNode(self):
-        """The slice's node."""
-        return self._logic.GetSliceNode()
-
-    def mrmlSliceCompositeNode(self):
-        """The node that says which volumes the slice shows."""
-        return self._logic.GetSliceCompositeNode()
-
-    def fitSliceToBackground(self):
-        """Makes the background volume fill the view."""
-        self._logic.FitSliceToBackground()
-
-
-class qSlicerLayoutManager(QtCore.QObject):
-    """The views: nodes and logics are real, nothing is drawn."""
-
-    api = {
-        "methods": (
-            "mrmlScene",
-            "sliceWidget",
-            "sliceViewNames",
-            "mrmlSliceLogics",
-            "layoutLogic",
-            "setLayout",
-            "resetThreeDViews",
-            "resetSliceViews",
-            "pauseRender",
-            "resumeRender",
-            "setRenderPaused",
-        ),
-        "signals": {"layoutChanged(int)": "layoutChanged"},
-    }
-    layoutChanged = Signal(int)
-
-    def __init__(self, mrml):
-        super().__init__()
-        self._mrml = mrml
-        self._widgets: dict = {}
-
-    def _node(self):
-        return self._mrml.scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
-
-    def mrmlScene(self):
-        """The scene."""
-        return self._mrml.scene
-
-    def _logics(self) -> dict:
-        logics = self._mrml.applicationLogic.GetSliceLogics()
-        found = [logics.GetItemAsObject(i) for i in range(logics.GetNumberOfItems())]
-        return {logic.GetSliceNode().GetLayoutName(): logic for logic in found if logic.GetSliceNode() is not None}
-
-    def sliceViewNames(self):
-        """The names of the slice views that the layout shows."""
-        return [name for name, logic in self._logics().items() if logic.GetSliceNode().IsMappedInLayout()]
-
-    def sliceWidget(self, name):
-        """A slice view by name, or None."""
-        logic = self._logics().get(name)
-        if logic is None:
-            return None
-        if name not in self._widgets or self._widgets[name].sliceLogic() is not logic:
-            self._widgets[name] = qMRMLSliceWidget(logic)
-        return self._widgets[name]
-
-    def mrmlSliceLogics(self):
-        """The logics of all slice views."""
-        return self._mrml.applicationLogic.GetSliceLogics()
-
-    def layoutLogic(self):
-        """The layout's logic."""
-        return self._mrml.layoutLogic
-
-    def setLayout(self, layout):
-        """Shows another layout."""
-        self._node().SetViewArrangement(layout)
-        self.layoutChanged.emit(layout)
-
-    def resetThreeDViews(self):
-        """Does nothing: there is no 3D view."""
-
-    def resetSliceViews(self):
-        """Makes what the slice views show fill them."""
-        for logic in self._logics().values():
-            logic.FitSliceToBackground()
-
-    def pauseRender(self):
-        """Does nothing: nothing is drawn."""
-
-    def resumeRender(self):
-        """Does nothing: nothing is drawn."""
-
-    def setRenderPaused(self, paused):
-        """Does nothing: nothing is drawn."""
-
-    layout = Property(int, lambda self: self._node().GetViewArrangement(), setLayout)
-    threeDViewCount = Property(int, lambda self: 0)
-    tableViewCount = Property(int, lambda self: 0)
-    plotViewCount = Property(int, lambda self: 0)
 
 
 class qSlicerModuleFactoryManager(QtCore.QObject):
@@ -168,46 +58,6 @@ class qSlicerModuleManager(QtCore.QObject):
     def module(self, name):
         """A module by name, or None."""
         return self.loaded.get(name)
-
-
-class qSlicerModuleSelectorToolBar(QtWidgets.QWidget):
-    """Opens modules."""
-
-    api = {"methods": ("selectModule",), "signals": {"moduleSelected(QString)": "moduleSelected"}}
-    moduleSelected = Signal(str)
-
-    def __init__(self, manager):
-        super().__init__()
-        self._manager = manager
-        self._current = ""
-
-    def selectModule(self, name):
-        """Leaves the module that is open and enters another; "" only leaves."""
-        previous = self._manager.module(self._current)
-        if previous is not None and previous.widgetRepresentation() is not None:
-            previous.widgetRepresentation().exit()
-        self._current = name
-        module = self._manager.module(name)
-        if module is not None and module.widgetRepresentation() is not None:
-            module.widgetRepresentation().enter()
-        self.moduleSelected.emit(name)
-
-    selectedModule = Property(str, lambda self: self._current)
-
-
-class qSlicerMainWindow(QtWidgets.QMainWindow):
-    """The main window, never shown."""
-
-    api = {"methods": ("moduleSelector",)}
-
-    def __init__(self, manager):
-        super().__init__()
-        self.setObjectName("qSlicerMainWindow")
-        self._selector = qSlicerModuleSelectorToolBar(manager)
-
-    def moduleSelector(self):
-        """What opens modules."""
-        return self._selector
 
 
 class qSlicerApplication(QtWidgets.QApplication):
@@ -265,6 +115,7 @@ class qSlicerApplication(QtWidgets.QApplication):
         self._mrml = mrml
         self._layout_manager = qSlicerLayoutManager(mrml)
         self.window = qSlicerMainWindow(self._manager)
+        self.window.show()
 
     def mrmlScene(self):
         """The scene."""

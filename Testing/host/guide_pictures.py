@@ -73,7 +73,6 @@ def result(module, folder: Path) -> None:
     views = {name: module.slice_view(name, SIZE) for name in ("Red", "Yellow", "Green")}
     parameters.volumeRendering = True
     module.check()
-    parameters.bone.CreateClosedSurfaceRepresentation()
     parameters.bone.GetDisplayNode().SetOpacity3D(0.25)
     node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
     node.SetBoxVisible(False)
@@ -86,7 +85,6 @@ def result(module, folder: Path) -> None:
         view.look(center, np.add(center, (-120.0, -330.0, 160.0)), (0.0, 0.0, 1.0), 330.0)
         shown = view_frames.framed(view.image(), "1   Volume rendering, bone of the CT", node.GetLayoutColor())
     parameters.volumeRendering = False
-    parameters.bone.GetSegmentation().RemoveRepresentation("Closed surface")
     parameters.bone.GetDisplayNode().SetOpacity3D(1.0)
     view_frames.write_png(view_frames.tiled([[views["Red"], shown], [views["Yellow"], views["Green"]]]), folder / "step-5-result.png")
 

@@ -9,6 +9,7 @@ import importlib.util
 import sys
 from pathlib import Path
 
+import shiboken6
 import slicer
 from PySide6 import QtCore, QtGui, QtWidgets
 from PySide6.QtCore import Property
@@ -66,6 +67,65 @@ class qSlicerLoadableModule(_Module):
     categories = _held("categories", "QStringList", writable=False)
     dependencies = _held("dependencies", "QStringList", writable=False)
     contributors = _held("contributors", "QStringList", writable=False)
+
+
+class qMRMLSequenceBrowserToolBar(QtWidgets.QToolBar):
+    """What replays a sequence browser in Slicer's main window: the one that it was told, and none by itself."""
+
+    api = {"methods": ("activeBrowserNode", "setActiveBrowserNode")}
+
+    def __init__(self):
+        super().__init__()
+        self._active = None
+
+    def activeBrowserNode(self):
+        """The browser that it replays, or None."""
+        return self._active if self._active is not None and self._active.GetScene() is not None else None
+
+    def setActiveBrowserNode(self, node):
+        """Replays another browser, or none."""
+        self._active = node
+
+
+class qSlicerSequencesModule(qSlicerLoadableModule):
+    """The Sequences module with its tool bar."""
+
+    api = {
+        "methods": (
+            *MODULE_METHODS,
+            "toolBar",
+            "isToolBarVisible",
+            "setToolBarVisible",
+            "setToolBarActiveBrowserNode",
+            "showSequenceBrowser",
+        )
+    }
+
+    def __init__(self, name, path="", logic=None):
+        super().__init__(name, path, logic)
+        self._bar = qMRMLSequenceBrowserToolBar()
+
+    def toolBar(self):
+        """The tool bar."""
+        return self._bar
+
+    def isToolBarVisible(self):
+        """Whether the tool bar is shown."""
+        return not self._bar.isHidden()
+
+    def setToolBarVisible(self, visible):
+        """Shows or hides the tool bar."""
+        self._bar.setVisible(visible)
+
+    def setToolBarActiveBrowserNode(self, node):
+        """Has the tool bar replay a browser."""
+        self._bar.setActiveBrowserNode(node)
+
+    def showSequenceBrowser(self, node):
+        """Shows the tool bar with a browser."""
+        self.setToolBarActiveBrowserNode(node)
+        self.setToolBarVisible(True)
+        return True
 
 
 class qSlicerScriptedLoadableModule(_Module):
@@ -172,18 +232,23 @@ def load_file(name: str, path: str):
     return module
 
 
-def load_module(application, path: str) -> qSlicerScriptedLoadableModule:
-    """A scripted module from its file, made known as `slicer.modules.<name>`."""
+def instantiate(path: str) -> qSlicerScriptedLoadableModule:
+    """A scripted module from its file, described by an object of its class; not loaded yet."""
     name = Path(path).stem
-    python = load_file(name, str(path))
-    module = qSlicerScriptedLoadableModule(str(path))
-    instance = getattr(python, name)(wrap(module))
+    python = load_file(name, path)
+    module = qSlicerScriptedLoadableModule(path)
+    setattr(slicer.modules, f"{name}Instance", getattr(python, name)(wrap(module)))
+    return module
+
+
+def load(application, module) -> None:
+    """Makes a module known as `slicer.modules.<name>` and has it set itself up."""
+    name = module._values["name"]
     register(application, module)
-    setattr(slicer.modules, f"{name}Instance", instance)
+    instance = getattr(slicer.modules, f"{name}Instance", None)
     if hasattr(instance, "setup"):
         instance.setup()
     application.moduleManager().moduleLoaded.emit(name)
-    return module
 
 
 def register(application, module) -> None:
@@ -194,15 +259,23 @@ def register(application, module) -> None:
     setattr(slicer.moduleNames, name, name)
 
 
-def unload_module(application, name: str) -> None:
-    """Ends a module as the application does when it closes: its widget's `cleanup` runs, then its panel is destroyed."""
-    module = application.moduleManager().loaded[name]
-    application.moduleManager().moduleAboutToBeUnloaded.emit(name)
+def forget(application, name: str) -> None:
+    """Takes a module out of what is known by name."""
     del application.moduleManager().loaded[name]
+    delattr(slicer.moduleNames, name)
     for attribute in (name.lower(), f"{name}Instance", f"{name}Widget"):
         if hasattr(slicer.modules, attribute):
             delattr(slicer.modules, attribute)
-    if module._widget is not None:
-        module._widget.deleteLater()
+
+
+def unload_module(application, name: str) -> None:
+    """Ends a module as the application does when it closes: its widget's `cleanup` runs, then its panel is destroyed, at once."""
+    module = application.moduleManager().loaded[name]
+    application.moduleManager().moduleAboutToBeUnloaded.emit(name)
+    forget(application, name)
+    if getattr(module, "_widget", None) is not None:
+        if application.window.panel.isAncestorOf(module._widget):
+            application.window.panel.put(None)
+        shiboken6.delete(module._widget)
         module._widget = None
     sys.modules.pop(name, None)

@@ -16,7 +16,7 @@ from pathlib import Path
 import slicer
 import vtk
 
-SLICE_VIEW_SIZE = (400, 400)
+SLICE_VIEW_SIZE = (480, 360)
 """Pixels that a slice view is taken to have; fitting a slice to a volume needs some."""
 
 LOGICS = {

@@ -75,14 +75,11 @@ class Panel:
     def __init__(self, host):
         import slicer
 
-        from host.pythonqt import unwrap
-
         self.host = host
-        host.load_module(REPOSITORY / "AIFRecon" / "AIFRecon.py")
-        host.startup()
+        host.start(REPOSITORY / "AIFRecon" / "AIFRecon.py")
         slicer.mrmlScene.Clear()
         self.widget = host.open("AIFRecon")
-        self.native = unwrap(self.widget.parent)
+        self.native = host.take_out(self.widget.parent)
         self.open_at_first = {each.objectName() for each in sections(self.native) if not each.property("collapsed")}
 
     def choose_inputs(self) -> None:

@@ -23,6 +23,12 @@ from .connections import BoundSignal, connect, disconnect, guarded
 
 _BUILTIN = ("PySide6.", "Shiboken")
 
+_PYSIDE_ONLY = (
+    *("buttonText", "connectNotify", "create", "disconnectNotify", "emit", "find", "internalWinId", "isTopLevel", "painters", "receivers"),
+    *("setButtonText", "standardIcon", "staticMetaObject", "topLevelWidget", "updateMicroFocus"),
+)
+"""Names that PySide6 has of Qt's classes and Slicer's Python has not; a test compares with the names that the application told."""
+
 
 class EnumValue(int):
     """An enumeration value: an int, as in PythonQt, that remembers its Qt type so that PySide6 accepts it back.
@@ -262,6 +268,8 @@ def tables_of(native: type) -> list[dict]:
 
 def is_offered(native: type, name: str) -> bool:
     """Whether C++ offers a method or enumeration of that name on a class."""
+    if name in _PYSIDE_ONLY:
+        return False
     for base in native.__mro__:
         if base.__module__.startswith(_BUILTIN):
             if name in base.__dict__:

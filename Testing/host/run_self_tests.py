@@ -40,8 +40,7 @@ def collect(host, module: Path, folder: Path) -> list[unittest.TestCase]:
     """Every test of the module's test class and of the test files in a folder."""
     loader = unittest.defaultTestLoader
     loader.testMethodPrefix = "test"
-    host.load_module(module)
-    host.startup()
+    host.start(module)
     python = sys.modules[module.stem]
     cases = list(all_cases(loader.loadTestsFromTestCase(getattr(python, f"{module.stem}Test"))))
     for path in sorted(folder.glob("*Test.py")) if folder.is_dir() else []:

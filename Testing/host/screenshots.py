@@ -43,8 +43,7 @@ class Module:
         import slicer
 
         self.host = host
-        host.load_module(REPOSITORY / "AIFRecon" / "AIFRecon.py")
-        host.startup()
+        host.start(REPOSITORY / "AIFRecon" / "AIFRecon.py")
         slicer.mrmlScene.Clear()
         self.widget = host.open("AIFRecon")
         self.application = slicer.app.applicationLogic()
@@ -76,19 +75,6 @@ class Module:
         self.check()
         self.widget.initializeParameterNode()
         self.parameters.spacing, self.parameters.holeLimit = SPACING, HOLE_LIMIT
-        # A user who compares with the reconstruction wants to see through bone
-        self.parameters.bone.GetDisplayNode().SetVisibility2DFill(False)
-
-    def _middle_of_voxel(self, place) -> np.ndarray:
-        """The middle of the reconstruction's voxel at a place: between two layers, one that is empty darkens the other."""
-        import slicer
-        import vtk
-
-        matrix = vtk.vtkMatrix4x4()
-        self.parameters.output.GetIJKToRASMatrix(matrix)
-        ijk_to_ras = slicer.util.arrayFromVTKMatrix(matrix)
-        ijk = np.rint(np.linalg.inv(ijk_to_ras) @ [*place, 1.0])
-        return (ijk_to_ras @ ijk)[:3]
 
     def slice_view(self, name: str, size, field_of_view: float = FIELD_OF_VIEW, center=LOOK_AT):
         """A slice view under its bar, looking at a place; `center` None: where it looks already."""
@@ -98,7 +84,7 @@ class Module:
         node = logic.GetSliceNode()
         with view_render.OffscreenSliceView(logic, self.application, size) as view:
             if center is not None:
-                node.JumpSliceByCentering(*self._middle_of_voxel(center))
+                node.JumpSliceByCentering(*center)
             node.SetFieldOfView(field_of_view, field_of_view * size[1] / size[0], 1.0)
             node.SetRulerType(node.RulerTypeThin)
             pixels = view.image()
@@ -114,7 +100,7 @@ def panel(module: Module, folder: Path) -> None:
 
 def panel_needs(module: Module, folder: Path) -> None:
     """panel-needs.png: what the panel says where bone is missing."""
-    from AIFReconScene.parameters import Method
+    from AIFReconScene.inputs.inputs.parameters import Method
 
     parameters = module.parameters
     bone, method = parameters.bone, parameters.method
@@ -158,7 +144,6 @@ def overlay(module: Module, folder: Path) -> None:
     center = _show_frame(logic, parameters.sweep.GetProxyNode(parameters.sweep.GetMasterSequenceNode()), parameters.ctVolume)
     pictures = [module.slice_view("Red", size, center=None)]
 
-    parameters.bone.CreateClosedSurfaceRepresentation()
     node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
     node.SetBoxVisible(False)
     node.SetAxisLabelsVisible(False)
@@ -174,8 +159,8 @@ def live(module: Module, folder: Path) -> None:
     """live-panel.png, live.png: the Live section and the views during a scan, from a server that replays the sweep."""
     import time
 
-    from AIFReconScene.parameters import Region
-    from AIFReconScene.sequenceReader import sequenceFromBrowser
+    from AIFReconScene.inputs.inputs.parameters import Region
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
     from AIFReconLib.live.replay.server import ReplayServer
     from host import view_frames

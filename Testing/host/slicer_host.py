@@ -89,7 +89,8 @@ class SlicerHost:
         self._keep = [slicer.app]
         for name, logic in self.scene.host.logics.items():
             if not name.islower():
-                module = modules.qSlicerLoadableModule(name, logic=logic)
+                kind = modules.qSlicerSequencesModule if name == "Sequences" else modules.qSlicerLoadableModule
+                module = kind(name, logic=logic)
                 self._keep.append(module)
                 modules.register(self._application, module)
         self._install_python(slicer)
@@ -161,14 +162,18 @@ class SlicerHost:
 
     # ---- modules
 
-    def load_module(self, path):
-        """The application's object of a scripted module, loaded from its file."""
-        return self._wrap(self._modules.load_module(self._application, str(Path(path).resolve())))
+    def start(self, *paths) -> None:
+        """Starts the application with scripted modules from these files, as when Slicer knows their folders; see `start_up`."""
+        from .start_up import start
 
-    def startup(self) -> None:
-        """What happens once all modules are loaded: `startupCompleted` is emitted."""
-        self._application.startupCompleted.emit()
+        start(self._application, [Path(path).resolve() for path in paths])
         self.raise_slot_errors()
+
+    def load_module(self, path):
+        """The application's object of a scripted module that is loaded while the application runs: its start is past."""
+        module = self._modules.instantiate(str(Path(path).resolve()))
+        self._modules.load(self._application, module)
+        return self._wrap(module)
 
     def open(self, name: str):
         """Opens a module as the user does, leaving the one that was open; returns its Python widget."""
@@ -211,6 +216,7 @@ class SlicerHost:
         """Clears scene, dialogs, settings and slot errors, as between two tests."""
         self.scene.Clear(False)
         self.dialogs.clear()
+        self._application.moduleManager().module("Sequences").setToolBarVisible(False)
         self._application.settings().clear()
         while self._application.overrideCursor() is not None:
             self._application.restoreOverrideCursor()
@@ -224,6 +230,15 @@ class SlicerHost:
             raise OSError(f"cannot write {path}")
         return picture.width(), picture.height()
 
+    def take_out(self, widget):
+        """Takes a module's panel out of the main window, if it is there, so that it can be given any size; returns it as Qt has it."""
+        from .pythonqt import unwrap
+
+        native = unwrap(widget)
+        if self._application.window.panel.isAncestorOf(native):
+            self._application.window.panel.put(None)
+        return native
+
     def picture(self, widget, width: int | None = None, height: int | None = None):
         """A picture of a widget, a QPixmap.
 
@@ -233,9 +248,7 @@ class SlicerHost:
         width, height : int, optional
             Pixels; by default the widget's present width, and the height that its contents need at that width.
         """
-        from .pythonqt import unwrap
-
-        native = unwrap(widget)
+        native = self.take_out(widget)
         native.ensurePolished()
         width = width or native.width()
         native.resize(width, native.height())
@@ -267,6 +280,7 @@ class SlicerHost:
             self.scene.RemoveObserver(tag)
         self._nodes.clear()
         sys.excepthook = self._hook
+        self._application.layoutManager().stop()
         self.scene.host.close()
         self._application.window = None
         self._application.processEvents()

@@ -2,8 +2,8 @@
 
     python Testing/host/translated_panel.py [--forget TEXT ...]
 
-The language is the translators' own file with every letter replaced by a wide one (ＡＢＣ), so an ASCII letter that can be seen was never
-translated, or is a name: of a method, a node, a file, a transform. With --forget, a text is left out of the language; it has to be
+The language is every text that translators get, in wide letters (ＡＢＣ), so an ASCII letter that can be seen was
+never translated, or is a name: of a method, a node, a file, a transform. With --forget, a text is left out of the language; it has to be
 named then. The exit status is 0 when nothing was found, 1 when something was, 2 when the host cannot run here.
 """
 
@@ -21,7 +21,7 @@ from pathlib import Path
 TESTING = Path(__file__).resolve().parents[1]
 for folder in (TESTING, TESTING / "Slicer"):
     sys.path.insert(0, str(folder))
-from write_translations import MODULE, TARGET  # noqa: E402
+from write_translations import MODULE, all_texts  # noqa: E402
 
 from AIFReconLib.settings import ReconstructionSettings  # noqa: E402
 from host import missing, runHost  # noqa: E402 - the folder must be known first
@@ -82,10 +82,8 @@ def _wide(text: str) -> str:
 
 
 def language(forgotten: list[str]) -> dict[tuple[str, str], str]:
-    """Every text of the translators' file, by context, in wide letters."""
-    contexts = ElementTree.parse(TARGET).getroot().iter("context")
-    texts = {(each.findtext("name"), source.text) for each in contexts for source in each.iter("source")}
-    return {(context, text): widened(text) for context, text in texts if text not in forgotten}
+    """Every text that translators get, by context, in wide letters."""
+    return {(context, text): widened(text) for context, texts in all_texts().items() for text in texts if text not in forgotten}
 
 
 def install(words: dict[tuple[str, str], str]):
@@ -158,7 +156,6 @@ def walk(host, reader: Reader, folder: Path) -> None:
     import slicer
     import tinyScene
 
-    host.startup()
     module = slicer.util.getModule("AIFRecon")
     for text in (module.title, module.helpText, module.acknowledgementText):
         reader.read("the module", text)
@@ -221,7 +218,7 @@ def main(arguments=None) -> int:
     with tempfile.TemporaryDirectory() as folder:
         reader = Reader([str(Path(folder).resolve()), folder, ".mha", "127.0.0.1", "localhost"])
         translator = install(language(options.forget))
-        host.load_module(MODULE / "AIFRecon.py")
+        host.start(MODULE / "AIFRecon.py")
         walk(host, reader, Path(folder))
     for text, where in reader.found.items():
         print(f"{where}: {text!r}")

@@ -98,7 +98,6 @@ class ctkPathLineEdit(QtWidgets.QWidget):
     api = {
         "methods": ("comboBox", "setCurrentPath", "browse", "retrieveHistory", "addCurrentPathToHistory"),
         "signals": {"validInputChanged(bool)": "validInputChanged", "currentPathChanged(QString)": "currentPathChanged"},
-        "enums": ("Dirs", "Files", "Drives", "NoSymLinks", "Readable", "Writable", "Executable", "Hidden"),
     }
     validInputChanged = Signal(bool)
     currentPathChanged = Signal(str)

@@ -31,8 +31,7 @@ def main(argv: list[str]) -> int:
         print(f"The panel cannot run here: {reason}.", file=sys.stderr)
         return 2
     host = runHost(testing=True)
-    host.load_module(REPOSITORY / "AIFRecon" / "AIFRecon.py")
-    host.startup()
+    host.start(REPOSITORY / "AIFRecon" / "AIFRecon.py")
     host.open("AIFRecon")
     sys.path.insert(0, str(REPOSITORY / "Testing" / "Slicer"))
     import liveSceneSoak

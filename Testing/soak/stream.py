@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from bench_live import sweep
+from benchmark.live import sweep
 
 from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.live.wire.encoding import encode_image, encode_transform
@@ -24,7 +24,7 @@ _MARK = 0xA5A5A5A5
 
 @lru_cache(maxsize=1)
 def scan() -> TrackedSequence:
-    """The fan of speckle that `bench_live` streams, at a size that lets an hour pass in minutes."""
+    """The fan of speckle that the live benchmark streams, at a size that lets an hour pass in minutes."""
     return sweep(COLUMNS, ROWS)
 
 

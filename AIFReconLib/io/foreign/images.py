@@ -14,8 +14,7 @@ import numpy as np
 from ...arrays import Floats, Numbers, NumberType
 from ...errors import AIFReconError, FileFormatError
 from ...imaging.images import ImageStack, luminance
-from ...message import Message
-from ..metafile.text_values import one_line
+from ...message import Message, one_line
 from ..sequence.file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
 from ..sequence.images_on_demand import ImagesOnDemand
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from ...arrays import Floats, Matrix
 from ...errors import FileFormatError, SettingsError
-from ...message import Message, listed
+from ...message import Message, listed, one_line, shorten
 from ..disk.small_files import read_bytes
-from ..metafile.text_values import one_line, parse_number, shorten
+from ..metafile.text_values import parse_number
 from .pose_rows import (
     EULER,
     IMAGE,

@@ -14,8 +14,7 @@ import numpy as np
 
 from ...arrays import Bytes, Floats
 from ...errors import FileFormatError
-from ...message import Message
-from ..metafile.text_values import one_line
+from ...message import Message, one_line
 from .images import DecodedImages, ImportedImages, describe_stack, library
 
 _ONLY_THIS_FILE = ("-protocol_whitelist", "file", "-format_whitelist", "mov,mp4,avi,matroska,webm,asf")

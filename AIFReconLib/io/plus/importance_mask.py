@@ -11,8 +11,7 @@ import SimpleITK as sitk
 from ...arrays import Numbers, Singles
 from ...errors import ConfigurationError, FileFormatError
 from ...sweep.configuration import PlusConfiguration
-from ..transform.itk_errors import short_cause
-from ..transform.itk_paths import itk_path
+from ..disk.itk import itk_path, short_cause
 
 MAXIMUM_PIXELS = 2**24
 """An ultrasound image has one or two million."""

@@ -9,8 +9,8 @@ from typing import TypeVar
 from xml.etree.ElementTree import Element
 
 from ...errors import ConfigurationError
-from ...message import Message
-from ..metafile.text_values import NotANumberError, one_line, parse_numbers, shorten
+from ...message import Message, one_line, shorten
+from ..metafile.text_values import NotANumberError, parse_numbers
 
 LARGEST_INTEGER = 2**31 - 1
 """As in Plus."""

@@ -1,1 +1,4 @@
-"""Room."""
+"""Recordings as Plus and Slicer save them, read frame by frame and written.
+
+May import the rooms of io/ but foreign/.
+"""

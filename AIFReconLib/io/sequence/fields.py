@@ -16,10 +16,10 @@ import numpy as np
 from ...arrays import Matrix
 from ...errors import SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
-from ...message import Message
+from ...message import Message, one_line, shorten
 from ...sweep.frames import FrameRecord
 from ..metafile.metafile import Metafile
-from ..metafile.text_values import NotANumberError, format_number, one_line, parse_number, parse_numbers, shorten
+from ..metafile.text_values import NotANumberError, format_number, parse_number, parse_numbers
 
 FRAME_KEY = re.compile(r"Seq_Frame([0-9]+)_(.+)", re.DOTALL)
 MOST_DIGITS = 12

@@ -13,8 +13,8 @@ from __future__ import annotations
 import re
 
 from ...errors import SettingsError
+from ...message import shorten
 from ..metafile.metafile import Metafile
-from ..metafile.text_values import shorten
 
 IN_MEMORY = "MFA"
 """How frames are kept and written: marked side at column 0, transducer at row 0."""

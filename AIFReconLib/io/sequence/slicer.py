@@ -18,10 +18,10 @@ from ...arrays import Matrix
 from ...errors import GeometryError
 from ...geometry.transform_graph import TransformName, TransformSample
 from ...geometry.transforms import LPS_FROM_RAS, as_matrix
-from ...message import Message
+from ...message import Message, shorten
 from ...sweep.frames import FrameRecord
 from ..metafile.metafile import Metafile
-from ..metafile.text_values import NotANumberError, parse_number, parse_numbers, shorten
+from ..metafile.text_values import NotANumberError, parse_number, parse_numbers
 from .fields import MOST_DIGITS
 
 _AXIS_KEY = re.compile(r"axis ([03]) index (type|values)")

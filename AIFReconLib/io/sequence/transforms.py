@@ -16,7 +16,7 @@ import numpy as np
 from ...arrays import Matrix
 from ...errors import SequenceFormatError, SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from ...message import Message
+from ...message import Message, shorten
 from ...sweep.frames import FrameRecord
 from ...sweep.pose_tracks import LONGEST_GAP, PoseTrack
 from ..disk.regular_files import require_regular_file
@@ -24,7 +24,7 @@ from ..metafile.header import HeaderLines
 from ..metafile.metaimage import read_entries
 from ..metafile.nrrd import read_nrrd_entries
 from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES
-from ..metafile.text_values import NotANumberError, parse_number, parse_numbers, shorten
+from ..metafile.text_values import NotANumberError, parse_number, parse_numbers
 from .fields import FRAME_KEY
 from .file_images import MAXIMUM_FRAMES
 

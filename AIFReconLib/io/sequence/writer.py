@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import OutputError, SettingsError
 from ...imaging.images import ImageStack
-from ...message import Message
+from ...message import Message, shorten
 from ...progress import Progress, report
 from ...sweep.frames import TrackedSequence
 from ..disk.atomic import atomic_output, atomic_outputs
@@ -19,7 +19,6 @@ from ..disk.header_pairs import check_pair_name
 from ..metafile.header import MAXIMUM_LINE
 from ..metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS
 from ..metafile.nrrd import escape
-from ..metafile.text_values import shorten
 from .fields import frame_entries, header_entries
 from .orientation import BRIGHTNESS, IN_MEMORY, is_image_key
 

@@ -14,18 +14,18 @@ import SimpleITK as sitk
 from ...arrays import Matrix
 from ...errors import GeometryError, OutputError, TransformFileError
 from ...geometry.transforms import as_matrix, invert, ras_to_lps
+from ...message import shorten
 from ..disk.atomic import atomic_output
+from ..disk.itk import itk_path, short_cause
 from ..disk.small_files import read_bytes
+from ..metafile.text_values import NotANumberError, parse_numbers
 from .hdf5 import MAGIC as HDF5_MAGIC
 from .hdf5 import read_transform_hdf5
-from .itk_errors import short_cause
-from .itk_paths import itk_path
-from .parts import TransformPartError, composed
-from .text import MAGIC as TEXT_MAGIC
-from .text import read_transform_text
+from .parts import TransformPart, TransformPartError, composed
 
 TEXT_SUFFIXES = (".tfm", ".txt")
 HDF5_SUFFIXES = (".h5", ".hdf5")
+TEXT_MAGIC = "#Insight Transform File"
 
 MAXIMUM_BYTES = 2**24
 """A linear transform takes a few thousand."""
@@ -129,3 +129,35 @@ def _read(path: Path) -> bytes:
             maximum=MAXIMUM_BYTES,
         )
     return data
+
+
+def read_transform_text(text: str) -> list[TransformPart]:
+    """The transforms of a file in text, in its order: blocks of ``Transform:``, ``Parameters:`` and ``FixedParameters:``.
+
+    Raises
+    ------
+    TransformPartError
+        When a line is none of such a file.
+    """
+    blocks: list[dict[str, str]] = []
+    for line in text.splitlines():
+        if line.startswith("#") or not line.strip():
+            continue
+        key, colon, value = (word.strip() for word in line.partition(":"))
+        if key == "Transform" and colon:
+            blocks.append({})
+        if not blocks or not colon or key not in ("Transform", "Parameters", "FixedParameters") or key in blocks[-1]:
+            raise TransformPartError(
+                "has a line that is none of an ITK transform file: {line!r}. Save the transform from Slicer again.", line=shorten(line)
+            )
+        blocks[-1][key] = value
+    return [TransformPart(block["Transform"], _numbers(block, "Parameters"), _numbers(block, "FixedParameters")) for block in blocks]
+
+
+def _numbers(block: dict[str, str], key: str) -> tuple[float, ...]:
+    try:
+        return tuple(parse_numbers(block.get(key, "")))
+    except NotANumberError as error:
+        raise TransformPartError(
+            "has {key} that must be numbers; {problem}. Save the transform from Slicer again.", key=key, problem=error
+        ) from None

@@ -13,16 +13,14 @@ from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
 from ..disk.atomic import atomic_outputs, check_writable
 from ..disk.header_pairs import check_pair_name, split_metaimage
+from ..disk.itk import itk_path, short_cause
 from ..disk.regular_files import file_stamp
 from ..disk.small_files import local_copy
 from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
 from ..transform.files import read_transform, write_transform
-from ..transform.itk_errors import short_cause
-from ..transform.itk_paths import itk_path
-from .metafile_volumes import read_metafile_volume
+from .metafile_volumes import StoredVolume, read_metafile_volume
 from .nifti_payload import check_nifti
-from .stored import StoredVolume
 
 __all__ = ["check_volume_path", "read_labels", "read_transform", "read_volume", "write_transform", "write_volume"]
 

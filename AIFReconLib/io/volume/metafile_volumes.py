@@ -7,17 +7,19 @@ one that `read_metafile` has checked.
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from ...arrays import Floats, Matrix, Numbers
 from ...errors import InsufficientMemoryError
 from ...machine.memory import SAFETY, available_memory
+from ...message import shorten
 from ..metafile.metafile import RAW, Metafile
 from ..metafile.opening import METAIMAGE_SUFFIXES
 from ..metafile.payload import Inflater, PayloadError
-from ..metafile.text_values import parse_numbers, shorten
-from .stored import StoredVolume
+from ..metafile.text_values import parse_numbers
 
 _IN_SPACE = ("domain", "space")
 _AXES_TO_LPS = {
@@ -31,6 +33,31 @@ _AXES_TO_LPS = {
 """What each axis of an anatomical space is in left-posterior-superior."""
 _OTHER_SPACES = ("scanner-xyz", "3d-right-handed", "3d-left-handed")
 """Taken as left-posterior-superior, as ITK does."""
+
+
+@dataclass(frozen=True, eq=False)
+class StoredVolume:
+    """Voxels and their place, as a file gives them.
+
+    Parameters
+    ----------
+    path : Path
+    array : [k, j, i] array, or [k, j, i, n] for several values per voxel
+    ijk_to_lps : (4, 4) float64 array, mm
+        Not checked yet.
+    keys : tuple of str
+        Names of the file's own fields, by which segmentations are told.
+    """
+
+    path: Path
+    array: np.ndarray
+    ijk_to_lps: np.ndarray
+    keys: tuple[str, ...] = ()
+
+    @property
+    def components(self) -> int:
+        """Values per voxel."""
+        return self.array.shape[3] if self.array.ndim == 4 else 1
 
 
 def read_metafile_volume(metafile: Metafile) -> StoredVolume:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import logging
 import socket
 import sys
 import threading
@@ -16,6 +17,8 @@ from ..wire.connection import POLL, check_port
 from ..wire.encoding import encode_status
 from .frames import ReplayFrames
 from .peer import Peer
+
+logger = logging.getLogger(__name__)
 
 PLUS_PORT = 18944
 END_INTERVAL = 0.22
@@ -216,12 +219,14 @@ class ReplayServer:
                 continue
             if self.clients >= MOST_CLIENTS:
                 self.turned_away += 1
+                logger.warning("A client was turned away: %d are connected", MOST_CLIENTS)
                 connection.close()
                 continue
             peer = Peer(connection, self._version, self._forget)
             with self._lock:
                 self._peers.append(peer)
                 self.served += 1
+            logger.info("A client connected, the %d. since the server started", self.served)
             peer.start()
 
     def _forget(self, peer: Peer) -> None:
@@ -229,6 +234,7 @@ class ReplayServer:
             if peer in self._peers:
                 self._peers.remove(peer)
                 self._dropped += peer.dropped
+                logger.info("A client left; it missed %d frames", peer.dropped)
             if not self._peers:
                 self._deserted.set()
 
@@ -249,6 +255,7 @@ class ReplayServer:
                     self._stopping.wait(POLL / 5)
         except Exception as error:  # whoever waits for the server gets it; a thread has nobody to raise it to
             self._error = error
+            logger.exception("The replay ended")
             self._stopping.set()
         finally:
             self._played.set()

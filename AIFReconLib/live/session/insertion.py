@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
+import logging
 import threading
 import time
 from collections import deque
@@ -22,8 +22,9 @@ from ...resolve import Imaging, ReconstructorParts
 from ...settings import ReconstructionSettings
 from ...sweep.frames import TrackedFrame
 from ..pairing.synchronizer import LiveFrame
-from .keep_up import KeepUp
 from .statistics import Meter
+
+logger = logging.getLogger(__name__)
 
 TOO_SLOW = Message("skipped to keep up")
 OTHER_SIZE = Message("image of another size or type")
@@ -34,6 +35,8 @@ MOST_WAITING_BYTES = 512 * 2**20
 
 WARM_UP = 2
 """Insertions that tell nothing of the speed: engines are compiled and tables built."""
+
+LARGEST_STRIDE = 64.0
 
 
 class Inserter:
@@ -193,10 +196,12 @@ class Inserter:
         image = np.ones((8, 8), np.uint8)
         # Another engine takes pixels that count unequally
         importance = None if self._parts.importance is None else image.astype(np.float32)
-        with contextlib.suppress(Exception):  # what is wrong shows with the real volume, where it is reported
+        try:
             grid = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (8, 8, 8), 1.0)
             tiny = Reconstructor(grid, self._settings, self._bone, probe=ProbeGeometry(LINEAR), importance=importance)
             tiny.insert(TrackedFrame(image, np.eye(4)))
+        except Exception:  # what is wrong shows with the real volume, where it is reported
+            logger.debug("The engine could not be warmed up", exc_info=True)
 
     def _work(self) -> None:
         self._warm_up()
@@ -214,6 +219,7 @@ class Inserter:
             except Exception as error:  # kept and reported: the volume so far, and the recording, must survive it
                 self.error = error
                 self.ready.set()
+                logger.exception("The reconstruction of a live scan stopped")
                 if not callable(task):
                     self._meter.skip(AFTER_ERROR, task[1])
             if not callable(task):
@@ -264,3 +270,45 @@ class Inserter:
 
 def _bytes(frame: TrackedFrame) -> int:
     return 0 if frame.image is None else frame.image.nbytes
+
+
+class KeepUp:
+    """Which frames to leave out when they come faster than they can be inserted: evenly, and no more than it takes.
+
+    Decides frame by frame from how long the frames that wait already will take.
+
+    Parameters
+    ----------
+    longest_delay : float, s
+        Above it frames are left out; ever more while it lasts. Below half of it ever fewer.
+    """
+
+    def __init__(self, longest_delay: float = 0.5):
+        self._longest_delay = longest_delay
+        self._stride = 1.0
+        self._credit = 0.0
+
+    @property
+    def stride(self) -> float:
+        """Every how many frames one is taken; 1 when all are."""
+        return self._stride
+
+    def admit(self, delay: float) -> bool:
+        """Whether to take the next frame.
+
+        Parameters
+        ----------
+        delay : float, s
+            How long the frames that wait will take.
+        """
+        if delay > self._longest_delay:
+            self._stride = min(self._stride * 1.1, LARGEST_STRIDE)
+        elif delay < 0.5 * self._longest_delay:
+            self._stride = max(self._stride * 0.98, 1.0)
+        # Sharing out whole frames by a fraction leaves them evenly spaced
+        self._credit += 1.0 / self._stride
+        if self._credit < 1.0 - 1e-9 or delay > 4.0 * self._longest_delay:
+            self._credit = min(self._credit, 1.0)
+            return False
+        self._credit -= 1.0
+        return True

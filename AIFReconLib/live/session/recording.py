@@ -15,6 +15,7 @@ removes the three.
 from __future__ import annotations
 
 import errno
+import logging
 import os
 import time
 from io import FileIO
@@ -35,6 +36,8 @@ from ...message import Message, said
 from ...progress import Progress
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ..pairing.synchronizer import LiveFrame
+
+logger = logging.getLogger(__name__)
 
 REFRESH = 1.0
 """s between two headers at least."""
@@ -260,6 +263,7 @@ class Recorder:
             )
         else:
             self.failure = Message("Recording stopped: {cause} No frame was recorded.", cause=cause)
+        logger.error("%s", self.failure, exc_info=True)
         self.close()
 
     def _remove(self) -> None:

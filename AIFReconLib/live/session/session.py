@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from dataclasses import replace
@@ -27,7 +28,9 @@ from ..wire.sources import CONNECTED, ENDED, MessageSource
 from .insertion import Inserter
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
-from .statistics import NO_IMAGES, LiveStatistics, Meter, tracking_words
+from .statistics import NO_IMAGES, LiveStatistics, Meter, Trouble, tracking_words
+
+logger = logging.getLogger(__name__)
 
 SCOUTING, LOOKING, RECONSTRUCTING, PAUSED, FAILED, STOPPED = "scouting", "looking", "reconstructing", "paused", "failed", "stopped"
 
@@ -39,9 +42,6 @@ POLL = 0.25
 
 SILENCE = 1.0
 """s without an image after which there are none."""
-
-TROUBLE_SHOWN = 10.0
-"""s that an event of a stream that goes on is told."""
 
 WHILE_PAUSED = Message("paused")
 LEFT_OUT = Message("left out by --skip")
@@ -137,7 +137,7 @@ class LiveSession:
         self._scouted = ScoutedFrames()
         self._paused = False
         self._prepared = self._started = self._closed = False
-        self._trouble = ("", 0.0)
+        self._trouble = Trouble()
         self._unfinished: str | None = None
         self._collect_error: Exception | None = None
         self._collector = threading.Thread(target=self._collect, name="aifrecon live reception", daemon=True)
@@ -237,10 +237,12 @@ class LiveSession:
                 self.recorded = self.recorder.finish(progress)
             except OutputError as error:
                 self._unfinished = said(error)
+                logger.exception("A recording could not be finished")
             except AIFReconError as error:
                 self._unfinished = Message(
                     "{problem} The recording is kept in {path} and its .raw file.", problem=error, path=self.recorder.header_path
                 )
+                logger.exception("A recording could not be finished")
 
     def finish(self, progress: Progress | None = None) -> Reconstruction | None:
         """`stop`, and the final volume, holes filled; None when there never was a grid. It can be asked for once."""
@@ -301,7 +303,9 @@ class LiveSession:
             other_images=self._synchronizer.other_images,
             recorded=recorder.frames if recorder is not None else 0,
             recording_failure=self.recording_failure,
-            trouble=said(error) if error is not None else self._recent_trouble(now) or self._synchronizer.problem,
+            trouble=said(error)
+            if error is not None
+            else self._trouble.recent(now, lasts=self._source.state != CONNECTED) or self._synchronizer.problem,
             **self._meter.counts(now),
         )
 
@@ -318,11 +322,6 @@ class LiveSession:
                 self._begin(self._grid)
             self._inserter.start()
 
-    def _recent_trouble(self, now: float) -> str | None:
-        """What the stream last complained of, while it lasts or was a moment ago."""
-        what, when = self._trouble
-        return what if what and (self._source.state != CONNECTED or now - when < TROUBLE_SHOWN) else None
-
     # ---- the receiving thread
 
     def _collect(self) -> None:
@@ -337,6 +336,7 @@ class LiveSession:
             self._take(self._synchronizer.flush())
         except Exception as error:  # kept and reported: the volume so far, and the recording, must survive it
             self._collect_error = error
+            logger.exception("The reception of a live scan ended")
         self.finished.set()
 
     def _patience(self) -> float:
@@ -345,7 +345,7 @@ class LiveSession:
 
     def _note(self, message: StreamMessage | None) -> None:
         if isinstance(message, StreamEvent):
-            self._trouble = ("", 0.0) if message.kind == "connected" else (message.detail, time.monotonic())
+            self._trouble.note("" if message.kind == "connected" else message.detail, time.monotonic())
 
     def _take(self, frames: list[LiveFrame]) -> None:
         for frame in frames:

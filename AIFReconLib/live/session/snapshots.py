@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 
 from ...compounding.reconstructor import Reconstruction
 from .session import LiveSession
+
+logger = logging.getLogger(__name__)
 
 
 class SnapshotMaker:
@@ -61,6 +64,8 @@ class SnapshotMaker:
             try:
                 made = self._session.snapshot()
             except Exception as error:  # kept and told: the scan goes on, and the next request tries again
+                if str(error) != str(self.error):  # it may come again with every request
+                    logger.exception("A snapshot of a live scan could not be made")
                 self.error = error
                 continue
             self.error = None

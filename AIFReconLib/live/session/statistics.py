@@ -18,6 +18,9 @@ RATE_WINDOW = 2.0
 LATENCIES = 4096
 """Frames over which latency is judged: the last two minutes or more."""
 
+TROUBLE_SHOWN = 10.0
+"""s that an event of a stream that goes on is told."""
+
 TRACKED = Message("tracked")
 NO_IMAGES = Message("no images")
 
@@ -170,3 +173,18 @@ def tracking_words(status: str, reference: str) -> str:
     if name.source == "Image" and tools == [reference]:
         tools = ["Probe", reference]
     return Message("{tools} not visible", tools=listed(tools, " or ") or name)
+
+
+class Trouble:
+    """What a stream last complained of."""
+
+    def __init__(self) -> None:
+        self._what, self._when = "", 0.0
+
+    def note(self, what: str, now: float) -> None:
+        """Remember it; `now` in s."""
+        self._what, self._when = what, now
+
+    def recent(self, now: float, lasts: bool) -> str | None:
+        """It, while it lasts or was a moment ago."""
+        return self._what if self._what and (lasts or now - self._when < TROUBLE_SHOWN) else None

@@ -6,6 +6,7 @@ neither the end of a stream nor a stall.
 
 from __future__ import annotations
 
+import logging
 import socket
 import threading
 import time
@@ -20,6 +21,8 @@ from .message_queue import MessageQueue
 from .messages import EventKind, StreamEvent, StreamMessage
 from .statistics import Counters, StreamStatistics
 
+logger = logging.getLogger(__name__)
+
 CONNECTING, CONNECTED, WAITING, STOPPED = Message("connecting"), Message("connected"), Message("waiting to reconnect"), Message("stopped")
 
 CHUNK = 2**18
@@ -27,6 +30,9 @@ CHUNK = 2**18
 
 EVENT_INTERVAL = 1.0
 """Shortest time between two events about the same trouble, s: a stream can be damaged many times a second."""
+
+EVENT_LEVELS = {"connected": logging.INFO, "resynchronized": logging.INFO}
+"""At which events are logged; the others are warnings."""
 
 STOP_TIMEOUT = 0.8
 RESOLVING_TIMEOUT = 10.0
@@ -317,6 +323,7 @@ class _Run:
             if now - self._event_times.get(trouble, -EVENT_INTERVAL) < EVENT_INTERVAL:
                 return
             self._event_times[trouble] = now
+        logger.log(EVENT_LEVELS.get(kind, logging.WARNING), "%s", detail)
         self._queue_up(StreamEvent(kind, detail, now))
 
     def _queue_up(self, message: StreamMessage) -> None:

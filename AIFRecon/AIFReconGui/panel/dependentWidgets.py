@@ -1,0 +1,49 @@
+"""What can be entered, pressed and read in the panel, as it follows from the parameters."""
+
+from AIFReconScene.inputs import readiness
+from AIFReconScene.inputs.inputs.parameters import ProbeShape, Region
+from slicer.i18n import tr as _
+
+
+def updateDependentWidgets(ui, parameters, sweepText: str) -> None:
+    """Show `sweepText` and what the bone is taken for, and the fields that count with these parameters."""
+    ui.sweepStatusLabel.text = sweepText
+    ui.boneStatusLabel.text = readiness.describeBone(parameters)
+    for label in (ui.sweepStatusLabel, ui.boneStatusLabel):
+        label.visible = bool(label.text)
+    ui.roiLabel.visible = ui.roiSelector.visible = parameters.region == Region.BOX
+    ui.regionVolumeLabel.visible = ui.regionVolumeSelector.visible = parameters.region == Region.LIKE_VOLUME
+    ui.spacingSpinBox.enabled = parameters.region != Region.LIKE_VOLUME
+    ui.apexColumnSpinBox.enabled = ui.apexRowSpinBox.enabled = parameters.probe == ProbeShape.SECTOR
+    ui.boneFromSweepCheckBox.enabled = parameters.bone is None
+    for spinBox in (ui.fanFirstRadiusSpinBox, ui.fanFirstAngleSpinBox, ui.fanLastAngleSpinBox):
+        spinBox.enabled = parameters.fanLastRadius > 0
+    ui.scannerSpeedOfSoundSpinBox.enabled = parameters.speedOfSound > 0
+    ui.longestGapSpinBox.enabled = parameters.timeOffset != 0
+    ui.singleViewButton.enabled = parameters.output is not None
+
+
+def updateButtons(ui, logic, parameters, waits: str, report: str) -> None:
+    """Enable what can be done, and say what is missing for the rest.
+
+    Parameters
+    ----------
+    ui, logic, parameters
+    waits : str
+        Why everything has to wait; empty where it need not.
+    report : str
+        What was done last; it stays to be read where something is missing for the next.
+    """
+    cannot = logic.whyNotReconstruct(parameters)
+    for button, missing, does in (
+        (ui.loadButton, readiness.whyNotLoad(parameters), _("Read the recording into a sweep that can be replayed")),
+        (ui.applyButton, cannot, _("Reconstruct the volume")),
+        (ui.compareButton, logic.whyNotCompare(parameters), _("Reconstruct with each method and show them side by side")),
+    ):
+        missing = waits or missing
+        button.enabled = not missing
+        button.toolTip = missing or does
+    if cannot and cannot in ui.sweepStatusLabel.text:
+        cannot = _("The sweep cannot be reconstructed: see under Sweep.")
+    ui.statusLabel.text = "\n".join(line for line in (report, cannot) if line)
+    ui.statusLabel.visible = bool(ui.statusLabel.text)

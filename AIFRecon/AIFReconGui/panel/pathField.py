@@ -1,0 +1,42 @@
+"""A line for a file, kept alike with a parameter: Slicer's own connector shows an empty path as a dot."""
+
+import pathlib
+
+from slicer.i18n import translate
+
+PATHS = ("recordingPath", "configurationPath", "liveRecordPath", "importanceMaskPath")
+"""The parameters that are files."""
+
+
+class PathField:
+    """Follows one `pathlib.Path` parameter; the empty path is an empty line.
+
+    Parameters
+    ----------
+    lineEdit : ctkPathLineEdit
+    name : str
+        Of the parameter.
+    """
+
+    def __init__(self, lineEdit, name: str):
+        # Qt's loader translates the strings of a .ui file, but not its lists of strings
+        lineEdit.nameFilters = [translate("AIFRecon", words) for words in lineEdit.nameFilters]
+        self._lineEdit = lineEdit
+        self._name = name
+        self._parameterNode = None
+        lineEdit.connect("currentPathChanged(QString)", self._onChanged)
+
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none."""
+        self._parameterNode = parameterNode
+
+    def update(self) -> None:
+        """Show the parameter."""
+        path = getattr(self._parameterNode, self._name)
+        text = "" if path == pathlib.Path() else str(path)
+        if self._lineEdit.currentPath != text:
+            self._lineEdit.currentPath = text
+
+    def _onChanged(self, text: str) -> None:
+        if self._parameterNode is not None and getattr(self._parameterNode, self._name) != pathlib.Path(text):
+            setattr(self._parameterNode, self._name, pathlib.Path(text))

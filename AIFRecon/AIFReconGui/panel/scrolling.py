@@ -1,0 +1,18 @@
+"""Bringing parts of the panel into view: Slicer shows every module in an area that scrolls."""
+
+import qt
+
+
+def reveal(widget) -> None:
+    """Scroll the panel so that a widget is as far up as can be, once the layout has settled: what is below it is seen as well."""
+    area = widget
+    while area is not None and not area.inherits("QScrollArea"):
+        area = area.parentWidget()
+    if area is not None:
+        qt.QTimer.singleShot(0, lambda: _toTop(area, widget))
+
+
+def _toTop(area, widget) -> None:
+    # Either may be gone by now, with the panel
+    if area and widget:
+        area.verticalScrollBar().value = widget.mapTo(area.widget(), qt.QPoint(0, 0)).y()

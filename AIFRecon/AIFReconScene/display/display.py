@@ -1,0 +1,158 @@
+"""What the views show of the panel's choices: output over the CT, comparison, volume rendering, probe and outlines."""
+
+import slicer
+
+from AIFReconLib.errors import AIFReconError
+
+from ..inputs.imagingChoices import imageRegionFrom, probeFrom
+from ..panelWords import inPanelWords
+from ..sweep.sweepStatus import sweepKey
+from . import sliceDisplay, threeDViews
+from .probeOverlay import ProbeOverlay
+
+
+class SceneDisplay:
+    """Keeps the views in step with the parameters, changing only what has changed.
+
+    Notes
+    -----
+    The nodes that the views show belong to the scene. What is drawn for orientation (probe and outlines) is this object's, and `clear`
+    removes it.
+    """
+
+    def __init__(self):
+        self._overlay = None
+        self._drawn = {}
+        self._imaging = (None, None)
+
+    def showOutput(self, parameters, progress=None) -> None:
+        """Show the output over the CT in the usual slice views, and bone in 3D. Views that show its place already stay where they are."""
+        if parameters.bone is not None and parameters.bone.IsA("vtkMRMLSegmentationNode"):
+            threeDViews.makeSurface(parameters.bone, progress)
+        sliceDisplay.restoreLayout()
+        fit = self._changed("place", (parameters.output.GetID(), _boundsOf(parameters.output)))
+        sliceDisplay.showOverCT(parameters.output, parameters.ctVolume, parameters.opacity, fit=fit)
+        self.update(parameters)
+
+    def showComparison(self, comparison, parameters) -> None:
+        """Show the compared volumes side by side, over the CT, in linked views. Views that show their place already stay there."""
+        volumes = [(node, method) for method, node in comparison.volumes.items()]
+        fit = self._changed("compared", [(node.GetID(), _boundsOf(node)) for node, _method in volumes])
+        sliceDisplay.showSideBySide(volumes, parameters.ctVolume, tableNode=comparison.table, fit=fit)
+
+    def update(self, parameters) -> None:
+        """Follow opacity, volume rendering, probe and outlines."""
+        output = parameters.output
+        if output is not None and output.GetImageData() is not None:
+            if self._changed("opacity", (output.GetID(), parameters.opacity)):
+                sliceDisplay.setOpacity(output, parameters.opacity)
+            if self._changed("rendering", (output.GetID(), parameters.volumeRendering)):
+                sliceDisplay.showVolumeRendering(output, parameters.volumeRendering)
+        self._updateProbe(parameters)
+        self._updateOutlines(parameters)
+        if self._changed("in 3D", self._placeIn3D(parameters)) and self._drawn["in 3D"] is not None:
+            threeDViews.center()
+
+    def followFrame(self, parameters) -> None:
+        """Draw the probe on the frame that is shown now; an image under a transform takes it along by itself."""
+        if self._drawn.get("probe") and parameters.sweep is not None and isPlacedByItself(parameters.sweep, parameters.imageSequence):
+            self._drawProbe(parameters)
+
+    def clear(self) -> None:
+        """Remove what is drawn for orientation."""
+        if self._overlay is not None:
+            self._overlay.hide()
+        self._overlay = None
+        self._drawn = {}
+        self._imaging = (None, None)
+
+    def _changed(self, what: str, state) -> bool:
+        changed = self._drawn.get(what) != state
+        self._drawn[what] = state
+        return changed
+
+    def _placeIn3D(self, parameters):
+        """Where something appears in 3D on account of the panel; None where nothing does."""
+        bone = parameters.bone
+        hasSurface = bone is not None and bone.IsA("vtkMRMLSegmentationNode") and self._drawn.get("place") is not None
+        appears = hasSurface or self._drawn.get("rendering", (None, False))[1] or bool(self._drawn.get("outlines"))
+        return (self._drawn.get("place"),) if appears else None
+
+    def _updateProbe(self, parameters) -> None:
+        shown = parameters.showProbe and parameters.sweep is not None
+        state = shown and (_sweepOf(parameters), probeFrom(parameters), imageRegionFrom(parameters))
+        if not self._changed("probe", state):
+            return
+        if not shown:
+            self._hide("Probe")
+        else:
+            self._drawProbe(parameters)
+
+    def _drawProbe(self, parameters) -> None:
+        try:
+            imaging = self._imagingOf(parameters)
+            self._theOverlay().showProbe(parameters.sweep, parameters.imageSequence, imaging.probe, imaging.region)
+        except AIFReconError as error:
+            self._hide("Probe")
+            slicer.util.showStatusMessage(inPanelWords(error), 5000)
+
+    def _updateOutlines(self, parameters) -> None:
+        from ..sweep.sequenceReader import sequenceFromBrowser
+
+        shown = parameters.showOutlines and parameters.sweep is not None
+        if not self._changed("outlines", shown and (_sweepOf(parameters), imageRegionFrom(parameters))):
+            return
+        if not shown:
+            self._hide("Outlines")
+            return
+        try:
+            sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
+            self._theOverlay().showOutlines(parameters.sweep, sequence, self._imagingOf(parameters, needProbe=False).region)
+        except AIFReconError as error:
+            self._hide("Outlines")
+            slicer.util.showStatusMessage(inPanelWords(error), 5000)
+
+    def _theOverlay(self):
+        if self._overlay is None:
+            self._overlay = ProbeOverlay()
+        return self._overlay
+
+    def _hide(self, what: str) -> None:
+        if self._overlay is not None:
+            getattr(self._overlay, f"hide{what}")()
+
+    def _imagingOf(self, parameters, needProbe: bool = True):
+        """Probe and region as a reconstruction would use them; looked for in the images once for a sweep."""
+        from dataclasses import replace
+
+        from AIFReconLib.resolve import resolve_imaging
+        from AIFReconLib.sweep.poses import sweep_poses
+
+        from ..inputs.inputs import Inputs
+        from ..sweep.sequenceReader import sequenceFromBrowser
+
+        byHand, key = probeFrom(parameters), (_sweepOf(parameters), imageRegionFrom(parameters))
+        if self._imaging[0] != key or (needProbe and byHand is None and self._imaging[1].probe is None):
+            sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
+            region = Inputs.fromParameters(parameters).imageRegion(sequence.configuration)
+            poses = sweep_poses(sequence)
+            poses.require_usable(sequence.name)
+            self._imaging = (key, resolve_imaging(sequence, poses, needProbe and byHand is None, region))
+        imaging = self._imaging[1]
+        return imaging if byHand is None else replace(imaging, probe=byHand)
+
+
+def _boundsOf(node) -> list[float]:
+    bounds = [0.0] * 6
+    node.GetRASBounds(bounds)
+    return bounds
+
+
+def _sweepOf(parameters) -> tuple:
+    return sweepKey(parameters.sweep, parameters.imageSequence)
+
+
+def isPlacedByItself(browser, imageSequence=None) -> bool:
+    """Whether the images of a sweep lie where their own matrices put them, with no transform above."""
+    proxy = browser.GetProxyNode(imageSequence or browser.GetMasterSequenceNode())
+    return proxy is not None and proxy.GetParentTransformNode() is None

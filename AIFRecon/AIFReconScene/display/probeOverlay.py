@@ -1,0 +1,217 @@
+"""The probe on the screen: its sector and some beams on the current frame, and the outlines of all frames in 3D."""
+
+import math
+
+import numpy as np
+import slicer
+import vtk
+from vtk.util import numpy_support
+
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.imaging.beams import SECTOR, ProbeGeometry
+from AIFReconLib.imaging.region import ImageRegion, extreme_pixels
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
+
+from ..sceneNodes import removeNodes
+from ..sweep.browserItems import BrowserItems
+from ..sweep.sequenceReader import orientationFlips
+from ..transforms import ijkToRAS
+
+BEAMS = 9
+MOST_OUTLINES = 300
+OUTLINE_POINTS = 40
+"""Of the outline of one frame in 3D, about."""
+
+BAND = 1.0
+"""mm, width of the bands that a slice in the plane of the frame cuts."""
+
+PROBE_COLOR = (0.2, 0.9, 1.0)
+
+
+class ProbeOverlay:
+    """Model nodes that show where sound goes and where frames were taken.
+
+    Parameters
+    ----------
+    scene : vtkMRMLScene or None
+        Default: Slicer's scene.
+
+    Notes
+    -----
+    The sector is in the image's own coordinates and under its parent transform, so it moves with the frame that is replayed. Images that
+    carry their pose in their own matrix have no such transform: for them `showProbe` is to be called again with every frame. `hide`
+    removes the nodes.
+    """
+
+    def __init__(self, scene=None):
+        self._scene = scene or slicer.mrmlScene
+        self._ids: dict[str, str] = {}
+
+    def showProbe(self, browser, imageSequence, probe: ProbeGeometry, region: ImageRegion):
+        """Draw the area that is ultrasound and some beams; the model node, made or brought up to date.
+
+        Parameters
+        ----------
+        browser : vtkMRMLSequenceBrowserNode
+        imageSequence : vtkMRMLSequenceNode or None
+            As for `sequenceFromBrowser`.
+        probe : ProbeGeometry
+        region : ImageRegion
+            In pixels of the image in MF orientation.
+        """
+        items = BrowserItems(browser, imageSequence)
+        image = items.itemAt(items.images, max(browser.GetSelectedItemNumber(), 0)) or items.images.GetNthDataNode(0)
+        columns, rows, _ = image.GetImageData().GetDimensions()
+        toStored = np.eye(4)
+        for axis, (flip, last) in enumerate(zip(orientationFlips(items.images), (columns - 1, rows - 1))):
+            if flip:
+                toStored[axis, axis], toStored[axis, 3] = -1.0, last
+        lines = [outline(region.mask(columns, rows)), *beams(region.mask(columns, rows), probe)]
+        toRAS = ijkToRAS(image) @ toStored
+        drawn = _upright(_polyLines([_place(toRAS, line) for line in lines], [0]), np.cross(toRAS[:3, 0], toRAS[:3, 1]))
+        node = self._model("probe", f"{browser.GetName()} beams", drawn)
+        proxy = items.proxyOf(items.images)
+        parent = proxy.GetParentTransformNode() if proxy is not None else None
+        node.SetAndObserveTransformNodeID(parent.GetID() if parent is not None else None)
+        display = node.GetDisplayNode()
+        display.SetColor(*PROBE_COLOR)
+        display.SetLineWidth(2)
+        display.SetLighting(False)
+        display.SetVisibility2D(True)
+        display.SetSliceIntersectionThickness(2)
+        return node
+
+    def showOutlines(self, browser, sequence: TrackedSequence, region: ImageRegion | None = None):
+        """Draw the outlines of all frames with a valid pose, at most some hundred, colored from first to last; the model node.
+
+        Parameters
+        ----------
+        browser : vtkMRMLSequenceBrowserNode
+            Names the node.
+        sequence : TrackedSequence
+            As `sequenceFromBrowser` returns it. Frames without a valid pose have no place to be drawn at.
+        region : ImageRegion or None
+            Default: the whole image.
+        """
+        poses = sweep_poses(sequence)
+        usable = poses.require_usable(sequence.name)
+        columns, rows = sequence.frame_size
+        points = outline((region or ImageRegion()).mask(columns, rows))[:-1]
+        points = points[:: max(1, len(points) // OUTLINE_POINTS)]
+        points = np.concatenate([points, points[:1]])
+        shown = usable[:: math.ceil(len(usable) / MOST_OUTLINES)]
+        lines = [_place(poses.image_to_reference[number], points) for number in shown]
+        node = self._model("outlines", f"{browser.GetName()} outlines", _polyLines(lines, shown))
+        node.SetAndObserveTransformNodeID(None)
+        display = node.GetDisplayNode()
+        display.SetActiveScalar("frame", vtk.vtkAssignAttribute.CELL_DATA)
+        display.SetAndObserveColorNodeID("vtkMRMLColorTableNodeRainbow")
+        display.SetScalarVisibility(True)
+        display.SetLighting(False)
+        display.SetOpacity(0.6)
+        display.SetVisibility2D(False)
+        return node
+
+    def hideProbe(self) -> None:
+        """Remove the sector and its beams."""
+        self._remove("probe")
+
+    def hideOutlines(self) -> None:
+        """Remove the outlines of the frames."""
+        self._remove("outlines")
+
+    def hide(self) -> None:
+        """Remove everything."""
+        for role in list(self._ids):
+            self._remove(role)
+
+    def _model(self, role: str, name: str, polyData):
+        node = self._scene.GetNodeByID(self._ids[role]) if role in self._ids else None
+        if node is None:
+            node = self._scene.AddNewNodeByClass("vtkMRMLModelNode", name)
+            # Drawn from the sweep whenever it is wanted: nothing to save, and no target for volumes or segments
+            node.SetSaveWithScene(False)
+            node.SetSelectable(False)
+            node.CreateDefaultDisplayNodes()
+            node.GetDisplayNode().SetSaveWithScene(False)
+            self._ids[role] = node.GetID()
+        node.SetAndObservePolyData(polyData)
+        return node
+
+    def _remove(self, role: str) -> None:
+        if role in self._ids:
+            removeNodes([self._scene.GetNodeByID(self._ids.pop(role))], self._scene)
+
+
+def outline(mask: np.ndarray) -> np.ndarray:
+    """The closed line around the kept pixels of a mask (rows, columns), (n, 2) (column, row): down its left side, up its right one."""
+    ends = extreme_pixels(mask)
+    half = len(ends) // 2
+    line = np.concatenate([ends[:half], ends[half:][::-1]])
+    return np.concatenate([line, line[:1]])
+
+
+def beams(mask: np.ndarray, probe: ProbeGeometry, count: int = BEAMS) -> list[np.ndarray]:
+    """Some beams as lines of 2 points (column, row): down the image, or from the apex to the end of the kept pixels."""
+    rows, columns = np.nonzero(mask)
+    if probe.kind != SECTOR:
+        return [
+            np.array([(column, rows.min()), (column, rows.max())], dtype=np.float64)
+            for column in np.linspace(columns.min(), columns.max(), count)
+        ]
+    apex = np.array(probe.apex_px, dtype=np.float64)
+    x, y = columns - apex[0], rows - apex[1]
+    angles, radii = np.arctan2(x, y), np.hypot(x, y)
+    lines = []
+    for angle in np.linspace(angles.min(), angles.max(), count):
+        near = np.abs(angles - angle) < max(np.ptp(angles) / count / 2, 1e-3)
+        radius = radii[near].max() if near.any() else radii.max()
+        lines.append(np.array([apex, apex + radius * np.array([math.sin(angle), math.cos(angle)])]))
+    return lines
+
+
+def _place(toRAS: np.ndarray, pixels: np.ndarray) -> np.ndarray:
+    """Points (n, 2) (column, row) where a matrix (4, 4) puts them, (n, 3) mm."""
+    return transform_points(toRAS, np.column_stack([pixels, np.zeros(len(pixels))]))
+
+
+def _upright(lines: vtk.vtkPolyData, normal: np.ndarray) -> vtk.vtkPolyData:
+    """Lines and, along each, a band that stands upright on their plane: a slice in that plane would not meet lines alone."""
+    across = BAND * normal / np.linalg.norm(normal)
+    half = vtk.vtkTransform()
+    half.Translate(*(-across / 2))
+    lowered = vtk.vtkTransformPolyDataFilter()
+    lowered.SetTransform(half)
+    lowered.SetInputData(lines)
+    bands = vtk.vtkLinearExtrusionFilter()
+    bands.SetInputConnection(lowered.GetOutputPort())
+    bands.SetExtrusionTypeToVectorExtrusion()
+    bands.SetVector(*across)
+    bands.SetScaleFactor(1.0)
+    bands.CappingOff()
+    both = vtk.vtkAppendPolyData()
+    both.AddInputData(lines)
+    both.AddInputConnection(bands.GetOutputPort())
+    both.Update()
+    return both.GetOutput()
+
+
+def _polyLines(lines: list[np.ndarray], numbers) -> vtk.vtkPolyData:
+    """Lines of points (n, 3) as one polydata; the cell array "frame" holds the number of each, where there is one per line."""
+    points, cells = vtk.vtkPoints(), vtk.vtkCellArray()
+    points.SetData(numpy_support.numpy_to_vtk(np.concatenate(lines), deep=True))
+    start = 0
+    for line in lines:
+        cells.InsertNextCell(len(line))
+        for index in range(start, start + len(line)):
+            cells.InsertCellPoint(index)
+        start += len(line)
+    polyData = vtk.vtkPolyData()
+    polyData.SetPoints(points)
+    polyData.SetLines(cells)
+    if len(numbers) == len(lines):
+        frame = numpy_support.numpy_to_vtk(np.asarray(numbers, dtype=np.float32), deep=True)
+        frame.SetName("frame")
+        polyData.GetCellData().AddArray(frame)
+    return polyData

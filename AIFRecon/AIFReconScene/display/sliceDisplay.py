@@ -1,0 +1,254 @@
+"""Volumes in the slice views: the reconstruction over the CT, several of them side by side, and volume rendering."""
+
+import slicer
+
+from AIFReconLib.errors import SettingsError
+
+from ..volumes.volumeNodes import KIND_ATTRIBUTE
+
+MAIN_VIEWS = ("Red", "Yellow", "Green")
+
+FIRST_LAYOUT = 4200
+"""Layout numbers 4201 to 4219 are ours: Slicer's own stay below 100, and custom ones are free from there on."""
+
+MOST_VIEWS = 9
+WITH_TABLE = 10
+"""Added to the number of a layout that has a table below its slice views."""
+
+VIEW_NAME = "AIFRecon{number}"
+TABLE_VIEW_NAME = "AIFReconTable"
+
+_PREVIOUS_LAYOUT = "AIFRecon.PreviousLayout"
+"""Attribute of the layout node while volumes are side by side."""
+
+
+def showOverCT(outputNode, ctNode=None, opacity: float = 0.6, applicationLogic=None, views=MAIN_VIEWS, fit: bool = True) -> None:
+    """Show a volume over a CT in the red, yellow and green views.
+
+    Parameters
+    ----------
+    outputNode : vtkMRMLScalarVolumeNode
+    ctNode : vtkMRMLScalarVolumeNode or None
+        Without one, the volume itself is the background.
+    opacity : float, 0 to 1
+    applicationLogic : vtkMRMLApplicationLogic or None
+        Default: Slicer's.
+    views : tuple of str
+        Names of the slice views.
+    fit : bool
+        Whether to bring the views to the volume; else they stay where the user has brought them.
+    """
+    for sliceLogic in _sliceLogics(views, applicationLogic):
+        _showIn(sliceLogic, outputNode, ctNode, opacity)
+        if fit:
+            _fit(sliceLogic, outputNode)
+
+
+def showBackground(volumeNode, applicationLogic=None) -> None:
+    """Show a volume in the background of the red, yellow and green views, and all of it in those that did not show it."""
+    for sliceLogic in _sliceLogics(MAIN_VIEWS, applicationLogic):
+        composite = sliceLogic.GetSliceCompositeNode()
+        if composite.GetBackgroundVolumeID() != volumeNode.GetID():
+            composite.SetBackgroundVolumeID(volumeNode.GetID())
+            _fit(sliceLogic, volumeNode)
+
+
+def showsReconstruction(applicationLogic=None) -> bool:
+    """Whether any slice view of the layout shows a volume that was reconstructed here."""
+    logics = _applicationLogic(applicationLogic).GetSliceLogics()
+    for index in range(logics.GetNumberOfItems()):
+        sliceNode, composite = logics.GetItemAsObject(index).GetSliceNode(), logics.GetItemAsObject(index).GetSliceCompositeNode()
+        if sliceNode is None or composite is None or not sliceNode.IsMappedInLayout():
+            continue
+        shown = [composite.GetBackgroundVolumeID(), composite.GetForegroundVolumeID()]
+        nodes = [sliceNode.GetScene().GetNodeByID(nodeID) for nodeID in shown if nodeID]
+        if any(node is not None and node.GetAttribute(KIND_ATTRIBUTE) for node in nodes):
+            return True
+    return False
+
+
+def setOpacity(outputNode, opacity: float, applicationLogic=None) -> None:
+    """Set how strongly `outputNode` covers the CT, 0 to 1, wherever it is in the foreground."""
+    logics = _applicationLogic(applicationLogic).GetSliceLogics()
+    for index in range(logics.GetNumberOfItems()):
+        composite = logics.GetItemAsObject(index).GetSliceCompositeNode()
+        if composite is not None and composite.GetForegroundVolumeID() == outputNode.GetID():
+            composite.SetForegroundOpacity(opacity)
+
+
+def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", applicationLogic=None, tableNode=None, fit: bool = True) -> None:
+    """Show volumes beside each other in linked slice views that scroll, pan and zoom together.
+
+    Parameters
+    ----------
+    volumes : list of (vtkMRMLScalarVolumeNode, label)
+        1 to 9 of them; the label stands in the view's bar.
+    ctNode : vtkMRMLScalarVolumeNode or None
+        Shown where a volume has nothing, in every view.
+    orientation : "Axial", "Sagittal" or "Coronal"
+    applicationLogic : vtkMRMLApplicationLogic or None
+        Default: Slicer's.
+    tableNode : vtkMRMLTableNode or None
+        Shown below them.
+    fit : bool
+        Whether to turn the views to `orientation` and bring them to the first volume; else they stay where the user has brought them.
+
+    Raises
+    ------
+    SettingsError
+        When there is no volume, or more than 9.
+    """
+    if not 1 <= len(volumes) <= MOST_VIEWS:
+        raise SettingsError("Input volumes must be 1 to {most}; got {count}. Choose which to compare.", most=MOST_VIEWS, count=len(volumes))
+    scene = volumes[0][0].GetScene()
+    layout = _layoutNode(scene)
+    registerLayouts(scene)
+    number = FIRST_LAYOUT + len(volumes) + (WITH_TABLE if tableNode is not None else 0)
+    if not _isOurs(layout.GetViewArrangement()):
+        layout.SetAttribute(_PREVIOUS_LAYOUT, str(layout.GetViewArrangement()))
+    layout.SetViewArrangement(number)
+    tableView = scene.GetSingletonNode(TABLE_VIEW_NAME, "vtkMRMLTableViewNode")
+    if tableNode is not None and tableView is not None:
+        tableView.SetTableNodeID(tableNode.GetID())
+    names = [VIEW_NAME.format(number=n) for n in range(1, len(volumes) + 1)]
+    logics = _sliceLogics(names, applicationLogic)
+    if not logics:
+        return  # an application without views
+    for sliceLogic in logics:
+        # While views are linked, setting one up would change the others
+        sliceLogic.GetSliceCompositeNode().SetLinkedControl(False)
+    first = logics[0].GetSliceNode()
+    for sliceLogic, (node, label) in zip(logics, volumes):
+        sliceNode = sliceLogic.GetSliceNode()
+        sliceNode.SetLayoutLabel(label)
+        _showIn(sliceLogic, node, ctNode, 1.0)
+        if not fit:
+            continue
+        sliceNode.SetOrientation(orientation)
+        _fit(sliceLogic, volumes[0][0])
+        if sliceNode is not first:
+            sliceNode.GetSliceToRAS().DeepCopy(first.GetSliceToRAS())
+            sliceNode.UpdateMatrices()
+    for sliceLogic in logics:
+        sliceLogic.GetSliceCompositeNode().SetLinkedControl(True)
+        sliceLogic.GetSliceCompositeNode().SetHotLinkedControl(True)
+
+
+def restoreLayout(scene=None) -> None:
+    """Back to the layout there was before `showSideBySide`; nothing happens while another layout is shown."""
+    layout = _layoutNode(scene or slicer.mrmlScene)
+    if _isOurs(layout.GetViewArrangement()):
+        previous = layout.GetAttribute(_PREVIOUS_LAYOUT)
+        layout.SetViewArrangement(int(previous) if previous else slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpView)
+
+
+def registerLayouts(scene=None) -> None:
+    """Tell the scene's layout node what our layouts are; a saved scene only holds the number of the one that was shown."""
+    layout = _layoutNode(scene or slicer.mrmlScene)
+    for count in range(1, MOST_VIEWS + 1) if layout is not None else ():
+        for number, withTable in ((FIRST_LAYOUT + count, False), (FIRST_LAYOUT + WITH_TABLE + count, True)):
+            if not layout.IsLayoutDescription(number):
+                layout.AddLayoutDescription(number, layoutDescription(count, withTable))
+
+
+def layoutDescription(count: int, withTable: bool = False) -> str:
+    """The XML of a layout of so many slice views: one row of up to 3, two of up to 4 each, or three of 3; a table below if wanted."""
+    rows = 1 if count <= 3 else 2 if count <= 8 else 3
+    perRow = -(-count // rows)
+    views = [
+        f'<item><view class="vtkMRMLSliceNode" singletontag="{VIEW_NAME.format(number=number)}">'
+        f'<property name="orientation" action="default">Axial</property>'
+        f'<property name="viewlabel" action="default">{number}</property>'
+        f'<property name="viewcolor" action="default">#6C7A89</property>'
+        # A group of their own, so that the red, yellow and green views do not follow
+        f'<property name="viewgroup" action="default">42</property></view></item>'
+        for number in range(1, count + 1)
+    ]
+    lines = ["".join(views[start : start + perRow]) for start in range(0, count, perRow)]
+    inner = "".join(f'<item><layout type="horizontal">{line}</layout></item>' for line in lines)
+    slices = f'<layout type="vertical">{inner}</layout>'
+    if not withTable:
+        return slices
+    label = '<property name="viewlabel" action="default">T</property>'
+    table = f'<view class="vtkMRMLTableViewNode" singletontag="{TABLE_VIEW_NAME}">{label}</view>'
+    return f'<layout type="vertical" split="true"><item splitSize="750">{slices}</item><item splitSize="250">{table}</item></layout>'
+
+
+def showVolumeRendering(node, on: bool, applicationLogic=None):
+    """Turn volume rendering of an ultrasound volume on or off; the display node, or None where there is none and none is wanted.
+
+    Notes
+    -----
+    Made once, with an opacity that starts well up the window, above soft tissue and its bright speckles, so that bone stands out; later
+    calls leave what the user has changed.
+    """
+    logic = _applicationLogic(applicationLogic).GetModuleLogic("VolumeRendering")
+    display = logic.GetFirstVolumeRenderingDisplayNode(node)
+    if display is None and on:
+        display = logic.CreateDefaultVolumeRenderingNodes(node)
+        _likeUltrasound(display, node)
+    if display is not None:
+        display.SetVisibility(on)
+    return display
+
+
+def _likeUltrasound(display, node) -> None:
+    import vtk
+
+    shown = node.GetDisplayNode()
+    low, high = shown.GetWindowLevelMin(), shown.GetWindowLevelMax()
+
+    def level(share: float) -> float:
+        return low + share * (high - low)
+
+    opacity = vtk.vtkPiecewiseFunction()
+    for share, value in ((0.0, 0.0), (0.6, 0.0), (0.85, 0.25), (1.0, 0.8)):
+        opacity.AddPoint(level(share), value)
+    colors = vtk.vtkColorTransferFunction()
+    for share, color in ((0.0, (0.4, 0.27, 0.18)), (0.6, (0.85, 0.68, 0.48)), (0.85, (0.97, 0.91, 0.78)), (1.0, (1.0, 1.0, 0.97))):
+        colors.AddRGBPoint(level(share), *color)
+    properties = display.GetVolumePropertyNode()
+    with slicer.util.NodeModify(properties):
+        properties.SetScalarOpacity(opacity)
+        properties.SetColor(colors)
+        properties.GetVolumeProperty().ShadeOn()
+        # Reconstructed bone is a thin sheet, whose two sides face opposite ways: light from the side alone leaves it dark
+        properties.GetVolumeProperty().SetAmbient(0.6)
+
+
+def _applicationLogic(applicationLogic):
+    return applicationLogic if applicationLogic is not None else slicer.app.applicationLogic()
+
+
+def _sliceLogics(names, applicationLogic) -> list:
+    """The slice logics of these views that there are."""
+    logic = _applicationLogic(applicationLogic)
+    found = [logic.GetSliceLogicByLayoutName(name) for name in names]
+    return [each for each in found if each is not None]
+
+
+def _showIn(sliceLogic, node, ctNode, opacity: float) -> None:
+    composite = sliceLogic.GetSliceCompositeNode()
+    with slicer.util.NodeModify(composite):
+        composite.SetBackgroundVolumeID((ctNode or node).GetID())
+        composite.SetForegroundVolumeID(node.GetID() if ctNode is not None else None)
+        composite.SetForegroundOpacity(opacity if ctNode is not None else 0.0)
+
+
+def _fit(sliceLogic, volumeNode) -> None:
+    """Field of view and place of a view such that a volume fills it, its middle in the middle."""
+    sliceNode = sliceLogic.GetSliceNode()
+    width, height, _ = sliceNode.GetDimensions()
+    sliceLogic.FitSliceToVolume(volumeNode, max(width, 1), max(height, 1))
+    bounds = [0.0] * 6
+    volumeNode.GetRASBounds(bounds)
+    # Fitting rounds the place to voxels of the background
+    sliceNode.JumpSliceByCentering(*[(bounds[axis] + bounds[axis + 1]) / 2 for axis in (0, 2, 4)])
+
+
+def _layoutNode(scene):
+    return scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+
+
+def _isOurs(arrangement: int) -> bool:
+    return FIRST_LAYOUT < arrangement <= FIRST_LAYOUT + WITH_TABLE + MOST_VIEWS

@@ -1,0 +1,44 @@
+"""What the 3D views show: the surface of bone, and all that appears in their middle."""
+
+import slicer
+
+from AIFReconLib.message import Message
+
+
+def center() -> None:
+    """Have every 3D view look at the middle of what appears in it, from the side that the user has chosen; they never do by themselves."""
+    layoutManager = slicer.app.layoutManager()
+    for number in range(layoutManager.threeDViewCount if layoutManager is not None else 0):
+        view = layoutManager.threeDWidget(number).threeDView()
+        view.resetFocalPoint()
+        # Where it is and how far away, not how it is turned
+        view.resetCamera(False, True, True)
+
+
+def makeSurface(segmentationNode, progress=None) -> None:
+    """Give every segment the closed surface that 3D views draw; nothing happens where there is one.
+
+    Parameters
+    ----------
+    segmentationNode : vtkMRMLSegmentationNode
+    progress : callable or None
+        Hears of every segment. That it may ask to cancel is not regarded: what the surface is for is done by then.
+    """
+    surface = slicer.vtkSegmentationConverter.GetClosedSurfaceRepresentationName()
+    segmentation = segmentationNode.GetSegmentation()
+    if segmentation is None or segmentation.ContainsRepresentation(surface):
+        return
+    ids = [segmentation.GetNthSegmentID(number) for number in range(segmentation.GetNumberOfSegments())]
+    for number, segmentID in enumerate(ids):
+        if progress is not None:
+            progress(number / len(ids), Message("Making the surface of bone"))
+        if segmentID == ids[-1]:
+            break
+        # One at a time, so that the application stays alive between them
+        single = slicer.vtkSegmentation()
+        single.SetSourceRepresentationName(segmentation.GetSourceRepresentationName())
+        single.CopyConversionParameters(segmentation)
+        single.CopySegmentFromSegmentation(segmentation, segmentID)
+        if single.CreateRepresentation(surface):
+            segmentation.GetSegment(segmentID).AddRepresentation(surface, single.GetNthSegment(0).GetRepresentation(surface))
+    segmentationNode.CreateClosedSurfaceRepresentation()

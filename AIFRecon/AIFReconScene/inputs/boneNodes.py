@@ -1,0 +1,228 @@
+"""A bone map from what the scene has of a CT: a segmentation, a labelmap volume, or a volume of probabilities. The scene stays as it is."""
+
+import math
+from contextlib import contextmanager
+
+import numpy as np
+import slicer
+import vtk
+from vtk.util import numpy_support
+
+from AIFReconLib.errors import GeometryError
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.message import Message
+from AIFReconLib.progress import Progress
+
+from ..transforms import arrayOf, ijkToRAS, matrixToWorld
+
+PADDING = 8
+"""Voxels of nothing around segments that have no reference geometry, beyond what smoothing reaches."""
+
+SMOOTHING_REACH = 4.0
+"""Sigmas."""
+
+
+def boneMapFromNode(
+    node,
+    segmentIDs: list[str] | None = None,
+    *,
+    sigmaVoxels: float | None = None,
+    sigmaMm: float | None = None,
+    referenceVolumeNode=None,
+    progress: Progress | None = None,
+):
+    """The `BoneMap` of a node, placed in RAS world by its parent transforms.
+
+    Parameters
+    ----------
+    node : vtkMRMLSegmentationNode, vtkMRMLLabelMapVolumeNode or vtkMRMLScalarVolumeNode
+        Segments or labels are bone, any label above 0; a scalar volume is a bone probability, 0 to 1.
+    segmentIDs : list of str or None
+        Which segments are bone. Default: all of them, shown or not.
+    sigmaVoxels, sigmaMm : float or None
+        Smoothing of labels, see `BoneMap.from_labels`. Default: the library's, in voxels.
+    referenceVolumeNode : vtkMRMLVolumeNode or None
+        Whose voxels segments are brought to that are surfaces only and know no reference geometry; usually the CT.
+    progress : Progress or None
+
+    Raises
+    ------
+    GeometryError
+        When there is no bone in it, or its voxels cannot be placed.
+    TransformError
+        Names the parent transform that is not linear.
+    """
+    from AIFReconLib.bone.map import SIGMA_VOXELS, BoneMap
+
+    if not node.IsA("vtkMRMLSegmentationNode") and not node.IsA("vtkMRMLLabelMapVolumeNode"):
+        with _named(node):
+            return BoneMap.from_probability(_volumeOf(node), _worldOrNone(node))
+    sigma = SIGMA_VOXELS if sigmaVoxels is None else sigmaVoxels
+    labels = labelsFromNode(node, segmentIDs, referenceVolumeNode=referenceVolumeNode, world=False, reach=_reach(sigma, sigmaMm))
+    with _named(node):
+        return BoneMap.from_labels(labels, sigma, sigmaMm, _worldOrNone(node), progress)
+
+
+def labelsFromNode(
+    node, segmentIDs: list[str] | None = None, *, referenceVolumeNode=None, world: bool = True, reach=lambda spacing: 0
+) -> Volume:
+    """The labels of a segmentation or labelmap volume as a `Volume`.
+
+    Parameters
+    ----------
+    node : vtkMRMLSegmentationNode or vtkMRMLLabelMapVolumeNode
+    segmentIDs, referenceVolumeNode
+        As for `boneMapFromNode`.
+    world : bool
+        Placed in RAS world; else in the node's own coordinates, without its parent transforms.
+    reach : function of (3,) spacing in mm to voxels
+        By how many voxels to go around segments without a reference geometry.
+
+    Returns
+    -------
+    labels : Volume of uint8 or uint16
+        A label per segment, 1, 2, ... in their order, so that metrics can tell vertebrae apart; later ones win where they overlap.
+    """
+    labels = _mergedSegments(node, segmentIDs, referenceVolumeNode, reach) if node.IsA("vtkMRMLSegmentationNode") else _volumeOf(node)
+    if not world:
+        return labels
+    with _named(node):
+        return labels.placed_by(matrixToWorld(node))
+
+
+def _reach(sigmaVoxels: float, sigmaMm: float | None):
+    def voxels(spacing) -> int:
+        sigma = sigmaVoxels if sigmaMm is None else sigmaMm / min(spacing)
+        return math.ceil(SMOOTHING_REACH * sigma) + PADDING if math.isfinite(sigma) and sigma > 0 else 0
+
+    return voxels
+
+
+@contextmanager
+def _named(node):
+    """Errors of geometry say which node they are about."""
+    try:
+        yield
+    except GeometryError as error:
+        raise GeometryError("{node}: {problem}", node=node.GetName(), problem=error) from error
+
+
+def _worldOrNone(node) -> np.ndarray | None:
+    return matrixToWorld(node) if node.GetParentTransformNode() is not None else None
+
+
+def _volumeOf(node) -> Volume:
+    image = node.GetImageData()
+    if image is None or image.GetPointData().GetScalars() is None or not image.GetNumberOfPoints():
+        raise GeometryError("{node}: it has no voxels. Choose a volume that is loaded.", node=node.GetName())
+    channels = image.GetNumberOfScalarComponents()
+    if channels != 1:
+        raise GeometryError(
+            "{node}: voxels must have 1 value; got {channels}. Choose a scalar volume.", node=node.GetName(), channels=channels
+        )
+    with _named(node):
+        return Volume(slicer.util.arrayFromVolume(node), ijkToRAS(node))
+
+
+def _mergedSegments(node, segmentIDs: list[str] | None, referenceVolumeNode, reach) -> Volume:
+    segmentation = node.GetSegmentation()
+    present = [segmentation.GetNthSegmentID(index) for index in range(segmentation.GetNumberOfSegments())]
+    chosen = present if segmentIDs is None else list(segmentIDs)
+    unknown = [segmentID for segmentID in chosen if segmentID not in present]
+    if unknown or not chosen:
+        names = ", ".join(segmentation.GetSegment(segmentID).GetName() for segmentID in present) or Message("none")
+        raise GeometryError(
+            "{node}: segments must be one or more of those there are ({names}); got {chosen}. Choose the bone.",
+            node=node.GetName(),
+            names=names,
+            chosen=", ".join(unknown) or Message("none"),
+        )
+    segmentation = _withLabelmaps(segmentation, chosen, referenceVolumeNode, node)
+    ids = vtk.vtkStringArray()
+    for segmentID in chosen:
+        ids.InsertNextValue(segmentID)
+    geometry = slicer.vtkOrientedImageData()
+    mode = slicer.vtkSegmentation.EXTENT_UNION_OF_EFFECTIVE_SEGMENTS_AND_REFERENCE_GEOMETRY
+    if not segmentation.SetImageGeometryFromCommonLabelmapGeometry(geometry, ids, mode) or geometry.IsEmpty():
+        raise GeometryError("{node}: the chosen segments are empty. Choose the segments that hold bone.", node=node.GetName())
+    extent = np.array(geometry.GetExtent()).reshape(3, 2)
+    if not _hasReference(segmentation):
+        extent += np.array([-1, 1]) * reach(geometry.GetSpacing())
+    geometry.SetExtent(extent.ravel().tolist())
+    labels = np.zeros((extent[:, 1] - extent[:, 0] + 1)[::-1], dtype=np.uint8 if len(chosen) < 256 else np.uint16)
+    for number, segmentID in enumerate(chosen, start=1):
+        _paint(labels, extent, geometry, segmentation.GetSegment(segmentID), number)
+    shift = np.eye(4)
+    shift[:3, 3] = extent[:, 0]
+    imageToWorld = vtk.vtkMatrix4x4()
+    geometry.GetImageToWorldMatrix(imageToWorld)
+    with _named(node):
+        return Volume(labels, arrayOf(imageToWorld) @ shift)
+
+
+def _withLabelmaps(segmentation, chosen: list[str], referenceVolumeNode, node):
+    """The segmentation itself where it has labelmaps; else a copy of it that has, outside of any scene."""
+    labelmap = slicer.vtkSegmentationConverter.GetBinaryLabelmapRepresentationName()
+    if segmentation.ContainsRepresentation(labelmap):
+        return segmentation
+    copy = slicer.vtkSegmentation()
+    copy.SetSourceRepresentationName(segmentation.GetSourceRepresentationName())
+    copy.CopyConversionParameters(segmentation)
+    for segmentID in chosen:
+        copy.CopySegmentFromSegmentation(segmentation, segmentID)
+    if not _hasReference(copy) and referenceVolumeNode is not None:
+        _setReference(copy, referenceVolumeNode, node)
+    if not copy.CreateRepresentation(labelmap):
+        raise GeometryError(
+            "{node}: its segments cannot be made into voxels. Convert them to binary labelmaps in Slicer.", node=node.GetName()
+        )
+    return copy
+
+
+def _hasReference(segmentation) -> bool:
+    name = slicer.vtkSegmentationConverter.GetReferenceImageGeometryParameterName()
+    return bool(segmentation.GetConversionParameter(name))
+
+
+def _setReference(segmentation, volumeNode, node) -> None:
+    """Voxels like those of `volumeNode`, as seen from the segmentation's own coordinates."""
+    volumeToSegmentation = np.linalg.inv(matrixToWorld(node)) @ matrixToWorld(volumeNode) @ ijkToRAS(volumeNode)
+    geometry = slicer.vtkOrientedImageData()
+    geometry.SetDimensions(volumeNode.GetImageData().GetDimensions())
+    geometry.SetGeometryFromImageToWorldMatrix(slicer.util.vtkMatrixFromArray(volumeToSegmentation))
+    name = slicer.vtkSegmentationConverter.GetReferenceImageGeometryParameterName()
+    segmentation.SetConversionParameter(name, slicer.vtkSegmentationConverter.SerializeImageGeometry(geometry))
+
+
+def _paint(labels: np.ndarray, extent: np.ndarray, geometry, segment, number: int) -> None:
+    """Write `number` where a segment is, into labels [k, j, i] that start at `extent` of `geometry`."""
+    image = segment.GetRepresentation(slicer.vtkSegmentationConverter.GetBinaryLabelmapRepresentationName())
+    value = segment.GetLabelValue()
+    if image is None or image.IsEmpty():
+        return
+    if not slicer.vtkOrientedImageDataResample.DoGeometriesMatchIgnoreOrigin(image, geometry) or not _sameLattice(image, geometry):
+        resampled = slicer.vtkOrientedImageData()
+        single = slicer.vtkOrientedImageData()
+        single.DeepCopy(image)
+        voxels = numpy_support.vtk_to_numpy(single.GetPointData().GetScalars())
+        voxels[:] = voxels == value
+        slicer.vtkOrientedImageDataResample.ResampleOrientedImageToReferenceOrientedImage(single, geometry, resampled)
+        image, value = resampled, 1
+    own = np.array(image.GetExtent()).reshape(3, 2)
+    first, last = np.maximum(own[:, 0], extent[:, 0]), np.minimum(own[:, 1], extent[:, 1])
+    if (first > last).any():
+        return
+    voxels = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars()).reshape((own[:, 1] - own[:, 0] + 1)[::-1])
+    source = tuple(slice(a, b) for a, b in zip((first - own[:, 0])[::-1], (last - own[:, 0] + 1)[::-1]))
+    target = tuple(slice(a, b) for a, b in zip((first - extent[:, 0])[::-1], (last - extent[:, 0] + 1)[::-1]))
+    labels[target][voxels[source] == value] = number
+
+
+def _sameLattice(image, geometry) -> bool:
+    """Whether voxel numbers of both mean the same places."""
+    matrices = []
+    for each in (image, geometry):
+        matrix = vtk.vtkMatrix4x4()
+        each.GetImageToWorldMatrix(matrix)
+        matrices.append(arrayOf(matrix))
+    return bool(np.allclose(matrices[0], matrices[1], atol=1e-4, rtol=0))

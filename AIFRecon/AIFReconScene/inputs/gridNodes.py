@@ -1,0 +1,77 @@
+"""Where to reconstruct, from what the scene has: a box that the user draws, or the voxels of a volume."""
+
+import math
+
+import numpy as np
+
+from AIFReconLib.errors import GeometryError, SettingsError
+from AIFReconLib.geometry.volume import VoxelGrid
+
+from ..transforms import arrayOf, ijkToRAS, matrixToWorld
+
+TOLERANCE = 1e-6
+"""Voxels by which a box may be longer than a whole number of them without getting another one."""
+
+
+def gridFromROI(roiNode, spacing) -> VoxelGrid:
+    """The voxels that cover a markups ROI, along its own axes, in RAS world.
+
+    Parameters
+    ----------
+    roiNode : vtkMRMLMarkupsROINode
+        Turned or not, under linear transforms or not.
+    spacing : float or (x, y, z), mm
+        Along the axes of the ROI.
+
+    Raises
+    ------
+    GeometryError
+        When the ROI is empty, or its transforms shear it.
+    TransformError
+        Names the parent transform that is not linear.
+
+    Notes
+    -----
+    Along an axis of length L mm there are ceil(L / spacing) voxels, centered on the ROI: together they reach over its faces by less
+    than half a voxel.
+    """
+    spacings = np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3)
+    if not (np.isfinite(spacings).all() and (spacings > 0).all()):
+        raise SettingsError("Input spacing must be positive mm; got {spacing!r}.", spacing=spacing)
+    objectToWorld = matrixToWorld(roiNode) @ arrayOf(roiNode.GetObjectToNodeMatrix())
+    lengths = np.linalg.norm(objectToWorld[:3, :3], axis=0)
+    size = np.array(roiNode.GetSize(), dtype=np.float64) * lengths
+    if not (np.isfinite(size).all() and (size > 0).all()) or not roiNode.GetNumberOfControlPoints():
+        raise GeometryError(
+            "{node}: the region must be a box; got {size} mm. Place it or enlarge it.",
+            node=roiNode.GetName(),
+            size=" x ".join(f"{mm:g}" for mm in size),
+        )
+    count = np.array([max(1, math.ceil(mm / step - TOLERANCE)) for mm, step in zip(size, spacings)])
+    matrix = np.eye(4)
+    matrix[:3, :3] = objectToWorld[:3, :3] / lengths * spacings
+    matrix[:3, 3] = objectToWorld[:3, 3] - matrix[:3, :3] @ ((count - 1) / 2)
+    return _grid(roiNode, tuple(int(n) for n in count), matrix)
+
+
+def gridFromVolume(volumeNode) -> VoxelGrid:
+    """The voxels of a volume node in RAS world, its parent transforms included.
+
+    Raises
+    ------
+    GeometryError
+        When it has no voxels, or its axes are not at right angles.
+    TransformError
+        Names the parent transform that is not linear.
+    """
+    image = volumeNode.GetImageData()
+    if image is None or not image.GetNumberOfPoints():
+        raise GeometryError("{node}: it has no voxels. Choose a volume that is loaded.", node=volumeNode.GetName())
+    return _grid(volumeNode, image.GetDimensions(), matrixToWorld(volumeNode) @ ijkToRAS(volumeNode))
+
+
+def _grid(node, size: tuple[int, int, int], matrix: np.ndarray) -> VoxelGrid:
+    try:
+        return VoxelGrid(size, matrix)
+    except GeometryError as error:
+        raise GeometryError("{node}: {problem}", node=node.GetName(), problem=error) from None

@@ -1,0 +1,172 @@
+"""The nodes that a reconstruction starts from, and what the library makes of them."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from AIFReconLib import reconstruct
+from AIFReconLib.errors import SettingsError
+from AIFReconLib.imaging.region import ClipRectangle, chosen_region
+from AIFReconLib.progress import part
+
+from ..sceneNodes import proxiesOf
+from .imagingChoices import imageRegionFrom, probeFrom
+from .parameters import Region, SigmaUnit, fileFrom
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Nodes and choices, as the console or the panel give them.
+
+    Parameters
+    ----------
+    sweep : vtkMRMLSequenceBrowserNode
+    imageSequence : vtkMRMLSequenceNode or None
+        None: the only sequence of images there is.
+    bone : vtkMRMLSegmentationNode, vtkMRMLLabelMapVolumeNode, vtkMRMLScalarVolumeNode or None
+    ct : vtkMRMLScalarVolumeNode or None
+        Never changed; segments that are surfaces only are brought to its voxels.
+    boneSegments : tuple of str
+        IDs; empty: all.
+    boneSigmaVoxels, boneSigmaMm : float or None
+        Width of the bone map; the library's default where both are None.
+    region : vtkMRMLMarkupsROINode, vtkMRMLScalarVolumeNode or None
+        None: around the sweep.
+    probe : ProbeGeometry or None
+        None: as configured, else as the images show.
+    clip : ClipRectangle or None
+    fanAngles, fanRadii : (float, float) or None
+        Of the fan that is ultrasound, degrees and pixels; both or none. None: as configured, else as the images show.
+    importanceMask : Path or None
+        An 8-bit gray image: the weight of each pixel in an average.
+    boneFromSweep : bool
+        Whether bone is looked for in the sweep itself where no `bone` is given.
+    """
+
+    sweep: object
+    imageSequence: object = None
+    bone: object = None
+    ct: object = None
+    boneSegments: tuple = ()
+    boneSigmaVoxels: float | None = None
+    boneSigmaMm: float | None = None
+    region: object = None
+    probe: object = None
+    clip: ClipRectangle | None = None
+    fanAngles: tuple | None = None
+    fanRadii: tuple | None = None
+    importanceMask: Path | None = None
+    boneFromSweep: bool = False
+
+    @classmethod
+    def fromParameters(cls, parameters) -> "Inputs":
+        """What the panel's parameters name."""
+        inVoxels = parameters.boneSigmaUnit == SigmaUnit.VOXELS
+        return cls(
+            sweep=parameters.sweep,
+            imageSequence=parameters.imageSequence,
+            bone=parameters.bone,
+            ct=parameters.ctVolume,
+            boneSegments=tuple(parameters.boneSegments),
+            boneSigmaVoxels=parameters.boneSigma if inVoxels else None,
+            boneSigmaMm=None if inVoxels else parameters.boneSigma,
+            region={Region.BOX: parameters.roi, Region.LIKE_VOLUME: parameters.regionVolume}.get(parameters.region),
+            probe=probeFrom(parameters),
+            importanceMask=fileFrom(parameters.importanceMaskPath),
+            boneFromSweep=parameters.boneFromSweep,
+            **imageRegionFrom(parameters),
+        )
+
+    def nodes(self) -> tuple:
+        """The nodes that an output must not overwrite: among them those that the sweep is replayed into."""
+        return tuple(node for node in (self.bone, self.ct, self.region, *proxiesOf(self.sweep)) if node is not None)
+
+    def prepared(self, progress=None) -> "PreparedInputs":
+        """Turn the nodes into the library's inputs, once for any number of reconstructions.
+
+        Raises
+        ------
+        AIFReconError
+            With the node that cannot be used and what to do.
+        """
+        from ..sweep.sequenceReader import sequenceFromBrowser
+
+        if self.sweep is None:
+            raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
+        sequence = sequenceFromBrowser(self.sweep, self.imageSequence)
+        region = self.imageRegion(sequence.configuration)
+        bone = self._boneOf(sequence, region, progress) if self.bone is None and self.boneFromSweep else self.boneMap(progress)
+        return PreparedInputs(self, sequence, bone, region, self.importance())
+
+    def boneMap(self, progress=None):
+        """The `BoneMap` of the chosen bone in RAS, or None without."""
+        from .boneNodes import boneMapFromNode
+
+        if self.bone is None:
+            return None
+        sigma = {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": self.boneSigmaMm}
+        given = {name: value for name, value in sigma.items() if value is not None}
+        return boneMapFromNode(self.bone, list(self.boneSegments) or None, referenceVolumeNode=self.ct, progress=progress, **given)
+
+    def imageRegion(self, configuration):
+        """The `ImageRegion` that is asked for, completed by the sweep's `PlusConfiguration`; None where nothing is asked for."""
+        known = self.probe or configuration.probe
+        apex = getattr(self.probe, "apex_px", None)
+        return chosen_region(configuration.imaged_region, self.clip, self.fanAngles, self.fanRadii, apex, known)
+
+    def importance(self):
+        """The weight of each pixel, (rows, columns) float32 array from 0 to 1, or None where no mask is chosen."""
+        if self.importanceMask is None:
+            return None
+        from AIFReconLib.io.plus.importance_mask import read_importance_mask
+
+        return read_importance_mask(self.importanceMask)
+
+    def _boneOf(self, sequence, region, progress):
+        from AIFReconLib import bone_from_sweep
+        from AIFReconLib.resolve import resolve_imaging
+        from AIFReconLib.sweep.poses import sweep_poses
+
+        poses = sweep_poses(sequence)
+        poses.require_usable(sequence.name)
+        return bone_from_sweep(sequence, poses, resolve_imaging(sequence, poses, True, region, self.probe), progress=progress)
+
+    def grid(self, settings):
+        """The `VoxelGrid` of the chosen region in RAS, or None for the box around the sweep."""
+        from .gridNodes import gridFromROI, gridFromVolume
+
+        if self.region is None:
+            return None
+        if self.region.IsA("vtkMRMLMarkupsROINode"):
+            return gridFromROI(self.region, settings.spacing_xyz())
+        return gridFromVolume(self.region)
+
+
+@dataclass(frozen=True)
+class PreparedInputs:
+    """The library's inputs; `reconstruct` may be called with any settings."""
+
+    inputs: Inputs
+    sequence: object
+    bone: object
+    imageRegion: object = None
+    importance: object = None
+
+    def reconstruct(self, settings, progress=None):
+        """One call of the library: `settings` to a `Reconstruction` in RAS."""
+        grid = self.inputs.grid(settings)
+        return reconstruct(
+            self.sequence,
+            settings,
+            self.bone,
+            grid,
+            region=self.imageRegion,
+            probe=self.inputs.probe,
+            importance=self.importance,
+            progress=progress,
+        )
+
+
+def reconstructed(inputs: Inputs, settings, progress=None):
+    """A `Reconstruction` and the sequence it was made from."""
+    prepared = inputs.prepared(part(progress, 0.0, 0.1))
+    return prepared.reconstruct(settings, part(progress, 0.1, 1.0)), prepared.sequence

@@ -1,0 +1,154 @@
+"""The choices of the panel, made from the library's own list of parameters, and the way back to its settings."""
+
+import enum
+from dataclasses import fields
+from pathlib import Path
+
+from slicer.i18n import tr as _
+
+from AIFReconLib.imaging.beams import LINEAR, SECTOR
+from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
+
+PARAMETERS = {spec.name: dict(spec.metadata) for spec in fields(ReconstructionSettings)}
+"""Help, unit, range, choices and default of every parameter of the library, by its name there."""
+
+PARAMETERS["spacing"]["default"] = DEFAULT_SPACING  # the panel shows a number where the library may be told nothing
+
+
+class SettingChoice(enum.Enum):
+    """One word of the library per member, saved in the scene by the member's name; "" leaves the choice to the library."""
+
+    def label(self) -> str:
+        """What the panel shows. The library's words are names and stay as they are in every language."""
+        return _("automatic") if self.value in ("", "auto") else self.value
+
+
+def _choices(name: str, setting: str, automatic: bool) -> type[SettingChoice]:
+    words = PARAMETERS[setting]["choices"]
+    members = {word.upper().replace("-", "_"): word for word in words}
+    return SettingChoice(name, {"AUTOMATIC": "", **members} if automatic else members, module=__name__)
+
+
+Method = _choices("Method", "method", automatic=True)
+BoneDirection = _choices("BoneDirection", "bone_direction", automatic=False)
+Engine = _choices("Engine", "engine", automatic=False)
+OutputType = _choices("OutputType", "output_type", automatic=True)
+HoleFilling = _choices("HoleFilling", "holes", automatic=True)
+Interpolation = _choices("Interpolation", "interpolation", automatic=True)
+
+
+class ImageOrientation(SettingChoice):
+    """How the pixels of a recording are stored, where its file does not say or says it wrongly."""
+
+    AUTOMATIC = ""
+    MF = "MF"
+    MN = "MN"
+    UF = "UF"
+    UN = "UN"
+
+
+class Region(enum.Enum):
+    """Where to reconstruct."""
+
+    AROUND_SWEEP = "around the sweep"
+    BOX = "box"
+    LIKE_VOLUME = "like a volume"
+
+    def label(self) -> str:
+        """What the panel shows."""
+        return {
+            Region.AROUND_SWEEP: _("Around the whole sweep"),
+            Region.BOX: _("Within a box"),
+            Region.LIKE_VOLUME: _("On the voxels of a volume"),
+        }[self]
+
+
+class ProbeShape(enum.Enum):
+    """How the beams run."""
+
+    AUTOMATIC = ""
+    LINEAR = LINEAR
+    SECTOR = SECTOR
+
+    def label(self) -> str:
+        """What the panel shows."""
+        return {
+            ProbeShape.AUTOMATIC: _("automatic"),
+            ProbeShape.LINEAR: _("Linear"),
+            ProbeShape.SECTOR: _("Sector, with this apex"),
+        }[self]
+
+
+class LiveSource(enum.Enum):
+    """Where live images come from."""
+
+    OPENIGTLINK = "OpenIGTLink"
+    SCENE = "scene"
+
+    def label(self) -> str:
+        """What the panel shows."""
+        return {
+            LiveSource.OPENIGTLINK: _("OpenIGTLink server (Plus)"),
+            LiveSource.SCENE: _("Image in the scene"),
+        }[self]
+
+
+class SigmaUnit(enum.Enum):
+    """Unit of the width of the bone map."""
+
+    VOXELS = "voxels"
+    MM = "mm"
+
+    def label(self) -> str:
+        """What the panel shows."""
+        return {SigmaUnit.VOXELS: _("voxels"), SigmaUnit.MM: _("mm")}[self]
+
+
+def fileFrom(path: Path) -> Path | None:
+    """A path parameter; None where it is empty."""
+    return None if str(path) in ("", ".") else path
+
+
+def camelCase(name: str) -> str:
+    """The name of a parameter node's field for a setting's name: ``hole_limit`` is ``holeLimit``."""
+    first, *others = name.split("_")
+    return first + "".join(word.capitalize() for word in others)
+
+
+def settingsFrom(parameterNode) -> ReconstructionSettings:
+    """The library's settings that the panel's parameters ask for.
+
+    Raises
+    ------
+    SettingsError
+        When a value is outside its range, which the panel does not let happen.
+    """
+    values = {}
+    for name, rule in PARAMETERS.items():
+        value = getattr(parameterNode, camelCase(name))
+        if isinstance(value, SettingChoice):
+            value = value.value or None
+        elif rule["default"] is None and value == 0:
+            value = None
+        values[name] = value
+    return ReconstructionSettings(**values)
+
+
+def readingFrom(parameterNode) -> dict:
+    """How the panel wants a recording to be read: arguments of `AIFReconLogic.readRecording`."""
+    return {
+        "orientation": parameterNode.imageOrientation.value or None,
+        "timeOffset": parameterNode.timeOffset,
+        "longestGap": parameterNode.longestGap,
+    }
+
+
+def takeConfigured(parameterNode, browser) -> None:
+    """Let the panel's spacing follow the Plus configuration that a sweep was loaded with, where that tells one within the range."""
+    from ..sweep.sweepRecord import readRecord
+
+    asked = getattr(readRecord(browser).get("configuration"), "spacing", None)
+    rule = PARAMETERS["spacing"]
+    values = asked if isinstance(asked, tuple | list) else (asked,)
+    if asked is not None and len(set(values)) == 1 and rule["minimum"] <= values[0] <= rule["maximum"]:
+        parameterNode.spacing = float(values[0])

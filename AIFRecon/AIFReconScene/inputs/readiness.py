@@ -1,0 +1,99 @@
+"""What is chosen by itself, and what is missing before something can be done, in words for the panel; empty where nothing is."""
+
+import slicer
+from slicer.i18n import tr as _
+
+from AIFReconLib.settings import BONE_METHODS
+
+from ..panelWords import inPanelWords
+from ..sceneNodes import proxiesOf
+from .boxes import isEmpty
+from .contradictions import comparisonContradiction, contradiction
+from .parameters import LiveSource, Region, fileFrom
+
+
+def chooseDefaults(parameters) -> None:
+    """Choose the only sweep and segmentation there are, and the CT that this was drawn on, where nothing is chosen yet."""
+    for name, className in (("sweep", "vtkMRMLSequenceBrowserNode"), ("bone", "vtkMRMLSegmentationNode")):
+        nodes = slicer.util.getNodesByClass(className)
+        if getattr(parameters, name) is None and len(nodes) == 1:
+            setattr(parameters, name, nodes[0])
+    bone = parameters.bone
+    if parameters.ctVolume is None and bone is not None and bone.IsA("vtkMRMLSegmentationNode"):
+        parameters.ctVolume = bone.GetNodeReference(slicer.vtkMRMLSegmentationNode.GetReferenceImageGeometryReferenceRole())
+
+
+def whyNotLoad(parameters) -> str:
+    """What is missing before a recording can be read."""
+    recording, configuration = fileFrom(parameters.recordingPath), fileFrom(parameters.configurationPath)
+    if recording is None:
+        return _("Choose a recording first.")
+    if not recording.is_file():
+        return _("There is no file {path}.").format(path=recording)
+    if configuration is not None and not configuration.is_file():
+        return _("There is no file {path}.").format(path=configuration)
+    return ""
+
+
+def whyNotReconstruct(parameters, sweep=None) -> str:
+    """What is missing before a volume can be reconstructed; `sweep` is the `SweepSummary` of the chosen one."""
+    if parameters.sweep is None:
+        return _("Select a tracked sweep, or load a recording.")
+    if sweep is not None and sweep.problem:
+        return inPanelWords(sweep.problem)
+    return _whatIsMissing(parameters, parameters.bone is not None or parameters.boneFromSweep)
+
+
+def whyNotLive(parameters) -> str:
+    """What is missing before a live scan can begin."""
+    if parameters.liveSource == LiveSource.SCENE and parameters.liveImage is None:
+        return _("Select the image node that is kept up to date.")
+    if parameters.liveSource == LiveSource.OPENIGTLINK and not parameters.liveHost.strip():
+        return _("Enter the name or address of the server.")
+    # Bone cannot be looked for in a sweep that is still to be made
+    return _whatIsMissing(parameters, parameters.bone is not None)
+
+
+def _whatIsMissing(parameters, hasBone: bool) -> str:
+    if not hasBone and (parameters.method.value in BONE_METHODS or parameters.bestCosine):
+        wanted = parameters.method.value if parameters.method.value in BONE_METHODS else _("The best cosine")
+        return _("{method} needs bone: select a segmentation, a labelmap or a bone probability, or another method.").format(method=wanted)
+    if parameters.bone is not None and _holdsNothing(parameters.bone):
+        return _("{name} holds no bone: segment the CT, or select another.").format(name=parameters.bone.GetName())
+    if parameters.region == Region.BOX and parameters.roi is None:
+        return _("Select or draw the box to reconstruct, or choose another region.")
+    if parameters.region == Region.BOX and isEmpty(parameters.roi):
+        return _("{name} has no size: select a sweep or a CT for it to lie around, or draw it.").format(name=parameters.roi.GetName())
+    if parameters.region == Region.LIKE_VOLUME and parameters.regionVolume is None:
+        return _("Select the volume whose voxels are wanted, or choose another region.")
+    inputs = (parameters.ctVolume, parameters.bone, parameters.regionVolume, parameters.liveImage, *proxiesOf(parameters.sweep))
+    if parameters.output is not None and any(parameters.output is node for node in inputs):
+        return _("The output would overwrite {name}: select another output volume, or a new one.").format(name=parameters.output.GetName())
+    return contradiction(parameters, hasBone)
+
+
+def whyNotCompare(parameters, sweep=None) -> str:
+    """What is missing before the methods can be compared."""
+    if parameters.sweep is not None and parameters.bone is None and not parameters.boneFromSweep:
+        return _("Select bone: the methods differ in what they make of it.")
+    return whyNotReconstruct(parameters, sweep) or comparisonContradiction(parameters)
+
+
+def describeBone(parameters) -> str:
+    """What the chosen bone is taken for, and what its absence means."""
+    bone = parameters.bone
+    if bone is None and parameters.boneFromSweep:
+        return _("Bone is looked for in the sweep itself: what is bright with darkness behind it. The docs say how well that works.")
+    if bone is None:
+        return _("Without bone the sweep is averaged: nothing says at which angle a beam meets it.")
+    if bone.IsA("vtkMRMLSegmentationNode"):
+        return ""
+    if bone.IsA("vtkMRMLLabelMapVolumeNode"):
+        return _("Every label above 0 is bone.")
+    return _("Taken for the probability of bone, from 0 to 1.")
+
+
+def _holdsNothing(bone) -> bool:
+    if bone.IsA("vtkMRMLSegmentationNode"):
+        return bone.GetSegmentation() is None or bone.GetSegmentation().GetNumberOfSegments() == 0
+    return bone.GetImageData() is None

@@ -1,0 +1,186 @@
+"""A live session in the scene: starts it from the panel's parameters and keeps the nodes it shows up to date."""
+
+import slicer
+
+from AIFReconLib.errors import OperationCanceled, SettingsError
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
+from AIFReconLib.live.session.session import SCOUTING, LiveSession
+from AIFReconLib.live.session.snapshots import SnapshotMaker
+
+from ..inputs.inputs import Inputs
+from ..inputs.parameters import LiveSource, fileFrom, settingsFrom
+from ..sceneNodes import removeNodes
+from ..volumes.volumeNodes import followIntensity, outputNodes, showGrayLevels, updateVolumeNode
+from .liveViews import LiveViews
+from .nodeSource import NodeSource
+
+SCOUT_MARGIN = 5.0
+"""mm added on each side of the box that was scouted."""
+
+FRAME_NAME = "Live frame"
+
+
+class LiveReconstruction:
+    """One scan: a `LiveSession`, the volume that it fills and the frame that is seen now.
+
+    Parameters
+    ----------
+    parameters : AIFReconParameterNode
+    progress : callable or None
+        For the bone map, which is made before the first frame is received.
+
+    Raises
+    ------
+    AIFReconError
+        With what is missing or wrong; nothing is left running, and the scene is as before.
+
+    Notes
+    -----
+    Reference, the frame that the stream's poses lead to, is RAS world. A scan goes to the selected output only while that is empty, else
+    to a new volume: what was reconstructed before is not lost by pressing Start. Everything here is called on the main thread and returns
+    at once; receiving, inserting and making snapshots happen on threads of their own.
+    """
+
+    def __init__(self, parameters, progress=None):
+        self._name = "Live"
+        self._frameNode = None
+        self._shownFrame = None
+        self._window = None
+        self.wasCanceled = False
+        self._views = LiveViews(parameters.ctVolume, parameters.opacity)
+        empty = parameters.output is not None and parameters.output.GetImageData() is None
+        self._outputs = {"intensity": parameters.output} if empty else {}
+        inputs = Inputs.fromParameters(parameters)
+        settings = settingsFrom(parameters)
+        grid, bone, configuration = inputs.grid(settings), inputs.boneMap(progress), _configurationFrom(parameters)
+        self._source = _sourceFrom(parameters)
+        self.session = LiveSession(
+            self._source,
+            settings,
+            bone,
+            grid,
+            region=inputs.imageRegion(configuration),
+            probe=inputs.probe,
+            importance=inputs.importance(),
+            configuration=configuration,
+            synchronizer=SynchronizerSettings(image_device=parameters.liveImageDevice.strip() or None),
+            record=fileFrom(parameters.liveRecordPath),
+        )
+        self._snapshots = SnapshotMaker(self.session)
+        self.session.start()
+
+    @property
+    def statistics(self):
+        """What the session tells of itself."""
+        return self.session.statistics
+
+    @property
+    def snapshotProblem(self):
+        """The error that keeps the volume that is shown from growing; None while it grows."""
+        return self._snapshots.error
+
+    @property
+    def isScouting(self) -> bool:
+        """Whether the box is still to be found."""
+        return self.session.grid is None or self.statistics.phase == SCOUTING
+
+    def useScoutedBox(self) -> None:
+        """Reconstruct in the box around what was seen so far."""
+        self.session.use_grid(self.session.grid_from_scout(margin=SCOUT_MARGIN))
+
+    def collect(self) -> None:
+        """Take a new image from the scene, where that is the source; to be called often."""
+        if isinstance(self._source, NodeSource):
+            self._source.collect()
+
+    def refresh(self) -> None:
+        """Bring the nodes up to date with what is ready, and ask for the next snapshot."""
+        self._showFrame()
+        result = self._snapshots.take()
+        if result is not None:
+            self._showVolume(result)
+        self._snapshots.request()
+
+    def stop(self, progress=None):
+        """End the scan and show the final volume; returns its node, or None when nothing was reconstructed.
+
+        A cancel, which may come while holes are filled, leaves the volume as it was shown last; `wasCanceled` is True then.
+        """
+        self._snapshots.stop()
+        try:
+            result = self.session.finish(progress)
+            if result is not None and result.frames_inserted:
+                self._showVolume(result)
+        except OperationCanceled:
+            self.wasCanceled = True
+        finally:
+            self.removeFrame()
+        return self.volumeNode
+
+    def abandon(self) -> None:
+        """End the scan without a word to the scene, which is being closed."""
+        self._snapshots.stop()
+        self.session.stop()
+
+    @property
+    def volumeNode(self):
+        """The volume that grows; None before there is one, and when somebody has deleted it."""
+        node = self._outputs.get("intensity")
+        return node if node is not None and node.GetScene() is not None else None
+
+    @property
+    def frameNode(self):
+        """The frame that is seen now, in its place, or None."""
+        return self._frameNode
+
+    def _showVolume(self, result) -> None:
+        known = self.volumeNode
+        if known is not None and known.GetImageData() is not None:
+            updateVolumeNode(known, result.intensity)
+            self._window = followIntensity(known, result, self._window)
+        else:
+            self._outputs = outputNodes(result, self._name, nodes={"intensity": known})
+            self._window = followIntensity(self.volumeNode, result)
+        self._views.showVolume(self.volumeNode)
+
+    def _showFrame(self) -> None:
+        frame = self.session.latest
+        if frame is None or frame is self._shownFrame or frame.image_to_reference is None or frame.status != "OK":
+            return
+        self._shownFrame = frame
+        if self._frameNode is None or self._frameNode.GetScene() is None:
+            self._frameNode = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", FRAME_NAME)
+            self._frameNode.SetSaveWithScene(False)
+            self._frameNode.CreateDefaultDisplayNodes()
+            showGrayLevels(self._frameNode, frame.image.dtype)
+        updateVolumeNode(self._frameNode, Volume(frame.image[None], frame.image_to_reference))
+        self._views.showFrame(self._frameNode)
+
+    def removeFrame(self) -> None:
+        """Take the frame out of the scene, and give the red view back as it was."""
+        self._views.restore()
+        if self._frameNode is not None and self._frameNode.GetScene() is not None:
+            removeNodes([self._frameNode], self._frameNode.GetScene())
+        self._frameNode = None
+
+
+def _sourceFrom(parameters):
+    if parameters.liveSource == LiveSource.SCENE:
+        if parameters.liveImage is None:
+            raise SettingsError("The image that is kept up to date must be chosen; got none. Select it as Live image.")
+        return NodeSource(parameters.liveImage)
+    from AIFReconLib.live.wire.client import OpenIGTLinkClient
+
+    return OpenIGTLinkClient(parameters.liveHost.strip(), parameters.livePort)
+
+
+def _configurationFrom(parameters):
+    from AIFReconLib.sweep.configuration import NO_CONFIGURATION
+
+    path = fileFrom(parameters.configurationPath)
+    if path is None:
+        return NO_CONFIGURATION
+    from AIFReconLib import read_plus_configuration
+
+    return read_plus_configuration(path)

@@ -1,0 +1,113 @@
+"""The views during a scan: the red one lies in the frame that is seen now, the others show the growing volume over the CT."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import slicer
+
+from ..display import sliceDisplay
+from ..transforms import ijkToRAS
+
+FOLLOWING = "Red"
+OTHERS = ("Yellow", "Green")
+MARGIN = 1.1
+"""Of the view around the frame."""
+
+
+class LiveViews:
+    """Moves the red slice with the probe and puts everything back at the end.
+
+    Parameters
+    ----------
+    ctNode : vtkMRMLScalarVolumeNode or None
+    opacity : float, 0 to 1
+        Of the volume over the CT.
+    """
+
+    def __init__(self, ctNode, opacity: float):
+        self._ct = ctNode
+        self._opacity = opacity
+        self._before = None
+        self._frame = None
+        self._volume = None
+
+    def showFrame(self, frameNode) -> None:
+        """Let the red slice lie in the frame, at its true place in the 3D view too."""
+        logic = slicer.app.applicationLogic().GetSliceLogicByLayoutName(FOLLOWING)
+        if logic is None:
+            return
+        node, composite = logic.GetSliceNode(), logic.GetSliceCompositeNode()
+        if self._before is None:
+            self._before = _View.of(node, composite)
+        if self._frame is not frameNode:
+            self._frame = frameNode
+            composite.SetBackgroundVolumeID(frameNode.GetID())
+            composite.SetForegroundVolumeID(None)
+            node.SetSliceVisible(True)
+        pose = ijkToRAS(frameNode)
+        columns, rows, _slices = frameNode.GetImageData().GetDimensions()
+        spacing = np.linalg.norm(pose[:3, :2], axis=0)
+        across, down = pose[:3, 0] / spacing[0], pose[:3, 1] / spacing[1]
+        normal = np.cross(across, -down)
+        center = pose @ [(columns - 1) / 2, (rows - 1) / 2, 0.0, 1.0]
+        # Screens have their y axis upward, images have their rows downward
+        sliceToRAS = np.eye(4)
+        sliceToRAS[:3] = np.column_stack([across, -down, normal / np.linalg.norm(normal), center[:3]])
+        width, height, _depth = node.GetDimensions()
+        shown = MARGIN * max(columns * spacing[0] / max(width, 1), rows * spacing[1] / max(height, 1))
+        with slicer.util.NodeModify(node):
+            node.GetSliceToRAS().DeepCopy(slicer.util.vtkMatrixFromArray(sliceToRAS))
+            node.SetFieldOfView(shown * width, shown * height, node.GetFieldOfView()[2])
+            node.UpdateMatrices()
+
+    def showVolume(self, volumeNode) -> None:
+        """Show the growing volume over the CT in the other views, once."""
+        if self._volume is volumeNode:
+            return
+        self._volume = volumeNode
+        sliceDisplay.showOverCT(volumeNode, self._ct, self._opacity, views=OTHERS)
+
+    def restore(self) -> None:
+        """The red slice as it was; where there is a volume now, it shows that as the others do."""
+        logic = slicer.app.applicationLogic().GetSliceLogicByLayoutName(FOLLOWING)
+        before, self._before, self._frame = self._before, None, None
+        if logic is None or before is None:
+            return
+        before.restore(logic.GetSliceNode(), logic.GetSliceCompositeNode())
+        if self._volume is not None and self._volume.GetScene() is not None:
+            sliceDisplay.showOverCT(self._volume, self._ct, self._opacity)
+
+
+@dataclass(frozen=True)
+class _View:
+    """What a slice view showed, and where."""
+
+    sliceToRAS: object
+    fieldOfView: tuple
+    visible: bool
+    background: str | None
+    foreground: str | None
+    opacity: float
+
+    @classmethod
+    def of(cls, node, composite) -> "_View":
+        return cls(
+            slicer.util.arrayFromVTKMatrix(node.GetSliceToRAS()),
+            tuple(node.GetFieldOfView()),
+            bool(node.GetSliceVisible()),
+            composite.GetBackgroundVolumeID(),
+            composite.GetForegroundVolumeID(),
+            composite.GetForegroundOpacity(),
+        )
+
+    def restore(self, node, composite) -> None:
+        scene = node.GetScene()
+        there = [volume if volume and scene.GetNodeByID(volume) else None for volume in (self.background, self.foreground)]
+        with slicer.util.NodeModify(node), slicer.util.NodeModify(composite):
+            node.SetSliceVisible(self.visible)
+            node.GetSliceToRAS().DeepCopy(slicer.util.vtkMatrixFromArray(self.sliceToRAS))
+            node.SetFieldOfView(*self.fieldOfView)
+            node.UpdateMatrices()
+            composite.SetBackgroundVolumeID(there[0])
+            composite.SetForegroundVolumeID(there[1])
+            composite.SetForegroundOpacity(self.opacity)

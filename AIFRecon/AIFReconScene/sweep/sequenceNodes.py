@@ -1,0 +1,291 @@
+"""A recorded sweep as a sequence browser: images that replay in place, with the status of every pose.
+
+Frames keep their numbers. Images are in MF orientation with an identity IJKToRAS, so an image's own coordinates are its pixels (column,
+row), and its parent transform ImageToReference puts it in place. Every transform of the recording has a sequence of its own beside that.
+"""
+
+import math
+
+import numpy as np
+import slicer
+import vtk
+from vtk.util import numpy_support
+
+from AIFReconLib.errors import AIFReconError, GeometryError, NoUsableFramesError
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.transforms import as_matrix
+from AIFReconLib.progress import Progress, part, report
+from AIFReconLib.sweep.configuration import NO_CONFIGURATION
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import SweepPoses, chain_ends, sweep_poses
+
+from ..sceneNodes import freeName, removeNodes
+from ..transforms import vtkMatrixOf
+from .sweepRecord import writeRecord
+
+IMAGE = "Image"
+STATUS_ATTRIBUTE = "TransformStatus"
+"""Of a transform in a sequence: the tracker's word. SlicerOpenIGTLink keeps it under this name too."""
+
+IMAGE_STATUS_ATTRIBUTE = "ImageStatus"
+PROBLEM_ATTRIBUTE = "AIFRecon.Problem"
+"""Of a pose that cannot be used: why, in the library's words."""
+
+SOURCE_ATTRIBUTE = "Sequences.Source"
+"""Of a sequence node: the name of the transform in the recording; Slicer's own importer keeps it there."""
+
+ORIENTATION_ATTRIBUTE = "Sequences.UltrasoundImageOrientation"
+
+FASTEST_REPLAY = 60.0
+"""Frames per second."""
+
+CLOSEST_INDEX = 0.002
+"""s. Times closer than this cannot number frames: Slicer's files keep times to 1 ms, and it takes values within 1 ms for equal."""
+
+
+def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress | None = None, scene=None):
+    """A new sequence browser node that replays `sequence`.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence
+        Its images are read one after the other; only the copy in the scene is kept.
+    name : str
+        Of the browser, with a number where the scene has that name already; the nodes that it replays are named after it.
+    progress : Progress or None
+    scene : vtkMRMLScene or None
+        Default: Slicer's scene.
+
+    Returns
+    -------
+    browserNode : vtkMRMLSequenceBrowserNode
+        The master sequence holds the images. Items are numbered by time stamps rounded to 1 ms, unit s; by frame numbers where time
+        stamps are missing, repeated, not in order or too close for that. A frame without a valid pose stays where the last valid
+        one was, and says why it cannot be used.
+
+    Raises
+    ------
+    AIFReconError
+        When a frame cannot be read, or there is none. The scene is then as it was; also when `progress` cancels.
+
+    Notes
+    -----
+    Where the recording has no chain from image to reference (no calibration), the images are there without a place, and
+    `sequenceFromBrowser` says what is missing.
+    """
+    scene = scene or slicer.mrmlScene
+    if not len(sequence):
+        raise NoUsableFramesError("{sequence}: it has no frames. Choose another recording.", sequence=sequence.name)
+    name = freeName(name, scene)
+    poses, poseName = _poses(sequence)
+    index, unit = indexValues(sequence.records)
+    images = _sequenceNode(f"{name}-{IMAGE}", IMAGE, unit)
+    images.SetAttribute(ORIENTATION_ATTRIBUTE, "MFA")
+    _fillImages(images, sequence, index, part(progress, 0.0, 0.9))
+    transforms = {}
+    names = [each for each in sequence.transform_names() if each not in sequence.transforms]
+    for number, transformName in enumerate(names):
+        report(progress, 0.9 + 0.1 * number / len(names), "Adding transforms")
+        node = _sequenceNode(f"{name}-{transformName}", str(transformName), unit)
+        _fillTransforms(node, transformName, sequence.records, index)
+        transforms[transformName] = node
+    if poses is not None and poseName not in transforms:
+        node = _sequenceNode(f"{name}-{poseName}", str(poseName), unit)
+        _fillPoses(node, poseName, poses, index)
+        transforms = {poseName: node, **transforms}
+    report(progress, 1.0, "Added the sweep")
+    browser = _addToScene(scene, name, images, transforms, transforms.get(poseName) if poses is not None else None)
+    if unit and len(index) > 1:
+        browser.SetPlaybackRateFps(min(max((len(index) - 1) / (float(index[-1]) - float(index[0])), 1.0), FASTEST_REPLAY))
+    writeRecord(browser, _record(sequence, poses, poseName, index))
+    return browser
+
+
+def indexValues(records: list[FrameRecord]) -> tuple[list[str], str]:
+    """What numbers the items of a sequence, and its unit: times in s where they can tell frames apart, else frame numbers."""
+    times = [record.timestamp for record in records]
+    if all(time is not None and math.isfinite(time) for time in times):
+        rounded = [f"{time:.3f}" for time in times]
+        gaps = np.diff([float(text) for text in rounded])
+        if not gaps.size or gaps.min() > CLOSEST_INDEX - 1e-9:
+            return rounded, "s"
+    return [str(number) for number in range(len(records))], ""
+
+
+def _poses(sequence: TrackedSequence) -> tuple[SweepPoses | None, TransformName]:
+    """Where the frames lie, None where no chain of transforms tells; and what that chain as a whole is called."""
+    name, _ = chain_ends(sequence.configuration, None, None)
+    try:
+        return sweep_poses(sequence), name
+    except AIFReconError:
+        # Such a sweep can be looked at all the same
+        return None, name
+
+
+def _sequenceNode(name: str, source: str, unit: str):
+    """An empty sequence node that is in no scene yet."""
+    node = slicer.vtkMRMLSequenceNode()
+    node.SetName(name)
+    node.SetAttribute(SOURCE_ATTRIBUTE, source)
+    node.SetIndexName("time" if unit else "frame")
+    node.SetIndexUnit(unit)
+    node.SetIndexType(slicer.vtkMRMLSequenceNode.NumericIndex)
+    return node
+
+
+def _fillImages(node, sequence: TrackedSequence, index: list[str], progress: Progress | None) -> None:
+    # One node and one image for all frames: setting an item copies both, and VTK gets slow with the number of images that Python has seen
+    frame = slicer.vtkMRMLScalarVolumeNode()
+    frame.SetName(IMAGE)
+    pixels = None
+    for number, record in enumerate(sequence.records):
+        report(progress, number / len(sequence), "Loading frames")
+        image = np.asarray(sequence.images[number])
+        if image.ndim != 2:
+            raise GeometryError(
+                "{sequence}: image {number} must have shape (rows, columns); got {shape}.",
+                sequence=sequence.name,
+                number=number,
+                shape=image.shape,
+            )
+        if pixels is None or pixels.shape != image.shape or pixels.dtype != _dtypeOf(image):
+            pixels = _newPixels(frame, image)
+        pixels[:] = image
+        frame.SetAttribute(IMAGE_STATUS_ATTRIBUTE, record.image_status.value)
+        node.SetDataNodeAtValue(frame, index[number])
+
+
+def _dtypeOf(image: np.ndarray) -> np.dtype:
+    """The type that VTK has for an image's pixels."""
+    return np.dtype(np.uint8) if image.dtype == bool else image.dtype
+
+
+def _newPixels(volumeNode, image: np.ndarray) -> np.ndarray:
+    """Give a volume node an image like `image`; its pixels (rows, columns), to be written into."""
+    imageData = vtk.vtkImageData()
+    imageData.SetDimensions(image.shape[1], image.shape[0], 1)
+    imageData.AllocateScalars(numpy_support.get_vtk_array_type(_dtypeOf(image)), 1)
+    volumeNode.SetAndObserveImageData(imageData)
+    return numpy_support.vtk_to_numpy(imageData.GetPointData().GetScalars()).reshape(image.shape)
+
+
+def _fillTransforms(node, name: TransformName, records: list[FrameRecord], index: list[str]) -> None:
+    """A transform as recorded. What has no matrix is the identity, and its status says so: MISSING where a frame lacks it."""
+    missing = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
+    for number, record in enumerate(records):
+        matrix, status = _usable(record.transforms.get(name, missing))
+        _setTransform(node, index[number], name, matrix, status)
+
+
+def _usable(sample: TransformSample) -> tuple[np.ndarray, TransformStatus]:
+    """Matrix and status as a transform node can hold them: INVALID and the identity for what is no invertible affine matrix."""
+    try:
+        return as_matrix(sample.matrix), sample.status
+    except GeometryError:
+        status = TransformStatus.INVALID if sample.status is TransformStatus.OK else sample.status
+        return np.eye(4), status
+
+
+def _fillPoses(node, name: TransformName, poses: SweepPoses, index: list[str]) -> None:
+    usable = poses.usable
+    last = poses.image_to_reference[usable[0]] if usable.size else np.eye(4)
+    for number, problem in enumerate(poses.problems):
+        last = poses.image_to_reference[number] if problem is None else last
+        item = _setTransform(node, index[number], name, last, statusOf(problem))
+        if problem is not None:
+            item.SetAttribute(PROBLEM_ATTRIBUTE, problem)
+
+
+def statusOf(problem: str | None) -> TransformStatus:
+    """The status that a reason of `sweep_poses` ends with (``ProbeToTracker OUT_OF_VIEW``); INVALID for a reason without one."""
+    if problem is None:
+        return TransformStatus.OK
+    status = TransformStatus.parse(problem.replace("(", " ").replace(")", " ").split()[-1])
+    return TransformStatus.INVALID if status in (TransformStatus.UNKNOWN, TransformStatus.OK) else status
+
+
+def _setTransform(node, indexValue: str, name: TransformName, matrix: np.ndarray, status: TransformStatus):
+    transform = slicer.vtkMRMLLinearTransformNode()
+    transform.SetName(str(name))
+    transform.SetMatrixTransformToParent(vtkMatrixOf(matrix))
+    transform.SetAttribute(STATUS_ATTRIBUTE, status.value)
+    return node.SetDataNodeAtValue(transform, indexValue)
+
+
+def _addToScene(scene, name: str, images, transforms: dict, pose):
+    """Sequences, browser and the nodes that it replays, the images under the pose; all or nothing."""
+    added = []
+    scene.SaveStateForUndo()
+    try:
+        for node in (images, *transforms.values()):
+            added.append(scene.AddNode(node))
+        browser = scene.AddNewNodeByClass("vtkMRMLSequenceBrowserNode", name)
+        added.append(browser)
+        browser.SetName(name)
+        browser.SetAndObserveMasterSequenceNodeID(images.GetID())
+        for node in transforms.values():
+            browser.AddSynchronizedSequenceNode(node)
+        proxies = {}
+        for node in (images, *transforms.values()):
+            item = node.GetNthDataNode(0)
+            proxy = browser.GetProxyNode(node) or browser.AddProxyNode(item, node, True)
+            added.append(proxy)
+            browser.SetSaveChanges(node, False)
+            browser.SetOverwriteProxyName(node, False)
+            proxy.CopyContent(item)
+            proxy.SetName(node.GetName())
+            proxies[node] = proxy
+        _display(proxies[images], images.GetNthDataNode(0).GetImageData())
+        if pose is not None:
+            proxies[images].SetAndObserveTransformNodeID(proxies[pose].GetID())
+        browser.SetSelectedItemNumber(0)
+    except Exception:
+        removeNodes(added, scene)
+        raise
+    return browser
+
+
+def _display(proxy, imageData) -> None:
+    """Gray levels shown alike in all frames: automatic window and level would flicker."""
+    proxy.CreateDefaultDisplayNodes()
+    display = proxy.GetScalarVolumeDisplayNode()
+    if imageData.GetScalarType() == vtk.VTK_UNSIGNED_CHAR:
+        display.SetAutoWindowLevel(False)
+        display.SetWindowLevelMinMax(0, 255)
+    display.SetInterpolate(True)
+
+
+def _record(sequence: TrackedSequence, poses: SweepPoses | None, poseName: TransformName, index: list[str]) -> dict:
+    """What `sequenceFromBrowser` needs and MRML does not keep, frame by frame under the text that numbers it."""
+    names = [name for name in sequence.transform_names() if name not in sequence.transforms]
+    frames = {}
+    for number, record in enumerate(sequence.records):
+        frame = {"time": record.timestamp}
+        if record.unfiltered_timestamp is not None:
+            frame["unfiltered"] = record.unfiltered_timestamp
+        if record.image_status is not TransformStatus.OK:
+            frame["image"] = record.image_status.value
+        if record.fields:
+            frame["fields"] = dict(record.fields)
+        missing = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
+        statuses = {str(transform): _usable(record.transforms.get(transform, missing))[1].value for transform in names}
+        statuses = {transform: status for transform, status in statuses.items() if status != TransformStatus.OK.value}
+        if poses is not None:
+            if poses.problems[number] is None:
+                frame["pose"] = poses.image_to_reference[number]
+            else:
+                frame["problem"] = poses.problems[number]
+                statuses[str(poseName)] = statusOf(poses.problems[number]).value
+        if statuses:
+            frame["statuses"] = statuses
+        frames[index[number]] = frame
+    return {
+        "version": 1,
+        "name": sequence.name,
+        "poseName": str(poseName) if poses is not None else None,
+        "fields": dict(sequence.fields),
+        "notes": tuple(sequence.notes if poses is None else poses.notes),
+        "transforms": dict(sequence.transforms),
+        "configuration": None if sequence.configuration is NO_CONFIGURATION else sequence.configuration,
+        "frames": frames,
+    }

@@ -1,0 +1,167 @@
+"""A sequence browser as the library's sweep: images read from the nodes when asked for, every frame with its place in RAS world."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from AIFReconLib.errors import AIFReconError
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.message import Message
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import describe_frames, describe_skipped
+
+from .browserItems import BrowserItems, checkRecorded
+from .sequenceNodes import IMAGE_STATUS_ATTRIBUTE, ORIENTATION_ATTRIBUTE, PROBLEM_ATTRIBUTE
+from .sweepImages import SweepImages, hasImage
+from .sweepPoses import FramePose, framePoses
+
+IMAGE_TO_WORLD = TransformName("Image", "Reference")
+"""What the poses are called in the sweep that is handed to the library: Reference is RAS world."""
+
+
+@dataclass(frozen=True)
+class SweepSummary:
+    """What a panel says of a sweep.
+
+    Parameters
+    ----------
+    frames, usable : int
+        How many there are, and how many have an image and a valid pose.
+    skipped : dict of str to list of int
+        Numbers of the others, by reason.
+    problem : Message or None
+        Why nothing can be reconstructed from it, in a sentence.
+    """
+
+    frames: int
+    usable: int
+    skipped: dict[str, list[int]]
+    problem: Message | None = None
+
+    @property
+    def lines(self) -> list[Message]:
+        """The findings in words, as `aifrecon info` has them."""
+        if self.problem:
+            return [self.problem]
+        placed = Message("{usable} of {frames} frames can be placed.", usable=self.usable, frames=self.frames)
+        skipped = ((describe_frames(numbers), reason) for reason, numbers in self.skipped.items())
+        return [placed, *(Message("Will be skipped: {frames}: {reason}.", frames=frames, reason=reason) for frames, reason in skipped)]
+
+
+def sequenceFromBrowser(browser, imageSequence=None, reference: str | None = None) -> TrackedSequence:
+    """The sweep that a sequence browser replays.
+
+    Parameters
+    ----------
+    browser : vtkMRMLSequenceBrowserNode
+    imageSequence : vtkMRMLSequenceNode or None
+        Default: the browser's master, else its only sequence of images.
+    reference : str or None
+        The frame to reconstruct in, where no parent transform places the images and transforms are found by their names.
+
+    Returns
+    -------
+    sequence : TrackedSequence
+        Its records hold ImageToReference, pixels to RAS world in mm, with the tracker's status. A sweep that was loaded from a Plus
+        recording brings its times, fields and configuration along; the calibration is in the poses already.
+
+    Raises
+    ------
+    AIFReconError
+        When the browser has no usable images, or nothing tells where they are.
+
+    Notes
+    -----
+    A frame lies where the image's parent transforms put it, each as the browser replays it with that frame, static ones (such as
+    ReferenceToRAS) as they are now. Images without a parent are placed by the names of the browser's transforms (ImageToReference, or
+    ImageToProbe and ProbeToReference, ...), else by their own matrices where these differ between frames. Images that somebody else
+    loaded in another orientation (``Sequences.UltrasoundImageOrientation``) are brought to MF, which the poses are for.
+    """
+    items = BrowserItems(browser, imageSequence)
+    nodes = [items.itemAt(items.images, number) for number in range(len(items))]
+    flipColumns, flipRows = orientationFlips(items.images)
+    images = SweepImages(nodes, items.path.name, flipColumns=flipColumns, flipRows=flipRows)
+    poses = framePoses(items, reference)
+    records = [_frameRecord(items, number, nodes[number], poses[number]) for number in range(len(items))]
+    configuration = items.record.get("configuration")
+    if configuration is not None:
+        # The calibration and the frames' names have done their part
+        configuration = replace(configuration, transforms={}, image_frame=None, reference_frame=None)
+    return TrackedSequence(
+        images,
+        records,
+        fields=dict(items.record.get("fields", {})),
+        configuration=configuration,
+        path=items.path,
+        notes=tuple(items.record.get("notes", ())),
+    )
+
+
+def sweepSummary(browser, imageSequence=None, reference: str | None = None) -> SweepSummary:
+    """How many frames of a sweep can be used, and why the others cannot; fast, because no pixel is read.
+
+    Parameters
+    ----------
+    browser, imageSequence, reference
+        As for `sequenceFromBrowser`. Nothing is raised for a sweep that cannot be used: the summary says why.
+    """
+    frames = 0
+    try:
+        checkRecorded(browser)
+        items = BrowserItems(browser, imageSequence)
+        frames = len(items)
+        poses = framePoses(items, reference)
+    except AIFReconError as error:
+        return SweepSummary(frames, 0, {}, error.args[0])
+    skipped: dict[str, list[int]] = {}
+    for number, pose in enumerate(poses):
+        status = _imageStatus(items, number, items.itemAt(items.images, number))
+        problem = pose.problem if status is TransformStatus.OK else Message("no image ({status})", status=status.value)
+        if problem is not None:
+            skipped.setdefault(problem, []).append(number)
+    usable = frames - sum(len(numbers) for numbers in skipped.values())
+    problem = None
+    if not usable:
+        problem = Message(
+            "{name}: no frame can be placed ({reasons}). Check the tracking of this recording.",
+            name=items.path.name,
+            reasons=describe_skipped(skipped),
+        )
+    return SweepSummary(frames, usable, skipped, problem)
+
+
+def _frameRecord(items: BrowserItems, number: int, node, pose: FramePose) -> FrameRecord:
+    recorded = items.recorded(number)
+    matrix = np.full((4, 4), np.nan) if pose.matrix is None else pose.matrix
+    fields = dict(recorded.get("fields", {}))
+    if pose.problem:
+        fields[PROBLEM_ATTRIBUTE] = pose.problem
+    return FrameRecord(
+        timestamp=recorded["time"] if "time" in recorded else _time(items, number),
+        unfiltered_timestamp=recorded.get("unfiltered"),
+        image_status=_imageStatus(items, number, node),
+        transforms={IMAGE_TO_WORLD: TransformSample(matrix, pose.status)},
+        fields=fields,
+    )
+
+
+def _time(items: BrowserItems, number: int) -> float | None:
+    """s; None where items are not numbered by time."""
+    try:
+        return float(items.indexValue(number)) if items.master.GetIndexUnit() == "s" else None
+    except ValueError:
+        return None
+
+
+def _imageStatus(items: BrowserItems, number: int, node) -> TransformStatus:
+    if not hasImage(node):
+        return TransformStatus.MISSING
+    word = node.GetAttribute(IMAGE_STATUS_ATTRIBUTE) or node.GetAttribute(f"OpenIGTLink.{IMAGE_STATUS_ATTRIBUTE}")
+    return TransformStatus.parse(word or items.recorded(number).get("image") or TransformStatus.OK.value)
+
+
+def orientationFlips(imageSequence) -> tuple[bool, bool]:
+    """Whether columns, and whether rows are reversed against MF. An unknown orientation is taken as it is shown."""
+    code = (imageSequence.GetAttribute(ORIENTATION_ATTRIBUTE) or "").upper()
+    known = len(code) >= 2 and code[0] in "MU" and code[1] in "FN"
+    return (code[0] == "U", code[1] == "N") if known else (False, False)

@@ -1,0 +1,131 @@
+"""A simulated patient as nodes: the CT of a lumbar spine, its segmentation and registration, and a tracked sweep. Made on the spot."""
+
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import slicer
+
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.progress import Progress, part
+
+from ..sweep.sequenceNodes import browserFromSequence
+from ..transforms import vtkMatrixOf
+from .volumeNodes import updateVolumeNode
+
+FRAMES = 72
+"""Eight at each of the nine pairs of tilts: enough to show what the methods differ in, and made in some seconds."""
+
+CT_SPACING = 1.25
+"""mm, as CT scans of the spine have between slices."""
+
+LEVELS = ("L2", "L3", "L4")
+COLORS = ((0.95, 0.84, 0.57), (0.70, 0.82, 0.93), (0.80, 0.90, 0.67))
+
+BONE_WINDOW = (-200.0, 900.0)
+"""HU."""
+
+
+@dataclass(frozen=True)
+class PhantomNodes:
+    """The nodes of a simulated patient.
+
+    Parameters
+    ----------
+    ct : vtkMRMLScalarVolumeNode, HU
+    segmentation : vtkMRMLSegmentationNode
+        A segment per vertebra.
+    ctToReference : vtkMRMLLinearTransformNode
+        The registration; CT and segmentation are under it.
+    browser : vtkMRMLSequenceBrowserNode
+    """
+
+    ct: object
+    segmentation: object
+    ctToReference: object
+    browser: object
+
+    @property
+    def nodes(self) -> list:
+        """All of them, the CT first."""
+        return [self.ct, self.segmentation, self.ctToReference, self.browser]
+
+
+def loadPhantom(
+    progress: Progress | None = None, scene=None, *, seed: int = 0, frames: int = FRAMES, spacing: float = CT_SPACING
+) -> PhantomNodes:
+    """Simulate a patient and add it to the scene.
+
+    Parameters
+    ----------
+    progress : Progress or None
+    scene : vtkMRMLScene or None
+        Default: Slicer's scene.
+    seed : int
+        Which patient.
+    frames : int
+        Of the sweep, 9 or more.
+    spacing : float, mm
+        Of the CT, 0.2 to 3; it takes most of the time.
+
+    Raises
+    ------
+    OperationCanceled
+        The scene is then as it was.
+    """
+    from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
+    from AIFReconLib.simulation.phased_array import PhasedArray
+    from AIFReconLib.simulation.scan import multi_angle_sweep, random_rigid, simulate_sweep
+
+    scene = scene or slicer.mrmlScene
+    ctToReference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
+    anatomy = LumbarAnatomy.from_seed(seed, vertebrae=len(LEVELS))
+    phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=ctToReference, progress=part(progress, 0.0, 0.5))
+    probe = PhasedArray()
+    sweep = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, progress=part(progress, 0.5, 0.95))
+    sweep = replace(sweep, configuration=_configuration(probe), path=Path("lumbar phantom"))
+    # The sweep first: it alone can still be canceled, and it leaves nothing behind then
+    browser = browserFromSequence(sweep, "Lumbar sweep", part(progress, 0.95, 1.0), scene)
+    transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
+    transform.SetMatrixTransformToParent(vtkMatrixOf(phantom.ct_to_reference))
+    ct = _ctNode(phantom.ct, scene)
+    segmentation = _segmentationNode(phantom.labels, ct, scene)
+    for node in (ct, segmentation):
+        node.SetAndObserveTransformNodeID(transform.GetID())
+    return PhantomNodes(ct, segmentation, transform, browser)
+
+
+def _configuration(probe):
+    """The probe's Plus configuration, read as one from a file."""
+    from AIFReconLib.io.plus.configuration import read_plus_configuration
+    from AIFReconLib.simulation.scan import plus_configuration_xml
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "PlusDeviceSet.xml"
+        path.write_text(plus_configuration_xml(probe), encoding="utf-8")
+        return read_plus_configuration(path)
+
+
+def _ctNode(ct: Volume, scene):
+    node = scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", scene.GenerateUniqueName("Lumbar CT"))
+    updateVolumeNode(node, ct)
+    node.CreateDefaultDisplayNodes()
+    display = node.GetScalarVolumeDisplayNode()
+    display.SetAutoWindowLevel(False)
+    display.SetWindowLevelMinMax(*BONE_WINDOW)
+    return node
+
+
+def _segmentationNode(labels: Volume, ct, scene):
+    node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode", scene.GenerateUniqueName("Lumbar vertebrae"))
+    node.CreateDefaultDisplayNodes()
+    node.SetReferenceImageGeometryParameterFromVolumeNode(ct)
+    for number, (name, color) in enumerate(zip(LEVELS, COLORS), start=1):
+        image = slicer.vtkOrientedImageData()
+        holder = slicer.vtkMRMLScalarVolumeNode()
+        updateVolumeNode(holder, Volume((labels.array == number).astype(np.uint8), labels.ijk_to_reference))
+        image.ShallowCopy(holder.GetImageData())
+        image.SetGeometryFromImageToWorldMatrix(vtkMatrixOf(labels.ijk_to_reference))
+        node.AddSegmentFromBinaryLabelmapRepresentation(image, name, color)
+    return node

@@ -1,0 +1,267 @@
+"""The volumes of a reconstruction as nodes: in RAS world, named for sweep and method, in one folder, shown as ultrasound."""
+
+import re
+
+import numpy as np
+import slicer
+import vtk
+from vtk.util import numpy_support
+
+from AIFReconLib.errors import SettingsError
+from AIFReconLib.geometry.volume import Volume
+
+from ..sceneNodes import freeName, nodesOfClass, removeNodes
+from ..transforms import vtkMatrixOf
+
+INTENSITY, SCORE, HITS, COSINE, MASK = "intensity", "score", "hits", "cosine", "mask"
+KINDS = (INTENSITY, SCORE, HITS, COSINE, MASK)
+"""The volumes of a `Reconstruction`, by their names there."""
+
+MASK_NAMES = ("empty", "measured", "filled")
+MASK_COLORS = ((0.0, 0.0, 0.0, 0.0), (0.25, 0.65, 0.35, 1.0), (0.95, 0.7, 0.2, 1.0))
+_MASK_ATTRIBUTE = "AIFRecon.MaskColors"
+KIND_ATTRIBUTE = "AIFRecon.Volume"
+"""Which of `KINDS` a volume that was made here is."""
+
+_NAME_ATTRIBUTE = "AIFRecon.Name"
+"""The name that a node was given here, by which one that the user has changed is known."""
+
+_ROLE = "AIFRecon.{kind}"
+"""Of the references from the intensities to the other volumes of the same reconstruction."""
+
+COMPARED_ROLE = "AIFRecon.ComparedSweep"
+"""Of the reference from a comparison's volumes and table to the sweep that was compared; a volume that is written to otherwise loses it."""
+
+BRIGHTEST_SHARE = 99.5
+"""Percent of the measured voxels that the window reaches up to: single bright voxels must not darken the rest."""
+
+SAMPLED = 1_000_000
+"""Voxels that are looked at for the window, at most."""
+
+
+def updateVolumeNode(node, volume: Volume) -> None:
+    """Put a volume into a volume node, in RAS world.
+
+    Parameters
+    ----------
+    node : vtkMRMLScalarVolumeNode
+        Its voxels and geometry are replaced. A parent transform is taken off, because the volume holds world coordinates already.
+    volume : Volume
+        [k, j, i] and ijk_to_reference in mm, Reference being RAS world. Its voxels are copied once.
+    """
+    _place(node, _imageData(volume.array), volume.ijk_to_reference)
+
+
+def outputNodes(
+    result,
+    sweepName: str,
+    kinds: tuple[str, ...] = (INTENSITY,),
+    nodes: dict | None = None,
+    *,
+    inputs: tuple = (),
+    scene=None,
+) -> dict:
+    """Nodes for the volumes of a reconstruction, made or brought up to date.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    sweepName : str
+        What was reconstructed; with the method it names the nodes.
+    kinds : tuple of str
+        Which of `KINDS`; a cosine that was not computed is left out.
+    nodes : dict of str to node, or None
+        Nodes to use again, by kind. Those that were made together with the intensities are used again with them. They lose their parent
+        transform, because the result holds world coordinates. A name that was given here follows the method; one of the user's stays.
+    inputs : tuple of node
+        What must not be overwritten: CT, bone, volume of the region.
+    scene : vtkMRMLScene or None
+        Default: Slicer's scene.
+
+    Returns
+    -------
+    nodes : dict of str to vtkMRMLScalarVolumeNode
+        By kind, the mask a vtkMRMLLabelMapVolumeNode. All of them lie in one folder of the subject hierarchy.
+
+    Raises
+    ------
+    SettingsError
+        When a node to use again is an input, or a labelmap for anything but the mask. Whatever is raised, the scene is as it was.
+    """
+    scene = scene or slicer.mrmlScene
+    given = {kind: node for kind, node in (nodes or {}).items() if node is not None and kind in kinds}
+    if INTENSITY in given:
+        earlier = {kind: given[INTENSITY].GetNodeReference(_ROLE.format(kind=kind)) for kind in kinds if kind not in given}
+        given.update({kind: node for kind, node in earlier.items() if node is not None})
+    for kind, node in given.items():
+        if kind != MASK and node.IsA("vtkMRMLLabelMapVolumeNode"):
+            raise SettingsError(
+                "Output must be a scalar volume; got the labelmap {node!r}. Choose or create another one.", node=node.GetName()
+            )
+        if any(node is each for each in inputs):
+            raise SettingsError(
+                "Output must be another volume than the inputs; got {node!r}. Choose or create another one.", node=node.GetName()
+            )
+    volumes = {kind: getattr(result, kind) for kind in KINDS if kind in kinds and getattr(result, kind) is not None}
+    # All memory is taken before the first node changes
+    images = {kind: _imageData(volume.array) for kind, volume in volumes.items()}
+    window = ultrasoundWindow(result.intensity.array, result.mask.array)
+    made = []
+    try:
+        placed = {}
+        for kind, volume in volumes.items():
+            node = given.get(kind)
+            name = f"{sweepName} {result.method}" + ("" if kind == INTENSITY else f" {kind}")
+            if node is None:
+                className = "vtkMRMLLabelMapVolumeNode" if kind == MASK else "vtkMRMLScalarVolumeNode"
+                node = scene.AddNewNodeByClass(className)
+                made.append(node)
+                giveName(node, name, scene)
+            elif hasGivenName(node) and re.sub(r"_\d+$", "", node.GetName()) != name:
+                giveName(node, name, scene)
+            _place(node, images[kind], volume.ijk_to_reference)
+            node.SetAttribute("AIFRecon.Method", result.method)
+            node.SetAttribute(KIND_ATTRIBUTE, kind)
+            node.SetNodeReferenceID(COMPARED_ROLE, None)
+            _show(node, kind, window, scene)
+            placed[kind] = node
+        for kind, node in placed.items():
+            if INTENSITY in placed and kind != INTENSITY:
+                placed[INTENSITY].SetNodeReferenceID(_ROLE.format(kind=kind), node.GetID())
+        _collect(placed.values(), sweepName, scene)
+    except Exception:
+        removeNodes(made, scene)
+        raise
+    return placed
+
+
+def ultrasoundWindow(intensity: np.ndarray, mask: np.ndarray) -> tuple[float, float]:
+    """Darkest and brightest gray level to show: from 0 to the level that all but the brightest 0.5% of measured voxels stay below."""
+    step = max(1, intensity.size // SAMPLED)
+    levels = intensity.ravel()[::step][mask.ravel()[::step] != 0]
+    levels = levels[np.isfinite(levels)]
+    brightest = float(np.percentile(levels, BRIGHTEST_SHARE)) if levels.size else 0.0
+    return 0.0, brightest if brightest > 0 else 1.0
+
+
+def _imageData(array: np.ndarray):
+    """The vtkImageData of an array [k, j, i]: the one copy of its voxels."""
+    plain = array.view(np.uint8) if array.dtype == bool else array
+    imageData = vtk.vtkImageData()
+    imageData.SetDimensions(*plain.shape[::-1])
+    imageData.AllocateScalars(numpy_support.get_vtk_array_type(plain.dtype), 1)
+    numpy_support.vtk_to_numpy(imageData.GetPointData().GetScalars())[:] = plain.ravel()
+    return imageData
+
+
+def _place(node, imageData, ijkToWorld: np.ndarray) -> None:
+    with slicer.util.NodeModify(node):
+        node.SetAndObserveTransformNodeID(None)
+        node.SetAndObserveImageData(imageData)
+        node.SetIJKToRASMatrix(vtkMatrixOf(ijkToWorld))
+
+
+def _show(node, kind: str, window: tuple[float, float], scene) -> None:
+    """Window, level and colors. What was not measured is transparent, so that a CT below shows through.
+
+    Nothing is interpolated: the empty voxels beside what was measured would darken its rim.
+    """
+    if node.GetDisplayNode() is None:
+        node.CreateDefaultDisplayNodes()
+    display = node.GetDisplayNode()
+    if kind == MASK:
+        display.SetAndObserveColorNodeID(_maskColors(scene).GetID())
+        return
+    if kind in (INTENSITY, COSINE):
+        display.SetAutoWindowLevel(False)
+        display.SetWindowLevelMinMax(*(window if kind == INTENSITY else (0.0, 1.0)))
+    display.SetInterpolate(False)
+    if kind == INTENSITY:
+        isByte = node.GetImageData().GetScalarType() == vtk.VTK_UNSIGNED_CHAR
+        smallest, high = (1.0, 255.0) if isByte else (float(np.finfo(np.float32).tiny), node.GetImageData().GetScalarRange()[1])
+        display.AutoThresholdOff()
+        display.SetThreshold(smallest, max(high, smallest))
+        display.SetApplyThreshold(True)
+
+
+def followIntensity(node, result, shown: tuple[float, float] | None = None) -> tuple[float, float]:
+    """Window and threshold for what a volume that grows holds now.
+
+    Parameters
+    ----------
+    node : vtkMRMLScalarVolumeNode
+        Holds ``result.intensity`` already.
+    result : Reconstruction
+    shown : (float, float) or None
+        What this function returned the last time. A window that is another by now is the user's, and stays.
+
+    Returns
+    -------
+    window : (float, float)
+        Darkest and brightest gray level that was meant to be shown.
+    """
+    display = node.GetDisplayNode()
+    window = ultrasoundWindow(result.intensity.array, result.mask.array)
+    if display is not None and shown in (None, (display.GetWindowLevelMin(), display.GetWindowLevelMax())):
+        _show(node, INTENSITY, window, node.GetScene())
+        return window
+    return shown or window
+
+
+def showGrayLevels(node, dtype: np.dtype) -> None:
+    """Show the gray levels of images alike in all of them: automatic window and level would flicker."""
+    if dtype == np.uint8:
+        node.GetScalarVolumeDisplayNode().SetAutoWindowLevel(False)
+        node.GetScalarVolumeDisplayNode().SetWindowLevelMinMax(0, 255)
+
+
+def hasGivenName(node) -> bool:
+    """Whether a node still has the name that it was given here; else the user has named it."""
+    return node.GetAttribute(_NAME_ATTRIBUTE) == node.GetName()
+
+
+def giveName(node, name: str, scene) -> None:
+    """Name a node, with a number where that name is taken, and remember it as given here."""
+    node.SetName(freeName(name, scene))
+    node.SetAttribute(_NAME_ATTRIBUTE, node.GetName())
+
+
+def _maskColors(scene):
+    """The color table of masks, one for all of them."""
+    for node in nodesOfClass("vtkMRMLColorTableNode", scene):
+        if node.GetAttribute(_MASK_ATTRIBUTE):
+            return node
+    node = slicer.vtkMRMLColorTableNode()
+    node.SetName("AIFRecon mask")
+    node.SetTypeToUser()
+    node.SetNumberOfColors(len(MASK_NAMES))
+    for number, (name, color) in enumerate(zip(MASK_NAMES, MASK_COLORS)):
+        node.SetColor(number, name, *color)
+    node.SetAttribute(_MASK_ATTRIBUTE, "1")
+    node.SetAttribute("Category", "AIFRecon")
+    return scene.AddNode(node)
+
+
+def folderOf(sweepName: str, scene) -> int:
+    """The subject hierarchy item of the folder for what was made from a sweep; it is made where it is not there."""
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
+    top, name = hierarchy.GetSceneItemID(), f"AIFRecon {sweepName}"
+    folder = hierarchy.GetItemChildWithName(top, name)
+    return folder or hierarchy.CreateFolderItem(top, name)
+
+
+def intoFolder(nodes, sweepName: str, scene) -> None:
+    """Put nodes into the folder for what was made from a sweep."""
+    _collect(nodes, sweepName, scene)
+
+
+def _collect(nodes, sweepName: str, scene) -> None:
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
+    folder = folderOf(sweepName, scene)
+    for node in nodes:
+        item = hierarchy.GetItemByDataNode(node)
+        # Slicer makes items for new nodes itself, but not before a batch of changes has ended
+        if item:
+            hierarchy.SetItemParent(item, folder)
+        else:
+            hierarchy.CreateItem(folder, node)

@@ -1,0 +1,139 @@
+"""What `--verbose` shows and `--log` keeps: what the library notes while a command runs, and why it failed."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import logging
+import shlex
+import shutil
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from .. import __version__
+from ..errors import OutputError
+from ..io.disk.atomic import check_writable
+from ..message import one_line
+from .console import show
+from .options import real_path
+
+FIRST_WORDS = "AIFRecon log"
+"""Of every log. A file that begins otherwise is something else, to which nothing may be appended."""
+
+_NEVER = logging.CRITICAL + 1
+"""A level that no record has."""
+
+_LINE = logging.Formatter("%(asctime)s %(levelname)s [%(threadName)s] %(name)s: %(message)s")
+
+
+def add_log_options(parser: argparse.ArgumentParser) -> None:
+    """The options that every command has."""
+    group = parser.add_argument_group("what happens meanwhile")
+    group.add_argument("--verbose", action="store_true", help="tell what happens, on standard error")
+    group.add_argument("--log", type=Path, metavar="FILE", help="append what happens to this file, with the details of errors")
+
+
+@contextlib.contextmanager
+def logging_as_asked(arguments: argparse.Namespace, words: list[str]) -> Iterator[None]:
+    """Within the block the library's log goes where the options say; why the block ends is noted too.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        Of the command.
+    words : list of str
+        As they were given, for the log's first line.
+
+    Raises
+    ------
+    OutputError
+        When the log cannot be written, or its file is something else.
+    """
+    handlers: list[logging.Handler] = []
+    if arguments.log is not None:
+        others = [path for name, value in vars(arguments).items() if name != "log" for path in _paths(value)]
+        handlers.append(_log_file(arguments.log, others))
+    if arguments.verbose:
+        handlers.append(_Terminal(logging.INFO))
+    logger = logging.getLogger(__package__.partition(".")[0])
+    level, propagate = logger.level, logger.propagate
+    if handlers:
+        logger.setLevel(logging.DEBUG if arguments.log is not None else logging.INFO)
+        # A program around ours, as a test, may show everything that it gets
+        logger.propagate = False
+    for handler in handlers:
+        logger.addHandler(handler)
+    try:
+        logger.debug("AIFRecon %s: aifrecon %s", __version__, one_line(shlex.join(words)))
+        yield
+        logger.debug("done")
+    except BaseException as error:
+        logger.debug("ended by %s", type(error).__name__, exc_info=True)
+        raise
+    finally:
+        logger.setLevel(level)
+        logger.propagate = propagate
+        for handler in handlers:
+            logger.removeHandler(handler)
+            handler.close()
+
+
+def _paths(value: object) -> list[Path]:
+    return [each for each in (value if isinstance(value, list | tuple) else [value]) if isinstance(each, Path)]
+
+
+def _log_file(path: Path, others: list[Path]) -> logging.Handler:
+    """The file, opened behind what it holds already."""
+    if real_path(path) in {
+        file.with_suffix(suffix) for file in map(real_path, others) if file.name for suffix in (file.suffix, ".raw", ".zraw")
+    }:
+        raise OutputError("Cannot log to {path}: the command reads or writes it. Choose another name for --log.", path=path)
+    check_writable(path)
+    try:
+        begins = b""
+        if path.exists():
+            with open(path, "rb") as file:
+                begins = file.read(len(FIRST_WORDS))
+        if begins not in (b"", FIRST_WORDS.encode()):
+            raise OutputError("Cannot log to {path}: it is there and is no log. Choose another name for --log.", path=path)
+        handler = _LogFile(path, encoding="utf-8", errors="backslashreplace")
+        if not begins and handler.stream is not None:
+            handler.stream.write(f"{FIRST_WORDS}\n")
+            handler.flush()
+    except OutputError:
+        raise
+    except OSError as error:
+        raise OutputError(
+            "Cannot log to {path}: {reason}. Choose another name for --log.", path=path, reason=error.strerror or str(error)
+        ) from None
+    handler.setLevel(logging.DEBUG)
+    handler.setFormatter(_LINE)
+    return handler
+
+
+class _LogFile(logging.FileHandler):
+    """A file that is given up, with one line on the terminal, once it can no longer be written."""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        """Say so, and write nothing more."""
+        if self.level < _NEVER:
+            self.setLevel(_NEVER)
+            reason = getattr(sys.exc_info()[1], "strerror", None) or str(sys.exc_info()[1])
+            show(sys.stderr, f"aifrecon: The log {self.baseFilename} cannot be written any more ({reason}).\n")
+
+    def close(self) -> None:
+        """Close the file; what a full disk does not take is lost."""
+        with contextlib.suppress(OSError):
+            super().close()
+
+
+class _Terminal(logging.Handler):
+    """Lines on standard error, over a progress bar that may stand there."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Show the message; details of errors are for the log file."""
+        text = " ".join(record.getMessage().split())
+        if sys.stderr.isatty():
+            text = "\r" + text.ljust(shutil.get_terminal_size().columns - 1)
+        show(sys.stderr, text + "\n")

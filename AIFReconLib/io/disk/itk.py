@@ -1,0 +1,36 @@
+"""What SimpleITK takes and says: paths in its encoding, and its many-line exceptions in a few words."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+from ...errors import FileFormatError, OutputError
+from ...message import shorten
+
+
+def itk_path(path: Path, error: type[FileFormatError] | type[OutputError]) -> str:
+    """The path as UTF-8 text, whatever encoding Python takes file names to be in.
+
+    Raises
+    ------
+    FileFormatError or OutputError
+        When it cannot be said in UTF-8. SimpleITK would end the program at such a name.
+    """
+    try:
+        text = os.fsencode(path).decode("utf-8")
+        text.encode("utf-8")
+    except UnicodeError:
+        raise error("{path}: its name, or that of a folder, is not text in UTF-8. Rename it.", path=path) from None
+    return text
+
+
+def short_cause(error: Exception) -> str:
+    """The last meaningful line of a SimpleITK exception, without addresses and source paths."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    itk = [line for line in lines if "ERROR:" in line]
+    text = (itk or lines or [type(error).__name__])[-1]
+    text = re.sub(r"^.*?ERROR:\s*", "", text)
+    text = re.sub(r"\(0x[0-9a-f]+\)", "", text)
+    return shorten(text.rstrip(" .:"), 160)

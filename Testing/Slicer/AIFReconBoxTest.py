@@ -1,0 +1,94 @@
+"""Self tests of the box to reconstruct in, made by "Create new" in the panel."""
+
+import pathlib
+import sys
+import unittest
+
+import numpy as np
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+
+
+class AIFReconBoxTest(unittest.TestCase):
+    """A box that the user has asked for and not drawn."""
+
+    def setUp(self):
+        from AIFReconScene.inputs.inputs.parameters import Region
+
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        self.parameters.spacing = 1.0
+        self.parameters.region = Region.BOX
+
+    def tearDown(self):
+        slicer.mrmlScene.Clear()
+
+    def create(self):
+        """What "Create new" of the box's list does; the box."""
+        self.ui.roiSelector.addNode()
+        return self.parameters.roi
+
+    def bounds(self, node) -> np.ndarray:
+        """(3, 2) least and most RAS of a node."""
+        bounds = [0.0] * 6
+        node.GetRASBounds(bounds)
+        return np.reshape(bounds, (3, 2))
+
+    def test_a_new_box_holds_what_a_reconstruction_around_the_sweep_holds(self):
+        from AIFReconScene.inputs.inputs.parameters import Region
+
+        self.parameters.sweep = tinyScene.addSweep()
+        box = self.create()
+        self.ui.applyButton.click()
+        within = self.parameters.output
+        self.parameters.region, self.parameters.output = Region.AROUND_SWEEP, None
+        self.ui.applyButton.click()
+        around = self.parameters.output
+        np.testing.assert_allclose(self.bounds(box), self.bounds(around), atol=1.0)
+        self.assertTrue(slicer.util.arrayFromVolume(within).any())
+        sizes = np.array([within.GetImageData().GetDimensions(), around.GetImageData().GetDimensions()])
+        self.assertLessEqual(np.abs(np.diff(sizes, axis=0)).max(), 1)
+
+    def test_a_new_box_lies_around_the_ct_where_no_sweep_is_chosen(self):
+        self.parameters.ctVolume, _bone, _registration = tinyScene.addCT()
+        np.testing.assert_allclose(self.bounds(self.create()), self.bounds(self.parameters.ctVolume), atol=1e-3)
+
+    def test_a_new_box_is_outlined_with_handles_and_not_filled(self):
+        self.parameters.sweep = tinyScene.addSweep()
+        display = self.create().GetDisplayNode()
+        self.assertTrue(display.GetVisibility() and display.GetOutlineVisibility() and display.GetHandlesInteractive())
+        self.assertFalse(display.GetFillVisibility())
+
+    def test_a_box_without_a_size_cannot_be_reconstructed_in(self):
+        box = self.create()
+        self.assertFalse(self.ui.liveStartButton.enabled)
+        self.assertIn(box.GetName(), self.ui.liveStartButton.toolTip)
+
+    def test_a_box_that_has_waited_for_a_sweep_is_laid_around_it(self):
+        from AIFReconScene.inputs.boxes import isEmpty
+
+        box = self.create()
+        self.assertTrue(isEmpty(box))
+        self.parameters.sweep = tinyScene.addSweep()
+        self.assertFalse(isEmpty(box))
+        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
+
+    def test_a_box_that_was_drawn_stays_as_it_is(self):
+        roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Drawn")
+        roi.SetCenterWorld(1.0, 2.0, 3.0)
+        roi.SetSize(4.0, 5.0, 6.0)
+        self.parameters.sweep = tinyScene.addSweep()
+        self.parameters.roi = roi
+        np.testing.assert_allclose(self.bounds(roi), [[-1.0, 3.0], [-0.5, 4.5], [0.0, 6.0]])
+
+    def test_a_box_that_is_drawn_while_the_panel_is_open_can_be_reconstructed_in(self):
+        box = self.create()
+        self.assertFalse(self.ui.liveStartButton.enabled)
+        box.SetCenterWorld(0.0, 16.0, 0.0)
+        box.SetSize(40.0, 40.0, 30.0)
+        self.assertTrue(self.ui.liveStartButton.enabled, self.ui.liveStartButton.toolTip)

@@ -1,0 +1,107 @@
+"""Self tests of what the panel says when something cannot be done: once, in its own words, and without the marks of a bug."""
+
+import importlib.util
+import logging
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import slicer
+import vtk
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+
+
+class AIFReconErrorsTest(unittest.TestCase):
+    """Errors that a user can mend, and those of the module."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def tearDown(self):
+        self.widget._live.close()
+        slicer.mrmlScene.Clear()
+
+    def told(self, press) -> str:
+        """What is said when a button is pressed whose work fails; a warning or a traceback in the log would mark Slicer's error log."""
+        with self.assertLogs(level=logging.INFO) as log:
+            press()
+        marked = [record for record in log.records if record.levelno >= logging.WARNING or record.exc_info]
+        self.assertEqual([record.getMessage() for record in marked], [])
+        return "\n".join(record.getMessage() for record in log.records)
+
+    def chooseBrokenRecording(self):
+        """A file that breaks off in its header."""
+        path = pathlib.Path(self.folder.name) / "broken.igs.mha"
+        path.write_text("ObjectType = Image\nNDims = 3\n", encoding="utf-8")
+        self.parameters.recordingPath = path
+
+    def test_a_recording_that_cannot_be_read_is_no_bug(self):
+        self.chooseBrokenRecording()
+        said = self.told(self.widget.onLoadButton)
+        self.assertIn("The recording could not be loaded.", said)
+        self.assertIn("broken.igs.mha", said)
+        self.assertTrue(self.ui.loadButton.enabled)
+
+    def test_a_volume_that_no_frame_falls_into_is_no_bug_and_told_in_the_panel_s_words(self):
+        from AIFReconScene.inputs.inputs.parameters import Region
+
+        self.parameters.sweep = tinyScene.addSweep()
+        roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Far away")
+        roi.SetCenterWorld(500.0, 500.0, 500.0)
+        roi.SetSize(10.0, 10.0, 10.0)
+        self.parameters.roi, self.parameters.region = roi, Region.BOX
+        said = self.told(self.widget.onApplyButton)
+        self.assertIn("no frame falls into the volume", said)
+        self.assertNotIn("--", said)
+        self.assertNotIn("Like volume", said)
+
+    def test_a_package_that_is_not_installed_keeps_a_scan_from_starting_and_is_no_bug(self):
+        find = importlib.util.find_spec
+        self.addCleanup(setattr, importlib.util, "find_spec", find)
+        importlib.util.find_spec = lambda name, *package: None if name == "pyigtl" else find(name, *package)
+        said = self.told(self.widget._live.onStart)
+        self.assertIn("pyigtl", said)
+        self.assertFalse(self.widget._live.isRunning)
+        self.assertEqual(self.ui.liveStateLabel.text, "not started")
+
+    def test_a_bug_is_raised(self):
+        def broken(parameters, progress):
+            raise KeyError("a bug")
+
+        self.widget.logic.loadRecording = broken
+        self.addCleanup(delattr, self.widget.logic, "loadRecording")
+        with self.assertRaises(KeyError):
+            self.widget.onLoadButton()
+
+    def test_what_is_wrong_with_a_sweep_is_said_in_one_place(self):
+        sweep = tinyScene.addSweep()
+        image = sweep.GetProxyNode(sweep.GetMasterSequenceNode())
+        warp = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTransformNode", "Warp")
+        warp.SetAndObserveTransformToParent(vtk.vtkThinPlateSplineTransform())
+        image.GetParentTransformNode().SetAndObserveTransformNodeID(warp.GetID())
+        self.parameters.sweep = sweep
+        wrong = self.ui.sweepStatusLabel.text
+        self.assertFalse(self.ui.applyButton.enabled)
+        self.assertTrue(wrong)
+        self.assertNotIn(wrong, self.ui.statusLabel.text)
+        self.assertIn("Sweep", self.ui.statusLabel.text)
+
+    def test_how_many_frames_were_loaded_is_said_in_one_place(self):
+        from AIFReconLib import write_sequence
+
+        path = pathlib.Path(self.folder.name) / "lumbar.igs.mha"
+        write_sequence(tinyScene.makeSequence(), path)
+        self.parameters.recordingPath = path
+        self.widget.onLoadButton()
+        self.assertIn("11 of 12", self.ui.sweepStatusLabel.text)
+        self.assertNotIn("11 of 12", self.ui.statusLabel.text)
+        self.assertIn("lumbar", self.ui.statusLabel.text)

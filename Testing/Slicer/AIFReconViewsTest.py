@@ -1,0 +1,208 @@
+"""Self tests of what the views show after something was loaded or reconstructed, and that they are given back."""
+
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+import slicer
+import vtk
+from vtk.util import numpy_support
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+
+
+class AIFReconViewsTest(unittest.TestCase):
+    """Slice views, 3D views and the tool bar that replays."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        slicer.app.layoutManager().setLayout(slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpView)
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        self.threeD = slicer.app.layoutManager().threeDWidget(0).threeDView()
+
+    def tearDown(self):
+        slicer.mrmlScene.Clear()
+
+    def addInputs(self):
+        """Sweep, CT and bone, chosen; bone is filled, as Slicer shows it at first."""
+        self.parameters.sweep = tinyScene.addSweep()
+        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
+        self.parameters.bone.CreateDefaultDisplayNodes()
+        self.parameters.spacing = 2.0
+
+    def load(self):
+        """Read the sweep from a file, as the user does."""
+        from AIFReconLib import write_sequence
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "lumbar.igs.mha"
+            write_sequence(tinyScene.makeSequence(), path)
+            self.parameters.recordingPath = path
+            self.ui.loadButton.click()
+
+    def composite(self, name="Red"):
+        """What a slice view shows."""
+        return slicer.app.layoutManager().sliceWidget(name).mrmlSliceCompositeNode()
+
+    def lookAt(self, *place):
+        """Have the 3D view look somewhere else, as a user may."""
+        self.threeD.cameraNode().SetFocalPoint(place)
+
+    def focus(self) -> np.ndarray:
+        """Where the 3D view looks."""
+        return np.array(self.threeD.cameraNode().GetFocalPoint())
+
+    def middle(self, node) -> np.ndarray:
+        """Of a node, RAS."""
+        bounds = [0.0] * 6
+        node.GetRASBounds(bounds)
+        return np.reshape(bounds, (3, 2)).mean(axis=1)
+
+    # ---- what was loaded
+
+    def test_a_sweep_that_was_loaded_can_be_replayed_at_once(self):
+        self.load()
+        sequences = slicer.modules.sequences
+        self.assertTrue(sequences.isToolBarVisible())
+        self.assertIs(sequences.toolBar().activeBrowserNode(), self.parameters.sweep)
+
+    def test_the_ct_is_in_the_slice_views_after_a_sweep_was_loaded(self):
+        self.parameters.ctVolume, _bone, _registration = tinyScene.addCT()
+        self.load()
+        for name in ("Red", "Yellow", "Green"):
+            with self.subTest(view=name):
+                self.assertEqual(self.composite(name).GetBackgroundVolumeID(), self.parameters.ctVolume.GetID())
+        red = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceNode()
+        np.testing.assert_allclose(tinyScene.placeOf(red)[:3, 3], self.middle(self.parameters.ctVolume), atol=1.0)
+
+    def test_a_view_that_shows_the_ct_already_stays_where_it_is(self):
+        self.parameters.ctVolume, _bone, _registration = tinyScene.addCT()
+        self.composite().SetBackgroundVolumeID(self.parameters.ctVolume.GetID())
+        red = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceNode()
+        red.JumpSliceByCentering(3.0, 4.0, 5.0)
+        place = tinyScene.placeOf(red)
+        self.load()
+        np.testing.assert_allclose(tinyScene.placeOf(red), place, atol=1e-6)
+
+    def test_the_sample_is_seen_at_once(self):
+        from AIFReconGui.sampleData import loadPhantomSample
+
+        ct, segmentation, _registration, browser = loadPhantomSample()
+        self.assertIs(slicer.modules.sequences.toolBar().activeBrowserNode(), browser)
+        self.assertEqual(self.composite().GetBackgroundVolumeID(), ct.GetID())
+        self.assertTrue(segmentation.GetSegmentation().ContainsRepresentation("Closed surface"))
+        np.testing.assert_allclose(self.focus(), self.middle(segmentation), atol=10.0)
+
+    # ---- bone beside a reconstruction
+
+    def test_bone_is_an_outline_while_a_reconstruction_is_on_display(self):
+        self.addInputs()
+        display = self.parameters.bone.GetDisplayNode()
+        self.assertTrue(display.GetVisibility2DFill())
+        self.ui.applyButton.click()
+        self.assertFalse(display.GetVisibility2DFill())
+        self.assertTrue(display.GetVisibility2DOutline())
+
+    def test_bone_is_an_outline_while_methods_are_compared(self):
+        self.addInputs()
+        self.ui.compareButton.click()
+        self.assertFalse(self.parameters.bone.GetDisplayNode().GetVisibility2DFill())
+
+    def test_bone_is_filled_again_when_the_user_leaves_and_outlined_when_he_is_back(self):
+        self.addInputs()
+        display = self.parameters.bone.GetDisplayNode()
+        self.ui.applyButton.click()
+        self.widget.exit()
+        self.assertTrue(display.GetVisibility2DFill())
+        self.widget.enter()
+        self.assertFalse(display.GetVisibility2DFill())
+
+    def test_bone_that_the_user_fills_again_stays_filled(self):
+        self.addInputs()
+        self.ui.applyButton.click()
+        display = self.parameters.bone.GetDisplayNode()
+        display.SetVisibility2DFill(True)
+        self.parameters.opacity = 0.3
+        self.assertTrue(display.GetVisibility2DFill())
+
+    def test_bone_that_was_not_filled_stays_so(self):
+        self.addInputs()
+        display = self.parameters.bone.GetDisplayNode()
+        display.SetVisibility2DFill(False)
+        self.ui.applyButton.click()
+        self.widget.exit()
+        self.assertFalse(display.GetVisibility2DFill())
+        self.widget.enter()
+
+    def test_bone_is_filled_while_no_reconstruction_is_on_display(self):
+        self.addInputs()
+        self.parameters.opacity = 0.3
+        self.assertTrue(self.parameters.bone.GetDisplayNode().GetVisibility2DFill())
+
+    # ---- 3D
+
+    def test_bone_has_its_surface_in_3d_and_the_view_looks_at_it(self):
+        self.addInputs()
+        self.parameters.bone.GetSegmentation().AddEmptySegment("empty", "Empty")
+        self.lookAt(500.0, 500.0, 500.0)
+        self.ui.applyButton.click()
+        bone = self.parameters.bone
+        surface = bone.GetClosedSurfaceInternalRepresentation(bone.GetSegmentation().GetNthSegmentID(0))
+        self.assertGreater(surface.GetNumberOfPolys(), 100)
+        np.testing.assert_allclose(self.focus(), self.middle(bone), atol=5.0)
+
+    def test_the_surface_lies_where_the_bone_is(self):
+        self.addInputs()
+        self.ui.applyButton.click()
+        bone, bounds = self.parameters.bone, [0.0] * 6
+        toWorld = vtk.vtkTransformPolyDataFilter()
+        transform = vtk.vtkTransform()
+        transform.SetMatrix(slicer.util.vtkMatrixFromArray(tinyScene.CT_TO_WORLD))
+        toWorld.SetTransform(transform)
+        toWorld.SetInputData(bone.GetClosedSurfaceInternalRepresentation(bone.GetSegmentation().GetNthSegmentID(0)))
+        toWorld.Update()
+        toWorld.GetOutput().GetBounds(bounds)
+        self.assertAlmostEqual(bounds[2], tinyScene.FACE, delta=1.5)
+
+    def test_a_3d_view_that_the_user_has_turned_stays_when_the_same_place_is_reconstructed_again(self):
+        self.addInputs()
+        self.ui.applyButton.click()
+        self.lookAt(1.0, 2.0, 3.0)
+        self.parameters.alpha = 0.3
+        self.ui.applyButton.click()
+        np.testing.assert_allclose(self.focus(), [1.0, 2.0, 3.0])
+
+    def test_the_3d_view_looks_at_what_is_rendered(self):
+        self.parameters.sweep = tinyScene.addSweep()
+        self.parameters.spacing = 2.0
+        self.ui.applyButton.click()
+        self.lookAt(500.0, 500.0, 500.0)
+        self.parameters.volumeRendering = True
+        np.testing.assert_allclose(self.focus(), self.middle(self.parameters.output), atol=5.0)
+
+    # ---- rims
+
+    def test_what_was_not_measured_does_not_darken_what_was(self):
+        self.addInputs()
+        self.ui.applyButton.click()
+        voxels = slicer.util.arrayFromVolume(self.parameters.output)
+        voxels[voxels > 0] = 200
+        slicer.util.arrayFromVolumeModified(self.parameters.output)
+        red = slicer.app.layoutManager().sliceWidget("Red")
+        self.turn(red.mrmlSliceNode(), 33.0)
+        reslice = red.sliceLogic().GetForegroundLayer().GetReslice()
+        reslice.Update()
+        seen = numpy_support.vtk_to_numpy(reslice.GetOutput().GetPointData().GetScalars())
+        self.assertEqual(set(np.unique(seen)), {0, 200})
+
+    def turn(self, sliceNode, degrees):
+        """Turn a slice view in its plane, so that its pixels are not those of any volume."""
+        turned = tinyScene.placeOf(sliceNode) @ tinyScene.rotation(2, degrees)
+        sliceNode.GetSliceToRAS().DeepCopy(slicer.util.vtkMatrixFromArray(turned))
+        sliceNode.UpdateMatrices()

@@ -1,0 +1,111 @@
+"""Self tests of the panel in Slicer's main window: how wide it is, and what can be reached without scrolling."""
+
+import pathlib
+import sys
+import unittest
+
+import qt
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+from AIFReconLiveTest import waitFor
+
+LONG = "The recording of the second sweep over the lumbar spine has no transform from ProbeToTracker. " * 4
+
+
+class AIFReconWindowTest(unittest.TestCase):
+    """The panel beside the views."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        self.window = slicer.util.mainWindow()
+        if self.window is None:
+            self.skipTest("this Slicer runs without its main window")
+        for name in ("report", "compare", "live"):
+            getattr(self.ui, f"{name}CollapsibleButton").collapsed = True
+
+    def tearDown(self):
+        self.widget._live.close()
+        slicer.mrmlScene.Clear()
+
+    def settle(self):
+        """Let the window lay itself out: every level asks the one around it."""
+        for _level in range(5):
+            slicer.app.processEvents()
+
+    def width(self):
+        """Of the panel, as the window lays it out now."""
+        self.settle()
+        return self.window.findChild(qt.QDockWidget, "PanelDockWidget").width
+
+    def test_the_panel_stays_as_wide_as_it_is_whatever_it_says(self):
+        for section in (self.ui.reportCollapsibleButton, self.ui.liveCollapsibleButton):
+            section.collapsed = False
+        before = self.width()
+        for name in ("status", "sweepStatus", "boneStatus", "liveState", "liveStatistics", "report"):
+            with self.subTest(label=name):
+                label = getattr(self.ui, f"{name}Label")
+                label.text, label.visible = LONG, True
+                self.assertEqual(self.width(), before)
+                label.text = "x"
+                self.assertEqual(self.width(), before)
+
+    def test_the_panel_stays_as_wide_as_it_is_when_inputs_are_chosen_and_reconstructed(self):
+        before = self.width()
+        self.parameters.sweep = tinyScene.addSweep("A sweep with a name that is much longer than the panel is wide, and then some more")
+        self.assertEqual(self.width(), before)
+        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
+        self.assertEqual(self.width(), before)
+        self.parameters.spacing = 2.0
+        self.ui.applyButton.click()
+        self.assertEqual(self.width(), before)
+
+    def test_names_of_segments_do_not_widen_a_panel_that_is_made_anew(self):
+        before = self.width()
+        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
+        self.parameters.bone.GetSegmentation().AddEmptySegment("long", "Third lumbar vertebra with its facets, drawn by somebody else")
+        self.widget.onReload()
+        self.widget = slicer.modules.AIFReconWidget
+        self.assertEqual(self.width(), before)
+
+    def test_a_section_that_is_opened_does_not_widen_the_panel(self):
+        before = self.width()
+        for name in ("report", "compare", "live"):
+            with self.subTest(section=name):
+                section = getattr(self.ui, f"{name}CollapsibleButton")
+                section.collapsed = False
+                self.assertEqual(self.width(), before)
+
+    def test_a_scan_can_be_steered_without_scrolling_in_a_window_of_1000_pixels(self):
+        from AIFReconLib.live.replay.server import ReplayServer
+
+        self.window.resize(1400, 1000)
+        self.ui.liveCollapsibleButton.collapsed = False
+        with ReplayServer(tinyScene.makeSequence(), 0, rate=20.0, loop=True) as server:
+            self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", server.port
+            self.ui.liveStartButton.click()
+            self.assertTrue(waitFor(lambda: self.ui.liveUseBoxButton.enabled))
+            self.settle()
+            for name in (
+                "livePauseButton",
+                "liveResetButton",
+                "liveStopButton",
+                "liveUseBoxButton",
+                "liveStateLabel",
+                "liveStatisticsLabel",
+            ):
+                with self.subTest(widget=name):
+                    widget = getattr(self.ui, name)
+                    seen = widget.visibleRegion().boundingRect()
+                    self.assertEqual((seen.width(), seen.height()), (widget.width, widget.height))
+            where = self.ui.liveStopButton.y
+            for said in ("tracked", "Scan once quickly, then use the box"):
+                self.widget._live._showState(said, "#000000")
+                self.settle()
+                self.assertEqual(self.ui.liveStopButton.y, where)
+            self.ui.liveStopButton.click()

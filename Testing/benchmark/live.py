@@ -1,0 +1,178 @@
+"""How a live session keeps up: a second process serves a made-up scan over OpenIGTLink, this one reconstructs it.
+
+    python Testing/benchmark live --seconds 600
+    python Testing/benchmark live --seconds 60 --size 640x480@30 --engine numpy --json live.json
+
+For each stream it tells the frames that the server sent, and where they went; the latency from an image's arrival to its voxels (the worst
+99th percentile of any 4096 frames in a row); and how the memory of the process grew.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
+from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+
+DEPTH = 96.0
+"""mm that an image is deep."""
+
+FRAMES = 90
+FAN_DEG = 30.0
+STREAMS = ("640x480@30", "1024x768@20")
+
+
+def sweep(columns: int, rows: int) -> TrackedSequence:
+    """A fan of images of speckle about an axis on the skin, as ImageToReference."""
+    rng = np.random.default_rng(0)
+    spacing = DEPTH / rows
+    speckle = rng.integers(0, 256, (rows, columns + FRAMES), dtype=np.uint8)
+    images = np.stack([speckle[:, n : n + columns] for n in range(FRAMES)])
+    records = []
+    for number in range(FRAMES):
+        angle = np.deg2rad(FAN_DEG) * np.sin(2 * np.pi * number / FRAMES) / 2  # there and back, so that a loop does not jump
+        pose = np.eye(4)
+        pose[:3, 0] = (spacing, 0, 0)
+        pose[:3, 1] = (0, spacing * np.cos(angle), spacing * np.sin(angle))
+        pose[:3, 2] = (0, -spacing * np.sin(angle), spacing * np.cos(angle))
+        pose[:3, 3] = (-spacing * columns / 2, 0, 0)
+        records.append(FrameRecord(number / 30, transforms={TransformName("Image", "Reference"): TransformSample(pose)}))
+    return TrackedSequence(images, records)
+
+
+def bone() -> BoneMap:
+    """A plate of bone across the whole sweep."""
+    labels = np.zeros((40, 60, 70), np.uint8)
+    labels[:, 30:34] = 1
+    matrix = np.diag([2.0, 2.0, 2.0, 1.0])
+    matrix[:3, 3] = (-70.0, 0.0, -40.0)
+    return BoneMap.from_labels(Volume(labels, matrix), sigma_mm=4.0)
+
+
+def serve(columns: int, rows: int, rate: float) -> None:
+    """Serve until standard input is closed; then tell what was sent."""
+    server = ReplayServer(sweep(columns, rows), port=0, rate=rate, loop=True)
+    with server:
+        print(json.dumps({"port": server.port}), flush=True)
+        sys.stdin.read()
+        print(json.dumps({"sent": server.sent, "left_out": server.dropped}), flush=True)
+
+
+def memory_mib() -> float:
+    """Resident memory of this process; NaN where the system does not tell."""
+    status = Path("/proc/self/status")
+    if not status.is_file():
+        return float("nan")
+    return next(int(line.split()[1]) for line in status.read_text().splitlines() if line.startswith("VmRSS")) / 1024
+
+
+def measure(stream: str, arguments: argparse.Namespace) -> dict:
+    """Reconstruct one stream for the time asked for."""
+    size = stream.partition("@")[0]
+    columns, rows = (int(n) for n in size.split("x"))
+    command = [sys.executable, str(Path(__file__).parent), "live", "--serve", stream]
+    poses = np.stack([r.transforms[TransformName("Image", "Reference")].matrix for r in sweep(columns, rows).records])
+    region = ImageRegion(ClipRectangle((0.0, 0.0), (columns - 1.0, rows - 1.0)))
+    grid = grid_around_sweep(poses, (columns, rows), region, (arguments.spacing,) * 3)
+    settings = ReconstructionSettings(method=arguments.method, engine=arguments.engine)
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
+        port = json.loads(server.stdout.readline())["port"]
+        client = OpenIGTLinkClient("127.0.0.1", port)
+        session = LiveSession(
+            client, settings, bone(), grid, region=region, probe=ProbeGeometry(LINEAR), record=arguments.record and Path(arguments.record)
+        )
+        preparing = time.monotonic()
+        session.prepare()
+        prepared = time.monotonic() - preparing
+        session.start()
+        began, samples, p99s, snapshots = time.monotonic(), [], [], []
+        computed = time.process_time()
+        threads = threading.active_count()
+        while (elapsed := time.monotonic() - began) < arguments.seconds:
+            time.sleep(min(1.0, max(arguments.seconds - elapsed, 0.0)))
+            if arguments.snapshots:
+                asked = time.monotonic()
+                session.snapshot()
+                snapshots.append(time.monotonic() - asked)
+            statistics = session.statistics
+            samples.append(memory_mib())
+            p99s.append(statistics.latency_p99)
+            if arguments.verbose:
+                print(f"{elapsed:6.1f} s  {statistics}", file=sys.stderr)
+        computed = (time.process_time() - computed) / (time.monotonic() - began)
+        dropped = client.statistics.dropped
+        session.stop()
+        statistics = session.statistics
+        server.stdin.close()
+        told = json.loads(server.stdout.readline())
+    settled = samples[min(len(samples) // 4, 30) :]
+    return {
+        "stream": stream,
+        "method": arguments.method,
+        "engine": arguments.engine,
+        "seconds": arguments.seconds,
+        "voxels": grid.voxels,
+        "preparation_s": prepared,
+        "sent": told["sent"],
+        "left_out_by_server": told["left_out"],
+        "received": statistics.frames_received,
+        "inserted": statistics.inserted,
+        "skipped": statistics.skipped,
+        "messages_dropped": dropped,
+        "latency_p50_ms": 1000 * statistics.latency_p50,
+        "latency_p99_ms": 1000 * statistics.latency_p99,
+        "worst_latency_p99_ms": 1000 * max((p99 for p99 in p99s if np.isfinite(p99)), default=float("nan")),
+        "cores_used": computed,
+        "snapshot_ms": 1000 * float(np.median(snapshots)) if snapshots else None,
+        "memory_mib": samples[-1],
+        "memory_growth_mib": samples[-1] - settled[0],
+        "threads": threads,
+        "error": str(session.error) if session.error else None,
+    }
+
+
+def main(words: list[str] | None = None) -> None:
+    """Measure the streams and print what was found."""
+    parser = argparse.ArgumentParser(
+        prog="python Testing/benchmark live", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seconds", type=float, default=60.0, metavar="S", help="for each stream (default: %(default)g)")
+    parser.add_argument("--size", action="append", metavar="WxH@FPS", help=f"a stream; may be repeated (default: {', '.join(STREAMS)})")
+    parser.add_argument("--method", choices=METHODS, default="aif-compensated")
+    parser.add_argument("--engine", default="auto")
+    parser.add_argument("--spacing", type=float, default=0.5, metavar="MM")
+    parser.add_argument("--snapshots", action="store_true", help="take a snapshot every second, as a display does")
+    parser.add_argument("--record", metavar="SEQUENCE", help="also record")
+    parser.add_argument("--json", type=Path, metavar="FILE")
+    parser.add_argument("--verbose", action="store_true")
+    parser.add_argument("--serve", metavar="WxH@FPS", help=argparse.SUPPRESS)
+    arguments = parser.parse_args(words)
+    if arguments.serve:
+        size, rate = arguments.serve.split("@")
+        serve(*(int(n) for n in size.split("x")), float(rate))
+        return
+    results = []
+    for stream in arguments.size or STREAMS:
+        results.append(measure(stream, arguments))
+        for key, value in results[-1].items():
+            print(f"{key:24} {value:.1f}" if isinstance(value, float) else f"{key:24} {value}")
+        print(flush=True)
+    if arguments.json:
+        arguments.json.write_text(json.dumps(results, indent=2) + "\n")

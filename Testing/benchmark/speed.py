@@ -1,0 +1,282 @@
+"""How fast this machine reconstructs: every method with every engine, and all that comes before and after.
+
+python Testing/benchmark --quick
+python Testing/benchmark --json before.json --markdown table.md
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from AIFReconLib import __version__
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.commands.benchmark import busy_share, fan_sweep, machine, slab_of_bone
+from AIFReconLib.commands.console import ProgressBar
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.compounding.state import bytes_per_voxel
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.holes.nearest import fill_holes
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.machine.threads import optional_module, usable_cores
+from AIFReconLib.message import columns
+from AIFReconLib.progress import Progress, report
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.sweep.frames import TrackedFrame
+
+from .cases import COLUMNS, PROBE, ROWS, TURN_DEG, half_empty, labels_of_size, recorded, turned
+from .first_result import seconds_to_first_result
+from .table import BenchmarkResult, Timing
+
+NUMPY_SHARE = 8
+"""The numpy engine gets every 8th frame of the sweep, so that it does not take most of the time."""
+
+VOXELS = 10_000_000
+"""For hole filling and bone maps."""
+
+FILE_FRAMES = 60
+
+TURNED_METHODS = ("average", "aif-compensated", "weighted")
+"""Methods that are also timed on a sweep that lies across the grid, where caches serve worst."""
+
+RECORDINGS = (
+    ("SpinePhantomFreehand.igs.mha", "SpinePhantom_NN_MEAN.xml"),
+    ("BoneUltrasound_L14.igs.mha", "BoneUltrasound_L14_config.xml"),
+)
+"""Real recordings and their configurations, looked for in the data folder."""
+
+Job = tuple[Callable[[], object], Timing, int]
+"""What to do, the row to fill in, and how many frames it takes."""
+
+
+def benchmark(
+    frames: int = 120,
+    repeats: int = 5,
+    spacings: tuple[float, ...] = (0.5, 0.3),
+    *,
+    voxels: int = VOXELS,
+    data: Path | None = None,
+    progress: Progress | None = None,
+) -> BenchmarkResult:
+    """Time everything on a sweep of 640 x 480 frames, turned through 30 degrees about the probe's face.
+
+    Parameters
+    ----------
+    frames : int
+        Frames per repeat.
+    repeats : int
+    spacings : tuple of float, mm
+    voxels : int
+        Size of the volumes whose holes are filled and bone mapped; 0 leaves these, files and the first result out.
+    data : Path or None
+        Folder of real recordings.
+    progress : Progress or None
+
+    Notes
+    -----
+    Everything is timed once per round, one after the other, so that a machine that slows down for a while slows down all.
+    """
+    timings: list[Timing] = []
+    sweeps = [(_reconstruction_jobs, spacing) for spacing in spacings] + [(_turned_jobs, spacings[0])]
+    for number, (jobs, spacing) in enumerate(sweeps):
+        start, part = 0.7 * number / len(sweeps), 0.7 / len(sweeps)
+        timings += _measured(jobs(frames, spacing), repeats, lambda f, s=start, p=part: report(progress, s + p * f, "Reconstructing"))
+    busy = busy_share()
+    if voxels:
+        report(progress, 0.7, "Holes and bone")
+        timings += _measured(_volume_jobs(voxels), repeats, lambda f: report(progress, 0.7 + 0.2 * f, "Holes and bone"))
+        with tempfile.TemporaryDirectory(prefix="aifrecon-") as folder:
+            timings += _measured(_file_jobs(Path(folder)), repeats, lambda f: report(progress, 0.9 + 0.05 * f, "Reading files"))
+        timings += _first_results()
+    if data is not None:
+        timings += _measured(_recording_jobs(data), repeats, lambda f: report(progress, 0.95 + 0.05 * f, "Real recordings"))
+    report(progress, 1.0, "Done")
+    return BenchmarkResult(machine(), __version__, frames, repeats, busy, tuple(timings))
+
+
+def _measured(jobs: list[Job], repeats: int, tell: Callable[[float], None]) -> list[Timing]:
+    """The jobs' rows with their medians; each is done once before, which prepares tables and compiles."""
+    for work, _, _ in jobs:
+        work()
+    seconds = [[] for _ in jobs]
+    for turn in range(repeats):
+        tell(turn / repeats)
+        for (work, _, _), taken in zip(jobs, seconds, strict=True):
+            started = time.perf_counter()
+            work()
+            taken.append(time.perf_counter() - started)
+    rows, yardsticks = [], {}
+    for (_, row, count), taken in zip(jobs, seconds, strict=True):
+        median = statistics.median(taken)
+        row = replace(row, seconds=median)
+        if count:
+            ns = 1e9 * median / (count * ROWS * COLUMNS) if row.engine != "file" else None
+            row = replace(row, ns_per_pixel=ns, frames_per_second=count / median)
+            per_frame = [s / count for s in taken]
+            if row.engine == "yardstick":
+                yardsticks[row.what] = per_frame
+            elif row.what in yardsticks:
+                ratios = [theirs / ours for theirs, ours in zip(yardsticks[row.what], per_frame, strict=True)]
+                row = replace(row, times_yardstick=statistics.median(ratios))
+        rows.append(row)
+    return rows
+
+
+def _reconstruction_jobs(frames: int, spacing: float) -> list[Job]:
+    """The yardsticks, then every method with every engine, on a sweep along the grid."""
+    sweep = fan_sweep(frames, COLUMNS, ROWS)
+    grid, bone = _around(sweep, spacing)
+    jobs = _yardstick_jobs(METHODS, sweep, grid, bone, spacing)
+    few = sweep[::NUMPY_SHARE]
+    for method, linear in [*((method, False) for method in METHODS), ("average", True)]:
+        jobs.append(_method_job(method, "numpy", 1, few, grid, bone, spacing, linear=linear))
+        for threads in _numba_threads():
+            jobs.append(_method_job(method, "numba", threads, sweep, grid, bone, spacing, linear=linear))
+    return jobs
+
+
+def _turned_jobs(frames: int, spacing: float) -> list[Job]:
+    """The same of some methods, with numba on all of its threads, on a sweep across the grid."""
+    sweep = turned(fan_sweep(frames, COLUMNS, ROWS), TURN_DEG)
+    grid, bone = _around(sweep, spacing)
+    jobs = _yardstick_jobs(TURNED_METHODS, sweep, grid, bone, spacing)
+    for threads in _numba_threads()[-1:]:
+        jobs += [_method_job(method, "numba", threads, sweep, grid, bone, spacing) for method in TURNED_METHODS]
+    return [(work, replace(row, what=f"{row.what}, turned {TURN_DEG:g} degrees"), count) for work, row, count in jobs]
+
+
+def _around(sweep: list[TrackedFrame], spacing: float) -> tuple[VoxelGrid, BoneMap]:
+    """A grid along the axes of Reference that holds the sweep, and bone in its middle."""
+    poses = np.array([f.image_to_reference for f in sweep])
+    grid = grid_around_sweep(poses, (COLUMNS, ROWS), ImageRegion(), (spacing,) * 3)
+    return grid, slab_of_bone(grid)
+
+
+def _numba_threads() -> list[int]:
+    """Numbers of threads to time numba with, rising; none without numba."""
+    return sorted({1, min(2, usable_cores())}) if optional_module("benchmark.numba_yardstick") else []
+
+
+def _yardstick_jobs(methods: tuple[str, ...], sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float) -> list[Job]:
+    loops = optional_module("benchmark.numba_yardstick")
+    if loops is None:
+        return []
+    works = loops.yardsticks(sweep, grid, bone, PROBE)
+    return [(works[method], Timing(method, "yardstick", 1, spacing, 0.0), len(sweep)) for method in methods]
+
+
+def _method_job(
+    method: str, engine: str, threads: int, sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float, linear: bool = False
+) -> Job:
+    """Inserting a sweep into a volume that is there already, with its bone map."""
+    settings = ReconstructionSettings(method=method, engine=engine, interpolation="linear" if linear else "nearest")
+    reconstructor = Reconstructor(grid, settings, bone if method in BONE_METHODS else None, probe=PROBE, threads=threads)
+    cost = bytes_per_voxel(method, method in BONE_METHODS, best_cosine=False, shares=linear)
+    what = f"{method}, linear interpolation" if linear else method
+    return lambda: reconstructor.insert(sweep), Timing(what, engine, threads, spacing, 0.0, bytes_per_voxel=cost), len(sweep)
+
+
+def _volume_jobs(voxels: int) -> list[Job]:
+    values, mask = half_empty(voxels)
+    labels = labels_of_size(voxels)
+    grid = labels.grid
+    # A little off the map's own axes, as a registered CT lies
+    turn = np.array([[1.0, 0.02, 0.0, 0.1], [-0.02, 1.0, 0.0, 0.2], [0.0, 0.0, 1.0, 0.3], [0.0, 0.0, 0.0, 1.0]])
+    turned = VoxelGrid(grid.size, turn @ grid.ijk_to_reference)
+    bone = BoneMap.from_labels(labels)
+
+    def fill(engine: str, threads: int) -> Callable[[], object]:
+        return lambda: fill_holes(values.copy(), mask.copy(), np.full(3, 0.5), 1.0, engine=engine, threads=threads)
+
+    million = f"{mask.size / 1e6:.0f} million voxels"
+    jobs: list[Job] = [(fill("numpy", 1), Timing(f"hole filling, reach 2, {million}", "numpy", 1, 0.5, 0.0), 0)]
+    for threads in _numba_threads():
+        jobs.append((fill("numba", threads), Timing(f"hole filling, reach 2, {million}", "numba", threads, 0.5, 0.0), 0))
+    cores, sampler = usable_cores(), "scipy" if optional_module("AIFReconLib.bone.numba_map") is None else "numba"
+    jobs.append((lambda: BoneMap.from_labels(labels), Timing(f"bone map from labels, {million}", "scipy", cores, 0.5, 0.0), 0))
+    jobs.append((lambda: bone.on_grid(turned), Timing(f"bone map onto a grid, {million}", sampler, cores, 0.5, 0.0), 0))
+    return jobs
+
+
+def _file_jobs(folder: Path) -> list[Job]:
+    """Reading every image of a recording."""
+    sequence = recorded(fan_sweep(FILE_FRAMES, COLUMNS, ROWS))
+    jobs: list[Job] = []
+    for name, compress in (("uncompressed", False), ("compressed", True)):
+        path = folder / f"{name}.mha"
+        write_sequence(sequence, path, compress)
+
+        def read(path: Path = path) -> None:
+            images = read_sequence(path).images
+            for number in range(len(images)):
+                images[number]
+
+        jobs.append((read, Timing(f"reading, {name}", "file", 1, None, 0.0), FILE_FRAMES))
+    return jobs
+
+
+def _recording_jobs(data: Path) -> list[Job]:
+    """Whole reconstructions of real recordings, from their files."""
+    jobs: list[Job] = []
+    for recording, configuration in RECORDINGS:
+        if not ((data / recording).is_file() and (data / configuration).is_file()):
+            continue
+        for engine in ("numpy", "numba") if _numba_threads() else ("numpy",):
+
+            def work(recording=recording, configuration=configuration, engine=engine) -> None:
+                sequence = read_sequence(data / recording, config=data / configuration)
+                reconstruct(sequence, ReconstructionSettings(method="average", engine=engine))
+
+            jobs.append((work, Timing(f"file to volume, {recording}", engine, usable_cores(), None, 0.0), 0))
+    return jobs
+
+
+def _first_results() -> list[Timing]:
+    if not _numba_threads():
+        return []
+    compiling, kept = seconds_to_first_result()
+    return [
+        Timing("first result, all to be compiled", "numba", usable_cores(), None, compiling),
+        Timing("first result, compiled before", "numba", usable_cores(), None, kept),
+    ]
+
+
+def main(words: list[str] | None = None) -> int:
+    """Measure and print; the answer is the exit status."""
+    parser = argparse.ArgumentParser(prog="python Testing/benchmark", description=__doc__.splitlines()[0])
+    parser.add_argument("--frames", type=int, default=120, metavar="N", help="frames per repeat (default: %(default)s)")
+    parser.add_argument("--repeats", type=int, default=5, metavar="N", help="the median of this many is shown (default: %(default)s)")
+    parser.add_argument("--spacing", type=float, nargs="+", default=[0.5, 0.3], metavar="MM", help="voxel sizes to time (default: 0.5 0.3)")
+    parser.add_argument("--quick", action="store_true", help="only reconstruction, at the first voxel size, with a third of the frames")
+    parser.add_argument("--data", type=Path, default=os.environ.get("AIFRECON_DATA_DIR"), metavar="DIR", help="time its recordings too")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here, to compare later")
+    parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table here, for a document")
+    arguments = parser.parse_args(words)
+    frames, spacings, data = arguments.frames, tuple(arguments.spacing), arguments.data
+    if frames < 2 or arguments.repeats < 1 or min(spacings) <= 0:
+        parser.error("a benchmark takes at least 2 frames, 1 repeat and positive voxel sizes")
+    if arguments.quick:
+        frames, spacings, data = max(frames // 3, 2), spacings[:1], None
+    with ProgressBar() as progress:
+        result = benchmark(frames, arguments.repeats, spacings, voxels=0 if arguments.quick else VOXELS, data=data, progress=progress)
+    print(f"{result.heading()}\n")
+    print(columns(result.rows()))
+    if arguments.json:
+        write_text(arguments.json, json.dumps(result.to_dict(), indent=2) + "\n")
+    if arguments.markdown:
+        write_text(arguments.markdown, result.markdown())
+    return 0

@@ -1,0 +1,291 @@
+"""The views of the application: their nodes, logics and cameras are real, nothing is drawn.
+
+As in Slicer, a slice view fits its field of view to the size of its widget whenever events are handled after either has changed, and a 3D
+view looks at what appears in it only when it is told to.
+"""
+
+from __future__ import annotations
+
+import slicer
+import vtk
+from PySide6 import QtCore, QtWidgets
+from PySide6.QtCore import Property, Signal
+
+
+class qMRMLSliceWidget(QtWidgets.QWidget):
+    """A slice view: its node and logic are real, nothing is drawn."""
+
+    api = {"methods": ("sliceLogic", "mrmlSliceNode", "mrmlSliceCompositeNode", "fitSliceToBackground")}
+
+    def __init__(self, logic):
+        super().__init__()
+        self._logic = logic
+
+    def sliceLogic(self):
+        """The slice's logic."""
+        return self._logic
+
+    def mrmlSliceNode(self):
+        """The slice's node."""
+        return self._logic.GetSliceNode()
+
+    def mrmlSliceCompositeNode(self):
+        """The node that says which volumes the slice shows."""
+        return self._logic.GetSliceCompositeNode()
+
+    def fitSliceToBackground(self):
+        """Makes the background volume fill the view."""
+        self._logic.FitSliceToBackground()
+
+
+class qMRMLThreeDView(QtWidgets.QWidget):
+    """What a 3D view draws into: its node and camera are real, nothing is drawn."""
+
+    api = {"methods": ("mrmlViewNode", "cameraNode", "resetFocalPoint", "resetCamera")}
+
+    def __init__(self, node):
+        super().__init__()
+        self._node = node
+
+    def mrmlViewNode(self):
+        """The view's node."""
+        return self._node
+
+    def cameraNode(self):
+        """The node of the camera that looks at the view."""
+        return cameraOf(self._node)
+
+    def resetFocalPoint(self):
+        """Looks at the middle of what appears, from where the camera is."""
+        camera = self.cameraNode()
+        renderer = appearing(self._node.GetScene())
+        bounds = renderer.ComputeVisiblePropBounds()
+        if vtk.vtkMath.AreBoundsInitialized(bounds):
+            camera.SetFocalPoint([(bounds[axis] + bounds[axis + 1]) / 2 for axis in (0, 2, 4)])
+
+    def resetCamera(self, rotation=True, translation=True, distance=True):
+        """Looks at what appears from a main axis, and takes all of it in."""
+        self.cameraNode().Reset(rotation, translation, distance, appearing(self._node.GetScene()))
+
+
+class qMRMLThreeDWidget(QtWidgets.QWidget):
+    """A 3D view under its bar."""
+
+    api = {"methods": ("mrmlViewNode", "threeDView")}
+
+    def __init__(self, node):
+        super().__init__()
+        self._view = qMRMLThreeDView(node)
+
+    def mrmlViewNode(self):
+        """The view's node."""
+        return self._view.mrmlViewNode()
+
+    def threeDView(self):
+        """What the view is drawn into."""
+        return self._view
+
+
+def cameraOf(viewNode):
+    """The camera of a 3D view: the view makes it, at Slicer's first place for it, and lets it be from then on."""
+    scene, name = viewNode.GetScene(), viewNode.GetLayoutName()
+    camera = scene.GetSingletonNode(name, "vtkMRMLCameraNode")
+    if camera is None:
+        camera = slicer.vtkMRMLCameraNode()
+        camera.SetName("Camera")
+        camera.SetLayoutName(name)
+        camera = scene.AddNode(camera)
+    return camera
+
+
+def appearing(scene):
+    """A renderer with a box in the place of everything that a 3D view would show."""
+    renderer = vtk.vtkRenderer()
+    renderer.GetActiveCamera()
+    for bounds in _boundsIn3D(scene):
+        box = vtk.vtkCubeSource()
+        box.SetBounds(bounds)
+        box.Update()
+        mapper = vtk.vtkPolyDataMapper()
+        mapper.SetInputData(box.GetOutput())
+        actor = vtk.vtkActor()
+        actor.SetMapper(mapper)
+        renderer.AddActor(actor)
+    return renderer
+
+
+def _boundsIn3D(scene):
+    """RAS bounds of each node that a 3D view would show: models, closed surfaces of segments, markups and rendered volumes."""
+    for index in range(scene.GetNumberOfNodesByClass("vtkMRMLDisplayableNode")):
+        node = scene.GetNthNodeByClass(index, "vtkMRMLDisplayableNode")
+        displays = [node.GetNthDisplayNode(number) for number in range(node.GetNumberOfDisplayNodes())]
+        if not any(_showsIn3D(node, display) for display in displays if display is not None):
+            continue
+        bounds = [0.0] * 6
+        node.GetRASBounds(bounds)
+        if vtk.vtkMath.AreBoundsInitialized(bounds):
+            yield bounds
+
+
+def _showsIn3D(node, display) -> bool:
+    if not display.GetVisibility():
+        return False
+    if node.IsA("vtkMRMLVolumeNode"):
+        return display.IsA("vtkMRMLVolumeRenderingDisplayNode")
+    if node.IsA("vtkMRMLSegmentationNode"):
+        surface = slicer.vtkSegmentationConverter.GetClosedSurfaceRepresentationName()
+        return bool(display.GetVisibility3D()) and node.GetSegmentation().ContainsRepresentation(surface)
+    return bool(display.GetVisibility3D()) and (node.IsA("vtkMRMLModelNode") or node.IsA("vtkMRMLMarkupsNode"))
+
+
+class qSlicerLayoutManager(QtCore.QObject):
+    """The views: nodes and logics are real, nothing is drawn."""
+
+    api = {
+        "methods": (
+            "mrmlScene",
+            "sliceWidget",
+            "sliceViewNames",
+            "threeDWidget",
+            "mrmlSliceLogics",
+            "layoutLogic",
+            "setLayout",
+            "resetThreeDViews",
+            "resetSliceViews",
+            "pauseRender",
+            "resumeRender",
+            "setRenderPaused",
+        ),
+        "signals": {"layoutChanged(int)": "layoutChanged"},
+    }
+    layoutChanged = Signal(int)
+
+    def __init__(self, mrml):
+        super().__init__()
+        self._mrml = mrml
+        self._widgets: dict = {}
+        self._observed: dict = {}
+        self._fitting = QtCore.QTimer(self)
+        self._fitting.setSingleShot(True)
+        self._fitting.timeout.connect(self._fit)
+        scene = mrml.scene
+        self._tag = scene.AddObserver(scene.NodeAddedEvent, self._nodeAdded)
+        self._watch()
+
+    def stop(self):
+        """Hears of the scene no more."""
+        self._mrml.scene.RemoveObserver(self._tag)
+        for node, tag in self._observed.values():
+            node.RemoveObserver(tag)
+        self._observed = {}
+
+    @vtk.calldata_type(vtk.VTK_OBJECT)
+    def _nodeAdded(self, caller, event, node):
+        if node.IsA("vtkMRMLSliceNode") or node.IsA("vtkMRMLViewNode"):
+            self._watch()
+
+    def _watch(self):
+        """Fits every slice view after it has changed, and gives every 3D view its camera."""
+        for name, logic in self._logics().items():
+            node = logic.GetSliceNode()
+            if self._observed.get(name, (None, 0))[0] is not node:
+                self._observed[name] = node, node.AddObserver("ModifiedEvent", lambda *_: self._fitting.start(0))
+        for node in self._viewNodes():
+            cameraOf(node)
+        layout = self._node()
+        if layout is not None and self._observed.get("layout", (None, 0))[0] is not layout:
+            self._observed["layout"] = layout, layout.AddObserver("ModifiedEvent", lambda *_: self._map())
+        self._map()
+
+    def _map(self):
+        """Tells every view whether the layout shows it."""
+        shown = self._mrml.layoutLogic.GetViewNodes()
+        shown = [shown.GetItemAsObject(i) for i in range(shown.GetNumberOfItems())]
+        for node in [logic.GetSliceNode() for logic in self._logics().values()] + self._viewNodes():
+            node.SetMappedInLayout(any(node is each for each in shown))
+
+    def _fit(self):
+        for logic in self._logics().values():
+            width, height, _depth = logic.GetSliceNode().GetDimensions()
+            logic.ResizeSliceNode(width, height)
+
+    def _node(self):
+        return self._mrml.scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+
+    def mrmlScene(self):
+        """The scene."""
+        return self._mrml.scene
+
+    def _logics(self) -> dict:
+        logics = self._mrml.applicationLogic.GetSliceLogics()
+        found = [logics.GetItemAsObject(i) for i in range(logics.GetNumberOfItems())]
+        return {logic.GetSliceNode().GetLayoutName(): logic for logic in found if logic.GetSliceNode() is not None}
+
+    def _viewNodes(self) -> list:
+        scene = self._mrml.scene
+        return [scene.GetNthNodeByClass(i, "vtkMRMLViewNode") for i in range(scene.GetNumberOfNodesByClass("vtkMRMLViewNode"))]
+
+    def sliceViewNames(self):
+        """The names of the slice views that the layout shows."""
+        return [name for name, logic in self._logics().items() if logic.GetSliceNode().IsMappedInLayout()]
+
+    def sliceWidget(self, name):
+        """A slice view by name, or None."""
+        logic = self._logics().get(name)
+        if logic is None:
+            return None
+        if name not in self._widgets or self._widgets[name].sliceLogic() is not logic:
+            self._widgets[name] = qMRMLSliceWidget(logic)
+        return self._widgets[name]
+
+    def threeDWidget(self, which):
+        """A 3D view by number, among those that the layout shows, or by name; None where there is no such view."""
+        nodes = [node for node in self._viewNodes() if node.IsMappedInLayout()]
+        if not isinstance(which, str):
+            node = nodes[which] if 0 <= which < len(nodes) else None
+        else:
+            node = next((each for each in self._viewNodes() if each.GetLayoutName() == which), None)
+        if node is None:
+            return None
+        if self._widgets.get(node.GetID()) is None or self._widgets[node.GetID()].mrmlViewNode() is not node:
+            self._widgets[node.GetID()] = qMRMLThreeDWidget(node)
+        return self._widgets[node.GetID()]
+
+    def mrmlSliceLogics(self):
+        """The logics of all slice views."""
+        return self._mrml.applicationLogic.GetSliceLogics()
+
+    def layoutLogic(self):
+        """The layout's logic."""
+        return self._mrml.layoutLogic
+
+    def setLayout(self, layout):
+        """Shows another layout."""
+        self._node().SetViewArrangement(layout)
+        self.layoutChanged.emit(layout)
+
+    def resetThreeDViews(self):
+        """Has every 3D view look at what appears in it."""
+        for number in range(self.threeDViewCount):
+            view = self.threeDWidget(number).threeDView()
+            view.resetFocalPoint()
+            view.resetCamera()
+
+    def resetSliceViews(self):
+        """Makes what the slice views show fill them."""
+        for logic in self._logics().values():
+            logic.FitSliceToBackground()
+
+    def pauseRender(self):
+        """Does nothing: nothing is drawn."""
+
+    def resumeRender(self):
+        """Does nothing: nothing is drawn."""
+
+    def setRenderPaused(self, paused):
+        """Does nothing: nothing is drawn."""
+
+    layout = Property(int, lambda self: self._node().GetViewArrangement(), setLayout)
+    threeDViewCount = Property(int, lambda self: len([node for node in self._viewNodes() if node.IsMappedInLayout()]))
+    tableViewCount = Property(int, lambda self: 0)
+    plotViewCount = Property(int, lambda self: 0)

@@ -1,0 +1,179 @@
+"""The cases of the study: simulated patients, scans, wrong CTs and wrong poses, and what every method makes of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.evaluation.metrics import evaluate
+from AIFReconLib.evaluation.surface import BoneSurface
+from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.settings import BONE_METHODS, ReconstructionSettings
+from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
+from AIFReconLib.simulation.phased_array import PhasedArray
+from AIFReconLib.simulation.scan import ProbePath, TrackingErrors, ct_misregistration, multi_angle_sweep, simulate_sweep, single_angle_sweep
+from AIFReconLib.sweep.configuration import PlusConfiguration
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
+
+SPACING = 1.0
+HOLE_LIMIT = 2.0
+SIGMA = 4.0
+"""mm; width of the bone map, for every method alike."""
+
+BEAM_THICKNESS = 3.0
+MULTI_FRAMES, SINGLE_FRAMES = 360, 120
+METHODS = ("average", "aif", "aif-compensated", "weighted")
+MISREGISTRATIONS = {
+    "CT 1 mm off": (1.0, 0.0),
+    "CT 2 mm off": (2.0, 0.0),
+    "CT 4 mm off": (4.0, 0.0),
+    "CT 2 deg off": (0.0, 2.0),
+    "CT 5 deg off": (0.0, 5.0),
+}
+"""Length of the shift in a random direction, mm, and angle about a random axis through the middle vertebra, degrees."""
+
+OF_MULTI = "single-angle, of what multi-angle reaches"
+TRACKER_NOISE = TrackingErrors(noise=0.5, noise_deg=1.0)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One reconstruction of the study and its numbers."""
+
+    seed: int
+    scan: str
+    condition: str
+    method: str
+    direction: str
+    metrics: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """A sweep with its configuration, and the truth it is measured against."""
+
+    sequence: TrackedSequence
+    truth: BoneTruth
+
+
+def patient_rows(seed: int) -> list[Row]:
+    """All reconstructions of one simulated patient. About six minutes on one core."""
+    phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(seed))
+    probe = PhasedArray()
+    multi = simulated_scan(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed)
+    rows = _exact(seed, "multi-angle", multi, phantom.labels)
+    single = simulated_scan(phantom, probe, single_angle_sweep(phantom, SINGLE_FRAMES), seed)
+    rows += _exact(seed, "single-angle", single, phantom.labels)
+    against_multi = Scan(single.sequence, multi.truth)
+    rows += [_row(seed, OF_MULTI, "exact", method, against_multi, phantom.labels) for method in ("average", "weighted")]
+    about = _middle(phantom)
+    for condition, (translation, rotation_deg) in MISREGISTRATIONS.items():
+        wrong = phantom.labels.placed_by(ct_misregistration(translation, rotation_deg, seed, about))
+        rows += [_row(seed, "multi-angle", condition, method, multi, wrong) for method in BONE_METHODS]
+    noisy = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed=seed, errors=TRACKER_NOISE)
+    noisy_scan = Scan(_configured(noisy, probe), multi.truth)
+    rows += [_row(seed, "multi-angle", "tracker noise", method, noisy_scan, phantom.labels) for method in METHODS]
+    return rows + _controls(seed, phantom, probe, multi)
+
+
+def _exact(seed: int, name: str, scan: Scan, labels: Volume) -> list[Row]:
+    rows = [_row(seed, name, "exact", method, scan, labels) for method in ("average", "latest", "maximum", *BONE_METHODS)]
+    return rows + [_row(seed, name, "exact", method, scan, labels, "surface") for method in BONE_METHODS]
+
+
+def _controls(seed: int, phantom: LumbarPhantom, probe: PhasedArray, multi: Scan) -> list[Row]:
+    """A prior can flatter itself: CTs that show what is not there, or lack what is."""
+    rows = []
+    other = make_lumbar_phantom(LumbarAnatomy.from_seed(seed + 1000)).labels
+    level = np.eye(4)
+    level[2, 3] = phantom.anatomy.body_height + phantom.anatomy.disc_height
+    without = without_middle_process(phantom)
+    process = removed_surface(multi.truth.surface, without.bone_distance)
+    for condition, labels in (
+        ("CT of another patient", other),
+        ("CT one level off", phantom.labels.placed_by(level)),
+        ("CT lacks a process", without.labels),
+    ):
+        rows += [_row(seed, "multi-angle", condition, method, multi, labels) for method in ("aif-compensated", "weighted")]
+    of_process = Scan(multi.sequence, restricted(multi.truth, process))
+    for condition, labels in (("right CT, that process", phantom.labels), ("CT lacks it, that process", without.labels)):
+        rows += [_row(seed, "multi-angle", condition, method, of_process, labels) for method in ("average", "aif-compensated", "weighted")]
+    lacking = simulated_scan(without, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed)
+    no_process = Scan(lacking.sequence, restricted(multi.truth, process, lacking.truth.shadows))
+    for condition, labels in (("no process, right CT", without.labels), ("no process, CT shows one", phantom.labels)):
+        rows += [_row(seed, "multi-angle", condition, method, no_process, labels) for method in ("average", "aif-compensated", "weighted")]
+    return rows
+
+
+def _row(seed: int, scan_name: str, condition: str, method: str, scan: Scan, labels: Volume, direction: str = "gradient") -> Row:
+    """Reconstruct and measure."""
+    bone = BoneMap.from_labels(labels, sigma_mm=SIGMA) if method in BONE_METHODS else None
+    settings = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT, bone_direction=direction)
+    result = reconstruct(scan.sequence, settings, bone)
+    metrics = evaluate(result.intensity, scan.truth, result.mask).to_dict()
+    return Row(seed, scan_name, condition, method, direction if method in BONE_METHODS else "", metrics)
+
+
+def simulated_scan(phantom: LumbarPhantom, probe: PhasedArray, path: ProbePath, seed: int) -> Scan:
+    """A simulated sweep along a path, with a configuration as a recording has one, and the bone that its beams could show."""
+    sequence = _configured(simulate_sweep(phantom, probe, path, seed=seed), probe)
+    poses = sweep_poses(sequence)
+    beams = SweepBeams(poses.image_to_reference[poses.usable], sequence.frame_size, probe.geometry, probe.region, BEAM_THICKNESS)
+    return Scan(sequence, bone_truth(phantom.labels, beams, distance=phantom.bone_distance))
+
+
+def _configured(sequence: TrackedSequence, probe: PhasedArray) -> TrackedSequence:
+    calibration = {TransformName("Image", "Probe"): TransformSample(probe.image_to_probe)}
+    return replace(sequence, configuration=PlusConfiguration(Path("simulated"), calibration, region=probe.region, probe=probe.geometry))
+
+
+def _middle(phantom: LumbarPhantom) -> np.ndarray:
+    junctions = phantom.spinolaminar_junctions()
+    return junctions[len(junctions) // 2]
+
+
+def without_middle_process(phantom: LumbarPhantom) -> LumbarPhantom:
+    """The phantom after its middle spinous process was taken away: all bone more than 2 mm posterior of its lamina, at that level.
+
+    Notes
+    -----
+    With r the signed distance to the box taken away, bone is where max(d, -r) <= 0.
+    """
+    _, y, z = _middle(phantom)
+    half_level = (phantom.anatomy.body_height + phantom.anatomy.disc_height) / 2
+    distance = phantom.bone_distance
+
+    def taken_away(volume: Volume) -> np.ndarray:
+        i_size, j_size, k_size = volume.grid.size
+        k, j = np.meshgrid(np.arange(k_size), np.arange(j_size), indexing="ij")
+        zeros = np.zeros_like(k)
+        points = np.stack([zeros, j, k], axis=-1) @ volume.ijk_to_reference[:3, :3].T + volume.ijk_to_reference[:3, 3]
+        box = np.maximum(points[..., 1] - (y - 2.0), np.abs(points[..., 2] - z) - half_level)
+        return np.broadcast_to(box[:, :, None], (k_size, j_size, i_size)).astype(np.float32)
+
+    cut = Volume(np.maximum(distance.array, -taken_away(distance)), distance.ijk_to_reference)
+    labels = Volume(np.where(taken_away(phantom.labels) < 0, 0, phantom.labels.array).astype(np.uint8), phantom.labels.ijk_to_reference)
+    return replace(phantom, bone_distance=cut, labels=labels)
+
+
+def removed_surface(surface: BoneSurface, distance_without: Volume) -> np.ndarray:
+    """Which points of a surface are bone no more once something was taken away, (n,) bool."""
+    grid = distance_without.grid
+    ijk = surface.points_reference @ grid.reference_to_ijk[:3, :3].T + grid.reference_to_ijk[:3, 3]
+    i, j, k = np.clip(np.rint(ijk).astype(int), 0, np.array(grid.size) - 1).T
+    return distance_without.array[k, j, i] > 1.0
+
+
+def restricted(truth: BoneTruth, points: np.ndarray, shadows: Volume | None = None) -> BoneTruth:
+    """A truth of some of its surface points only, (n,) bool; `shadows` where another scan is measured at them."""
+    surface = truth.surface
+    part = BoneSurface(surface.points_reference[points], surface.normals_reference[points], surface.areas[points], surface.labels[points])
+    best = None if truth.best_cosine is None else truth.best_cosine[points]
+    return BoneTruth(part, truth.distance, truth.border[points], best, shadows or truth.shadows)

@@ -1,0 +1,97 @@
+"""The study's numbers as a page of tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from .method_cases import METHODS, MISREGISTRATIONS, MULTI_FRAMES, OF_MULTI, SIGMA, SINGLE_FRAMES, SPACING, Row
+from .patients import Spread, spread_of
+
+COLUMNS = (
+    ("CNR", "bone_cnr", 1),
+    ("CNR oblique", "oblique_cnr", 1),
+    ("detect.", "bone_detectability", 1),
+    ("coverage %", "bone_coverage", 100),
+    ("coverage oblique %", "oblique_coverage", 100),
+    ("interspinous %", "interspinous_coverage", 100),
+    ("thickness mm", "bone_thickness", 1),
+    ("off mm", "bone_localization_error", 1),
+    ("shadow", "shadow_mean", 1),
+    ("speckle SNR", "speckle_snr", 1),
+)
+
+WRONG = ("CT of another patient", "CT one level off", "CT lacks a process")
+
+PROCESS = ("right CT, that process", "CT lacks it, that process", "no process, right CT", "no process, CT shows one")
+
+
+def study_page(rows: list[Row]) -> str:
+    """The tables of the study as Markdown.
+
+    Parameters
+    ----------
+    rows : list of Row
+        Of all patients.
+    """
+    patients = len({row.seed for row in rows})
+    multi = {"scan": "multi-angle", "condition": "exact"}
+    average = ("average (any CT)", {**multi, "method": "average"})
+    sections = {
+        "Exact poses and CT, multi-angle": _exact(rows, "multi-angle"),
+        "Exact poses and CT, single-angle": _exact(rows, "single-angle"),
+        "Single against multi-angle, on the bone that multi-angle reaches": _table(
+            rows,
+            [(f"single-angle, {method}", {"scan": OF_MULTI, "method": method}) for method in ("average", "weighted")]
+            + [(f"multi-angle, {m}", {**multi, "method": m, "direction": d}) for m, d in (("average", ""), ("weighted", "gradient"))],
+        ),
+        "A misregistered CT": _table(
+            rows,
+            [average]
+            + [
+                (f"{condition}, {method}", {**multi, "condition": condition, "method": method, "direction": "gradient"})
+                for condition in ("exact", *MISREGISTRATIONS)
+                for method in METHODS[1:]
+            ],
+        ),
+        "Tracker noise of 0.5 mm and 1 degree": _table(
+            rows, [(method, {**multi, "condition": "tracker noise", "method": method}) for method in METHODS]
+        ),
+        "A wrong CT": _table(rows, [average, *_conditions(WRONG, METHODS[2:])]),
+        "One spinous process that the CT lacks, or shows where there is none": _table(
+            rows, _conditions(PROCESS, ("average", *METHODS[2:]))
+        ),
+    }
+    head = (
+        f"{patients} simulated patients; medians, with quartiles in brackets. Multi-angle: {MULTI_FRAMES} frames in nine passes; "
+        f"single-angle: {SINGLE_FRAMES} frames in one. Voxels of {SPACING:g} mm, bone map of {SIGMA:g} mm. The last table is measured on "
+        "the surface of one process alone: where the scan has none, whatever is covered is false bone."
+    )
+    return "\n\n".join([head, *(f"### {title}\n\n{table}" for title, table in sections.items())]) + "\n"
+
+
+def _conditions(conditions: Iterable[str], methods: Iterable[str]) -> list[tuple[str, dict[str, str]]]:
+    return [(f"{condition}, {method}", {"condition": condition, "method": method}) for condition in conditions for method in methods]
+
+
+def _exact(rows: list[Row], scan: str) -> str:
+    wanted = {"scan": scan, "condition": "exact"}
+    lines = [(method, {**wanted, "method": method, "direction": ""}) for method in ("average", "latest", "maximum")]
+    for method in METHODS[1:]:
+        lines += [(f"{method}, {d}", {**wanted, "method": method, "direction": d}) for d in ("gradient", "surface")]
+    return _table(rows, lines)
+
+
+def _table(rows: list[Row], lines: Iterable[tuple[str, dict[str, str]]]) -> str:
+    text = ["| | " + " | ".join(label for label, _, _ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
+    for name, wanted in lines:
+        cells = [_cell(spread_of(rows, metric, **wanted), scale) for _, metric, scale in COLUMNS]
+        text.append(f"| {name} | " + " | ".join(cells) + " |")
+    return "\n".join(text)
+
+
+def _cell(spread: Spread, scale: float) -> str:
+    if spread.median != spread.median:
+        return "-"
+    form = ".0f" if scale == 100 else ".2f"
+    low, median, high = (format(scale * value, form) for value in (spread.low, spread.median, spread.high))
+    return f"{median} [{low}, {high}]"
