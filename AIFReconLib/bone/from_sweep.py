@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage, sparse
 
-from ..arrays import Floats, Integers, Mask, Matrix, Singles
+from ..arrays import Array, Floats, Integers, Mask, Matrix, Numbers, Reals, Singles
 from ..errors import BeamGeometryError, GeometryError
 from ..geometry.transforms import pixel_spacing
 from ..geometry.volume import Volume, VoxelGrid
@@ -109,7 +109,8 @@ class BoneEchoFinder:
             )
         self._spacing = np.asarray(spacing)
         mask = imaging.region.mask(*size)
-        lines = scan_line_samples(*np.nonzero(mask)[::-1], spacing, imaging.probe)
+        at_row, at_column = np.nonzero(mask)
+        lines = scan_line_samples(at_column, at_row, spacing, imaging.probe)
         columns, rows = lines.columns, lines.rows
         across = np.hypot(np.diff(columns, axis=0) * spacing[0], np.diff(rows, axis=0) * spacing[1])
         # A sector's lines diverge: their distance at half depth stands for all
@@ -135,7 +136,7 @@ class BoneEchoFinder:
         """Scan lines that are looked at: the most echoes that an image can have."""
         return len(self._columns)
 
-    def find(self, image: np.ndarray) -> BoneEchoes:
+    def find(self, image: Numbers) -> BoneEchoes:
         """The bone echoes of an image, (rows, columns); values below 0 and not finite count as 0."""
         image = image.astype(np.float32)
         if not np.isfinite(image).all():
@@ -144,7 +145,7 @@ class BoneEchoFinder:
         values[~self._known] = 0.0
         lit = values[values > 0]
         scores = np.zeros(len(values), dtype=np.float32)
-        samples = np.zeros(len(values))
+        samples: Floats = np.zeros(len(values))
         if lit.size:
             echo = ndimage.gaussian_filter(values, self._sigma, output=np.float32) / self._reach
             sums = _running_sum(values)
@@ -162,7 +163,7 @@ class BoneEchoFinder:
         beams = way / np.maximum(np.linalg.norm(way * self._spacing, axis=1, keepdims=True), 1e-9)
         return BoneEchoes(start + (samples[bone] - before)[:, None] * way, beams, scores[bone])
 
-    def _crest(self, echo: np.ndarray, samples: np.ndarray) -> np.ndarray:
+    def _crest(self, echo: Reals, samples: Integers) -> Floats:
         """Where each line is brightest up to `CREST` before these samples, between samples by a parabola, (lines,) float64."""
         reach, lines = round(CREST / self._step), np.arange(len(samples))
         near = np.clip(samples[:, None] + np.arange(-reach, 1), 0, echo.shape[1] - 1)
@@ -170,9 +171,10 @@ class BoneEchoFinder:
         before, here, after = (echo[lines, np.clip(crest + shift, 0, echo.shape[1] - 1)].astype(np.float64) for shift in (-1, 0, 1))
         bend = before - 2 * here + after
         shift = np.divide(0.5 * (before - after), bend, out=np.zeros(len(crest)), where=bend < 0)
-        return np.clip(crest + np.clip(shift, -0.5, 0.5), 0, echo.shape[1] - 1)
+        between: Floats = np.clip(crest + np.clip(shift, -0.5, 0.5), 0, echo.shape[1] - 1)
+        return between
 
-    def _agreed(self, samples: Integers, found: Mask) -> Mask:
+    def _agreed(self, samples: Floats, found: Mask) -> Mask:
         """Which lines that found bone have enough neighbors that found it at about the same depth, (lines,) bool."""
         reach = max(round(NEIGHBORHOOD / self._pitch), 1)
         depth = np.pad(np.where(found, samples * self._step, np.inf), reach, constant_values=np.inf)
@@ -245,21 +247,25 @@ def bone_from_sweep(
     return BoneMap(Volume(probability, grid.ijk_to_reference), Volume(inside.astype(np.uint8), grid.ijk_to_reference))
 
 
-def _within(columns: np.ndarray, rows: np.ndarray, mask: np.ndarray) -> np.ndarray:
+def _within(columns: Floats, rows: Floats, mask: Mask) -> Mask:
     """Which samples have a pixel of the mask (rows, columns) nearest to them."""
-    columns, rows = np.rint(columns).astype(np.int64), np.rint(rows).astype(np.int64)
-    within = (columns >= 0) & (columns < mask.shape[1]) & (rows >= 0) & (rows < mask.shape[0])
-    return within & mask[np.clip(rows, 0, mask.shape[0] - 1), np.clip(columns, 0, mask.shape[1] - 1)]
+    column, row = np.rint(columns).astype(np.int64), np.rint(rows).astype(np.int64)
+    within: Mask = (column >= 0) & (column < mask.shape[1]) & (row >= 0) & (row < mask.shape[0])
+    within &= mask[np.clip(row, 0, mask.shape[0] - 1), np.clip(column, 0, mask.shape[1] - 1)]
+    return within
 
 
-def _mean_of_blocks(values: np.ndarray, together: tuple[int, int]) -> np.ndarray:
+def _mean_of_blocks(values: Floats | Mask, together: tuple[int, int]) -> Floats:
     """Means over blocks of so many lines and samples; lines and samples that fill no block are left out."""
     lines, samples = (n // block for n, block in zip(values.shape, together))
     kept = values[: lines * together[0], : samples * together[1]]
-    return kept.reshape(lines, together[0], samples, together[1]).mean(axis=(1, 3))
+    means: Floats = kept.reshape(lines, together[0], samples, together[1]).mean(axis=(1, 3))
+    return means
 
 
-def _reading_matrix(columns: np.ndarray, rows: np.ndarray, known: np.ndarray, size: tuple[int, int], together: tuple[int, int]):
+def _reading_matrix(
+    columns: Floats, rows: Floats, known: Mask, size: tuple[int, int], together: tuple[int, int]
+) -> sparse.csr_matrix[np.float32]:
     """The matrix that takes an image's pixels to the mean of each block of known samples, by linear interpolation; sparse float32."""
     lines, samples = (n // block for n, block in zip(columns.shape, together))
     line, sample = (number // block for number, block in zip(np.nonzero(known), together))
@@ -276,7 +282,7 @@ def _reading_matrix(columns: np.ndarray, rows: np.ndarray, known: np.ndarray, si
     return sparse.csr_matrix((share.astype(np.float32), (np.tile(block, 4), pixels)), shape=(lines * samples, size[0] * size[1]))
 
 
-def _running_sum(lines: np.ndarray) -> np.ndarray:
+def _running_sum(lines: Array) -> Floats:
     """Sums before each sample of a line: (lines, samples + 1)."""
     return np.cumsum(np.pad(lines, ((0, 0), (1, 0))), axis=1, dtype=np.float64)
 

@@ -12,6 +12,8 @@ import numpy as np
 
 from ..compounding.reconstructor import Reconstruction
 from ..errors import AIFReconError
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..io.disk.atomic import check_writable, write_text
@@ -23,6 +25,7 @@ from ..registration.agreement import check
 from ..registration.bone_field import BoneField
 from ..registration.echoes import sweep_echoes
 from ..settings import BONE_METHODS
+from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
 from .console import ProgressBar
 from .options import (
@@ -150,7 +153,9 @@ def run(arguments: argparse.Namespace) -> None:
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
 
 
-def _agreement(arguments: argparse.Namespace, sequence, region, probe, method: str) -> list[str]:
+def _agreement(
+    arguments: argparse.Namespace, sequence: TrackedSequence, region: ImageRegion | None, probe: ProbeGeometry | None, method: str
+) -> list[str]:
     """What the sweep's own bone says of the CT's registration, a line each; nothing where no labels were used.
 
     Notes

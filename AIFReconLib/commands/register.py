@@ -16,7 +16,7 @@ from ..progress import part
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
 from .console import ProgressBar
-from .options import add_imaging_options, imaging_from, refuse_to_overwrite
+from .options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
 from .reconstruct import add_tracking_options
 from .sequence_options import add_sequence_options, sequence_from, sequence_inputs
 
@@ -29,7 +29,7 @@ Without --bone-transform the place is looked for: the labels' axes are the patie
 Exit code 1: the CT does not agree with the sweep, or fits as well elsewhere; then no transform is written (--report and --preview are)."""
 
 
-def add_to(commands) -> None:
+def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "register",

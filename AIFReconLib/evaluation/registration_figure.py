@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from scipy import ndimage
 
+from ..arrays import Floats
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 from ..io.disk.atomic import atomic_output
@@ -30,7 +31,7 @@ CUTS = (("sagittal", 0, 1, 2), ("axial", 2, 0, 1), ("coronal", 1, 0, 2))
 look at it, the patient's right or front on the left."""
 
 
-def registration_figure(path: str | Path, echoes: np.ndarray, labels: Volume, title: str) -> None:
+def registration_figure(path: str | Path, echoes: Floats, labels: Volume, title: str) -> None:
     """Draw the echoes near three cuts through the middle of what was seen, colored by their distance to bone.
 
     Parameters
@@ -48,7 +49,8 @@ def registration_figure(path: str | Path, echoes: np.ndarray, labels: Volume, ti
         When the file cannot be written.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.colors import LinearSegmentedColormap
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LinearSegmentedColormap, Normalize
     from matplotlib.figure import Figure
 
     points, field_of_bone = echoes, distance_from_labels(labels)
@@ -58,7 +60,7 @@ def registration_figure(path: str | Path, echoes: np.ndarray, labels: Volume, ti
     figure = Figure(figsize=(13.0, 5.2), facecolor=BACKGROUND)
     FigureCanvasAgg(figure)
     panels = figure.subplots(1, 3)
-    colors, dots = LinearSegmentedColormap.from_list("distance", COLORS), None
+    colors = LinearSegmentedColormap.from_list("distance", COLORS)
     for panel, (name, across, right, up) in zip(panels, CUTS):
         # The cut that shows most: where echoes are densest along its axis
         offset = _densest(points[near, across], middle[across]) if near.any() else middle[across]
@@ -73,7 +75,7 @@ def registration_figure(path: str | Path, echoes: np.ndarray, labels: Volume, ti
             panel.contourf(*spans, field, levels=[-100, 0], colors=[BONE], alpha=0.35)
             panel.contour(*spans, field, levels=[0], colors=[BONE], linewidths=0.9)
         order = np.argsort(own)
-        dots = panel.scatter(
+        panel.scatter(
             seen[order, right], seen[order, up], c=own[order], s=4, cmap=colors, vmin=0, vmax=FARTHEST, linewidths=0, rasterized=True
         )
         panel.set(xlim=spans[0][[-1, 0]], ylim=spans[1][[0, -1]], aspect="equal", facecolor=BACKGROUND)
@@ -83,7 +85,7 @@ def registration_figure(path: str | Path, echoes: np.ndarray, labels: Volume, ti
         panel.tick_params(colors=INK, labelsize=8)
         for edge in panel.spines.values():
             edge.set_color("#444444")
-    bar = figure.colorbar(dots, ax=panels, shrink=0.85, pad=0.015, extend="max")
+    bar = figure.colorbar(ScalarMappable(Normalize(0, FARTHEST), colors), ax=panels, shrink=0.85, pad=0.015, extend="max")
     bar.set_label("distance of the bone echo to the CT's bone (mm)", color=INK, fontsize=9)
     bar.ax.tick_params(colors=INK, labelsize=8)
     figure.suptitle(title, color=INK, fontsize=12)
@@ -91,7 +93,7 @@ def registration_figure(path: str | Path, echoes: np.ndarray, labels: Volume, ti
         figure.savefig(temporary, dpi=DPI, facecolor=BACKGROUND)
 
 
-def _densest(values: np.ndarray, otherwise: float) -> float:
+def _densest(values: Floats, otherwise: float) -> float:
     """Where most values lie within a slab; `otherwise` where there is none."""
     if not len(values):
         return otherwise
@@ -100,7 +102,7 @@ def _densest(values: np.ndarray, otherwise: float) -> float:
     return float((edges[best] + edges[best + 1]) / 2)
 
 
-def _sample(distance: Volume, points: np.ndarray) -> np.ndarray:
+def _sample(distance: Volume, points: Floats) -> Floats:
     """Distances (n,) at points (n, 3), by linear interpolation; the limit outside."""
     ijk = transform_points(distance.grid.reference_to_ijk, points)
     return ndimage.map_coordinates(distance.array, ijk.T[::-1], order=1, mode="constant", cval=DISTANCE_LIMIT)

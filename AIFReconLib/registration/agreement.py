@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..arrays import Floats, Integers, Mask
 from ..geometry.transforms import invert, transform_points
 from ..message import Message, listed
 from .bone_field import BoneField
@@ -48,18 +49,19 @@ class EchoFit:
         Whether the sound enters bone there and no bone lies before it.
     """
 
-    distances: np.ndarray
-    reachable: np.ndarray
+    distances: Floats
+    reachable: Mask
 
     @property
-    def near(self) -> np.ndarray:
+    def near(self) -> Mask:
         """Echoes that say something about the registration, (n,) bool."""
         return self.distances <= NEAR
 
     @property
-    def agreeing(self) -> np.ndarray:
+    def agreeing(self) -> Mask:
         """Echoes within `CLOSE` of bone that their beams could reach, (n,) bool."""
-        return (np.abs(self.distances) <= CLOSE) & self.reachable
+        agreeing: Mask = (np.abs(self.distances) <= CLOSE) & self.reachable
+        return agreeing
 
 
 @dataclass(frozen=True)
@@ -146,7 +148,7 @@ class Agreement:
         return Message("The CT is probably not where the bone is, or of another patient.")
 
 
-def fit_echoes(echoes: SweepEchoes, bone: BoneField, labels_to_reference: np.ndarray) -> EchoFit:
+def fit_echoes(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) -> EchoFit:
     """How each echo lies to bone that stands where `labels_to_reference` puts it."""
     to_labels = invert(labels_to_reference)
     points, beams = transform_points(to_labels, echoes.points), echoes.beams @ to_labels[:3, :3].T
@@ -160,7 +162,7 @@ def fit_echoes(echoes: SweepEchoes, bone: BoneField, labels_to_reference: np.nda
     return EchoFit(distances, reachable)
 
 
-def check(echoes: SweepEchoes, bone: BoneField, labels_to_reference: np.ndarray) -> Agreement:
+def check(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) -> Agreement:
     """How well bone that stands where `labels_to_reference` puts it agrees with the echoes.
 
     Parameters
@@ -177,7 +179,7 @@ def check(echoes: SweepEchoes, bone: BoneField, labels_to_reference: np.ndarray)
     return agreement_of(fit, owners)
 
 
-def agreement_of(fit: EchoFit, owners: np.ndarray) -> Agreement:
+def agreement_of(fit: EchoFit, owners: Integers) -> Agreement:
     """The agreement of echoes that are fitted and belong to the labels `owners` (n,); 0: to none in particular."""
     near = fit.near
     distances, agreeing, owners = np.abs(fit.distances[near]), fit.agreeing[near], owners[near]
@@ -189,6 +191,6 @@ def agreement_of(fit: EchoFit, owners: np.ndarray) -> Agreement:
     return Agreement(*_share_and_median(agreeing, distances), len(distances), len(near) - len(distances), per_label, tightness)
 
 
-def _share_and_median(agreeing: np.ndarray, distances: np.ndarray) -> tuple[float, float]:
+def _share_and_median(agreeing: Mask, distances: Floats) -> tuple[float, float]:
     """Share of True, and median in mm; 0 and NaN of none."""
     return (float(agreeing.mean()), float(np.median(distances))) if len(distances) else (0.0, float("nan"))

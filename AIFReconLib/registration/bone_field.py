@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
+from ..arrays import Floats, Integers, Mask
 from ..errors import GeometryError
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
@@ -71,11 +72,11 @@ class BoneField:
         return cls(Volume(_signed_distance(inside, spacing[::-1]), labels.ijk_to_reference @ to_labels), labels)
 
     @property
-    def middle(self) -> np.ndarray:
+    def middle(self) -> Floats:
         """Center of the box around bone, (3,) mm."""
         return transform_points(self.distance.ijk_to_reference, (np.array(self.distance.grid.size) - 1) / 2)
 
-    def sample(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def sample(self, points: Floats) -> tuple[Floats, Floats]:
         """Distances (n,) and their slopes (n, 3) at points (n, 3) of the labels' frame, by linear interpolation."""
         array, grid = self.distance.array, self.distance.grid
         ijk = transform_points(grid.reference_to_ijk, points)
@@ -98,7 +99,7 @@ class BoneField:
         slopes[outside] = 0.0
         return np.where(outside, REACH, v0 + a * (v1 - v0)), slopes
 
-    def distances(self, points: np.ndarray) -> np.ndarray:
+    def distances(self, points: Floats) -> Floats:
         """Distances alone at points (..., 3): to the nearest voxel, without interpolation."""
         array, grid = self.distance.array, self.distance.grid
         to_ijk = grid.reference_to_ijk
@@ -108,7 +109,7 @@ class BoneField:
         i, j, k = ijk.T
         return np.where(outside, np.float32(REACH), array[k, j, i]).reshape(points.shape[:-1])
 
-    def label_at(self, points: np.ndarray) -> np.ndarray:
+    def label_at(self, points: Floats) -> Integers:
         """The bone whose surface is nearest to points (n, 3) within some mm, (n,) int; 0 where none was met."""
         distance, slopes = self.sample(points)
         slopes /= np.maximum(np.linalg.norm(slopes, axis=1, keepdims=True), 1e-6)
@@ -118,13 +119,13 @@ class BoneField:
             open_ = np.flatnonzero(result == 0)
             under = points[open_] - (np.maximum(distance[open_], 0.0) + depth)[:, None] * slopes[open_]
             ijk = np.floor(transform_points(to_ijk, under) + 0.5).astype(np.int64)
-            known = ((ijk >= 0) & (ijk < self.labels.grid.size)).all(axis=1)
+            known: Mask = np.all((ijk >= 0) & (ijk < np.array(self.labels.grid.size)), axis=1)
             i, j, k = np.where(known[:, None], ijk, 0).T
             result[open_] = np.where(known, self.labels.array[k, j, i], 0)
         return result
 
 
-def _signed_distance(inside: np.ndarray, spacing_kji: np.ndarray) -> np.ndarray:
+def _signed_distance(inside: Mask, spacing_kji: Floats) -> Floats:
     """Signed distance to the surface, which lies half a voxel from the centers of the voxels on either side of it; smoothed, float32."""
     half = np.float32(0.5 * np.prod(spacing_kji) ** (1 / 3))
     distance = ndimage.distance_transform_edt(~inside, sampling=spacing_kji).astype(np.float32)

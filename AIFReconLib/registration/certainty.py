@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Floats
 from ..message import Message
 from .bone_field import BoneField
 from .echoes import SweepEchoes
@@ -39,7 +40,7 @@ class Loose:
     """
 
     kind: str
-    axis: np.ndarray
+    axis: Floats
     amount: float
 
     @property

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Floats, Integers, Mask, Singles
 from ..bone.from_sweep import BoneEchoFinder
 from ..errors import GeometryError
 from ..geometry.transforms import pixel_spacing
@@ -43,15 +44,15 @@ class SweepEchoes:
         Number of the frame that showed it, counted over all sweeps.
     """
 
-    points: np.ndarray
-    beams: np.ndarray
-    scores: np.ndarray
-    frames: np.ndarray
+    points: Floats
+    beams: Floats
+    scores: Singles
+    frames: Integers
 
     def __len__(self) -> int:
         return len(self.points)
 
-    def __getitem__(self, chosen) -> SweepEchoes:
+    def __getitem__(self, chosen: Mask | Integers) -> SweepEchoes:
         return SweepEchoes(self.points[chosen], self.beams[chosen], self.scores[chosen], self.frames[chosen])
 
     @classmethod
@@ -93,8 +94,10 @@ class EchoReader:
 
     def read(self, frame: TrackedFrame, number: int | None = None) -> SweepEchoes:
         """The echoes of a frame that has an image and a pose; `number` stands for the frame's own."""
-        echoes = self._finder.find(frame.image)
-        matrix = frame.image_to_reference
+        image, matrix = frame.image, frame.image_to_reference
+        if image is None or matrix is None:
+            return SweepEchoes.joined(())
+        echoes = self._finder.find(image)
         beams = echoes.beams @ matrix[:3, :2].T
         beams /= np.maximum(np.linalg.norm(beams, axis=1, keepdims=True), 1e-9)
         frames = np.full(len(echoes.scores), frame.number if number is None else number)

@@ -6,6 +6,7 @@ from collections import deque
 
 import numpy as np
 
+from ..arrays import Floats, Integers
 from ..geometry.transforms import invert, pixel_spacing, transform_points
 from ..resolve import Imaging
 from ..sweep.frames import TrackedFrame
@@ -35,14 +36,14 @@ class LiveAgreement:
     Not for several threads at once. Old frames are dropped as new ones come, so memory does not grow.
     """
 
-    def __init__(self, bone: BoneField, labels_to_reference: np.ndarray, imaging: Imaging, seconds: float = SECONDS):
+    def __init__(self, bone: BoneField, labels_to_reference: Floats, imaging: Imaging, seconds: float = SECONDS):
         self._bone, self._place, self._imaging, self._seconds = bone, np.asarray(labels_to_reference, dtype=np.float64), imaging, seconds
         self._reader: EchoReader | None = None
         self._size: tuple[int, int] | None = None
-        self._recent: deque[tuple[float, SweepEchoes, EchoFit, np.ndarray]] = deque()
+        self._recent: deque[tuple[float, SweepEchoes, EchoFit, Integers]] = deque()
         self._has_agreed = False
 
-    def place(self, labels_to_reference: np.ndarray) -> None:
+    def place(self, labels_to_reference: Floats) -> None:
         """Put the CT elsewhere; the echoes of the last seconds are judged anew."""
         self._place = np.asarray(labels_to_reference, dtype=np.float64)
         self._has_agreed = False
@@ -79,7 +80,7 @@ class LiveAgreement:
         agreement = self.agreement()
         return agreement is not None and self._has_agreed and agreement.echoes >= FEWEST and agreement.share < ENOUGH
 
-    def _judged(self, echoes: SweepEchoes) -> tuple[EchoFit, np.ndarray]:
+    def _judged(self, echoes: SweepEchoes) -> tuple[EchoFit, Integers]:
         fit = fit_echoes(echoes, self._bone, self._place)
         owners = np.zeros(len(echoes), dtype=np.int64)
         owners[fit.near] = self._bone.label_at(transform_points(invert(self._place), echoes.points[fit.near]))

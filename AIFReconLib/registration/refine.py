@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from ..arrays import Floats
 from ..geometry.transforms import invert, transform_points
 from .agreement import ENTERING
 from .bone_field import BoneField
@@ -49,14 +50,14 @@ class Refined:
         Root mean square distance of the echoes from their center: turns in radians times this are mm.
     """
 
-    labels_to_reference: np.ndarray
+    labels_to_reference: Floats
     cost: float
-    normal: np.ndarray
-    center: np.ndarray
+    normal: Floats
+    center: Floats
     lever: float
 
 
-def vector_motion(vector: np.ndarray, center: np.ndarray, lever: float = 1.0) -> np.ndarray:
+def vector_motion(vector: Floats, center: Floats, lever: float = 1.0) -> Floats:
     """A rigid motion (4, 4) in Reference: turn about `center` by the rotation vector ``vector[3:] / lever``, then move by
     ``vector[:3]``."""
     motion = np.eye(4)
@@ -68,19 +69,19 @@ def vector_motion(vector: np.ndarray, center: np.ndarray, lever: float = 1.0) ->
 class _Cost:
     """Distances of echoes to bone, and their slopes, as functions of a motion of the labels in Reference."""
 
-    def __init__(self, echoes: SweepEchoes, bone: BoneField, start: np.ndarray):
+    def __init__(self, echoes: SweepEchoes, bone: BoneField, start: Floats):
         self._echoes, self._bone, self._start = echoes, bone, start
         self.center = echoes.points.mean(axis=0)
         self.lever = max(math.sqrt(((echoes.points - self.center) ** 2).sum(axis=1).mean()), 1.0)
-        self._at, self._known = None, None
+        self._known: tuple[Floats, tuple[Floats, Floats]] | None = None
 
-    def __call__(self, vector: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def __call__(self, vector: Floats) -> tuple[Floats, Floats]:
         """(n,) distances in mm, `FAR` where sound would leave bone, and (n, 6) slopes."""
-        if self._at is None or not np.array_equal(vector, self._at):
-            self._at, self._known = vector.copy(), self._compute(vector)
-        return self._known
+        if self._known is None or not np.array_equal(vector, self._known[0]):
+            self._known = vector.copy(), self._compute(vector)
+        return self._known[1]
 
-    def _compute(self, vector: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _compute(self, vector: Floats) -> tuple[Floats, Floats]:
         # Moving the labels by M is moving the echoes by its inverse
         turn = Rotation.from_rotvec(vector[3:] / self.lever).as_matrix()
         still = (self._echoes.points - vector[:3] - self.center) @ turn
@@ -98,7 +99,7 @@ class _Cost:
         return np.where(leaving, FAR, distances), jacobian
 
 
-def robust_cost(echoes: SweepEchoes, bone: BoneField, labels_to_reference: np.ndarray, scale: float = SCALES[-1]) -> float:
+def robust_cost(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats, scale: float = SCALES[-1]) -> float:
     """The mean of 1 - exp(-d^2 / 2 s^2) over the echoes, 0 to 1."""
     distances, _ = _Cost(echoes, bone, labels_to_reference)(np.zeros(6))
     return float(1 - np.exp(-0.5 * np.minimum((distances / scale) ** 2, 1e3)).mean())
@@ -107,7 +108,7 @@ def robust_cost(echoes: SweepEchoes, bone: BoneField, labels_to_reference: np.nd
 def refine(
     echoes: SweepEchoes,
     bone: BoneField,
-    start: np.ndarray,
+    start: Floats,
     scales: tuple[float, ...] = SCALES,
     most: int = MOST_ECHOES,
 ) -> Refined:
@@ -134,15 +135,21 @@ def refine(
     for scale in scales:
         cost = _Cost(chosen, bone, place)
 
-        def loss(squared: np.ndarray) -> np.ndarray:
+        def residuals(vector: Floats, scale: float = scale, cost: _Cost = cost) -> Floats:
+            return cost(vector)[0] / scale
+
+        def slopes_of(vector: Floats, scale: float = scale, cost: _Cost = cost) -> Floats:
+            return cost(vector)[1] / scale
+
+        def loss(squared: Floats) -> Floats:
             decay = np.exp(-0.5 * np.minimum(squared, 1e3))
             return np.stack([2 * (1 - decay), decay, -0.5 * decay])
 
         solution = least_squares(
-            lambda vector, scale=scale, cost=cost: cost(vector)[0] / scale,
+            residuals,
             np.zeros(6),
-            jac=lambda vector, scale=scale, cost=cost: cost(vector)[1] / scale,
-            loss=loss,
+            jac=slopes_of,
+            loss=loss,  # type: ignore[arg-type]  # the stubs know a loss of one number only
             x_scale=1.0,
             xtol=1e-4,
             ftol=1e-5,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..arrays import Floats
 from ..errors import GeometryError, SettingsError
 from ..geometry.transforms import as_matrix, transform_points, why_not_rigid
 from ..geometry.volume import Volume
@@ -41,7 +42,7 @@ class Alternative:
     """Another place: labels_to_reference (4, 4), how well it agrees, and how many levels higher (+) or lower (-) the CT lies there, or
     None."""
 
-    transform: np.ndarray
+    transform: Floats
     agreement: Agreement
     levels: int | None
 
@@ -71,7 +72,7 @@ class Registration:
     echoes : SweepEchoes
     """
 
-    transform: np.ndarray
+    transform: Floats
     agreement: Agreement
     refusal: Message | None
     loose: tuple[Loose, ...]
@@ -98,7 +99,7 @@ class Registration:
 def register(
     sequences: TrackedSequence | Iterable[TrackedSequence],
     labels: Volume,
-    start: np.ndarray | None = None,
+    start: Floats | None = None,
     *,
     per_segment: bool = False,
     level: int = 0,
@@ -147,7 +148,7 @@ def register(
 def register_echoes(
     echoes: SweepEchoes,
     bone: BoneField,
-    start: np.ndarray | None = None,
+    start: Floats | None = None,
     *,
     per_segment: bool = False,
     level: int = 0,
@@ -201,7 +202,7 @@ def register_echoes(
     return Registration(chosen.labels_to_reference, agreement, refusal, tuple(loose), restarts, alternatives, moved, segments, echoes)
 
 
-def _places(echoes: SweepEchoes, bone: BoneField, start: np.ndarray | None, progress: Progress | None) -> list[Place]:
+def _places(echoes: SweepEchoes, bone: BoneField, start: Floats | None, progress: Progress | None) -> list[Place]:
     if start is None:
         return search(echoes, bone, anywhere(echoes, bone), progress)
     report(progress, 0.0, "Refining the CT's place")
@@ -213,7 +214,7 @@ def _places(echoes: SweepEchoes, bone: BoneField, start: np.ndarray | None, prog
     return distinct([place, *search(echoes, bone, around(start, middle), progress)], echoes)
 
 
-def _rigid(start: np.ndarray) -> np.ndarray:
+def _rigid(start: Floats) -> Floats:
     matrix = as_matrix(start, "start")
     problem = why_not_rigid(matrix)
     if problem:
@@ -224,13 +225,13 @@ def _rigid(start: np.ndarray) -> np.ndarray:
     return matrix
 
 
-def _shift(by: np.ndarray) -> np.ndarray:
+def _shift(by: Floats) -> Floats:
     matrix = np.eye(4)
     matrix[:3, 3] = by
     return matrix
 
 
-def _levels(place: Place, best: Place, bone: BoneField, shifts: dict[int, np.ndarray]) -> int | None:
+def _levels(place: Place, best: Place, bone: BoneField, shifts: dict[int, Floats]) -> int | None:
     """How many levels higher the CT lies at a place than at the best one."""
     if not shifts:
         return None
@@ -269,7 +270,7 @@ def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Message | None
     )
 
 
-def as_report(found: Registration) -> dict:
+def as_report(found: Registration) -> dict[str, object]:
     """The registration as JSON holds it: matrices as nested lists, row by row, labels -> Reference in RAS."""
     by_label = {
         str(label): {"agreement": round(own.agreement, 4), "median_distance_mm": _rounded(own.median_distance), "echoes": own.echoes}

@@ -13,6 +13,7 @@ import numpy as np
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
+from ..arrays import Floats
 from ..geometry.transforms import invert, transform_points
 from ..progress import Progress, report
 from .agreement import ENTERING, Agreement, check
@@ -48,12 +49,12 @@ class Place:
     agreement: Agreement
 
     @property
-    def labels_to_reference(self) -> np.ndarray:
+    def labels_to_reference(self) -> Floats:
         """(4, 4) float64, mm."""
         return self.refined.labels_to_reference
 
 
-def finished(echoes: SweepEchoes, bone: BoneField, start: np.ndarray) -> Place:
+def finished(echoes: SweepEchoes, bone: BoneField, start: Floats) -> Place:
     """The place that a start leads to."""
     refined = refine(echoes, bone, start)
     return Place(refined, check(echoes, bone, refined.labels_to_reference))
@@ -69,12 +70,12 @@ def distinct(places: Sequence[Place], echoes: SweepEchoes) -> list[Place]:
     return kept
 
 
-def motion_between(one: np.ndarray, other: np.ndarray, points: np.ndarray) -> float:
+def motion_between(one: Floats, other: Floats, points: Floats) -> float:
     """Mean distance in mm by which two places differ, at points (n, 3) of Reference."""
     return float(np.linalg.norm(transform_points(other @ invert(one), points) - points, axis=1).mean())
 
 
-def search(echoes: SweepEchoes, bone: BoneField, candidates: np.ndarray, progress: Progress | None = None) -> list[Place]:
+def search(echoes: SweepEchoes, bone: BoneField, candidates: Floats, progress: Progress | None = None) -> list[Place]:
     """The best distinct places that any of the candidates leads to.
 
     Parameters
@@ -88,7 +89,7 @@ def search(echoes: SweepEchoes, bone: BoneField, candidates: np.ndarray, progres
     report(progress, 0.0, "Looking for the CT's place")
     order = np.argsort(_scores(echoes.thinned(SCORE_ECHOES), bone, candidates))
     coarse, points = echoes.thinned(COARSE_ECHOES), echoes.thinned(SCORE_ECHOES).points
-    followed: list[np.ndarray] = []
+    followed: list[Floats] = []
     for number in order:
         if all(motion_between(candidates[number], other, points) > APART for other in followed):
             followed.append(candidates[number])
@@ -107,7 +108,7 @@ def search(echoes: SweepEchoes, bone: BoneField, candidates: np.ndarray, progres
     return distinct(result, echoes)
 
 
-def around(start: np.ndarray, center: np.ndarray, count: int = TRIED_AROUND) -> np.ndarray:
+def around(start: Floats, center: Floats, count: int = TRIED_AROUND) -> Floats:
     """Places up to `AROUND_MM` and `AROUND_DEG` from a start, evenly in length and angle, (count, 4, 4); always the same ones."""
     rng = np.random.default_rng(0)
     moves, axes = (_directions(rng, count) for _ in range(2))
@@ -115,7 +116,7 @@ def around(start: np.ndarray, center: np.ndarray, count: int = TRIED_AROUND) -> 
     return _placed(turns, center + AROUND_MM * rng.random((count, 1)) * moves, start, center)
 
 
-def level_shifts(bone: BoneField) -> dict[int, np.ndarray]:
+def level_shifts(bone: BoneField) -> dict[int, Floats]:
     """How far bone must move in the labels' own frame for each label to take the place of the n-th after it, (3,) mm by n, n = -2 ... 2.
 
     Notes
@@ -124,7 +125,8 @@ def level_shifts(bone: BoneField) -> dict[int, np.ndarray]:
     """
     labels = bone.labels
     numbers = [int(label) for label in np.unique(labels.array) if label > 0]
-    centers = np.array(ndimage.center_of_mass(labels.array > 0, labels.array, numbers))[:, ::-1]
+    masses = np.asarray(ndimage.center_of_mass((labels.array > 0).astype(np.uint8), labels.array.astype(np.int64), numbers))
+    centers: Floats = masses[:, ::-1].astype(np.float64)
     centers = transform_points(labels.ijk_to_reference, centers)
     shifts = {}
     for n in (1, 2):
@@ -135,7 +137,7 @@ def level_shifts(bone: BoneField) -> dict[int, np.ndarray]:
     return {sign * n: sign * shift for n, shift in shifts.items() for sign in (1, -1)}
 
 
-def anywhere(echoes: SweepEchoes, bone: BoneField, count: int = TRIED_ANYWHERE) -> np.ndarray:
+def anywhere(echoes: SweepEchoes, bone: BoneField, count: int = TRIED_ANYWHERE) -> Floats:
     """Places of a spine under a sweep of which nothing else is known, (count, 4, 4); always the same ones.
 
     Notes
@@ -171,7 +173,7 @@ def anywhere(echoes: SweepEchoes, bone: BoneField, count: int = TRIED_ANYWHERE) 
     return _placed(turns, center + np.einsum("nij,nj->ni", turns, moves), start, center)
 
 
-def _back_of(bone: BoneField) -> np.ndarray:
+def _back_of(bone: BoneField) -> Floats:
     """What is seen of bone from behind: the hindmost bone of every line along y, (n, 3) mm in the labels' frame; near the midline."""
     grid, inside = bone.distance.grid, bone.distance.array <= 0
     k, j, i = np.nonzero(inside)
@@ -184,12 +186,13 @@ def _back_of(bone: BoneField) -> np.ndarray:
     return seen[np.abs(seen[:, 0] - np.median(points[:, 0])) < 25.0]
 
 
-def _directions(rng: np.random.Generator, count: int) -> np.ndarray:
+def _directions(rng: np.random.Generator, count: int) -> Floats:
     vectors = rng.standard_normal((count, 3))
-    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    directions: Floats = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    return directions
 
 
-def _placed(turns: np.ndarray, centers: np.ndarray, start: np.ndarray, center: np.ndarray) -> np.ndarray:
+def _placed(turns: Floats, centers: Floats, start: Floats, center: Floats) -> Floats:
     """`start` turned about `center` by each of (n, 3, 3), and moved so that this point comes to each of `centers` (n, 3)."""
     result = np.tile(np.eye(4), (len(turns), 1, 1))
     result[:, :3, :3] = turns @ start[:3, :3]
@@ -197,7 +200,7 @@ def _placed(turns: np.ndarray, centers: np.ndarray, start: np.ndarray, center: n
     return result
 
 
-def _scores(echoes: SweepEchoes, bone: BoneField, candidates: np.ndarray) -> np.ndarray:
+def _scores(echoes: SweepEchoes, bone: BoneField, candidates: Floats) -> Floats:
     """The mean robust distance of the echoes at each candidate, (n,), 0 to 1, where beams that would leave bone count as far."""
     scores = np.empty(len(candidates))
     for first in range(0, len(candidates), 500):

@@ -19,6 +19,7 @@ import numpy as np
 from scipy import ndimage
 from scipy.optimize import least_squares
 
+from ..arrays import Floats, Integers, Mask
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from .agreement import Agreement, EchoFit, agreement_of, fit_echoes
@@ -51,7 +52,7 @@ class Segments:
         Of the bones in those places.
     """
 
-    transforms: dict[int, np.ndarray]
+    transforms: dict[int, Floats]
     agreement: Agreement
 
 
@@ -60,7 +61,7 @@ def fields_of_labels(labels: Volume) -> dict[int, BoneField]:
     return {int(label): BoneField.from_labels(labels, int(label)) for label in np.unique(labels.array) if label > 0}
 
 
-def fit_segments(echoes: SweepEchoes, fields: dict[int, BoneField], labels_to_reference: np.ndarray) -> Segments:
+def fit_segments(echoes: SweepEchoes, fields: dict[int, BoneField], labels_to_reference: Floats) -> Segments:
     """Let each label, with its field as `fields_of_labels` gives it, move on its own from a place that is about right for all.
 
     Notes
@@ -80,13 +81,16 @@ def fit_segments(echoes: SweepEchoes, fields: dict[int, BoneField], labels_to_re
     return Segments(places, _agreement(echoes, fields, places))
 
 
-def _owners(echoes: SweepEchoes, fields: dict[int, BoneField], places: dict[int, np.ndarray]) -> np.ndarray:
+def _owners(echoes: SweepEchoes, fields: dict[int, BoneField], places: dict[int, Floats]) -> Integers:
     """The label that each echo is nearest to, (n,)."""
     distances = [fields[label].sample(transform_points(invert(places[label]), echoes.points))[0] for label in fields]
-    return np.array(list(fields))[np.argmin(np.abs(distances), axis=0)]
+    owners: Integers = np.array(list(fields))[np.argmin(np.abs(distances), axis=0)]
+    return owners
 
 
-def _moved_together(echoes, fields, places, owners, centers, scale: float) -> dict[int, np.ndarray]:
+def _moved_together(
+    echoes: SweepEchoes, fields: dict[int, BoneField], places: dict[int, Floats], owners: Integers, centers: Floats, scale: float
+) -> dict[int, Floats]:
     """The places after all bones have moved to the optimum of one scale."""
     numbers = list(fields)
     costs = {label: _Cost(echoes[owners == label], fields[label], places[label]) for label in numbers if (owners == label).any()}
@@ -99,7 +103,7 @@ def _moved_together(echoes, fields, places, owners, centers, scale: float) -> di
     counts = [max(len(echoes) / len(numbers), 1.0)] * len(pairs)
     echo_count = sum((owners == label).sum() for label in costs)
 
-    def discs(a: int, b: int) -> tuple[np.ndarray, np.ndarray]:
+    def discs(a: int, b: int) -> tuple[Floats, Floats]:
         """The six points between two bones, as each of them carries them: where they were in the labels' frame, in Reference now."""
         middle = (centers[numbers.index(a)] + centers[numbers.index(b)]) / 2
         return transform_points(places[a], middle + arms), transform_points(places[b], middle + arms)
@@ -107,17 +111,17 @@ def _moved_together(echoes, fields, places, owners, centers, scale: float) -> di
     springs = [(a, b, *discs(a, b), math.sqrt(0.2 * count / len(arms)) / SPRING) for (a, b), count in zip(pairs, counts)]
     column = {label: slice(6 * n, 6 * n + 6) for n, label in enumerate(numbers)}
 
-    def residuals(vector):
+    def residuals(vector: Floats) -> Floats:
         parts = [costs[label](vector[column[label]])[0] / scale for label in costs]
         for a, b, of_a, of_b, stiffness in springs:
             apart = transform_points(motion(vector, a), of_a) - transform_points(motion(vector, b), of_b)
             parts.append(stiffness * apart.ravel())
         return np.concatenate(parts)
 
-    def motion(vector, label):
+    def motion(vector: Floats, label: int) -> Floats:
         return vector_motion(vector[column[label]], pivots[label], DISC_ARM)
 
-    def jacobian(vector):
+    def jacobian(vector: Floats) -> Floats:
         result = np.zeros((echo_count + 18 * len(springs), len(vector)))
         row = 0
         for label, cost in costs.items():
@@ -134,17 +138,26 @@ def _moved_together(echoes, fields, places, owners, centers, scale: float) -> di
             row += 3 * len(of_a)
         return result
 
-    def loss(squared):
+    def loss(squared: Floats) -> Floats:
         decay = np.exp(-0.5 * np.minimum(squared[:echo_count], 1e3))
         rho = np.stack([squared, np.ones_like(squared), np.zeros_like(squared)])
         rho[:, :echo_count] = 2 * (1 - decay), decay, -0.5 * decay
         return rho
 
-    solution = least_squares(residuals, np.zeros(6 * len(numbers)), jac=jacobian, loss=loss, xtol=1e-4, ftol=1e-4, gtol=1e-6, max_nfev=20)
+    solution = least_squares(
+        residuals,
+        np.zeros(6 * len(numbers)),
+        jac=jacobian,
+        loss=loss,  # type: ignore[arg-type]  # the stubs know a loss of one number only
+        xtol=1e-4,
+        ftol=1e-4,
+        gtol=1e-6,
+        max_nfev=20,
+    )
     return {label: motion(solution.x, label) @ places[label] for label in numbers}
 
 
-def _agreement(echoes: SweepEchoes, fields: dict[int, BoneField], places: dict[int, np.ndarray]) -> Agreement:
+def _agreement(echoes: SweepEchoes, fields: dict[int, BoneField], places: dict[int, Floats]) -> Agreement:
     """As `check`, where every bone has its own place: an echo is judged by the bone nearest to it, and must not lie behind another."""
     fits = [fit_echoes(echoes, fields[label], places[label]) for label in fields]
     distances, reachable = (np.array([getattr(fit, name) for fit in fits]) for name in ("distances", "reachable"))
@@ -152,7 +165,7 @@ def _agreement(echoes: SweepEchoes, fields: dict[int, BoneField], places: dict[i
     return agreement_of(EchoFit(distances[nearest], reachable[nearest]), np.array(list(fields))[nearest[0]])
 
 
-def placed_labels(labels: Volume, places: dict[int, np.ndarray]) -> Volume:
+def placed_labels(labels: Volume, places: dict[int, Floats]) -> Volume:
     """The labels in Reference, each where its own labels_to_reference puts it, on voxels like theirs.
 
     Notes
@@ -179,7 +192,7 @@ def placed_labels(labels: Volume, places: dict[int, np.ndarray]) -> Volume:
         k, j, i = np.meshgrid(*[np.arange(a, b + 1) for a, b in zip(first[::-1], last[::-1])], indexing="ij")
         to_labels = labels.grid.reference_to_ijk @ invert(place) @ grid.ijk_to_reference
         source = np.floor(transform_points(to_labels, np.column_stack([i.ravel(), j.ravel(), k.ravel()])) + 0.5).astype(np.int64)
-        known = ((source >= 0) & (source < labels.grid.size)).all(axis=1)
+        known: Mask = np.all((source >= 0) & (source < np.array(labels.grid.size)), axis=1)
         si, sj, sk = np.where(known[:, None], source, 0).T
         mine = (known & (labels.array[sk, sj, si] == label)).reshape(k.shape)
         result[k[mine], j[mine], i[mine]] = label
