@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from .live.session.session import LiveSession
     from .live.wire.client import OpenIGTLinkClient
     from .reconstruction import reconstruct
+    from .registration.registration import register
     from .settings import ReconstructionSettings
     from .sweep.frames import TrackedFrame, TrackedSequence
     from .sweep.time_offset import with_time_offset
@@ -67,7 +68,7 @@ _PUBLIC = {
     "read_labels": "io.volume.files",
     "read_plus_configuration": "io.plus.configuration",
     "read_sequence": "io.sequence.files",
-    "read_transform": "io.volume.files",
+    "read_transform": "io.transform.files",
     "read_volume": "io.volume.files",
     "reconstruct": "reconstruction",
     "register": "registration.registration",
@@ -104,6 +105,7 @@ __all__ = [
     "read_transform",
     "read_volume",
     "reconstruct",
+    "register",
     "with_time_offset",
     "write_sequence",
     "write_volume",
