@@ -129,7 +129,7 @@ class BoneEchoFinder:
         values = ndimage.map_coordinates(image, np.stack([self._rows, self._columns]), np.float32, order=1, mode="nearest")
         values[~self._known] = 0.0
         lit = values[values > 0]
-        scores = np.zeros(len(values), dtype=np.float32)
+        scores: Singles = np.zeros(len(values), dtype=np.float32)
         samples: Integers = np.zeros(len(values), dtype=np.int64)
         if lit.size:
             echo = ndimage.gaussian_filter(values, self._sigma, output=np.float32) / self._reach

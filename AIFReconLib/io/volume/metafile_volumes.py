@@ -50,8 +50,8 @@ class StoredVolume:
     """
 
     path: Path
-    array: np.ndarray
-    ijk_to_lps: np.ndarray
+    array: Numbers
+    ijk_to_lps: Matrix
     keys: tuple[str, ...] = ()
 
     @property
