@@ -27,7 +27,7 @@ except ImportError:
 
 from AIFReconGui.panel.dependentWidgets import updateButtons, updateDependentWidgets
 from AIFReconScene.inputs import readiness
-from AIFReconScene.inputs.inputs.parameters import readingFrom, settingsFrom, takeConfigured
+from AIFReconScene.inputs.parameters import readingFrom, settingsFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus
@@ -59,7 +59,7 @@ class AIFRecon(ScriptedLoadableModule):
         Called once every module is made, at start or later. Before that no class of Sequences, Markups or another C++ module exists.
         """
         from AIFReconGui.sampleData import registerSampleData
-        from AIFReconScene.display.display.sliceDisplay import registerLayouts
+        from AIFReconScene.display.sliceDisplay import registerLayouts
 
         registerSampleData()
         registerLayouts()
@@ -92,8 +92,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         from AIFReconGui.panel.pathField import PATHS, PathField
         from AIFReconGui.panel.reportPanel import ReportPanel
         from AIFReconGui.panel.segmentsChooser import SegmentsChooser
-        from AIFReconScene.display.display.boneOutlines import BoneOutlines
-        from AIFReconScene.inputs.inputs.inputWatch import InputWatch
+        from AIFReconScene.display.boneOutlines import BoneOutlines
+        from AIFReconScene.inputs.inputWatch import InputWatch
 
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
         self.layout.addWidget(uiWidget)
@@ -125,6 +125,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         """Let go of everything; called when the application closes or the module is reloaded."""
         if self._live is None:
             return  # the .ui file could not be loaded
+        self._work.close()
         self._live.close(sceneStays=True)
         self.setParameterNode(None)
         self.removeObservers()
@@ -318,7 +319,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def loadRecording(self, parameters, progress=None) -> str:
         """Read the chosen recording and select it; the spacing follows a configuration that tells one."""
-        from AIFReconScene.display.display.firstLook import showInputs
+        from AIFReconScene.display.firstLook import showInputs
 
         configuration = parameters.configurationPath if parameters.configurationPath.is_file() else None
         browser = self.readRecording(parameters.recordingPath, configuration, progress, **readingFrom(parameters))
@@ -373,7 +374,7 @@ class AIFReconTest(ScriptedLoadableModuleTest):
 
     def test_the_simulated_patient_s_bone_appears_where_the_ct_shows_it(self):
         """The peaks across the segmented surface lie on it."""
-        from AIFReconScene.inputs.inputs.boneNodes import labelsFromNode
+        from AIFReconScene.inputs.boneNodes import labelsFromNode
         from AIFReconScene.transforms import ijkToRAS
         from AIFReconScene.volumes.metricsTable import measureVolumes
         from AIFReconScene.volumes.phantomSample import loadPhantom

@@ -3,7 +3,7 @@
 import pathlib
 from typing import Annotated
 
-from AIFReconScene.inputs.inputs.parameters import (
+from AIFReconScene.inputs.parameters import (
     PARAMETERS,
     BoneDirection,
     Engine,

@@ -15,7 +15,9 @@ class ProgressDialog:
     Notes
     -----
     This is the only place below the widget's slots that lets Qt handle events while work goes on, so that the views stay alive and
-    Cancel is heard. `cancel` may be called from outside as well, as the widget does when the scene is closed.
+    Cancel is heard. `cancel` may be called from outside as well, as the widget does when the scene is closed. The application may end
+    in those events: it destroys its panels at once and lets Python go on, so nothing of Qt is touched after a cancel but what is still
+    there.
     """
 
     STEPS = 1000
@@ -31,21 +33,25 @@ class ProgressDialog:
         self._dialog = slicer.util.createProgressDialog(
             windowTitle=self._title, labelText=self._title, maximum=self.STEPS, autoClose=False, autoReset=False, minimumWidth=self.WIDTH
         )
+        slicer.app.connect("aboutToQuit()", self.cancel)
         slicer.app.processEvents()
         return self
 
     def __exit__(self, *exception):
+        slicer.app.disconnect("aboutToQuit()", self.cancel)
         dialog, self._dialog = self._dialog, None
-        dialog.close()
-        dialog.deleteLater()
+        if dialog:  # a destroyed one is false
+            dialog.close()
+            dialog.deleteLater()
 
     def __call__(self, fraction: float, message: str) -> bool:
         """Show `fraction` (0 to 1) and `message`; False when the user has asked to stop."""
-        dialog = self._dialog
-        dialog.labelText = inPanelWords(message)
-        dialog.value = int(fraction * self.STEPS)
-        slicer.app.processEvents()
-        self._canceled = self._canceled or dialog.wasCanceled
+        if not self._canceled:
+            self._dialog.labelText = inPanelWords(message)
+            self._dialog.value = int(fraction * self.STEPS)
+            slicer.app.processEvents()
+        # The events may have been the end of the application, with the dialog
+        self._canceled = self._canceled or not self._dialog or self._dialog.wasCanceled
         return not self._canceled
 
     def cancel(self) -> None:

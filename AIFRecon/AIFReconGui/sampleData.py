@@ -28,8 +28,8 @@ def registerSampleData():
 
 def loadPhantomSample(source=None):
     """Simulate the patient and add CT, segmentation and sweep to the scene; cancel leaves the scene as it was."""
-    from AIFReconScene.display.display.firstLook import showInputs
-    from AIFReconScene.display.display.threeDViews import makeSurface
+    from AIFReconScene.display.firstLook import showInputs
+    from AIFReconScene.display.threeDViews import makeSurface
     from AIFReconScene.volumes.phantomSample import loadPhantom
 
     from AIFReconLib.progress import part

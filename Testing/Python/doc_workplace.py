@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from files import COLUMNS, IMAGE_TO_PROBE, LABELS_TO_REFERENCE, ROWS, tracked_sequence, write_patient
-from test_sequence_variants import slicer_images, slicer_transforms
+from variant_files import slicer_images, slicer_transforms
 
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.plus.configuration import read_plus_configuration

@@ -94,7 +94,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
         np.testing.assert_array_equal(self.applied(), self.expected({}, region=region))
 
     def test_only_the_fan_enters(self):
-        from AIFReconScene.inputs.inputs.parameters import ProbeShape
+        from AIFReconScene.inputs.parameters import ProbeShape
 
         from AIFReconLib import Fan, ProbeGeometry
 
@@ -198,7 +198,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
         self.assertIn("leave the mask out to compare", self.ui.compareButton.toolTip)
 
     def test_a_live_scan_which_looks_for_no_bone_is_not_refused_for_doing_so(self):
-        from AIFReconScene.inputs.inputs.readiness import whyNotLive
+        from AIFReconScene.inputs.readiness import whyNotLive
 
         self.parameters.boneFromSweep, self.parameters.speedOfSound = True, 1450.0
         self.assertEqual(whyNotLive(self.parameters), "")

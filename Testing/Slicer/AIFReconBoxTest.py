@@ -16,7 +16,7 @@ class AIFReconBoxTest(unittest.TestCase):
     """A box that the user has asked for and not drawn."""
 
     def setUp(self):
-        from AIFReconScene.inputs.inputs.parameters import Region
+        from AIFReconScene.inputs.parameters import Region
 
         slicer.mrmlScene.Clear()
         slicer.util.selectModule("AIFRecon")
@@ -40,7 +40,7 @@ class AIFReconBoxTest(unittest.TestCase):
         return np.reshape(bounds, (3, 2))
 
     def test_a_new_box_holds_what_a_reconstruction_around_the_sweep_holds(self):
-        from AIFReconScene.inputs.inputs.parameters import Region
+        from AIFReconScene.inputs.parameters import Region
 
         self.parameters.sweep = tinyScene.addSweep()
         box = self.create()

@@ -52,7 +52,7 @@ class AIFReconErrorsTest(unittest.TestCase):
         self.assertTrue(self.ui.loadButton.enabled)
 
     def test_a_volume_that_no_frame_falls_into_is_no_bug_and_told_in_the_panel_s_words(self):
-        from AIFReconScene.inputs.inputs.parameters import Region
+        from AIFReconScene.inputs.parameters import Region
 
         self.parameters.sweep = tinyScene.addSweep()
         roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Far away")

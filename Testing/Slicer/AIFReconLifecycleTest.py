@@ -151,7 +151,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
         self.assertTrue(self.ui.copyReportButton.enabled)
 
     def test_the_probe_is_drawn_on_the_frame_that_is_shown(self):
-        from AIFReconScene.inputs.inputs.parameters import ProbeShape
+        from AIFReconScene.inputs.parameters import ProbeShape
 
         sweep = self.addEmbeddedSweep()
         self.parameters.sweep, self.parameters.probe, self.parameters.showProbe = sweep, ProbeShape.LINEAR, True
@@ -207,7 +207,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
     # ---- output
 
     def test_the_output_s_name_tells_the_method_that_made_it(self):
-        from AIFReconScene.inputs.inputs.parameters import Method
+        from AIFReconScene.inputs.parameters import Method
 
         self.addInputs()
         self.parameters.method = Method.AIF_COMPENSATED
@@ -219,7 +219,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
         self.assertEqual(output.GetName(), "Sweep aif")
 
     def test_a_name_that_the_user_gave_stays(self):
-        from AIFReconScene.inputs.inputs.parameters import Method
+        from AIFReconScene.inputs.parameters import Method
 
         self.addInputs()
         self.ui.applyButton.click()
@@ -276,7 +276,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
         self.assertIn("weighted", self.ui.statusLabel.text)
 
     def test_the_spacing_follows_the_configuration_of_a_recording(self):
-        from AIFReconScene.inputs.inputs.parameters import takeConfigured
+        from AIFReconScene.inputs.parameters import takeConfigured
         from AIFReconScene.sweep.sweepRecord import writeRecord
 
         from AIFReconLib.sweep.configuration import PlusConfiguration

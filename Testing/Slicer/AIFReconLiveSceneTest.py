@@ -38,7 +38,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
 
     def begin(self, box=True):
         """Serve the tiny sweep again and again, and start a scan."""
-        from AIFReconScene.inputs.inputs.parameters import Region
+        from AIFReconScene.inputs.parameters import Region
 
         from AIFReconLib.live.replay.server import ReplayServer
 

@@ -55,7 +55,7 @@ class AIFReconLiveTest(unittest.TestCase):
 
     def chooseBox(self):
         """A box around what the sweep sees."""
-        from AIFReconScene.inputs.inputs.parameters import Region
+        from AIFReconScene.inputs.parameters import Region
 
         roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Box")
         roi.SetCenterWorld(0.0, 16.0, 0.0)
@@ -73,7 +73,7 @@ class AIFReconLiveTest(unittest.TestCase):
 
     def offline(self, roi):
         """What a reconstruction of the recording gives in that box."""
-        from AIFReconScene.inputs.inputs.gridNodes import gridFromROI
+        from AIFReconScene.inputs.gridNodes import gridFromROI
 
         from AIFReconLib import ReconstructionSettings, reconstruct
 
@@ -182,7 +182,7 @@ class AIFReconLiveTest(unittest.TestCase):
         self.assertEqual([name for name in names if "live" in name or "snapshot" in name], [])
 
     def test_a_replayed_sweep_of_the_scene_can_be_the_source(self):
-        from AIFReconScene.inputs.inputs.parameters import LiveSource
+        from AIFReconScene.inputs.parameters import LiveSource
 
         sweep = tinyScene.addSweep()
         roi = self.chooseBox()

@@ -52,7 +52,7 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertIs(self.parameters.sweep, sweep)
 
     def test_the_method_of_the_list_reaches_the_settings(self):
-        from AIFReconScene.inputs.inputs.parameters import settingsFrom
+        from AIFReconScene.inputs.parameters import settingsFrom
 
         self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText("aif-compensated")
         self.assertEqual(settingsFrom(self.parameters).method, "aif-compensated")
@@ -81,7 +81,7 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertIn("sweep", self.ui.applyButton.toolTip)
 
     def test_apply_asks_for_bone_where_the_method_needs_it(self):
-        from AIFReconScene.inputs.inputs.parameters import Method
+        from AIFReconScene.inputs.parameters import Method
 
         self.parameters.sweep = tinyScene.addSweep()
         self.parameters.method = Method.WEIGHTED
@@ -89,7 +89,7 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertIn("needs bone", self.ui.statusLabel.text)
 
     def test_apply_asks_for_the_box_where_one_is_wanted(self):
-        from AIFReconScene.inputs.inputs.parameters import Region
+        from AIFReconScene.inputs.parameters import Region
 
         self.addInputs()
         self.parameters.region = Region.BOX

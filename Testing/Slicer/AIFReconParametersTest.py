@@ -20,13 +20,13 @@ class AIFReconParametersTest(unittest.TestCase):
 
     def test_every_setting_of_the_library_is_a_parameter(self):
         from AIFReconGui.parameterNode import AIFReconParameterNode
-        from AIFReconScene.inputs.inputs.parameters import PARAMETERS, camelCase
+        from AIFReconScene.inputs.parameters import PARAMETERS, camelCase
 
         missing = [name for name in PARAMETERS if camelCase(name) not in AIFReconParameterNode.allParameters]
         self.assertEqual(missing, [])
 
     def test_untouched_parameters_are_the_library_s_defaults(self):
-        from AIFReconScene.inputs.inputs.parameters import settingsFrom
+        from AIFReconScene.inputs.parameters import settingsFrom
 
         from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
 
@@ -34,7 +34,7 @@ class AIFReconParametersTest(unittest.TestCase):
 
     def test_ranges_are_the_library_s(self):
         from AIFReconGui.parameterNode import SMALLEST_WEIGHT_FLOOR
-        from AIFReconScene.inputs.inputs.parameters import PARAMETERS, SettingChoice, camelCase, settingsFrom
+        from AIFReconScene.inputs.parameters import PARAMETERS, SettingChoice, camelCase, settingsFrom
 
         for name, rule in PARAMETERS.items():
             value = getattr(self.parameters, camelCase(name))
@@ -49,7 +49,7 @@ class AIFReconParametersTest(unittest.TestCase):
                         setattr(self.parameters, camelCase(name), limit + beyond * abs(limit) + beyond * 1e-3)
 
     def test_choices_are_the_library_s(self):
-        from AIFReconScene.inputs.inputs.parameters import PARAMETERS, camelCase
+        from AIFReconScene.inputs.parameters import PARAMETERS, camelCase
 
         for name, rule in PARAMETERS.items():
             if rule["choices"]:
@@ -58,7 +58,7 @@ class AIFReconParametersTest(unittest.TestCase):
                     self.assertEqual(words, list(rule["choices"]))
 
     def test_a_number_that_is_left_open_is_left_to_the_library(self):
-        from AIFReconScene.inputs.inputs.parameters import settingsFrom
+        from AIFReconScene.inputs.parameters import settingsFrom
 
         self.parameters.skip, self.parameters.intensityMaximum = 0, 0.0
         settings = settingsFrom(self.parameters)

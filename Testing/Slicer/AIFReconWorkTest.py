@@ -148,7 +148,7 @@ class AIFReconWorkTest(unittest.TestCase):
         self.assertEqual(slicer.util.getNode("Sweep comparison aif").GetSpacing(), (3.0, 3.0, 3.0))
 
     def test_a_comparison_does_not_write_over_a_reconstruction(self):
-        from AIFReconScene.inputs.inputs.parameters import Method
+        from AIFReconScene.inputs.parameters import Method
 
         self.addInputs()
         self.ui.compareButton.click()

@@ -128,7 +128,7 @@ class SceneSoak:
 
 def begin(widget, spacing: float = 1.0) -> SceneSoak:
     """An image below a transform in the scene, and a scan of it in a box, started in the panel."""
-    from AIFReconScene.inputs.inputs.parameters import LiveSource, Region
+    from AIFReconScene.inputs.parameters import LiveSource, Region
 
     parameters = widget._parameterNode
     parameters.spacing = spacing

@@ -2,5 +2,5 @@
 
 `target` says what holds for every input, `*_targets` what is fuzzed, `seeds` gives good inputs, `mutation` damages them, `engines` chooses
 the damage (guided by coverage where atheris is installed, else by hypothesis), `run` shares out the time. `corpus/` holds inputs that
-reached something; Testing/Python/test_fuzz_corpus.py runs them on every submission.
+reached something; Testing/Python/tools/test_fuzz_corpus.py runs them on every submission.
 """

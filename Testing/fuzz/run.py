@@ -1,7 +1,7 @@
 """`make fuzz`: shares a time out among the targets, each in a process of its own, and says what was run and found.
 
 Exit code 1 when anything was found. The inputs lie in the folder of findings, each beside a text that says what was wrong; mend the
-library, and add the input to Testing/Python/test_fuzz_findings.py.
+library, and add the input to Testing/Python/tools/test_fuzz_findings.py.
 """
 
 from __future__ import annotations

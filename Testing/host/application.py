@@ -60,6 +60,21 @@ class qSlicerModuleManager(QtCore.QObject):
         return self.loaded.get(name)
 
 
+class qSlicerCommandOptions(QtCore.QObject):
+    """What was asked for when the application was started: nothing."""
+
+    api: dict = {}
+
+    def __init__(self):
+        super().__init__()
+        self._run_python_and_exit = False
+
+    def _set(self, value):
+        self._run_python_and_exit = value
+
+    runPythonAndExit = Property(bool, lambda self: self._run_python_and_exit, _set)
+
+
 class qSlicerApplication(QtWidgets.QApplication):
     """The application.
 
@@ -78,6 +93,7 @@ class qSlicerApplication(QtWidgets.QApplication):
             "moduleLogic",
             "moduleManager",
             "layoutManager",
+            "commandOptions",
             "settings",
             "userSettings",
             "revisionUserSettings",
@@ -109,6 +125,7 @@ class qSlicerApplication(QtWidgets.QApplication):
         self._mrml = None
         self._settings = QtCore.QSettings()
         self._manager = qSlicerModuleManager()
+        self._options = qSlicerCommandOptions()
 
     def start(self, mrml):
         """Gives the application its scene and views, a `MRMLApplication`."""
@@ -136,6 +153,10 @@ class qSlicerApplication(QtWidgets.QApplication):
     def layoutManager(self):
         """The views."""
         return self._layout_manager
+
+    def commandOptions(self):
+        """What was asked for when the application was started."""
+        return self._options
 
     def settings(self):
         """The settings, in the host's temporary folder."""

@@ -2,9 +2,9 @@
 
     python Testing/host/panel_looks.py [--pictures FOLDER]
 
-Prints what it found as JSON, for `Testing/Python/test_panel_accessibility.py`; every list in it should be empty. For a dense screen run
-it with QT_SCALE_FACTOR=2. Only Qt can tell these things, so they are asked of Qt: with its Fusion style and the stand-ins for CTK's
-widgets, not with the styles of the Slicer application. Exit status: 0, or 2 where the host cannot run.
+Prints what it found as JSON, for `Testing/Python/module/test_panel_accessibility.py`; every list in it should be empty. For a dense
+screen run it with QT_SCALE_FACTOR=2. Only Qt can tell these things, so they are asked of Qt: with its Fusion style and the stand-ins for
+CTK's widgets, not with the styles of the Slicer application. Exit status: 0, or 2 where the host cannot run.
 """
 
 from __future__ import annotations
@@ -98,8 +98,8 @@ class Panel:
         self.native.resize(width, self.native.height())
         self.native.show()
         self.host.process_events()
-        for _settling in range(2):  # a text that has changed is laid out anew after its section has told of it
-            self.native.resize(width, self.native.layout().totalHeightForWidth(width))
+        for wide in (width + 1, width, width):  # layouts keep what other letters asked for, until they get another width
+            self.native.resize(wide, self.native.layout().totalHeightForWidth(wide))
             self.host.process_events()
 
     def shown(self, kind) -> list:

@@ -109,6 +109,9 @@ class Wrapper(metaclass=PythonQtMeta):
         object.__setattr__(self, "_destroyed", False)
         Wrapper._wrappers[id(native)] = self
         if isinstance(native, QtCore.QObject):
+            if type(native) not in _PROPERTIES:
+                meta = native.metaObject()
+                _PROPERTIES[type(native)] = frozenset(meta.property(i).name() for i in range(meta.propertyCount()))
             # PySide6 does not hear of the end of every object that C++ made and deletes
             native.destroyed.connect(functools.partial(_mark_destroyed, weakref.ref(self)))
 
@@ -131,7 +134,9 @@ class Wrapper(metaclass=PythonQtMeta):
         """A property's value, a method, a signal, an enumeration value, a dynamic property or a child."""
         if name.startswith("_"):
             raise AttributeError(f"{type(self).__name__} has no attribute named '{name}'")
-        native = _alive(self, name)
+        native = _object(self)
+        if _is_gone(self, native):
+            return _of_destroyed(self, name)
         if isinstance(native, QtCore.QObject):
             position = property_index(native, name)
             if position >= 0:
@@ -156,8 +161,10 @@ class Wrapper(metaclass=PythonQtMeta):
 
     def __setattr__(self, name, value):
         """Sets a property, or, in a Python class that derives from a Qt class, an attribute."""
-        native = _alive(self, name)
+        native = _object(self)
         kind = type(self).__name__
+        if _is_gone(self, native):
+            raise AttributeError(f"Trying to set property '{name}' on a destroyed {kind} object")
         if isinstance(native, QtCore.QObject):
             position = property_index(native, name)
             if position >= 0:
@@ -197,14 +204,27 @@ def _mark_destroyed(reference, *_):
         object.__setattr__(wrapper, "_destroyed", True)
 
 
-def _alive(wrapper, name):
+def _object(wrapper):
     try:
-        native = object.__getattribute__(wrapper, "_object")
+        return object.__getattribute__(wrapper, "_object")
     except AttributeError:
         raise AttributeError(f"{type(wrapper).__name__} was not initialized: call super().__init__() first") from None
-    if isinstance(native, QtCore.QObject) and not wrapper:
-        raise ValueError(f"Trying to reach '{name}' of a destroyed {type(wrapper).__name__} object")
-    return native
+
+
+def _is_gone(wrapper, native) -> bool:
+    return isinstance(native, QtCore.QObject) and not wrapper
+
+
+def _of_destroyed(wrapper, name):
+    """What is left of a destroyed object: methods that fail when they are called, as in PythonQt; properties fail at once."""
+    kind = type(wrapper)
+    if is_offered(kind._native, name) and name not in _PROPERTIES[kind._native]:
+
+        def call(*args):
+            raise ValueError(f"Trying to call '{name}' on a destroyed {kind.__name__} object")
+
+        return call
+    raise ValueError(f"Trying to read property '{name}' from a destroyed {kind.__name__} object")
 
 
 def property_index(native, name: str) -> int:
@@ -318,6 +338,9 @@ def wrapper_class(native: type) -> type:
 
 
 _MADE: dict[type, type] = {}
+_PROPERTIES: dict[type, frozenset[str]] = {}
+"""Names of the properties of the classes that were wrapped: a destroyed object cannot be asked."""
+
 _QT_SIGNALS: dict[tuple[type, int], dict[str, list[str]]] = {}
 
 
@@ -345,7 +368,10 @@ def wrap(value):
 def unwrap(value):
     """What PySide6 takes for a value that came from a module: the PySide6 object, class or enumeration, a guarded callable."""
     if isinstance(value, Wrapper):
-        return _alive(value, "object")
+        native = _object(value)
+        if _is_gone(value, native):
+            raise ValueError(f"A destroyed {type(value).__name__} object was given to Qt")
+        return native
     if isinstance(value, EnumValue):
         return value.native
     if isinstance(value, PythonQtMeta):

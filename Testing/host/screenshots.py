@@ -100,7 +100,7 @@ def panel(module: Module, folder: Path) -> None:
 
 def panel_needs(module: Module, folder: Path) -> None:
     """panel-needs.png: what the panel says where bone is missing."""
-    from AIFReconScene.inputs.inputs.parameters import Method
+    from AIFReconScene.inputs.parameters import Method
 
     parameters = module.parameters
     bone, method = parameters.bone, parameters.method
@@ -159,7 +159,7 @@ def live(module: Module, folder: Path) -> None:
     """live-panel.png, live.png: the Live section and the views during a scan, from a server that replays the sweep."""
     import time
 
-    from AIFReconScene.inputs.inputs.parameters import Region
+    from AIFReconScene.inputs.parameters import Region
     from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
     from AIFReconLib.live.replay.server import ReplayServer

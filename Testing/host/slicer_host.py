@@ -85,6 +85,7 @@ class SlicerHost:
             setattr(slicer, kind.__name__, wrapper_class(kind))
         self._modules, self._wrap = modules, wrap
         self._application.start(self.scene.host)
+        self._application.aboutToQuit.connect(self._unload_modules)
         slicer.app = wrap(self._application)
         self._keep = [slicer.app]
         for name, logic in self.scene.host.logics.items():
@@ -189,6 +190,18 @@ class SlicerHost:
     def unload_module(self, name: str) -> None:
         """Ends a module as closing the application does."""
         self._modules.unload_module(self._application, name)
+
+    def run(self) -> int:
+        """Runs until the application is closed: by the window, or by `slicer.util.exit`; returns the exit status.
+
+        As in Slicer, all modules are unloaded and their panels destroyed within the very call that closes it, also when that comes in the
+        middle of what Python does in an event; Python goes on afterwards.
+        """
+        return self._application.exec()
+
+    def _unload_modules(self) -> None:
+        for name in reversed(list(self._application.moduleManager().loaded)):
+            self.unload_module(name)
 
     # ---- tests
 

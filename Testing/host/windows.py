@@ -140,6 +140,17 @@ class qSlicerMainWindow(QtWidgets.QMainWindow):
         """What opens modules."""
         return self._selector
 
+    def closeEvent(self, event):
+        """The user closes the window: the open module is left, and all windows and the application are closed after this event."""
+        self._selector.selectModule("")
+        event.accept()
+        QtCore.QTimer.singleShot(0, self._end)
+
+    @staticmethod
+    def _end():
+        QtWidgets.QApplication.closeAllWindows()
+        QtWidgets.QApplication.exit(0)
+
 
 def _place(height: int):
     """Room for something that is not there."""

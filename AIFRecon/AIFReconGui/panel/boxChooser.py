@@ -1,7 +1,7 @@
 """A new box is laid around the sweep or the CT as soon as it is chosen."""
 
 from AIFReconScene.inputs import boxes
-from AIFReconScene.inputs.inputs.parameters import Region
+from AIFReconScene.inputs.parameters import Region
 
 
 class BoxChooser:

@@ -2,7 +2,7 @@
 
 import qt
 import slicer
-from AIFReconScene.inputs.inputs.parameters import LiveSource
+from AIFReconScene.inputs.parameters import LiveSource
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
@@ -100,7 +100,7 @@ class LivePanel:
                 ensureLivePackages()
             if outcome.error is not None:
                 return
-        self._ui.liveStatisticsLabel.text = self._do(failure, self._start)
+        self._say(self._do(failure, self._start))
         if self.isRunning:
             self._show()
             reveal(self._ui.liveCollapsibleButton)
@@ -122,7 +122,7 @@ class LivePanel:
 
     def onStop(self) -> None:
         """End the scan and keep its volume."""
-        self._ui.liveStatisticsLabel.text = self._do(_("The live reconstruction could not be ended as it should."), self._stop)
+        self._say(self._do(_("The live reconstruction could not be ended as it should."), self._stop))
 
     def close(self, sceneStays: bool = False) -> None:
         """End the scan without showing anything more: the scene, the panel or the application is being closed."""
@@ -133,7 +133,7 @@ class LivePanel:
             if sceneStays:
                 live.removeFrame()
             self._showState(_("not started"), IDLE_COLOR)
-            self._ui.liveStatisticsLabel.text = ""
+            self._say("")
 
     def _do(self, failure: str, work) -> str:
         """Do long work and return what it said: a cancel too, nothing after an error that was shown."""
@@ -161,7 +161,7 @@ class LivePanel:
             node = live.stop(progress)
         finally:
             self._showState(_("stopped"), IDLE_COLOR)
-            self._ui.liveStatisticsLabel.text = ""
+            self._say("")
         if node is not None:
             parameters.output = node
         lines = [_counts(live.statistics)]
@@ -195,15 +195,21 @@ class LivePanel:
         else:
             word = _("Paused") if statistics.phase == "paused" else tracking
         self._showState(word, TRACKED_COLOR if tracked else LOST_COLOR)
-        problems = (statistics.trouble, live.snapshotProblem, statistics.recording_failure)
+        problems = (statistics.trouble, live.snapshotProblem, live.displayProblem, statistics.recording_failure)
         lines = [_counts(statistics)] if failed else [_rate(statistics), _counts(statistics)]
         lines += [inPanelWords(problem) for problem in problems if problem]
-        self._ui.liveStatisticsLabel.text = "\n".join(dict.fromkeys(lines))
+        self._say("\n".join(dict.fromkeys(lines)))
         self._ui.liveUseBoxButton.enabled = live.isScouting and live.session.scouted > 0
         if live.volumeNode is not None and self._parameterNode is not None and self._parameterNode.output is not live.volumeNode:
             self._parameterNode.output = live.volumeNode
 
+    def _say(self, text: str) -> None:
+        if self._ui.liveStatisticsLabel:  # false once it is destroyed: a scan that is being ended hears of the application's end last
+            self._ui.liveStatisticsLabel.text = text
+
     def _showState(self, word: str, color: str) -> None:
+        if not self._ui.liveStateLabel:
+            return
         self._ui.liveStateLabel.text = word
         self._ui.liveStateLabel.styleSheet = (
             f"QLabel {{ background-color: {color}; color: white; font-size: 26px; font-weight: bold; padding: 10px; border-radius: 4px; }}"

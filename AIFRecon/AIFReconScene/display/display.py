@@ -29,6 +29,8 @@ class SceneDisplay:
         """Show the output over the CT in the usual slice views, and bone in 3D. Views that show its place already stay where they are."""
         if parameters.bone is not None and parameters.bone.IsA("vtkMRMLSegmentationNode"):
             threeDViews.makeSurface(parameters.bone, progress)
+        if parameters.output is None:
+            return  # deleted while the surface was made
         sliceDisplay.restoreLayout()
         fit = self._changed("place", (parameters.output.GetID(), _boundsOf(parameters.output)))
         sliceDisplay.showOverCT(parameters.output, parameters.ctVolume, parameters.opacity, fit=fit)

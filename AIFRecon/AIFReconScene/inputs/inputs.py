@@ -80,8 +80,10 @@ class Inputs:
         """The nodes that an output must not overwrite: among them those that the sweep is replayed into."""
         return tuple(node for node in (self.bone, self.ct, self.region, *proxiesOf(self.sweep)) if node is not None)
 
-    def prepared(self, progress=None) -> "PreparedInputs":
-        """Turn the nodes into the library's inputs, once for any number of reconstructions.
+    def prepared(self, settings, progress=None) -> "PreparedInputs":
+        """Turn the nodes into the library's inputs, once for any number of reconstructions; nodes that change later change nothing.
+
+        `settings` give the spacing of the voxels.
 
         Raises
         ------
@@ -93,9 +95,9 @@ class Inputs:
         if self.sweep is None:
             raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
         sequence = sequenceFromBrowser(self.sweep, self.imageSequence)
-        region = self.imageRegion(sequence.configuration)
+        region, grid = self.imageRegion(sequence.configuration), self.grid(settings)
         bone = self._boneOf(sequence, region, progress) if self.bone is None and self.boneFromSweep else self.boneMap(progress)
-        return PreparedInputs(self, sequence, bone, region, self.importance())
+        return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance())
 
     def boneMap(self, progress=None):
         """The `BoneMap` of the chosen bone in RAS, or None without."""
@@ -143,24 +145,24 @@ class Inputs:
 
 @dataclass(frozen=True)
 class PreparedInputs:
-    """The library's inputs; `reconstruct` may be called with any settings."""
+    """The library's inputs; `reconstruct` may be called with any settings that have the same spacing."""
 
-    inputs: Inputs
     sequence: object
-    bone: object
+    bone: object = None
+    grid: object = None
     imageRegion: object = None
+    probe: object = None
     importance: object = None
 
     def reconstruct(self, settings, progress=None):
         """One call of the library: `settings` to a `Reconstruction` in RAS."""
-        grid = self.inputs.grid(settings)
         return reconstruct(
             self.sequence,
             settings,
             self.bone,
-            grid,
+            self.grid,
             region=self.imageRegion,
-            probe=self.inputs.probe,
+            probe=self.probe,
             importance=self.importance,
             progress=progress,
         )
@@ -168,5 +170,5 @@ class PreparedInputs:
 
 def reconstructed(inputs: Inputs, settings, progress=None):
     """A `Reconstruction` and the sequence it was made from."""
-    prepared = inputs.prepared(part(progress, 0.0, 0.1))
+    prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
     return prepared.reconstruct(settings, part(progress, 0.1, 1.0)), prepared.sequence

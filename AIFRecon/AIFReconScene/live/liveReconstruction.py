@@ -1,5 +1,7 @@
 """A live session in the scene: starts it from the panel's parameters and keeps the nodes it shows up to date."""
 
+import logging
+
 import slicer
 
 from AIFReconLib.errors import OperationCanceled, SettingsError
@@ -11,6 +13,7 @@ from AIFReconLib.live.session.snapshots import SnapshotMaker
 from ..inputs.inputs import Inputs
 from ..inputs.parameters import LiveSource, fileFrom, settingsFrom
 from ..sceneNodes import removeNodes
+from ..transforms import atRightAngles
 from ..volumes.volumeNodes import followIntensity, outputNodes, showGrayLevels, updateVolumeNode
 from .liveViews import LiveViews
 from .nodeSource import NodeSource
@@ -46,6 +49,7 @@ class LiveReconstruction:
         self._name = "Live"
         self._frameNode = None
         self._shownFrame = None
+        self._displayProblems = {}
         self._window = None
         self.wasCanceled = False
         self._views = LiveViews(parameters.ctVolume, parameters.opacity)
@@ -95,11 +99,11 @@ class LiveReconstruction:
             self._source.collect()
 
     def refresh(self) -> None:
-        """Bring the nodes up to date with what is ready, and ask for the next snapshot."""
-        self._showFrame()
+        """Bring nodes and views up to date with what is ready, and ask for the next snapshot; `displayProblem` says what failed."""
+        self._attempt(self._showFrame)
         result = self._snapshots.take()
         if result is not None:
-            self._showVolume(result)
+            self._attempt(self._showVolume, result)
         self._snapshots.request()
 
     def stop(self, progress=None):
@@ -111,11 +115,12 @@ class LiveReconstruction:
         try:
             result = self.session.finish(progress)
             if result is not None and result.frames_inserted:
-                self._showVolume(result)
+                self._fillVolume(result)
+                self._attempt(self._views.showVolume, self.volumeNode)
         except OperationCanceled:
             self.wasCanceled = True
         finally:
-            self.removeFrame()
+            self._attempt(self.removeFrame)
         return self.volumeNode
 
     def abandon(self) -> None:
@@ -134,7 +139,27 @@ class LiveReconstruction:
         """The frame that is seen now, in its place, or None."""
         return self._frameNode
 
+    @property
+    def displayProblem(self):
+        """The error that keeps something from being shown as it is now; None while all is. The scan goes on beside it."""
+        return next(iter(self._displayProblems.values()), None)
+
+    def _attempt(self, show, *what) -> None:
+        """Show something; what goes wrong is kept until it goes right again, for nothing on the screen is worth the scan."""
+        try:
+            show(*what)
+        except Exception as error:
+            if show.__name__ not in self._displayProblems:
+                logging.exception("The scan goes on, but its display has failed.")
+            self._displayProblems[show.__name__] = error
+        else:
+            self._displayProblems.pop(show.__name__, None)
+
     def _showVolume(self, result) -> None:
+        self._fillVolume(result)
+        self._views.showVolume(self.volumeNode)
+
+    def _fillVolume(self, result) -> None:
         known = self.volumeNode
         if known is not None and known.GetImageData() is not None:
             updateVolumeNode(known, result.intensity)
@@ -142,20 +167,21 @@ class LiveReconstruction:
         else:
             self._outputs = outputNodes(result, self._name, nodes={"intensity": known})
             self._window = followIntensity(self.volumeNode, result)
-        self._views.showVolume(self.volumeNode)
 
     def _showFrame(self) -> None:
         frame = self.session.latest
         if frame is None or frame is self._shownFrame or frame.image_to_reference is None or frame.status != "OK":
             return
-        self._shownFrame = frame
         if self._frameNode is None or self._frameNode.GetScene() is None:
             self._frameNode = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", FRAME_NAME)
             self._frameNode.SetSaveWithScene(False)
             self._frameNode.CreateDefaultDisplayNodes()
             showGrayLevels(self._frameNode, frame.image.dtype)
-        updateVolumeNode(self._frameNode, Volume(frame.image[None], frame.image_to_reference))
+        rows, columns = frame.image.shape
+        # What is inserted lies where the exact matrix puts it
+        updateVolumeNode(self._frameNode, Volume(frame.image[None], atRightAngles(frame.image_to_reference, columns, rows)))
         self._views.showFrame(self._frameNode)
+        self._shownFrame = frame
 
     def removeFrame(self) -> None:
         """Take the frame out of the scene, and give the red view back as it was."""

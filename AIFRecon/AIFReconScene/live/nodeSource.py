@@ -6,6 +6,7 @@ from dataclasses import replace
 import slicer
 from vtk.util import numpy_support
 
+from AIFReconLib.errors import TransformError
 from AIFReconLib.live.wire.messages import ImageMessage, StreamEvent
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.message import Message
@@ -79,7 +80,11 @@ class NodeSource(QueueSource):
             self.put(StreamEvent("refused", detail, time.monotonic()))
             return
         pixels = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns).copy()
-        pose = matrixToWorld(self._node) @ ijkToRAS(self._node)
+        try:
+            pose = matrixToWorld(self._node) @ ijkToRAS(self._node)
+        except TransformError as error:
+            self.put(StreamEvent("refused", error.args[0], time.monotonic()))
+            return
         statuses = [transformStatus(node) for node in parentTransforms(self._node)]
         status = next((each for each in statuses if each.value != "OK"), None)
         now = time.monotonic()

@@ -53,12 +53,12 @@ def compareMethods(inputs, settings, progress=None) -> Comparison:
     AIFReconError
         As a reconstruction; OperationCanceled after a cancel. The scene is as before.
     """
-    prepared = inputs.prepared(part(progress, 0.0, 0.05))
+    prepared, labels = inputs.prepared(settings, part(progress, 0.0, 0.05)), _labels(inputs)
     results = {}
     for number, method in enumerate(COMPARED):
         step = part(progress, 0.05 + 0.65 * number / len(COMPARED), 0.05 + 0.65 * (number + 1) / len(COMPARED))
         results[method] = prepared.reconstruct(replace(settings, method=method), step)
-    metrics = _metrics(inputs, prepared, results, part(progress, 0.7, 0.98))
+    metrics = _metrics(labels, prepared, results, part(progress, 0.7, 0.98))
     report(progress, 0.98, "Showing the volumes")
     volumes = _volumes(results, inputs)
     _shareWindow(volumes.values())
@@ -67,20 +67,28 @@ def compareMethods(inputs, settings, progress=None) -> Comparison:
     return Comparison(volumes, table, listed(lines, "\n"))
 
 
-def _metrics(inputs, prepared, results, progress) -> dict:
-    """Bone metrics of every volume, by method; none where the bone has no surface."""
+def _labels(inputs):
+    """The labels of the bone as it is when the comparison begins; None where it has no surface."""
     from ..inputs.boneNodes import labelsFromNode
-    from .metricsTable import measureVolumes
 
     if inputs.bone is None:
-        return {}
+        return None
     if not inputs.bone.IsA("vtkMRMLSegmentationNode") and not inputs.bone.IsA("vtkMRMLLabelMapVolumeNode"):
+        return None
+    return labelsFromNode(inputs.bone, list(inputs.boneSegments) or None, referenceVolumeNode=inputs.ct)
+
+
+def _metrics(labels, prepared, results, progress) -> dict:
+    """Bone metrics of every volume, by method; none where the bone has no surface."""
+    from .metricsTable import measureVolumes
+
+    if labels is None:
         return {}
-    labels = labelsFromNode(inputs.bone, list(inputs.boneSegments) or None, referenceVolumeNode=inputs.ct)
     # Every method fills the same voxels, so one mask tells for all of them
     mask = next(iter(results.values())).mask
     volumes = {method: result.intensity for method, result in results.items()}
-    return measureVolumes(volumes, labels, prepared.sequence, mask=mask, region=prepared.imageRegion, probe=inputs.probe, progress=progress)
+    imaging = {"region": prepared.imageRegion, "probe": prepared.probe}
+    return measureVolumes(volumes, labels, prepared.sequence, mask=mask, progress=progress, **imaging)
 
 
 def _shareWindow(nodes) -> None:

@@ -1,0 +1,313 @@
+"""Bone drawn from the sweep itself: made-up frames with a bright arc over darkness, for both kinds of probes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from files import tracked_sequence, write_patient
+from sweeps import image_pose
+
+from AIFReconLib.bone.from_sweep import LEAST_SCORE, SKIN, BoneEchoFinder, bone_from_sweep
+from AIFReconLib.commands.parser import main
+from AIFReconLib.errors import BeamGeometryError, GeometryError, NoUsableFramesError, OperationCanceled
+from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
+from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
+from AIFReconLib.imaging.detection import detect_imaging
+from AIFReconLib.imaging.region import Fan, ImageRegion
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.resolve import Imaging
+from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import SweepPoses, sweep_poses
+
+COLUMNS, ROWS, SPACING = 120, 160, (0.25, 0.25)
+APEX = (59.5, -20.0)
+REGIONS = {
+    LINEAR: Imaging(ImageRegion(), ProbeGeometry(LINEAR)),
+    SECTOR: Imaging(ImageRegion(fan=Fan(APEX, (-17.0, 17.0), (30.0, 175.0))), ProbeGeometry(SECTOR, APEX)),
+}
+SKIN_ECHO = 4.0
+"""mm below the top at which some images are bright."""
+
+
+def speckle(seed=0, mean=40.0) -> np.ndarray:
+    return np.random.default_rng(seed).rayleigh(mean / math.sqrt(math.pi / 2), (ROWS, COLUMNS))
+
+
+def arc_row(columns, deepest=18.0, curvature=0.02):
+    """Row of a made-up bone surface in each column, higher in the middle as a vertebra's."""
+    x = (np.asarray(columns) - (COLUMNS - 1) / 2) * SPACING[0]
+    return (deepest + curvature * x**2) / SPACING[1]
+
+
+def bone_image(seed=0, thickness=0.4, **arc) -> np.ndarray:
+    """Speckle down to a bright arc (a Gaussian of `thickness` mm), and next to nothing behind it."""
+    image = speckle(seed)
+    below = (np.arange(ROWS)[:, None] - arc_row(np.arange(COLUMNS), **arc)[None, :]) * SPACING[1]
+    image[below > 0] *= 0.05
+    image += 200 * np.exp(-0.5 * (below / thickness) ** 2)
+    return np.clip(image, 0, 255).astype(np.uint8)
+
+
+def finder(kind=LINEAR) -> BoneEchoFinder:
+    return BoneEchoFinder((COLUMNS, ROWS), SPACING, REGIONS[kind])
+
+
+def find(image, kind=LINEAR):
+    return finder(kind).find(image)
+
+
+def sweep_of(images, matrices) -> tuple[TrackedSequence, SweepPoses]:
+    images = np.asarray(images)
+    sequence = TrackedSequence(images, [FrameRecord(timestamp=0.1 * n) for n in range(len(images))])
+    return sequence, SweepPoses(np.asarray(matrices), (None,) * len(images), ())
+
+
+def oblique_sweep(kind=LINEAR, count=12):
+    """Frames 1 mm apart across their plane, oblique to every axis of Reference."""
+    pose = image_pose(SPACING, (25.0, -35.0, 50.0), (12.0, -40.0, 75.0))
+    across = pose[:3, 2] / np.linalg.norm(pose[:3, 2])
+    poses = np.repeat(pose[None], count, axis=0)
+    poses[:, :3, 3] += np.arange(count)[:, None] * across
+    sequence, poses = sweep_of([bone_image(seed) for seed in range(count)], poses)
+    return sequence, poses, REGIONS[kind]
+
+
+def at(volume, points):
+    """The nearest voxels of points (n, 3) in Reference."""
+    i, j, k = np.rint(transform_points(volume.grid.reference_to_ijk, points)).astype(int).T
+    return volume.array[k, j, i]
+
+
+def points_in(pose, columns, rows):
+    columns = np.asarray(columns, dtype=float)
+    return transform_points(pose, np.stack([columns, rows, 0 * columns], axis=-1))
+
+
+# One frame
+
+
+@pytest.mark.parametrize("kind", [LINEAR, SECTOR])
+def test_echoes_lie_on_a_bright_arc_over_darkness(kind):
+    echoes = find(bone_image(), kind)
+    off = (echoes.pixels[:, 1] - arc_row(echoes.pixels[:, 0])) * SPACING[1]
+    assert len(off) > 0.8 * finder(kind).lines
+    assert np.abs(off).max() < 0.6
+
+
+def test_nearly_every_scan_line_finds_a_clear_surface():
+    assert len(find(bone_image()).pixels) > 0.95 * finder().lines
+
+
+@pytest.mark.parametrize("kind", [LINEAR, SECTOR])
+@pytest.mark.parametrize("seed", range(3))
+def test_speckle_alone_is_no_bone(kind, seed):
+    assert find(speckle(seed).astype(np.uint8), kind).scores.size == 0
+
+
+def test_a_bright_line_with_tissue_behind_it_is_no_bone():
+    image = speckle(mean=80.0)
+    image[90:94] = 160
+    assert find(image.astype(np.uint8)).scores.size == 0
+
+
+def test_a_bright_skin_over_darkness_is_no_bone():
+    image = speckle()
+    top = round(SKIN_ECHO / SPACING[1])
+    image[top - 2 : top + 3] = 255
+    image[top + 3 :] *= 0.05
+    assert find(image.astype(np.uint8)).scores.size == 0
+
+
+def test_the_same_echo_below_the_skin_is_bone():
+    image = speckle()
+    row = round((SKIN + SKIN_ECHO) / SPACING[1])
+    image[row - 2 : row + 3] = 255
+    image[row + 3 :] *= 0.05
+    assert find(image.astype(np.uint8)).scores.size == finder().lines
+
+
+@pytest.mark.parametrize("deepest", np.arange(18.0, 18.25, 0.05))
+def test_the_place_of_an_echo_is_good_to_a_twentieth_of_a_millimeter_between_samples(deepest):
+    below = (np.arange(ROWS)[:, None] - deepest / SPACING[1] + np.zeros(COLUMNS)) * SPACING[1]
+    image = 4.0 * (below < 0) + 200 * np.exp(-0.5 * (below / 0.6) ** 2)
+    echoes = find(image)
+    np.testing.assert_allclose(echoes.pixels[:, 1] * SPACING[1], deepest, atol=0.05)
+
+
+def test_echoes_lie_on_the_crest_and_not_on_its_far_flank():
+    echoes = find(bone_image(thickness=1.0))
+    off = (echoes.pixels[:, 1] - arc_row(echoes.pixels[:, 0])) * SPACING[1]
+    assert abs(np.median(off)) < 0.3
+
+
+def test_an_echo_without_neighbors_is_no_bone():
+    image = speckle()
+    image[82:, 58:62] *= 0.02
+    image[78:82, 58:62] = 255
+    assert find(image.astype(np.uint8)).scores.size == 0
+
+
+def test_a_black_image_has_no_bone():
+    assert find(np.zeros((ROWS, COLUMNS), np.uint8)).scores.size == 0
+
+
+def test_values_that_are_not_finite_count_as_dark():
+    image = bone_image().astype(np.float32)
+    holed = image.copy()
+    image[120:123, 40:44], holed[120:123, 40:44] = 0.0, np.nan
+    np.testing.assert_array_equal(find(holed).pixels, find(image).pixels)
+
+
+def test_scores_do_not_depend_on_the_gain():
+    image = bone_image().astype(np.float32)
+    np.testing.assert_allclose(find(3 * image).scores, find(image).scores, rtol=1e-4)
+
+
+def test_scores_lie_between_the_threshold_and_one():
+    scores = find(bone_image()).scores
+    assert LEAST_SCORE <= scores.min() <= scores.max() <= 1.0
+
+
+@pytest.mark.parametrize("kind", [LINEAR, SECTOR])
+def test_beams_advance_one_millimeter(kind):
+    beams = find(bone_image(), kind).beams * SPACING
+    np.testing.assert_allclose(np.linalg.norm(beams, axis=1), 1.0, rtol=1e-6)
+
+
+def test_without_a_probe_the_message_says_what_to_give():
+    with pytest.raises(BeamGeometryError, match="--probe linear"):
+        BoneEchoFinder((COLUMNS, ROWS), SPACING, Imaging(ImageRegion(), None))
+
+
+# The map
+
+
+@pytest.mark.parametrize("kind", [LINEAR, SECTOR])
+def test_the_map_of_an_oblique_sweep_is_high_on_the_surface(kind):
+    sequence, poses, imaging = oblique_sweep(kind)
+    bone = bone_from_sweep(sequence, poses, imaging)
+    columns = np.arange(40, 80)
+    assert at(bone.probability, points_in(poses.image_to_reference[6], columns, arc_row(columns))).min() > 0.6
+
+
+@pytest.mark.parametrize("shift", [-8.0, 8.0])
+def test_the_map_is_zero_away_from_the_surface(shift):
+    sequence, poses, imaging = oblique_sweep()
+    bone = bone_from_sweep(sequence, poses, imaging)
+    columns = np.arange(20, 100)
+    rows = arc_row(columns) + shift / SPACING[1]
+    assert at(bone.probability, points_in(poses.image_to_reference[6], columns, rows)).max() < 0.01
+
+
+def test_the_map_peaks_at_the_right_millimeter():
+    sequence, poses, imaging = oblique_sweep()
+    bone = bone_from_sweep(sequence, poses, imaging, spacing=0.5)
+    offsets = np.arange(-4, 4.1, 0.25)
+    rows = arc_row(60) + offsets / SPACING[1]
+    profile = at(bone.probability, points_in(poses.image_to_reference[6], np.full(rows.size, 60), rows)).astype(float)
+    # The mean of where it is high: the top itself is flat
+    high = np.maximum(profile - 0.5 * profile.max(), 0)
+    assert (offsets * high).sum() / high.sum() == pytest.approx(0.0, abs=0.5)
+
+
+def test_probabilities_lie_between_zero_and_one():
+    array = bone_from_sweep(*oblique_sweep()).probability.array
+    assert (array.min(), array.max()) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(("depth", "expected"), [(-2.5, 0), (2.5, 1)])
+def test_the_inside_of_bone_is_behind_the_surface(depth, expected):
+    sequence, poses, imaging = oblique_sweep()
+    bone = bone_from_sweep(sequence, poses, imaging)
+    columns = np.arange(40, 80)
+    points = points_in(poses.image_to_reference[6], columns, arc_row(columns) + depth / SPACING[1])
+    assert (at(bone.inside, points) == expected).all()
+
+
+def test_surface_directions_point_along_the_beam_where_it_meets_the_surface_at_a_right_angle():
+    sequence, poses, imaging = oblique_sweep()
+    bone = bone_from_sweep(sequence, poses, imaging)
+    placed = bone.on_grid(bone.probability.grid, "surface")
+    pose = poses.image_to_reference[6]
+    i, j, k = np.rint(transform_points(bone.probability.grid.reference_to_ijk, points_in(pose, [60.0], arc_row([60]))))[0].astype(int)
+    assert placed.directions_reference[k, j, i] @ (pose[:3, 1] / np.linalg.norm(pose[:3, 1])) > 0.97
+
+
+def test_a_frame_that_cannot_be_placed_takes_no_part():
+    sequence, poses, imaging = oblique_sweep()
+    broken = poses.image_to_reference.copy()
+    broken[3] = np.nan
+    without = SweepPoses(broken, tuple("OUT_OF_VIEW" if n == 3 else None for n in range(len(sequence))), ())
+    sequence.images[3] = 255
+    rest = [n for n in range(len(sequence)) if n != 3]
+    expected = bone_from_sweep(*sweep_of(sequence.images[rest], poses.image_to_reference[rest]), imaging)
+    np.testing.assert_array_equal(bone_from_sweep(sequence, without, imaging).probability.array, expected.probability.array)
+
+
+def test_a_sweep_without_bone_says_so():
+    sequence, poses = sweep_of(np.stack([speckle(n) for n in range(2)]).astype(np.uint8), [image_pose(SPACING)] * 2)
+    with pytest.raises(GeometryError, match="no frame shows bone"):
+        bone_from_sweep(sequence, poses, REGIONS[LINEAR])
+
+
+def test_a_sweep_without_poses_says_so():
+    sequence, poses, imaging = oblique_sweep()
+    with pytest.raises(NoUsableFramesError):
+        bone_from_sweep(sequence, replace(poses, problems=("OUT_OF_VIEW",) * len(sequence)), imaging)
+
+
+def test_it_can_be_canceled():
+    with pytest.raises(OperationCanceled):
+        bone_from_sweep(*oblique_sweep(), progress=lambda fraction, message: fraction < 0.4)
+
+
+# The command line
+
+
+@pytest.fixture
+def patient(tmp_path):
+    """A patient whose images show bone: tissue above, an echo in row 20, next to nothing below."""
+    images = np.random.default_rng(0).integers(20, 60, (6, 30, 40), dtype=np.uint8)
+    images[:, 21:] //= 20
+    images[:, 19:21] = 240
+    folder = tmp_path / "inputs"
+    folder.mkdir()
+    return write_patient(folder, tracked_sequence(images=images))
+
+
+def test_the_command_gives_what_the_library_gives(patient, tmp_path):
+    assert main([*patient.reconstruct, "--bone-from-sweep", "--method", "weighted", "--output", str(tmp_path / "v.nrrd")]) == 0
+    sequence = read_sequence(patient.sweep, config=patient.config)
+    bone = bone_from_sweep(sequence, sweep_poses(sequence), REGIONS[LINEAR])
+    expected = reconstruct(sequence, ReconstructionSettings(method="weighted"), bone)
+    np.testing.assert_array_equal(read_volume(tmp_path / "v.nrrd").array, expected.intensity.array)
+
+
+@pytest.mark.parametrize("other", ["--bone-labels", "--bone-probability", "--bone-transform"])
+def test_the_command_takes_one_source_of_bone(other, patient, tmp_path, capsys):
+    command = [*patient.reconstruct, "--bone-from-sweep", other, str(patient.transform), "--output", str(tmp_path / "v.nrrd")]
+    assert main(command) == 2
+    message = capsys.readouterr().err
+    assert "--bone-from-sweep" in message
+    assert other in message
+    assert not (tmp_path / "v.nrrd").exists()
+
+
+# Real recordings
+
+
+def test_the_surface_of_a_real_bone_is_found_as_one_line(real_data):
+    sequence = read_sequence(real_data("BoneUltrasound_L14.igs.mha"), config=real_data("BoneUltrasound_L14_config.xml"))
+    spacing = pixel_spacing(sweep_poses(sequence).image_to_reference[10])
+    detected = detect_imaging(sequence.images, spacing)
+    looking = BoneEchoFinder(sequence.frame_size, spacing, Imaging(detected.region, detected.probe))
+    echoes = looking.find(sequence.images[10])
+    depth = echoes.pixels[:, 1] * spacing[1]
+    assert len(depth) > 0.5 * looking.lines
+    assert np.abs(np.diff(depth)).max() < 1.5

@@ -1,0 +1,179 @@
+"""The benchmark: what it measures against is right, and what it prints is what it found. How fast anything is, no test asserts."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sweeps import oblique_frames, sphere_bone, turned_grid
+
+from AIFReconLib.commands import benchmark as command
+from AIFReconLib.commands.benchmark import JUST_KEEPS_UP, KEEPS_UP, TOO_SLOW, answer, fan_sweep, verdict
+from AIFReconLib.commands.parser import main
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.geometry.transforms import image_plane_axes
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.machine.threads import optional_module
+from AIFReconLib.settings import METHODS, ReconstructionSettings
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from benchmark import speed
+from benchmark.cases import half_empty, labels_of_size
+from benchmark.first_result import first_result
+from benchmark.table import HEADING, BenchmarkResult, Timing
+
+LOOPS = optional_module("benchmark.numba_yardstick")
+needs_numba = pytest.mark.skipif(LOOPS is None, reason="numba is not installed")
+RESULT = BenchmarkResult(
+    "a machine",
+    "1.0",
+    12,
+    5,
+    0.0,
+    (Timing("average", "numba", 2, 0.5, 0.012, 3.25, 1000.0, 4.5, 22), Timing("reading", "file", 1, None, 0.5)),
+)
+
+
+@needs_numba
+@pytest.mark.parametrize("method", ["aif", "aif-compensated"])
+def test_the_yardstick_gives_the_voxels_of_the_engines(method):
+    frames, grid, bone = oblique_frames(), turned_grid(), sphere_bone()
+    probe = ProbeGeometry("sector", (16.0, -6.0))
+    reconstructor = Reconstructor(grid, ReconstructionSettings(method=method, output_type="float32"), bone, probe=probe)
+    reconstructor.insert(frames)
+    placed = bone.on_grid(grid)
+    value, weight, hits = np.zeros(grid.shape, np.float32), np.zeros(grid.shape, np.float32), np.zeros(grid.shape, np.uint32)
+    for frame in frames:
+        rows, columns = frame.image.shape
+        x, y = (axis.astype(np.float32) for axis in image_plane_axes(frame.image_to_reference))
+        beams = probe.directions(columns, rows, (0.4, 0.7))
+        factors = np.float32(0.1), np.float32(0.1), np.float32(255), method == "aif-compensated"
+        known = placed.probability, placed.directions_reference
+        LOOPS.plain_aif(frame.image, grid.reference_to_ijk @ frame.image_to_reference, x, y, beams, *known, *factors, value, weight, hits)
+    np.testing.assert_allclose(reconstructor.finish().intensity.array, value, rtol=1e-6)
+
+
+@needs_numba
+def test_there_is_a_yardstick_for_every_method():
+    grid = turned_grid((4.0, 4.0, 4.0))
+    loops = LOOPS.yardsticks(fan_sweep(2, 64, 48), grid, sphere_bone(), ProbeGeometry("linear"))
+    for work in loops.values():
+        work()
+    assert sorted(loops) == sorted(METHODS)
+
+
+def test_everything_is_measured(monkeypatch):
+    monkeypatch.setattr(speed, "seconds_to_first_result", lambda: (2.0, 1.0))
+    monkeypatch.setattr(speed, "FILE_FRAMES", 2)
+    result = speed.benchmark(2, 1, (4.0,), voxels=8000)
+    found = {timing.what.split(",")[0] for timing in result.timings}
+    assert {"average", "weighted", "hole filling", "bone map from labels", "bone map onto a grid", "reading"} <= found
+
+
+@needs_numba
+def test_what_has_a_yardstick_is_compared_with_it():
+    result = speed.benchmark(2, 1, (4.0,), voxels=0)
+    compared = {timing.what for timing in result.timings if timing.times_yardstick}
+    assert {"average", "aif-compensated", "weighted"} <= compared
+
+
+def test_the_table_has_a_row_for_each_timing():
+    assert [len(row) for row in RESULT.rows()] == [len(HEADING)] * 3
+
+
+def test_markdown_is_a_table():
+    lines = RESULT.markdown().splitlines()
+    assert [line.count("|") for line in lines[-4:]] == [len(HEADING) + 1] * 4
+
+
+@pytest.mark.parametrize(("busy", "told"), [(0.0, False), (0.4, True)])
+def test_a_busy_machine_is_named(busy, told):
+    result = BenchmarkResult("a machine", "1.0", 12, 5, busy, ())
+    assert ("too slow" in result.heading()) == told
+
+
+def test_the_numbers_are_json():
+    assert json.loads(json.dumps(RESULT.to_dict()))["timings"][0]["threads"] == 2
+
+
+def test_the_machine_is_named_without_a_place_on_it():
+    assert "/" not in command.machine()
+
+
+def test_half_of_the_voxels_to_be_filled_are_empty():
+    assert half_empty(27_000)[1].mean() == pytest.approx(0.5, abs=0.02)
+
+
+def test_labels_have_the_size_asked_for():
+    assert labels_of_size(27_000).array.size == 27_000
+
+
+def test_a_first_result_can_be_had():
+    assert first_result() is None
+
+
+SMALL = ("--size", "64", "48", "--frames", "2", "--repeats", "1", "--spacing", "4")
+
+
+def test_the_command_answers_for_every_method(tmp_path, capsys):
+    path = tmp_path / "b.json"
+    assert main(["benchmark", *SMALL, "--json", str(path)]) == 0
+    out, found = capsys.readouterr().out, json.loads(path.read_text())
+    assert [method for method in METHODS if method not in out] == []
+    assert "At 30 frames/s of 64 x 48 pixels, this machine " in out
+    assert list(found["methods"]) == list(METHODS)
+    assert all(of["frames_per_second"] * of["seconds_per_frame"] == pytest.approx(1) for of in found["methods"].values())
+
+
+def test_no_machine_keeps_up_with_any_rate(capsys):
+    main(["benchmark", *SMALL, "--rate", "1e9"])
+    assert "does not keep up with any method" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--rate", "0"], "--rate must be above 0"),
+        (["--rate", "nan"], "--rate must be above 0"),
+        (["--spacing", "-1"], "--spacing must be above 0"),
+        (["--size", "0", "480"], "--size must be 16 to"),
+        (["--frames", "1"], "at least 2 --frames"),
+    ],
+)
+def test_what_cannot_be_measured_is_refused(words, said, capsys):
+    assert main(["benchmark", *words]) == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("share", "word"), [(0.2, KEEPS_UP), (0.5, KEEPS_UP), (0.8, JUST_KEEPS_UP), (1.01, TOO_SLOW)])
+def test_half_of_the_time_must_be_left(share, word):
+    assert verdict(share) == word
+
+
+def test_the_answer_names_the_methods_of_each_kind():
+    text = answer({"average": 0.1, "aif": 0.7, "weighted": 2.0}, (640, 480), 30.0)
+    assert text.startswith(
+        "At 30 frames/s of 640 x 480 pixels, this machine keeps up with average; just keeps up with aif; does not keep up with weighted."
+    )
+
+
+def test_a_machine_that_keeps_up_needs_no_advice():
+    assert len(answer({"average": 0.1, "aif": 0.2}, (640, 480), 30.0).splitlines()) == 1
+
+
+@pytest.mark.parametrize(("module", "advised"), [(object(), False), (None, True)], ids=["there", "missing"])
+def test_numba_is_advised_where_it_is_missing(module, advised, monkeypatch):
+    monkeypatch.setattr(command, "optional_module", lambda name: module)
+    assert ("pip install" in answer({"average": 2.0}, (640, 480), 30.0)) == advised
+
+
+@pytest.mark.parametrize("words", [["--help"], ["live", "--help"]])
+def test_the_benchmarks_start_from_their_folder(words):
+    folder = Path(__file__).resolve().parents[2] / "benchmark"
+    done = subprocess.run([sys.executable, folder, *words], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.startswith("usage: python Testing/benchmark")) == (0, True), done.stderr

@@ -1,0 +1,196 @@
+"""The rooms of the project stand in one order, imports run down it, and the drawing in docs/developers.md shows them so."""
+
+from __future__ import annotations
+
+import ast
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+LIBRARY = REPOSITORY / "AIFReconLib"
+MODULE = REPOSITORY / "AIFRecon"
+DRAWING = ElementTree.parse(REPOSITORY / "docs" / "images" / "architecture.svg").getroot()
+
+ROOMS = (
+    *("AIFRecon.py", "AIFReconGui/panel", "AIFReconGui"),
+    *("AIFReconScene/live", "AIFReconScene/display", "AIFReconScene/volumes", "AIFReconScene/inputs", "AIFReconScene/sweep"),
+    "AIFReconScene",
+    "commands",
+    *("live/replay", "live/session", "live/pairing", "live/wire"),
+    *("evaluation", "simulation", "reconstruction", "inspection", "compounding", "registration", "bone", "resolve"),
+    *("io/foreign", "io/sequence", "io/plus", "io/volume", "io/transform", "io/metafile", "io/disk"),
+    *("sweep", "imaging", "holes", "geometry", "machine"),
+    *("settings", "progress", "errors", "message", "arrays"),
+)
+"""From the top to the bottom: a room may import those that come after it. Folders, and the files that lie beside them."""
+
+UPWARD = {
+    ("AIFReconLib/geometry/volume.py", "AIFReconLib/io/volume/files.py"): "Volume.write is a convenience; it imports when it is called",
+}
+"""Imports that run up all the same, and why."""
+
+MOST_MODULES = 12
+"""In one folder; commands/ has one for each command."""
+
+FILES = sorted([*LIBRARY.rglob("*.py"), *MODULE.rglob("*.py")])
+SPLIT_ROOMS = ("io", "live")
+"""Rooms whose own rooms stand in the order too."""
+
+
+def name_of(path: Path) -> str:
+    """The path within the repository."""
+    return path.relative_to(REPOSITORY).as_posix()
+
+
+def room_of(path: Path) -> str | None:
+    """The room that a file belongs to; None for what only hands on: the public names, and a split room's own page."""
+    if path.is_relative_to(MODULE):
+        parts = path.relative_to(MODULE).parts
+        return "/".join(parts[:2]) if len(parts) > 2 else parts[0]
+    parts = path.relative_to(LIBRARY).with_suffix("").parts
+    if parts == ("__main__",):
+        return "commands"
+    if parts[0] in SPLIT_ROOMS:
+        return "/".join(parts[:2]) if len(parts) > 2 else None
+    return None if parts == ("__init__",) else parts[0]
+
+
+def module_at(path: Path) -> Path | None:
+    """The file of a module by its path without suffix; None where there is none."""
+    return next((file for file in (path.with_suffix(".py"), path / "__init__.py") if file.is_file()), None)
+
+
+def imported(path: Path, tree: ast.AST | None = None) -> Iterator[Path]:
+    """Files of this repository that a file imports anywhere, in functions and for type checkers too."""
+    for node in ast.walk(tree or ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            if node.level:
+                start = (
+                    path.parents[node.level - 1].joinpath(*(node.module or "").split(".")) if node.module else path.parents[node.level - 1]
+                )
+            else:
+                start = _absolute(node.module)
+            targets = [start / alias.name for alias in node.names] if start else []
+            yield from {file for target in targets if (file := module_at(target) or module_at(target.parent))}
+        elif isinstance(node, ast.Import):
+            yield from (file for alias in node.names if (start := _absolute(alias.name)) and (file := module_at(start)))
+
+
+def _absolute(name: str) -> Path | None:
+    parts = name.split(".")
+    if parts[0] == "AIFReconLib":
+        return REPOSITORY.joinpath(*parts)
+    return MODULE.joinpath(*parts) if module_at(MODULE / parts[0]) else None
+
+
+def graph(files: Iterable[Path] = FILES) -> dict[Path, set[Path]]:
+    """What each file imports, but for itself and the table of public names, which imports nothing."""
+    return {file: set(imported(file)) - {file, LIBRARY / "__init__.py"} for file in files}
+
+
+def circles(edges: dict[Path, set[Path]]) -> list[list[str]]:
+    """Groups of files that import each other, directly or through others (Tarjan)."""
+    number: dict[Path, int] = {}
+    low: dict[Path, int] = {}
+    stack: list[Path] = []
+    found = []
+
+    def visit(file: Path) -> None:
+        number[file] = low[file] = len(number)
+        stack.append(file)
+        for other in edges.get(file, ()):
+            if other not in number:
+                visit(other)
+                low[file] = min(low[file], low[other])
+            elif other in stack:
+                low[file] = min(low[file], number[other])
+        if low[file] == number[file]:
+            group = stack[stack.index(file) :]
+            del stack[stack.index(file) :]
+            if len(group) > 1:
+                found.append(sorted(map(name_of, group)))
+
+    for file in edges:
+        if file not in number:
+            visit(file)
+    return found
+
+
+def upward(edges: dict[Path, set[Path]]) -> set[tuple[str, str]]:
+    """Pairs of files of which the first imports the second against the order of the rooms."""
+    pairs = set()
+    for file, others in edges.items():
+        for other in others:
+            here, there = room_of(file), room_of(other)
+            if here is not None and there is not None and ROOMS.index(there) < ROOMS.index(here):
+                pairs.add((name_of(file), name_of(other)))
+    return pairs
+
+
+def test_every_room_has_its_place_in_the_order():
+    assert {room for file in FILES if (room := room_of(file))} == set(ROOMS)
+
+
+def test_imports_run_down_the_order_of_rooms():
+    assert upward(graph()) == set(UPWARD)
+
+
+def test_no_files_import_each_other_in_a_circle():
+    excepted = {REPOSITORY / one: REPOSITORY / other for one, other in UPWARD}
+    assert circles({file: {other for other in others if excepted.get(file) != other} for file, others in graph().items()}) == []
+
+
+@pytest.mark.parametrize("folder", sorted({file.parent for file in FILES}), ids=name_of)
+def test_a_folder_can_be_taken_in_at_a_glance(folder):
+    modules = [file for file in folder.glob("*.py") if file.name != "__init__.py"]
+    assert len(modules) <= MOST_MODULES or folder == LIBRARY / "commands"
+
+
+def test_at_the_root_of_the_library_lie_only_what_all_rooms_share_and_the_way_in():
+    assert {file.stem for file in LIBRARY.glob("*.py")} == {
+        *("__init__", "__main__", "reconstruction", "resolve"),
+        *("settings", "progress", "errors", "message", "arrays"),
+    }
+
+
+# ---- the drawing
+
+
+def drawn() -> dict[str, float]:
+    """Every room of the drawing, and how far down its box begins."""
+    boxes = [element for element in DRAWING.iter() if element.get("data-room")]
+    return {box.get("data-room"): float(next(part for part in box if part.tag.endswith("rect")).get("y")) for box in boxes}
+
+
+def test_every_room_is_drawn():
+    assert set(drawn()) == set(ROOMS)
+
+
+def test_a_room_is_drawn_above_all_that_it_imports():
+    heights = drawn()
+    pairs = {(room_of(file), room_of(other)) for file, others in graph().items() for other in others}
+    excepted = {(room_of(REPOSITORY / one), room_of(REPOSITORY / other)) for one, other in UPWARD}
+    pairs = {(one, other) for one, other in pairs - excepted if one and other and one != other}
+    assert [(one, other) for one, other in sorted(pairs) if heights[one] >= heights[other]] == []
+
+
+# ---- the checks themselves can fail
+
+
+def test_an_import_within_a_function_counts():
+    file = LIBRARY / "live" / "wire" / "client.py"
+    tree = ast.parse("def f():\n    from ...sweep.frames import TrackedFrame\n    from . import framing\n")
+    assert {name_of(other) for other in imported(file, tree)} == {"AIFReconLib/sweep/frames.py", "AIFReconLib/live/wire/framing.py"}
+
+
+def test_a_circle_of_three_is_seen():
+    a, b, c, d = (REPOSITORY / f"{letter}.py" for letter in "abcd")
+    assert circles({a: {b}, b: {c}, c: {a}, d: {a}}) == [["a.py", "b.py", "c.py"]]
+
+
+def test_an_import_that_runs_up_is_seen():
+    edges = {LIBRARY / "geometry" / "volume.py": {LIBRARY / "sweep" / "frames.py"}}
+    assert upward(edges) == {("AIFReconLib/geometry/volume.py", "AIFReconLib/sweep/frames.py")}

@@ -1,0 +1,255 @@
+"""README.md and docs/ tell the truth: every command runs, every option, file, link and name exists."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from doc_pages import PAGES, REPOSITORY, ROOTS, Block, anchors, blocks, code_spans, emphasized, first_column, links, name_of, paths
+from doc_workplace import make_workplace, serve
+
+from AIFReconLib.commands.parser import build_parser, main
+from AIFReconLib.settings import METHODS
+
+LONG_RUNNING = {"demo": "commands/test_demo.py", "benchmark": "commands/test_benchmark.py", "simulate": "commands/test_demo.py"}
+"""Commands that are only parsed here, and where they are run."""
+
+BLOCKS = [block for page in PAGES for block in blocks(page)]
+SHELL = [block for block in BLOCKS if block.commands()]
+PYTHON = [block for block in BLOCKS if block.language == "python"]
+README = REPOSITORY / "README.md"
+GUIDE = REPOSITORY / "docs" / "slicer.md"
+OF_SLICER = {"Edit", "Application Settings", "Modules", "Additional module paths", "Extensions Manager", "Install from file"}
+"""Menus and labels that the guide names and that are Slicer's own."""
+
+
+def subcommands() -> dict[str, argparse.ArgumentParser]:
+    """The parser of each command."""
+    return next(action for action in build_parser()._actions if isinstance(action, argparse._SubParsersAction)).choices
+
+
+def options_of(parser: argparse.ArgumentParser) -> set[str]:
+    """All spellings of a parser's options."""
+    return {word for action in parser._actions for word in action.option_strings}
+
+
+OPTIONS = {name: options_of(parser) for name, parser in subcommands().items()}
+CHOICES = {
+    word: set(action.choices)
+    for parser in subcommands().values()
+    for action in parser._actions
+    for word in action.option_strings
+    if action.choices
+}
+EVERY_OPTION = set().union(*OPTIONS.values()) | {"--version"}
+
+
+def aifrecon(words: list[str]) -> list[str] | None:
+    """The arguments of `aifrecon`, however it is called; None for another program."""
+    if words[0] == "aifrecon":
+        return words[1:]
+    if "AIFReconLib" in words:
+        return words[words.index("AIFReconLib") + 1 :]
+    return None
+
+
+def unknown_options(arguments: list[str]) -> list[str]:
+    """Options that the command does not have; the command itself where that does not exist."""
+    command, *rest = arguments
+    if command.startswith("-"):
+        return [word for word in arguments if word not in EVERY_OPTION | {"--help"}]
+    if command not in OPTIONS:
+        return [command]
+    given = {word for argument in rest for word in re.findall(r"(?<![\w-])--[a-z][a-z-]*", argument.split("=")[0])}
+    return sorted(given - OPTIONS[command])
+
+
+def make_targets() -> set[str]:
+    """What the Makefile can make."""
+    return set(re.findall(r"^([a-z][\w-]*):", (REPOSITORY / "Makefile").read_text("utf-8"), flags=re.MULTILINE))
+
+
+@pytest.fixture(scope="session")
+def originals(tmp_path_factory) -> Path:
+    """The files of all commands, made once."""
+    return make_workplace(tmp_path_factory.mktemp("workplace"))
+
+
+@pytest.fixture
+def workplace(originals, tmp_path, monkeypatch) -> Path:
+    """A copy of them, which is the current folder."""
+    folder = tmp_path / "here"
+    shutil.copytree(originals, folder)
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def run_live(arguments: list[str], folder: Path) -> None:
+    """`aifrecon live` against our own server, and with an end."""
+    server = serve(folder)
+    try:
+        here = ["--host", "127.0.0.1", "--port", str(server.port), "--frames", "5", "--scout-seconds", "0.1"]
+        assert main([*arguments, *here]) == 0
+    finally:
+        server.stop()
+
+
+def run_replay(arguments: list[str]) -> None:
+    """`aifrecon replay` in a process of its own, on a free port, until it listens."""
+    command = [sys.executable, "-m", "AIFReconLib", *arguments, "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        said = process.stdout.readline()
+        process.send_signal(signal.SIGINT) if sys.platform != "win32" else process.terminate()
+    assert said.startswith("Listening on 127.0.0.1"), said
+
+
+@pytest.mark.parametrize("block", SHELL, ids=lambda block: block.name)
+def test_every_command_runs(block: Block, workplace, capsys):
+    for words in block.commands():
+        arguments = aifrecon(words)
+        if arguments is None:
+            continue
+        assert unknown_options(arguments) == []
+        if any("[" in word for word in arguments):  # an overview of the options, not a command
+            continue
+        build_parser().parse_args(arguments)
+        if arguments[0] == "live":
+            run_live(arguments, workplace)
+        elif arguments[0] == "replay":
+            run_replay(arguments)
+        elif arguments[0] not in LONG_RUNNING:
+            assert main(arguments) == 0, capsys.readouterr().err
+
+
+@pytest.mark.parametrize("block", SHELL, ids=lambda block: block.name)
+def test_every_make_target_of_a_command_exists(block: Block):
+    wanted = [word for words in block.commands() if words[0] == "make" for word in words[1:] if "=" not in word]
+    assert set(wanted) - make_targets() == set()
+
+
+@pytest.mark.parametrize("block", SHELL, ids=lambda block: block.name)
+def test_every_extra_that_pip_installs_exists(block: Block):
+    project = (REPOSITORY / "pyproject.toml").read_text("utf-8")
+    wanted = [extra for words in block.commands() for word in words for extra in re.findall(r"^(?:\.|aifrecon)\[([\w,]+)\]$", word)]
+    assert [extra for extra in wanted if not re.search(rf"^{extra} = \[", project, flags=re.MULTILINE)] == []
+
+
+@pytest.mark.parametrize("block", [block for block in PYTHON if "AIFReconLogic" not in block.text], ids=lambda block: block.name)
+def test_every_python_block_runs(block: Block, workplace):
+    exec(compile(block.text, block.name, "exec"), {})
+    assert (workplace / "volume.nrrd").stat().st_size > 0
+
+
+@pytest.mark.parametrize("name", sorted(LONG_RUNNING))
+def test_what_is_only_parsed_here_is_run_elsewhere(name):
+    assert (REPOSITORY / "Testing" / "Python" / LONG_RUNNING[name]).is_file()
+    assert name in OPTIONS
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_command_in_running_text_exists(page: Path):
+    spans = [span.split() for span in code_spans(page) if re.match(r"aifrecon [a-z]", span)]
+    assert {" ".join(words): bad for words in spans if (bad := unknown_options(words[1:]))} == {}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_option_in_running_text_exists(page: Path):
+    named = {word for span in code_spans(page) for word in re.findall(r"^--[a-z][a-z-]*", span)}
+    assert named - EVERY_OPTION == set()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_choice_in_running_text_exists(page: Path):
+    named = {tuple(span.split()) for span in code_spans(page) if re.fullmatch(r"--[a-z-]+ [a-z][\w-]*", span)}
+    assert [" ".join(pair) for pair in sorted(named) if pair[0] in CHOICES and pair[1] not in CHOICES[pair[0]]] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_make_target_in_running_text_exists(page: Path):
+    named = {span.split()[1] for span in code_spans(page) if re.match(r"make [a-z]", span)}
+    assert named - make_targets() == set()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_link_leads_somewhere(page: Path):
+    broken = []
+    for link in links(page):
+        path, _, anchor = link.partition("#")
+        if re.match(r"[a-z]+:", path):
+            continue
+        target = (page.parent / path).resolve() if path else page
+        if not target.exists() or (anchor and anchor not in anchors(target)):
+            broken.append(link)
+    assert broken == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_path_in_running_text_exists(page: Path):
+    assert [path for path in paths(page) if not any((root / path).exists() for root in ROOTS)] == []
+
+
+@pytest.mark.parametrize(("page", "head"), [(README, "Method"), (REPOSITORY / "docs" / "method.md", "")], ids=["README", "method"])
+def test_the_table_of_methods_is_complete(page, head):
+    assert sorted(first_column(page, head)) == sorted(METHODS)
+
+
+def test_the_table_of_commands_is_complete():
+    listed = [span.removeprefix("aifrecon ") for span in first_column(REPOSITORY / "docs" / "index.md", "Command")]
+    assert sorted(listed) == sorted(OPTIONS)
+
+
+def test_every_label_that_the_guide_names_is_in_the_panel():
+    sources = [path for suffix in ("*.py", "*.ui") for path in (REPOSITORY / "AIFRecon").rglob(suffix)]
+    words = " ".join(path.read_text("utf-8") for path in sources).replace("&amp;", "").lower()
+    named = [part.strip() for label in emphasized(GUIDE) for part in label.split(">")]
+    assert [label for label in named if label not in OF_SLICER and label.lower() not in words] == []
+
+
+def test_every_page_of_docs_is_on_the_map():
+    on_the_map = {(REPOSITORY / "docs" / link.partition("#")[0]).resolve() for link in links(REPOSITORY / "docs" / "index.md")}
+    assert [
+        name_of(page) for page in PAGES if page.parent.name in ("docs", "decisions") and page.name != "index.md" and page not in on_the_map
+    ] == []
+
+
+# ---- the checks themselves can fail
+
+
+def page_with(tmp_path, text) -> Path:
+    page = tmp_path / "page.md"
+    page.write_text(text, "utf-8")
+    return page
+
+
+def test_a_wrong_option_is_seen():
+    assert unknown_options(["reconstruct", "sweep.igs.mha", "--spacing", "1", "--spcaing", "2"]) == ["--spcaing"]
+
+
+def test_an_option_of_another_command_is_seen():
+    assert unknown_options(["info", "sweep.igs.mha", "--hole-limit", "1"]) == ["--hole-limit"]
+
+
+def test_a_wrong_command_is_seen():
+    assert unknown_options(["reconstrut", "sweep.igs.mha"]) == ["reconstrut"]
+
+
+def test_a_command_over_several_lines_is_one(tmp_path):
+    page = page_with(tmp_path, "```sh\naifrecon info a.mha \\\n    --json  # says all\n```\n")
+    assert next(blocks(page)).commands() == [["aifrecon", "info", "a.mha", "--json"]]
+
+
+def test_what_a_command_prints_is_no_command(tmp_path):
+    page = page_with(tmp_path, "```text\naifrecon reconstruct demo\n```\n")
+    assert next(blocks(page)).commands() == []
+
+
+def test_links_and_anchors_are_seen(tmp_path):
+    page = page_with(tmp_path, '# A `b` (c)\n[x](one.md#two) ![y](z.png)\n\n[n]: http://a.b\n<img src="q.png">\n```\n[no](no)\n```\n')
+    assert links(page) == ["one.md#two", "z.png", "http://a.b", "q.png"]
+    assert anchors(page) == {"a-b-c"}

@@ -1,0 +1,334 @@
+"""Volume files: the place in space, both ways, and nothing that is damaged passes for whole."""
+
+from __future__ import annotations
+
+import gzip
+import os
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import SimpleITK as sitk
+from volume_samples import noise_volume, refusal
+
+from AIFReconLib.errors import OutputError, TransformFileError, VolumeFormatError
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.transform.files import read_transform, write_transform
+from AIFReconLib.io.volume.files import read_labels, read_volume, write_volume
+
+SUFFIXES = (".nrrd", ".mha", ".mhd", ".nii", ".nii.gz")
+COMPRESSED_SUFFIXES = (".nrrd", ".mha", ".nii.gz")
+
+
+def write_nrrd(path: Path, space: str | None, payload: bytes = bytes(range(24)), **changes: str) -> Path:
+    """A hand-written volume of 4 x 3 x 2 voxels, 1 x 2 x 3 mm, voxel (0, 0, 0) at 10, 20, 30."""
+    header = {
+        "type": "uint8",
+        "dimension": "3",
+        "space": space,
+        "sizes": "4 3 2",
+        "space directions": "(1,0,0) (0,2,0) (0,0,3)",
+        "kinds": "domain domain domain",
+        "encoding": "raw",
+        "space origin": "(10,20,30)",
+        **changes,
+    }
+    text = "".join(f"{key}: {value}\n" for key, value in header.items() if value is not None)
+    path.write_bytes(b"NRRD0004\n" + text.encode() + b"\n" + payload)
+    return path
+
+
+# The place in space
+
+
+@pytest.mark.parametrize(
+    ("space", "point_ras"),
+    [("right-anterior-superior", (12, 22, 33)), ("left-posterior-superior", (-12, -22, 33)), ("LPS", (-12, -22, 33))],
+)
+def test_a_hand_written_nrrd_lies_where_its_space_says(tmp_path, space, point_ras):
+    volume = read_volume(write_nrrd(tmp_path / "ct.nrrd", space))
+    np.testing.assert_allclose(transform_points(volume.ijk_to_reference, (2, 1, 1)), point_ras)
+
+
+def test_voxels_are_indexed_k_j_i(tmp_path):
+    volume = read_volume(write_nrrd(tmp_path / "ct.nrrd", "left-posterior-superior"))
+    assert volume.array[1, 2, 3] == 23
+    assert volume.array[0, 0, 1] == 1
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_round_trip_keeps_the_place(tmp_path, suffix, mirrored):
+    volume = noise_volume(mirrored=mirrored)
+    write_volume(volume, tmp_path / f"volume{suffix}")
+    copy = read_volume(tmp_path / f"volume{suffix}")
+    # NIfTI holds its matrix in single precision.
+    tolerance = 1e-5 if suffix in (".nii", ".nii.gz") else 1e-12
+    np.testing.assert_allclose(copy.ijk_to_reference, volume.ijk_to_reference, atol=tolerance)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_files_hold_left_posterior_superior_coordinates(tmp_path, suffix):
+    volume = noise_volume()
+    write_volume(volume, tmp_path / f"volume{suffix}")
+    image = sitk.ReadImage(str(tmp_path / f"volume{suffix}"))
+    x, y, z = transform_points(volume.ijk_to_reference, (4, 2, 6))
+    np.testing.assert_allclose(image.TransformIndexToPhysicalPoint((4, 2, 6)), (-x, -y, z), atol=1e-4)
+    assert image[4, 2, 6] == volume.array[6, 2, 4]
+
+
+@pytest.mark.parametrize("dtype", ["u1", "i1", "u2", "i2", "i4", "f4", "f8"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_round_trip_keeps_every_voxel_and_the_type(tmp_path, suffix, dtype):
+    volume = noise_volume(dtype)
+    write_volume(volume, tmp_path / f"volume{suffix}")
+    copy = read_volume(tmp_path / f"volume{suffix}")
+    np.testing.assert_array_equal(copy.array, volume.array)
+    assert copy.array.dtype == volume.array.dtype
+
+
+def test_the_real_reference_volumes_are_read(real_data):
+    volume = read_volume(real_data("Reference_NNMEAN.mha"))
+    assert volume.grid.size == (147, 106, 105)
+    np.testing.assert_allclose(volume.grid.origin, (74.5217, -165.573, 29.072))
+
+
+# Writing
+
+
+def test_truth_values_become_bytes(tmp_path):
+    write_volume(Volume(noise_volume().array > 50, np.eye(4)), tmp_path / "mask.nrrd")
+    assert read_volume(tmp_path / "mask.nrrd").array.dtype == np.uint8
+
+
+def test_a_header_with_data_file_names_it_and_nothing_else_is_left(tmp_path):
+    write_volume(noise_volume(), tmp_path / "volume.mhd")
+    assert {path.name for path in tmp_path.iterdir()} == {"volume.mhd", "volume.zraw"}
+    assert "ElementDataFile = volume.zraw" in (tmp_path / "volume.mhd").read_text()
+
+
+def test_a_volume_writes_itself(tmp_path):
+    noise_volume().write(tmp_path / "volume.nrrd")
+    assert (tmp_path / "volume.nrrd").exists()
+
+
+def test_an_unknown_suffix_lists_those_that_are_known(tmp_path):
+    with pytest.raises(OutputError, match=r"\.nrrd, \.mha, \.mhd, \.nii, \.nii\.gz"):
+        write_volume(noise_volume(), tmp_path / "volume.vtk")
+
+
+def test_a_voxel_type_that_files_lack_is_refused(tmp_path):
+    with pytest.raises(OutputError, match="cannot hold float16"):
+        write_volume(noise_volume("f2"), tmp_path / "volume.nrrd")
+
+
+def test_a_missing_folder_is_an_output_error(tmp_path):
+    with pytest.raises(OutputError, match="does not exist"):
+        write_volume(noise_volume(), tmp_path / "missing" / "volume.nrrd")
+
+
+def test_a_failure_of_simpleitk_is_an_output_error_and_leaves_nothing(tmp_path, monkeypatch):
+    def fail(*_args, **_keywords):
+        raise RuntimeError("Exception thrown in SimpleITK\nitk.cxx:1:\nITK ERROR: ImageIO(0x55): no space left")
+
+    monkeypatch.setattr(sitk, "WriteImage", fail)
+    with pytest.raises(OutputError, match=r"volume\.nrrd: ImageIO: no space left\. Check"):
+        write_volume(noise_volume(), tmp_path / "volume.nrrd")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_file_that_came_out_incomplete_does_not_get_its_name(tmp_path, monkeypatch, suffix):
+    write = sitk.WriteImage
+
+    def write_half(image, name, **keywords):
+        write(image, name, **keywords)
+        data = max(Path(name).parent.iterdir(), key=lambda path: (path.suffix in (".raw", ".zraw"), path.name))
+        data.write_bytes(data.read_bytes()[:-20])
+
+    monkeypatch.setattr(sitk, "WriteImage", write_half)
+    with pytest.raises(OutputError, match="incomplete"):
+        write_volume(noise_volume(), tmp_path / f"volume{suffix}")
+    assert list(tmp_path.iterdir()) == []
+
+
+LIMITED = """
+import resource, signal, sys
+import numpy as np
+from AIFReconLib.errors import OutputError
+from AIFReconLib.io.volume.files import write_volume
+from AIFReconLib.geometry.volume import Volume
+volume = Volume(np.random.default_rng(0).integers(0, 255, (40, 40, 40), dtype=np.uint8), np.eye(4))
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+for suffix in sys.argv[2:]:
+    try:
+        write_volume(volume, sys.argv[1] + suffix)
+    except OutputError as error:
+        print(suffix, "refused")
+"""
+
+
+@pytest.mark.skipif(os.name == "nt" or sys.platform == "darwin", reason="needs a limit on file sizes that only stops writing")
+def test_a_disk_that_fills_up_while_simpleitk_writes_is_noticed(tmp_path):
+    command = [sys.executable, "-c", LIMITED, str(tmp_path / "volume"), *SUFFIXES]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=Path(__file__).parents[3])
+    assert done.stdout.split("\n")[:-1] == [f"{suffix} refused" for suffix in SUFFIXES]
+    assert list(tmp_path.iterdir()) == []
+
+
+# Damaged and unsuitable files
+
+
+@pytest.mark.parametrize("suffix", COMPRESSED_SUFFIXES)
+@pytest.mark.parametrize("kept", [0.3, 0.8, 0.97])
+def test_a_truncated_volume_is_never_read_as_zeros(tmp_path, suffix, kept):
+    path = tmp_path / f"volume{suffix}"
+    write_volume(noise_volume("f8"), path)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(kept * len(content))])
+    refusal(path)
+
+
+@pytest.mark.parametrize("suffix", COMPRESSED_SUFFIXES)
+def test_a_volume_without_its_last_byte_is_refused(tmp_path, suffix):
+    path = tmp_path / f"volume{suffix}"
+    write_volume(noise_volume(), path)
+    path.write_bytes(path.read_bytes()[:-1])
+    assert "cut short" in refusal(path)
+
+
+def test_a_truncated_uncompressed_nifti_is_refused(tmp_path):
+    write_volume(noise_volume(), tmp_path / "volume.nii")
+    content = (tmp_path / "volume.nii").read_bytes()
+    (tmp_path / "volume.nii").write_bytes(content[:-1])
+    assert f"promises {len(content)} bytes" in refusal(tmp_path / "volume.nii")
+
+
+@pytest.mark.parametrize("suffix", [".nii", ".nii.gz"])
+@pytest.mark.parametrize("content", [b"", b"abc", b"\0" * 600, struct.pack("<i", 348) + b"\0" * 400, struct.pack(">i", 540) + b"\0" * 600])
+def test_a_nifti_without_a_sensible_header_is_refused(tmp_path, suffix, content):
+    path = tmp_path / f"volume{suffix}"
+    path.write_bytes(gzip.compress(content) if suffix == ".nii.gz" else content)
+    refusal(path)
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+@pytest.mark.parametrize(("missing", "complete"), [(0, True), (1, False)])
+def test_the_length_of_a_nifti_2_file_is_checked_in_either_byte_order(tmp_path, order, missing, complete):
+    from AIFReconLib.io.volume.nifti_payload import check_nifti
+
+    header = bytearray(544)
+    struct.pack_into(order + "i", header, 0, 540)
+    header[4:12] = b"n+2\0\r\n\x1a\n"
+    struct.pack_into(order + "hh", header, 12, 2, 8)
+    struct.pack_into(order + "8q", header, 16, 3, 4, 3, 2, 1, 1, 1, 1)
+    struct.pack_into(order + "q", header, 168, 544)
+    path = tmp_path / "volume.nii.gz"
+    path.write_bytes(gzip.compress(bytes(header) + bytes(24 - missing)))
+    if complete:
+        check_nifti(path, VolumeFormatError)
+    else:
+        with pytest.raises(VolumeFormatError, match="cut short"):
+            check_nifti(path, VolumeFormatError)
+
+
+def test_a_volume_that_does_not_exist_is_named(tmp_path):
+    assert "no such file" in refusal(tmp_path / "ct.nrrd")
+
+
+def test_a_suffix_that_is_not_read_lists_those_that_are(tmp_path):
+    assert ".nii.gz" in refusal(tmp_path / "ct.dcm")
+
+
+def test_a_header_that_simpleitk_refuses_is_one_line(tmp_path):
+    path = write_nrrd(tmp_path / "ct.nrrd", "left-posterior-superior", **{"space directions": "(1,0,0) (1,0,0) (0,0,3)"})
+    refusal(path)
+
+
+def test_a_sheared_grid_is_refused_with_the_path(tmp_path):
+    path = tmp_path / "ct.nrrd"
+    path = write_nrrd(path, "left-posterior-superior", **{"space directions": "(1,0,0) (1,2,0) (0,0,3)"})
+    refusal(path)
+
+
+@pytest.mark.parametrize(
+    ("image", "expected"),
+    [
+        (sitk.Image([4, 3, 2], sitk.sitkVectorUInt8, 3), "single numbers; got 3"),
+        (sitk.Image([4, 3, 2, 2], sitk.sitkUInt8), "3D"),
+        (sitk.Image([4, 3], sitk.sitkUInt8), "3D"),
+    ],
+)
+@pytest.mark.parametrize("suffix", [".nrrd", ".mha", ".nii.gz"])
+def test_only_scalar_3d_volumes_are_read(tmp_path, suffix, image, expected):
+    sitk.WriteImage(image, str(tmp_path / f"image{suffix}"))
+    assert expected in refusal(tmp_path / f"image{suffix}")
+
+
+def test_complex_voxels_are_refused(tmp_path):
+    sitk.WriteImage(sitk.Image([4, 3, 2], sitk.sitkComplexFloat32), str(tmp_path / "image.nii"))
+    assert "real numbers" in refusal(tmp_path / "image.nii")
+
+
+def test_a_sequence_is_not_taken_for_a_volume(real_data):
+    assert "give it as a sequence" in refusal(real_data("SpinePhantomFreehand.igs.mha"))
+
+
+def test_reading_bad_files_prints_nothing(tmp_path, capfd):
+    write_volume(noise_volume(), tmp_path / "volume.mha")
+    content = (tmp_path / "volume.mha").read_bytes()
+    (tmp_path / "volume.mha").write_bytes(content[:-9])
+    refusal(tmp_path / "volume.mha")
+    write_transform(np.eye(4), tmp_path / "move.h5")
+    (tmp_path / "move.h5").write_bytes((tmp_path / "move.h5").read_bytes()[:2000])
+    refusal(tmp_path / "move.h5", read_transform, TransformFileError)
+    assert capfd.readouterr() == ("", "")
+
+
+# Labels
+
+
+@pytest.mark.parametrize("dtype", ["u1", "i2", "f4", "f8"])
+def test_labels_are_whole_numbers_whatever_the_file_holds(tmp_path, dtype):
+    volume = noise_volume(dtype)
+    write_volume(volume, tmp_path / "labels.nrrd")
+    labels = read_labels(tmp_path / "labels.nrrd")
+    np.testing.assert_array_equal(labels.array, volume.array)
+    assert labels.array.dtype.kind in "iu"
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"), [(0.5, "--bone-probability"), (np.nan, "whole numbers"), (1e12, "whole numbers"), (-1000, "CT")]
+)
+def test_what_cannot_be_labels_is_refused(tmp_path, value, expected):
+    array = np.zeros((2, 3, 4), np.float32)
+    array[1, 1, 1] = value
+    write_volume(Volume(array, np.eye(4)), tmp_path / "labels.nrrd")
+    assert expected in refusal(tmp_path / "labels.nrrd", read_labels)
+
+
+def layered_segmentation(path: Path, metadata: str) -> Path:
+    """Two layers, as Slicer saves overlapping segments: voxel i=1 in the first, voxel i=2 in the second."""
+    layers = np.zeros((2, 3, 4, 2), np.uint8)
+    layers[0, 0, 1, 0] = 1
+    layers[0, 0, 2, 1] = 2
+    header = "NRRD0004\ntype: uint8\ndimension: 4\nspace: left-posterior-superior\nsizes: 2 4 3 2\n"
+    header += "space directions: none (1,0,0) (0,2,0) (0,0,3)\nkinds: list domain domain domain\nencoding: gzip\n"
+    header += f"space origin: (10,20,30)\n{metadata}\n"
+    path.write_bytes(header.encode() + gzip.compress(layers.tobytes()))
+    return path
+
+
+def test_overlapping_segments_are_merged(tmp_path):
+    labels = read_labels(layered_segmentation(tmp_path / "bone.seg.nrrd", "Segment0_ID:=a\n"))
+    assert np.argwhere(labels.array).tolist() == [[0, 0, 1], [0, 0, 2]]
+    np.testing.assert_allclose(labels.grid.origin, (-10, -20, 30))
+
+
+def test_vectors_that_are_no_segmentation_are_no_labels(tmp_path):
+    assert "single labels" in refusal(layered_segmentation(tmp_path / "color.nrrd", ""), read_labels)

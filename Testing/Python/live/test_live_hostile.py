@@ -1,0 +1,96 @@
+"""Peers that mean no good: a live session can always be stopped and holds little; the replay server serves the others."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+from igtl_streams import wait_for
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from soak import hostile, stream
+
+from AIFReconLib.live.replay import peer as replay_peer
+from AIFReconLib.live.replay.server import MOST_CLIENTS, ReplayServer
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+MOST_MIB = 500.0
+"""What the bounded queues of a client hold in the worst case, and then some."""
+
+
+@pytest.mark.parametrize("behavior", hostile.SERVERS, ids=lambda behavior: behavior.__name__)
+def test_a_session_with_a_hostile_server_stops_at_once_and_holds_little(behavior):
+    cost = hostile.endure_server(behavior, 1.0)
+    assert (cost.stopped_after < 2.0, cost.peak_mib < MOST_MIB, cost.threads_left) == (True, True, 0), cost
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no Ctrl-C can be sent to one process alone on Windows")
+@pytest.mark.parametrize("behavior", [hostile.silent, hostile.garbage, hostile.closes_at_once], ids=lambda behavior: behavior.__name__)
+def test_ctrl_c_ends_the_command_whatever_the_server_does(behavior, tmp_path):
+    with hostile.hostile_server(behavior) as port:
+        command = [sys.executable, "-m", "AIFReconLib", "live", "--port", str(port), "--output", str(tmp_path / "volume.nrrd")]
+        environment = {**os.environ, "PYTHONPATH": str(REPOSITORY)}
+        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment) as process:
+            connections = Path(f"/proc/{process.pid}/task")
+            wait_for(lambda: not connections.is_dir() or len(list(connections.iterdir())) > 1, "the threads of the command", 30.0)
+            time.sleep(1.0)
+            process.send_signal(signal.SIGINT)
+            _, told = process.communicate(timeout=20.0)
+    # Ended by the interrupt itself, or, where there is no volume to save, with one line that says so
+    assert (process.returncode in (-signal.SIGINT, 130, 2), "Traceback" in told) == (True, False), told
+
+
+@pytest.mark.parametrize(("behavior", "count"), [(hostile.never_reads, 20), (hostile.sends_garbage, 20), (hostile.says_nothing, 100)])
+def test_hostile_clients_take_nothing_from_an_honest_one(behavior, count):
+    cost = hostile.endure_clients(behavior, count, 1.0)
+    assert cost.frames >= 0.5 * cost.expected > 0
+    assert (cost.peak_mib < MOST_MIB, cost.threads_left) == (True, 0), cost
+
+
+def test_clients_beyond_the_limit_are_turned_away():
+    with ReplayServer(stream.scan(), port=0, rate=20.0, loop=True) as server, ExitStack() as crowd:
+        for _ in range(MOST_CLIENTS + 5):
+            last = crowd.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=10.0))
+        wait_for(lambda: server.turned_away == 5, "5 clients turned away")
+        assert server.clients == MOST_CLIENTS
+        assert last.recv(1) == b""
+
+
+def test_a_client_that_takes_nothing_makes_room_after_a_while(monkeypatch):
+    monkeypatch.setattr(replay_peer, "TAKES_NOTHING", 0.2)
+    with ReplayServer(stream.scan(), port=0, rate=1000.0, loop=True) as server, socket.socket() as lazy:
+        lazy.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        lazy.connect(("127.0.0.1", server.port))
+        wait_for(lambda: server.served == 1, "the client")
+        wait_for(lambda: server.clients == 0, "the end of its connection", 30.0)
+
+
+def test_a_client_that_reads_slowly_stays(monkeypatch):
+    monkeypatch.setattr(replay_peer, "TAKES_NOTHING", 1.0)
+    with ReplayServer(stream.scan(), port=0, rate=1000.0, loop=True) as server, socket.socket() as slow:
+        slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        slow.connect(("127.0.0.1", server.port))
+        end = time.monotonic() + 3.0
+        while time.monotonic() < end:
+            slow.recv(2**16)
+            time.sleep(0.01)
+        assert server.clients == 1
+
+
+def test_after_a_crowd_has_left_the_server_serves_as_before():
+    with ReplayServer(stream.scan(), port=0, rate=20.0, loop=True) as server:
+        with ExitStack() as crowd:
+            for _ in range(MOST_CLIENTS):
+                crowd.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=10.0))
+            wait_for(lambda: server.clients == MOST_CLIENTS, "the crowd")
+        with OpenIGTLinkClient("127.0.0.1", server.port, retry_delays=(0.05,)) as client:
+            wait_for(lambda: client.statistics.count("IMAGE") > 3, "images")

@@ -1,0 +1,474 @@
+"""The replay server: what it sends for a recording, to whom, and when; and its command."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from files import refused, tracked_sequence, write_patient
+from igtl_streams import DEADLINE, Inbox, wait_for
+
+from AIFReconLib.commands.parser import main
+from AIFReconLib.errors import LiveConnectionError, SequenceFormatError, SettingsError, TransformError
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.live.replay import server as replay
+from AIFReconLib.live.replay.frames import ReplayFrames
+from AIFReconLib.live.replay.peer import QUEUE_BYTES, Peer
+from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.live.wire.encoding import encode_message
+from AIFReconLib.live.wire.framing import Frame, Framer, parse_header
+from AIFReconLib.live.wire.messages import ImageMessage, StatusMessage, TransformMessage
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
+
+TEMPLATES = sorted((Path(__file__).resolve().parents[3] / "Resources" / "PlusConfiguration").glob("*.xml"))
+PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
+QUICKLY = {"port": 0, "rate": 200.0}
+
+
+@pytest.fixture(autouse=True)
+def _quick_end(monkeypatch):
+    monkeypatch.setattr(replay, "END_INTERVAL", 0.02)
+
+
+@pytest.fixture(scope="module")
+def patient(tmp_path_factory):
+    """The made-up patient, once for all tests here, which change nothing."""
+    return write_patient(tmp_path_factory.mktemp("inputs"))
+
+
+@pytest.fixture(scope="module")
+def sequence(patient) -> TrackedSequence:
+    """Six tracked frames with the calibration of their configuration."""
+    return read_sequence(patient.sweep, config=patient.config)
+
+
+@pytest.fixture
+def serve():
+    """Starts servers and clients, and stops them all at the end."""
+    with ExitStack() as stack:
+
+        def start(sequence, **options):
+            server = stack.enter_context(ReplayServer(sequence, **{**QUICKLY, **options}))
+            server.connect = lambda: Inbox(stack.enter_context(OpenIGTLinkClient("127.0.0.1", server.port, retry_delays=(0.02,))))
+            return server
+
+        yield start
+
+
+def changed(sequence: TrackedSequence, number: int, **changes) -> TrackedSequence:
+    """The sequence with another record of one frame."""
+    records = list(sequence.records)
+    records[number] = replace(records[number], **changes)
+    return replace(sequence, records=records)
+
+
+def losing_the_probe(sequence: TrackedSequence, number: int) -> TrackedSequence:
+    """The sequence with the probe out of view in one frame."""
+    transforms = dict(sequence.records[number].transforms)
+    transforms[PROBE_TO_TRACKER] = TransformSample(transforms[PROBE_TO_TRACKER].matrix, TransformStatus.OUT_OF_VIEW)
+    return changed(sequence, number, transforms=transforms)
+
+
+def of_one_time(inbox: Inbox) -> dict[float, list]:
+    """Images and transforms by their time."""
+    groups: dict[float, list] = {}
+    for message in inbox.messages:
+        if isinstance(message, ImageMessage | TransformMessage):
+            groups.setdefault(message.timestamp, []).append(message)
+    return groups
+
+
+def at_the_end(inbox: Inbox) -> bool:
+    """Whether the statuses that follow the last frame have begun; the first answers the client's request."""
+    return sum(isinstance(message, StatusMessage) for message in inbox.messages) > 1
+
+
+# ---- what is sent
+
+
+def test_every_image_arrives_pixel_for_pixel_and_in_order(serve, sequence):
+    inbox = serve(sequence).connect().until(at_the_end)
+    assert len(inbox.images()) == len(sequence)
+    assert all(np.array_equal(message.image, sequence.images[n]) for n, message in enumerate(inbox.images()))
+
+
+def test_every_image_lies_where_the_recording_puts_it(serve, sequence):
+    inbox = serve(sequence).connect().until(at_the_end)
+    expected = sweep_poses(sequence).image_to_reference
+    assert {message.device for message in inbox.images()} == {"Image_Reference"}
+    assert np.allclose([message.image_to_sender for message in inbox.images()], expected, atol=2e-4)
+
+
+def test_image_and_transforms_of_a_frame_share_their_time_to_the_last_bit(serve, sequence):
+    inbox = serve(sequence).connect().until(at_the_end)
+    names = {tuple(message.device for message in group) for group in of_one_time(inbox).values()}
+    assert names == {("Image_Reference", "ProbeToTracker", "ReferenceToTracker", "ImageToReference")}
+
+
+def test_frames_are_as_far_apart_as_recorded(serve, sequence):
+    inbox = serve(sequence, rate=None).connect().until(at_the_end)
+    assert np.allclose(np.diff([message.timestamp for message in inbox.images()]), 0.05, atol=1e-5)
+
+
+def test_a_transform_can_be_derived_on_request(serve, sequence):
+    inbox = serve(sequence, transforms=["ProbeToReference"]).connect().until(at_the_end)
+    assert {message.device for message in inbox.transforms()} == {"ProbeToReference"}
+    samples = {name: sample.matrix for name, sample in sequence.records[0].transforms.items()}
+    expected = np.linalg.inv(samples[TransformName("Reference", "Tracker")]) @ samples[PROBE_TO_TRACKER]
+    assert np.allclose(inbox.transforms()[0].matrix, expected, atol=2e-4)
+
+
+def test_metadata_carry_every_recorded_transform_in_full(serve, sequence):
+    inbox = serve(sequence).connect().until(at_the_end)
+    text = inbox.images()[3].metadata["ProbeToTrackerTransform"]
+    assert np.array_equal(np.array(text.split(), float).reshape(4, 4), sequence.records[3].transforms[PROBE_TO_TRACKER].matrix)
+
+
+def test_a_recording_without_calibration_is_sent_without_a_pose(serve, patient):
+    inbox = serve(read_sequence(patient.sweep)).connect().until(at_the_end)
+    assert {message.device for message in inbox.images()} == {"Image"}
+    assert np.array_equal(inbox.images()[0].image_to_sender, np.eye(4))
+
+
+# ---- validity
+
+
+def test_an_invalid_transform_and_what_depends_on_it_are_left_out_but_the_image_is_sent(serve, sequence):
+    inbox = serve(losing_the_probe(sequence, 2)).connect().until(at_the_end)
+    group = list(of_one_time(inbox).values())[2]
+    assert [message.device for message in group] == ["Image_Reference", "ReferenceToTracker"]
+
+
+def test_an_invalid_transform_is_sent_as_identity_where_that_is_asked_for(serve, sequence):
+    inbox = serve(losing_the_probe(sequence, 2), valid_only=False).connect().until(at_the_end)
+    message = inbox.transforms("ProbeToTracker")[2]
+    assert np.array_equal(message.matrix, np.eye(4))
+    assert (message.status, message.metadata["TransformValid"]) == (TransformStatus.OUT_OF_VIEW, "0")
+
+
+def test_the_image_of_an_invalid_tool_carries_the_pose_that_was_recorded_all_the_same(serve, sequence):
+    inbox = serve(losing_the_probe(sequence, 2)).connect().until(at_the_end)
+    assert np.allclose(inbox.images()[2].image_to_sender, sweep_poses(sequence).image_to_reference[2], atol=2e-4)
+    assert inbox.images()[2].metadata["ProbeToTrackerTransformStatus"] == "OUT_OF_VIEW"
+
+
+def test_a_frame_without_image_sends_its_transforms_only(serve, sequence):
+    inbox = serve(changed(sequence, 1, image_status=TransformStatus.INVALID)).connect().until(at_the_end)
+    assert len(inbox.images()) == 5
+    assert len(inbox.transforms("ProbeToTracker")) == 6
+
+
+def test_a_missing_transform_is_not_taken_from_the_configuration(sequence):
+    reference_only = {name: sample for name, sample in sequence.records[0].transforms.items() if name != PROBE_TO_TRACKER}
+    frames = ReplayFrames(changed(sequence, 0, transforms=reference_only))
+    devices = [part.header.device for part in Framer().feed(frames.messages(0, 1.0, 1))]
+    assert devices == ["Image_Reference", "ReferenceToTracker"]
+
+
+# ---- header versions
+
+
+def raw(server: ReplayServer, request: bytes = b"", count: int = 3) -> list[Frame]:
+    """The first messages that a client receives which sends `request`."""
+    framer, parts = Framer(), []
+    with socket.create_connection(("127.0.0.1", server.port), timeout=DEADLINE) as connection:
+        connection.sendall(request)
+        while len(parts) < count:
+            parts += framer.feed(connection.recv(2**16))
+    return parts[:count]
+
+
+def test_a_client_that_asks_for_nothing_gets_version_1(serve, sequence):
+    assert {part.header.version for part in raw(serve(sequence))} == {1}
+
+
+def test_a_client_that_sends_version_2_gets_version_2(serve, sequence):
+    inbox = serve(sequence).connect().until(at_the_end)
+    assert {message.header_version for message in inbox.images() + inbox.transforms()} == {2}
+
+
+def test_version_1_can_be_kept_whatever_the_client_sends(serve, sequence):
+    inbox = serve(sequence, header_version=1).connect().until(at_the_end)
+    assert {message.header_version for message in inbox.images() + inbox.transforms()} == {1}
+
+
+def test_version_2_can_be_sent_without_being_asked(serve, sequence):
+    assert {part.header.version for part in raw(serve(sequence, header_version=2))} == {2}
+
+
+def test_a_version_that_is_none_is_refused(sequence):
+    with pytest.raises(SettingsError, match="Input header_version must be 1 or 2; got 3"):
+        ReplayServer(sequence, header_version=3)
+
+
+# ---- the end, and the beginning
+
+
+def test_after_the_end_statuses_of_time_0_follow_and_the_connection_stays(serve, sequence):
+    server = serve(sequence)
+    inbox = server.connect().until(lambda inbox: sum(isinstance(message, StatusMessage) for message in inbox.messages) >= 3)
+    last = inbox.messages[-1]
+    assert (last.device, last.timestamp, last.is_ok) == ("", 0.0, True)
+    assert server.clients == 1
+
+
+def test_a_loop_goes_on_in_time_without_a_gap(serve, sequence):
+    inbox = serve(sequence, loop=True).connect().until(lambda inbox: len(inbox.images()) >= 20)
+    assert np.allclose(np.diff([message.timestamp for message in inbox.images()]), 1 / 200, atol=1e-5)
+    assert np.array_equal(inbox.images()[6].image, sequence.images[0])
+
+
+def test_waiting_ends_when_the_recording_has_been_sent(serve, sequence):
+    server = serve(sequence)
+    assert not server.wait(0.0)
+    server.connect()
+    assert server.wait(DEADLINE)
+    assert server.sent == 6
+
+
+def test_nothing_is_played_before_there_is_a_client(serve, sequence):
+    server = serve(sequence)
+    assert not server.wait(0.1)
+    assert server.sent == 0
+
+
+def test_the_recording_begins_again_once_every_client_has_left(serve, sequence):
+    server = serve(sequence)
+    first = server.connect().until(at_the_end)
+    first._client.stop()
+    wait_for(lambda: server.clients == 0, "the client's leave")
+    second = server.connect().until(at_the_end)
+    assert len(second.images()) == 6
+
+
+def test_a_client_that_comes_when_the_others_left_half_way_gets_the_whole_recording(serve, sequence):
+    server = serve(sequence, rate=25.0)
+    first = server.connect().until(lambda inbox: len(inbox.images()) >= 2)
+    first._client.stop()
+    wait_for(lambda: server.clients == 0, "the client's leave")
+    second = server.connect().until(at_the_end)
+    assert np.array_equal(second.images()[0].image, sequence.images[0])
+    assert len(second.images()) == 6
+
+
+def test_a_client_that_joins_later_gets_the_rest(serve, sequence):
+    server = serve(sequence, loop=True)
+    first = server.connect().until(lambda inbox: len(inbox.images()) >= 3)
+    second = server.connect().until(lambda inbox: inbox.images())
+    first.until(lambda inbox: inbox.images()[-1].timestamp >= second.images()[0].timestamp)
+    assert second.images()[0].timestamp in {message.timestamp for message in first.images()}
+
+
+# ---- clients that misbehave
+
+
+def test_a_client_that_does_not_read_stalls_no_other(serve):
+    server = serve(tracked_sequence(images=np.zeros((6, 500, 500), np.uint8)), loop=True)
+    with socket.create_connection(("127.0.0.1", server.port)):
+        wait_for(lambda: server.clients == 1)
+        inbox = server.connect().until(lambda inbox: len(inbox.images()) >= 60)
+    assert inbox._client.statistics.bad_crc == 0
+
+
+def test_a_slow_client_misses_whole_frames_and_the_rest_is_undamaged():
+    with socket.create_server(("127.0.0.1", 0)) as listener, socket.create_connection(listener.getsockname()) as theirs:
+        peer = Peer(listener.accept()[0], 1, lambda _: None)
+        message = encode_message("IMAGE", "Image", 1.0, bytes(QUEUE_BYTES // 8))
+        for _ in range(20):
+            peer.offer(message)
+        assert 0 < peer.dropped <= 13
+        peer.start()
+        framer, parts = Framer(2**30), []
+        theirs.settimeout(DEADLINE)
+        while len(parts) < 20 - peer.dropped:
+            parts += framer.feed(theirs.recv(2**20))
+        assert {type(part) for part in parts} == {Frame}
+        peer.close()
+
+
+def test_a_client_that_sends_rubbish_is_served_all_the_same(serve, sequence):
+    parts = raw(serve(sequence), request=b"GET / HTTP/1.1\r\n\r\n" * 10)
+    assert parse_header(b"\x00\x01IMAGE" + bytes(51)).kind == parts[0].header.kind
+
+
+def test_a_client_that_leaves_at_once_disturbs_nobody(serve, sequence):
+    server = serve(sequence, loop=True)
+    inbox = server.connect()
+    for _ in range(20):
+        socket.create_connection(("127.0.0.1", server.port)).close()
+    inbox.until(lambda inbox: len(inbox.images()) >= 10)
+    wait_for(lambda: server.clients == 1, "the others' leave")
+
+
+# ---- starting and stopping
+
+
+def test_port_0_takes_any_free_port_and_says_which(serve, sequence):
+    assert serve(sequence).port > 0
+
+
+def test_a_port_in_use_is_refused_in_plain_words(serve, sequence):
+    port = serve(sequence).port
+    with pytest.raises(LiveConnectionError, match=f"Port {port} is in use by another program, perhaps a PlusServer"):
+        ReplayServer(sequence, port).start()
+
+
+def test_a_port_is_free_again_as_soon_as_the_server_has_stopped(serve, sequence):
+    server = serve(sequence)
+    inbox = server.connect().until(lambda inbox: inbox.images())
+    server.stop()
+    again = serve(sequence, port=server.port)
+    inbox.until(lambda inbox: len(inbox.events("connected")) == 2)
+    assert again.port == server.port
+
+
+def test_an_address_of_another_machine_is_refused(sequence):
+    with pytest.raises(LiveConnectionError, match=r"192\.0\.2\.1 is no address of this machine"):
+        ReplayServer(sequence, 0, "192.0.2.1").start()
+
+
+@pytest.mark.parametrize("port", [-1, 65536, "18944"])
+def test_a_port_that_is_none_is_refused(sequence, port):
+    with pytest.raises(SettingsError, match="Input port must be a whole number from 0 to 65535"):
+        ReplayServer(sequence, port)
+
+
+def test_stopping_ends_every_thread(serve, sequence):
+    before = threading.active_count()
+    server = serve(sequence, loop=True)
+    inbox = server.connect().until(lambda inbox: inbox.images())
+    inbox._client.stop()
+    server.stop()
+    wait_for(lambda: threading.active_count() == before, "the end of all threads")
+
+
+def test_stopping_twice_does_nothing(serve, sequence):
+    server = serve(sequence)
+    server.stop()
+    server.stop()
+
+
+def test_damage_in_the_recording_ends_the_replay_with_its_error(serve, tmp_path):
+    patient = write_patient(tmp_path, compress=False)
+    sequence = read_sequence(patient.sweep, config=patient.config)
+    patient.sweep.write_bytes(patient.sweep.read_bytes()[:-100])
+    server = serve(sequence)
+    server.connect()
+    with pytest.raises(SequenceFormatError, match=r"sweep\.igs\.mha: "):
+        server.wait(DEADLINE)
+
+
+# ---- settings
+
+
+def test_an_empty_recording_is_refused():
+    with pytest.raises(SettingsError, match="has no frames to replay"):
+        ReplayFrames(TrackedSequence(np.empty((0, 2, 2), np.uint8), []))
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, float("nan"), float("inf"), 1e6])
+def test_a_rate_that_is_none_is_refused(sequence, rate):
+    with pytest.raises(SettingsError, match="Input rate must be above 0 and at most 1000 frames/s"):
+        ReplayFrames(sequence, rate=rate)
+
+
+@pytest.mark.parametrize("time", [None, float("nan"), 3.0])
+def test_a_recording_without_times_needs_a_rate(time):
+    without = TrackedSequence(np.zeros((2, 2, 2), np.uint8), [FrameRecord(timestamp=time)] * 2)
+    with pytest.raises(SettingsError, match=r"no recorded times to follow\. Give the rate"):
+        ReplayFrames(without)
+    assert ReplayFrames(without, rate=10.0).offsets.tolist() == [0.0, 0.1]
+
+
+def test_equal_times_are_moved_apart_so_that_no_two_frames_are_mixed_up():
+    records = [FrameRecord(timestamp=time) for time in (1.0, 1.0, 2.0)]
+    frames = ReplayFrames(TrackedSequence(np.zeros((3, 2, 2), np.uint8), records))
+    assert (np.diff(frames.offsets) > 0).all()
+
+
+def test_a_transform_that_cannot_be_derived_is_refused(sequence):
+    with pytest.raises(TransformError, match="No transform leads from Needle to Reference"):
+        ReplayFrames(sequence, transforms=["NeedleToReference"])
+
+
+def test_a_chain_that_was_asked_for_and_is_not_there_is_refused(patient):
+    with pytest.raises(TransformError, match="No transform leads from Image to Reference"):
+        ReplayFrames(read_sequence(patient.sweep), image_to_reference="ImageToReference")
+
+
+@pytest.mark.parametrize(("dtype", "columns"), [(np.int64, 2), (np.float16, 2), (np.uint8, 70_000)])
+def test_images_that_the_protocol_cannot_carry_are_refused(dtype, columns):
+    with pytest.raises(SettingsError, match="cannot be sent over OpenIGTLink"):
+        ReplayFrames(TrackedSequence(np.zeros((1, 1, columns), dtype), [FrameRecord(timestamp=1.0)]))
+
+
+# ---- configurations of Plus
+
+
+@pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.name)
+def test_a_template_of_a_plus_configuration_can_be_read(path):
+    configuration = read_plus_configuration(path)
+    assert configuration.warnings == ()
+    assert list(map(str, configuration.transforms)) == ["ImageToProbe"]
+
+
+@pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.name)
+def test_a_template_sends_what_a_live_reconstruction_needs(path):
+    server = ElementTree.parse(path).getroot().find("PlusOpenIGTLinkServer")
+    names = {element.get("Name") for element in server.iter("Transform")}
+    assert {"ProbeToTracker", "ReferenceToTracker"} <= names
+    assert server.find(".//Image").attrib == {"Name": "Image", "EmbeddedTransformToFrame": "Reference"}
+
+
+@pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.name)
+def test_the_streams_of_a_template_lead_from_device_to_device(path):
+    root = ElementTree.parse(path).getroot()
+    offered = {channel.get("Id") for channel in root.iter("OutputChannel")}
+    taken = {channel.get("Id") for channel in root.iter("InputChannel")}
+    assert taken | {root.find("PlusOpenIGTLinkServer").get("OutputChannelId")} <= offered
+
+
+# ---- the command
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="an interrupt cannot be sent to one process there")
+def test_the_command_says_what_it_serves_serves_it_and_ends_well_on_an_interrupt(patient):
+    command = [sys.executable, "-m", "AIFReconLib", "replay", str(patient.sweep), "--config", str(patient.config), "--port", "0"]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen([*command, "--rate", "200"], **pipes) as process:
+        listening = process.stdout.readline()
+        sends = process.stdout.readline()
+        with OpenIGTLinkClient("127.0.0.1", int(listening.rstrip(".\n").split()[-1])) as client:
+            Inbox(client).until(at_the_end)
+        process.send_signal(signal.SIGINT)
+        output, errors = process.communicate(timeout=DEADLINE)
+    assert sends.startswith("Sends 6 frames at 200 frames/s: image Image_Reference (with its pose); transforms ProbeToTracker,")
+    assert output.endswith("Stopped. Sent 6 frames to 1 client.\n")
+    assert (process.returncode, errors) == (0, "")
+
+
+def test_the_command_refuses_a_port_in_use_in_one_line(serve, sequence, patient, results, capsys):
+    port = serve(sequence).port
+    assert f"Port {port} is in use" in refused(["replay", patient.sweep, "--port", port], capsys, results)
+
+
+def test_the_command_refuses_a_recording_that_is_not_there(results, capsys):
+    assert "nothing.igs.mha" in refused(["replay", results / "nothing.igs.mha", "--port", "0"], capsys, results)
+
+
+def test_the_command_explains_itself(capsys):
+    assert main(["replay", "--help"]) == 0
+    assert "It begins when the first client connects" in " ".join(capsys.readouterr().out.split())

@@ -1,0 +1,53 @@
+"""What the tests of the host share: the host itself, skipped with the reason where it cannot run."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+TESTING = Path(__file__).resolve().parents[2]
+if str(TESTING) not in sys.path:
+    sys.path.insert(0, str(TESTING))
+
+
+@pytest.fixture(scope="session")
+def the_host():
+    """The host of this process."""
+    from host import missing, runHost
+
+    if reason := missing():
+        pytest.skip(f"the Slicer host cannot run here: {reason}")
+    return runHost()
+
+
+@pytest.fixture
+def host(the_host):
+    """The host with an empty scene; a slot that raised without the test asking for it fails the test."""
+    import slicer
+
+    before = slicer.mrmlScene
+    slicer.mrmlScene = the_host.scene
+    the_host.reset()
+    yield the_host
+    errors = the_host.take_slot_errors()
+    the_host.reset()
+    slicer.mrmlScene = before
+    assert errors == [], "a slot raised"
+
+
+@pytest.fixture
+def qt(host):
+    """The module `qt`."""
+    import qt
+
+    return qt
+
+
+@pytest.fixture
+def ctk(host):
+    """The module `ctk`."""
+    import ctk
+
+    return ctk

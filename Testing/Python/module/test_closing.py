@@ -1,0 +1,127 @@
+"""The application is closed in the middle of the module's work: it ends silently, and nothing is left half done."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+
+SCRIPT = """
+import sys
+sys.path[:0] = ["Testing", "Testing/Slicer"]
+from host import runHost
+host = runHost()
+host.start("AIFRecon/AIFRecon.py")
+widget = host.open("AIFRecon")
+import pathlib, qt, slicer, tinyScene
+
+parameters, ui = widget._parameterNode, widget.ui
+updates = []
+
+def nodes():
+    scene = slicer.mrmlScene
+    kept = [scene.GetNthNode(n) for n in range(scene.GetNumberOfNodes())]
+    return sorted(node.GetID() for node in kept if node.IsA("vtkMRMLStorableNode"))
+
+def byWindow():
+    slicer.util.mainWindow().close()
+
+def byCode():
+    slicer.util.exit()
+
+def during(press, close, share):
+    "Press, and close the application from an event once so much is done."
+    def look(value):
+        updates.append(value)
+        if value > share and updates.count("closed") == 0:
+            updates.append("closed")
+            qt.QTimer.singleShot(0, close)
+    host.dialogs.on_progress = look
+    qt.QTimer.singleShot(0, press)
+
+def chooseInputs():
+    parameters.sweep = tinyScene.addSweep()
+    parameters.ctVolume, parameters.bone, _registration = tinyScene.addCT()
+    parameters.spacing = 0.5
+
+{actions}
+before = nodes()
+host.run()
+print("closed:", "closed" in updates)
+print("went on:", len(updates) - 1 - updates.index("closed") > 1)  # a window is closed in two steps
+print("unchanged:", nodes() == before)
+print("shown:", host.dialogs.messages())
+print("errors:", [repr(error) for error in host.take_slot_errors()])
+"""
+
+APPLY = "chooseInputs()\nduring(ui.applyButton.click, {close}, {share})"
+COMPARE = "chooseInputs()\nduring(ui.compareButton.click, {close}, {share})"
+SAMPLE = "import SampleData\nduring(slicer.modules.sampleDataSources['AIFRecon'][0].customDownloader, {close}, {share})"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def host_packages():
+    for package, name in (("PySide6", "PySide6-Essentials"), ("slicer", "slicer-core")):
+        if importlib.util.find_spec(package) is None:
+            pytest.skip(f"{name} is not installed: pip install '.[test]'")
+
+
+def close(actions: str) -> subprocess.CompletedProcess:
+    """A session with the module that does something and is closed meanwhile."""
+    script = SCRIPT.replace("{actions}", actions)
+    environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=REPOSITORY, env=environment, capture_output=True, text=True, errors="replace", timeout=300
+    )
+    if "cannot run here" in done.stderr:
+        pytest.skip(done.stderr.strip().splitlines()[-1])
+    return done
+
+
+@pytest.mark.parametrize(
+    ("work", "share", "way"),
+    [(APPLY, 600, "byWindow"), (APPLY, 600, "byCode"), (COMPARE, 300, "byCode"), (SAMPLE, 100, "byCode")],
+    ids=["apply-window", "apply-code", "compare-code", "sample-code"],
+)
+def test_work_ends_with_the_application_without_a_word(work, share, way):
+    done = close(work.format(close=way, share=share))
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert done.stderr == ""
+    assert done.stdout.splitlines()[-5:] == ["closed: True", "went on: False", "unchanged: True", "shown: []", "errors: []"]
+
+
+SCAN = """
+from AIFReconLib.live.replay.server import ReplayServer
+server = ReplayServer(tinyScene.makeSequence(), 0, rate=30.0, loop=True)
+server.start()
+parameters.liveHost, parameters.livePort = "127.0.0.1", server.port
+parameters.liveRecordPath = pathlib.Path({path!r})
+parameters.spacing = 1.0
+ui.liveStartButton.click()
+watch = qt.QTimer()
+def look():
+    live = widget._live._live
+    if live is not None and live.statistics.frames_received > 20 and "closed" not in updates:
+        updates.append("closed")
+        {close}()
+watch.connect("timeout()", look)
+watch.start(20)
+"""
+
+
+@pytest.mark.parametrize("way", ["byWindow", "byCode"])
+def test_a_scan_ends_with_the_application_and_its_recording_is_whole(tmp_path, way):
+    from AIFReconLib import read_sequence
+
+    done = close(SCAN.format(path=str(tmp_path / "scan.mhd"), close=way))
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert done.stderr == ""
+    assert done.stdout.splitlines()[-2:] == ["shown: []", "errors: []"]
+    assert len(read_sequence(tmp_path / "scan.mhd")) > 10
+    assert [path.name for path in tmp_path.iterdir() if path.suffix not in (".mhd", ".raw", ".zraw")] == []

@@ -1,0 +1,156 @@
+"""The Slicer module as files: what CMake packages, what Qt Designer holds, what is imported at start-up. Slicer is not needed here."""
+
+from __future__ import annotations
+
+import ast
+import re
+import struct
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+MODULE = REPOSITORY / "AIFRecon"
+MODULE_FILES = sorted(MODULE.rglob("*.py"))
+UI = ElementTree.parse(MODULE / "Resources" / "UI" / "AIFRecon.ui").getroot()
+WIDGETS = {widget.get("name"): widget for widget in UI.iter("widget")}
+PASSIVE = {"QLabel", "qMRMLWidget", "ctkCollapsibleButton", "QWidget", "QFrame", "ctkCollapsibleGroupBox", "QProgressBar"}
+WITHIN_A_RECONSTRUCTION = (
+    "imaging/beams", "bone/map", "imaging/detection", "imaging/extent", "machine/memory", "sweep/poses", "reconstruction", "resolve",
+    "imaging/region", "geometry/transform_graph", "geometry/volume", "compounding/reconstructor", "io/plus/configuration",
+)  # fmt: skip
+HEAVY = {"scipy", "SimpleITK", "matplotlib", "numba", "pyigtl"}
+
+
+def name_of(path: Path) -> str:
+    return path.relative_to(REPOSITORY).as_posix()
+
+
+def listed(cmake: Path, variable: str) -> list[str]:
+    """What a CMake file sets a list to."""
+    found = re.search(rf"set\({variable}\n(.*?)\n\s*\)", cmake.read_text("utf-8"), re.DOTALL)
+    return [line.strip().replace("${MODULE_NAME}", "AIFRecon") for line in found.group(1).splitlines()]
+
+
+def relative(folder: Path, files) -> list[str]:
+    return sorted(path.relative_to(folder).as_posix() for path in files if "__pycache__" not in path.parts)
+
+
+def property_of(widget, name: str) -> str | None:
+    """Text of a widget's property in the .ui file."""
+    found = widget.find(f"property[@name='{name}']")
+    return None if found is None else "".join(found.itertext()).strip()
+
+
+def module_level_imports(tree: ast.Module) -> set[str]:
+    packages = set()
+    for node in tree.body:
+        if isinstance(node, ast.Import):
+            packages |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            packages.add(node.module.split(".")[0])
+    return packages
+
+
+def test_every_script_of_the_library_is_packaged():
+    library = REPOSITORY / "AIFReconLib"
+    assert sorted(listed(library / "CMakeLists.txt", "MODULE_PYTHON_SCRIPTS")) == relative(library, library.rglob("*.py"))
+
+
+def test_every_script_of_the_module_is_packaged():
+    assert sorted(listed(MODULE / "CMakeLists.txt", "MODULE_PYTHON_SCRIPTS")) == relative(MODULE, MODULE_FILES)
+
+
+def test_every_resource_of_the_module_is_packaged():
+    resources = [path for path in (MODULE / "Resources").rglob("*") if path.is_file()]
+    assert sorted(listed(MODULE / "CMakeLists.txt", "MODULE_PYTHON_RESOURCES")) == relative(MODULE, resources)
+
+
+def test_every_self_test_is_registered():
+    folder = REPOSITORY / "Testing" / "Slicer"
+    registered = re.findall(r"slicer_add_python_unittest\(SCRIPT (\S+)\)", (folder / "CMakeLists.txt").read_text("utf-8"))
+    assert sorted(registered) == relative(folder, folder.glob("*Test.py"))
+
+
+@pytest.mark.parametrize(("path", "size"), [(REPOSITORY / "Resources" / "AIFRecon.png", 128)], ids=["extension"])
+def test_the_icon_of_the_extension_has_the_size_that_slicer_asks(path, size):
+    assert struct.unpack(">II", path.read_bytes()[16:24]) == (size, size)
+
+
+@pytest.mark.parametrize("path", MODULE_FILES, ids=name_of)
+def test_nothing_heavy_is_imported_when_slicer_starts(path):
+    assert module_level_imports(ast.parse(path.read_text("utf-8"))) & HEAVY == set()
+
+
+@pytest.mark.parametrize("path", sorted((MODULE / "AIFReconScene").glob("*.py")), ids=name_of)
+def test_the_scene_side_knows_no_qt(path):
+    imported = {
+        name
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        for name in ([alias.name for alias in node.names] if isinstance(node, ast.Import) else [getattr(node, "module", None)])
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    }
+    assert imported & {"qt", "ctk"} == set()
+
+
+@pytest.mark.parametrize("path", MODULE_FILES, ids=name_of)
+def test_a_file_of_the_module_stays_under_400_lines(path):
+    assert len(path.read_text("utf-8").splitlines()) < 400
+
+
+@pytest.mark.parametrize("path", MODULE_FILES, ids=name_of)
+def test_texts_are_completed_after_their_translation(path):
+    calls = [node for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.Call)]
+    translated = [call for call in calls if isinstance(call.func, ast.Name) and call.func.id == "_"]
+    assert [call.lineno for call in translated if not all(isinstance(argument, ast.Constant) for argument in call.args)] == []
+
+
+@pytest.mark.parametrize("name", [name for name, widget in WIDGETS.items() if widget.get("class") not in PASSIVE])
+def test_a_widget_says_what_it_is_for(name):
+    assert property_of(WIDGETS[name], "toolTip")
+
+
+@pytest.mark.parametrize("name", [name for name, widget in WIDGETS.items() if widget.get("class").startswith("qMRMLNode")])
+def test_a_node_selector_is_given_the_scene(name):
+    receivers = [
+        connection.findtext("receiver")
+        for connection in UI.iter("connection")
+        if connection.findtext("signal") == "mrmlSceneChanged(vtkMRMLScene*)"
+        and connection.findtext("slot") == "setMRMLScene(vtkMRMLScene*)"
+        and connection.findtext("sender") == "AIFRecon"
+    ]
+    assert name in receivers
+
+
+def test_every_input_and_section_is_in_the_tab_order_from_top_to_bottom():
+    stops = [name for name, widget in WIDGETS.items() if widget.get("class") not in PASSIVE or "Collapsible" in widget.get("class")]
+    assert [stop.text for stop in UI.iter("tabstop")] == stops
+
+
+def test_every_bound_widget_names_a_parameter():
+    tree = ast.parse((MODULE / "AIFReconGui" / "parameterNode.py").read_text("utf-8"))
+    node = next(node for node in tree.body if isinstance(node, ast.ClassDef) and node.name == "AIFReconParameterNode")
+    parameters = {field.target.id for field in node.body if isinstance(field, ast.AnnAssign)}
+    bound = [property_of(widget, "SlicerParameterName") for widget in WIDGETS.values()]
+    assert {name for name in bound if name} - parameters == set()
+
+
+def test_no_parameter_is_bound_twice():
+    bound = [name for widget in WIDGETS.values() if (name := property_of(widget, "SlicerParameterName"))]
+    assert len(bound) == len(set(bound))
+
+
+def test_every_option_that_a_message_of_the_library_names_has_a_name_in_the_panel_or_no_place_there():
+    """`panelWords` must know each option of the command line that the library's messages name."""
+    commandLineAlone = {"--calibration", "--image-to-reference", "--reference", "--transform-sequence"}
+    files = [REPOSITORY / "AIFReconLib" / f"{name}.py" for name in WITHIN_A_RECONSTRUCTION]
+    texts = [node.value for path in files for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.Constant)]
+    named = {option for text in texts if isinstance(text, str) for option in re.findall(r"--[a-z][a-z-]+", text)}
+    known = set(re.findall(r'"(--[a-z-]+)"', (MODULE / "AIFReconScene" / "panelWords.py").read_text("utf-8")))
+    assert named - known - commandLineAlone == set()
+
+
+def test_every_custom_widget_is_declared():
+    declared = {custom.findtext("class") for custom in UI.iter("customwidget")}
+    assert {name for widget in WIDGETS.values() if (name := widget.get("class"))[0] in "qc"} == declared

@@ -1,0 +1,78 @@
+"""The panel speaks of its own widgets: no sentence of the library that can reach it names an option of the command line."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest_plugins = ["host_fixture"]
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+for _folder in ("Testing", "AIFRecon"):
+    if str(REPOSITORY / _folder) not in sys.path:
+        sys.path.append(str(REPOSITORY / _folder))
+import write_translations  # noqa: E402 - the folder must be known first
+
+OF_COMMANDS_ALONE = (
+    "calibration_files",  # aifrecon import and convert
+    "engines",  # its option is one of pip
+    "importing",
+    "offset_estimate",  # aifrecon time-offset
+    "pose_files",
+    "pose_rows",
+    "replay_frames",  # aifrecon replay
+    "sequence_edits",  # aifrecon convert
+    "study",
+    "transform_sequences",
+)
+"""Files whose sentences never reach the panel."""
+
+
+@functools.cache
+def sentences() -> list[str]:
+    """The templates of the library that name an option and may reach the panel."""
+    errors = write_translations.error_classes()
+    found = []
+    for path in write_translations.python_files(write_translations.LIBRARY):
+        parts = path.relative_to(write_translations.LIBRARY).parts
+        if parts[0] in write_translations.COMMAND_LINE or path.stem in OF_COMMANDS_ALONE:
+            continue
+        for _, template in write_translations.template_calls(ast.parse(path.read_text(encoding="utf-8")), errors):
+            found.append(write_translations.literal(template) or "")
+    return [text for text in dict.fromkeys(found) if re.search(r"--[a-z]", text)]
+
+
+def test_sentences_that_name_options_are_found():
+    assert len(sentences()) > 15
+
+
+@pytest.mark.parametrize("template", sentences())
+def test_no_option_of_the_command_line_is_named_in_the_panel(host, template):
+    from AIFReconScene.panelWords import inPanelWords
+
+    from AIFReconLib.message import Message
+
+    said = inPanelWords(Message(template))
+    assert not re.search(r"--[a-z]|aifrecon ", said)
+
+
+def test_every_sentence_that_the_panel_puts_otherwise_is_one_of_the_library(host):
+    from AIFReconScene.panelWords import _sentences
+
+    assert set(_sentences()) <= set(sentences())
+
+
+def test_a_box_is_not_called_a_volume(host):
+    from AIFReconScene.panelWords import inPanelWords
+
+    from AIFReconLib.message import Message
+
+    template = next(text for text in sentences() if "--grid-like" in text)
+    said = inPanelWords(Message(template, sequence="sweep", reasons="outside: 3 frames"))
+    assert "Like volume" not in said
+    assert "region" in said

@@ -1,0 +1,439 @@
+"""Bone, grids and volumes between nodes and library, in millimeters: under transforms, turned, anisotropic."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from sweeps import rigid
+
+slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
+import vtk  # noqa: E402
+from scene_host import class_counts, transform_node, volume_node, warping_node  # noqa: E402
+
+from AIFReconLib.bone.map import BoneMap  # noqa: E402
+from AIFReconLib.errors import GeometryError, SettingsError, TransformError  # noqa: E402
+from AIFReconLib.geometry.volume import Volume  # noqa: E402
+
+CT_MATRIX = rigid((4.0, -7.0, 11.0), (-30.0, 12.0, 44.0)) @ np.diag([0.8, 0.9, 1.5, 1.0])
+REGISTRATION = rigid((10.0, 20.0, 30.0), (7.0, -9.0, 100.0))
+ROI_MATRIX = rigid((25.0, -35.0, 15.0), (12.0, -8.0, 30.0))
+
+
+def ball_labels(shape=(20, 24, 22), radius=5.0, label=1) -> np.ndarray:
+    k, j, i = np.indices(shape)
+    center = (np.array(shape) - 1) / 2
+    return ((((k - center[0]) ** 2 + (j - center[1]) ** 2 + (i - center[2]) ** 2) < radius**2) * label).astype(np.uint8)
+
+
+def segmentation_node(scene, parts, matrix=CT_MATRIX, reference=True, name="Bone"):
+    """A segmentation with a segment for every array [k, j, i] of a dict by name."""
+    node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode", name)
+    node.CreateDefaultDisplayNodes()
+    for segment_name, array in parts.items():
+        holder = slicer.vtkMRMLScalarVolumeNode()
+        slicer.util.updateVolumeFromArray(holder, array)
+        image = slicer.vtkOrientedImageData()
+        image.DeepCopy(holder.GetImageData())
+        image.SetGeometryFromImageToWorldMatrix(slicer.util.vtkMatrixFromArray(matrix))
+        if reference:
+            geometry = slicer.vtkSegmentationConverter.SerializeImageGeometry(image)
+            parameter = slicer.vtkSegmentationConverter.GetReferenceImageGeometryParameterName()
+            node.GetSegmentation().SetConversionParameter(parameter, geometry)
+        node.AddSegmentFromBinaryLabelmapRepresentation(image, segment_name, [1.0, 0.5, 0.2])
+    return node
+
+
+def ids(node, *names):
+    return [node.GetSegmentation().GetSegmentIdBySegmentName(name) for name in names]
+
+
+def under(node, matrix):
+    node.SetAndObserveTransformNodeID(transform_node(node.GetScene(), matrix, "Registration").GetID())
+    return node
+
+
+def equal(a: BoneMap, b: BoneMap) -> bool:
+    same_place = np.allclose(a.probability.ijk_to_reference, b.probability.ijk_to_reference, atol=1e-9)
+    return same_place and np.array_equal(a.probability.array, b.probability.array) and np.array_equal(a.inside.array, b.inside.array)
+
+
+def bone_of(node, *arguments, **options) -> BoneMap:
+    from AIFReconScene.inputs.boneNodes import boneMapFromNode
+
+    return boneMapFromNode(node, *arguments, **options)
+
+
+EXPECTED = BoneMap.from_labels(Volume(ball_labels(), CT_MATRIX), sigma_voxels=1.5)
+
+
+# ---- bone
+
+
+def test_a_segmentation_gives_the_bone_map_of_its_labels(scene):
+    assert equal(bone_of(segmentation_node(scene, {"L3": ball_labels()}), sigmaVoxels=1.5), EXPECTED)
+
+
+def test_a_labelmap_gives_the_bone_map_of_its_labels(scene):
+    node = volume_node(scene, ball_labels(), CT_MATRIX, class_name="vtkMRMLLabelMapVolumeNode")
+    assert equal(bone_of(node, sigmaVoxels=1.5), EXPECTED)
+
+
+def test_sigma_in_millimeters_is_passed_on(scene):
+    node = volume_node(scene, ball_labels(), CT_MATRIX, class_name="vtkMRMLLabelMapVolumeNode")
+    assert equal(bone_of(node, sigmaMm=1.5), BoneMap.from_labels(Volume(ball_labels(), CT_MATRIX), sigma_mm=1.5))
+
+
+def test_a_scalar_volume_is_a_probability(scene):
+    probability = ball_labels().astype(np.float32) * 0.75
+    node = volume_node(scene, probability, CT_MATRIX)
+    assert np.array_equal(bone_of(node).probability.array, probability)
+
+
+@pytest.mark.parametrize("kind", ["segmentation", "labelmap", "probability"])
+def test_a_ct_under_a_transform_lies_where_the_registration_puts_it_in_millimeters(scene, kind):
+    made = {
+        "segmentation": lambda: segmentation_node(scene, {"L3": ball_labels()}),
+        "labelmap": lambda: volume_node(scene, ball_labels(), CT_MATRIX, class_name="vtkMRMLLabelMapVolumeNode"),
+        "probability": lambda: volume_node(scene, ball_labels().astype(np.float32), CT_MATRIX),
+    }[kind]()
+    bone = bone_of(under(made, REGISTRATION), **({} if kind == "probability" else {"sigmaVoxels": 1.0}))
+    k, j, i = np.nonzero(bone.probability.array > (0.5 if kind == "probability" else -1))
+    center = bone.probability.ijk_to_reference @ [i.mean(), j.mean(), k.mean(), 1.0]
+    expected = REGISTRATION @ CT_MATRIX @ [10.5, 11.5, 9.5, 1.0]
+    assert np.allclose(center[:3], expected[:3], atol=1e-6)
+
+
+def test_a_chain_of_transforms_counts(scene):
+    top = transform_node(scene, rigid((0.0, 0.0, 90.0), (1.0, 2.0, 3.0)), "Table")
+    node = volume_node(scene, ball_labels(), CT_MATRIX, class_name="vtkMRMLLabelMapVolumeNode")
+    node.SetAndObserveTransformNodeID(transform_node(scene, REGISTRATION, "Registration", parent=top).GetID())
+    first = bone_of(node, sigmaVoxels=1.5).probability.ijk_to_reference
+    assert np.allclose(first, rigid((0.0, 0.0, 90.0), (1.0, 2.0, 3.0)) @ REGISTRATION @ EXPECTED.probability.ijk_to_reference, atol=1e-9)
+
+
+@pytest.mark.parametrize("class_name", ["vtkMRMLLabelMapVolumeNode", "vtkMRMLScalarVolumeNode"])
+def test_a_warping_registration_is_named(scene, class_name):
+    node = volume_node(scene, ball_labels(), CT_MATRIX, class_name=class_name)
+    node.SetAndObserveTransformNodeID(warping_node(scene, "Deformable registration").GetID())
+    with pytest.raises(TransformError, match="'Deformable registration' must be linear"):
+        bone_of(node)
+
+
+def test_chosen_segments_alone_are_bone(scene):
+    far = np.roll(ball_labels(radius=3.0), 6, axis=1)
+    node = segmentation_node(scene, {"L3": ball_labels(), "Sacrum": far})
+    assert equal(bone_of(node, ids(node, "L3"), sigmaVoxels=1.5), EXPECTED)
+
+
+def test_overlapping_segments_are_both_bone(scene):
+    node = segmentation_node(scene, {"L3": ball_labels(), "core": ball_labels(radius=2.0)})
+    assert equal(bone_of(node, sigmaVoxels=1.5), EXPECTED)
+
+
+def test_every_segment_gets_a_label_of_its_own(scene):
+    from AIFReconScene.inputs.boneNodes import labelsFromNode
+
+    far = np.roll(ball_labels(radius=3.0), 8, axis=1)
+    labels = labelsFromNode(segmentation_node(scene, {"L3": ball_labels(radius=4.0), "L4": far}))
+    assert np.array_equal(labels.array, np.where(far > 0, 2, ball_labels(radius=4.0)))
+    assert np.allclose(labels.ijk_to_reference, CT_MATRIX, atol=1e-9)
+
+
+def test_a_segmentation_without_reference_geometry_is_not_cut_off(scene):
+    bone = bone_of(segmentation_node(scene, {"L3": ball_labels()}, reference=False), sigmaVoxels=1.5)
+    roomy = np.pad(ball_labels(), 20)
+    shift = np.eye(4)
+    shift[:3, 3] = -20
+    assert equal(bone, BoneMap.from_labels(Volume(roomy, CT_MATRIX @ shift), sigma_voxels=1.5))
+
+
+def sphere_surface_node(scene):
+    source = vtk.vtkSphereSource()
+    source.SetCenter(10.0, 20.0, 30.0)
+    source.SetRadius(8.0)
+    source.SetThetaResolution(48)
+    source.SetPhiResolution(48)
+    source.Update()
+    node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode", "Surface")
+    node.GetSegmentation().SetSourceRepresentationName(slicer.vtkSegmentationConverter.GetClosedSurfaceRepresentationName())
+    segment = slicer.vtkSegment()
+    segment.SetName("ball")
+    segment.AddRepresentation(slicer.vtkSegmentationConverter.GetClosedSurfaceRepresentationName(), source.GetOutput())
+    node.GetSegmentation().AddSegment(segment)
+    return node
+
+
+def test_surfaces_become_voxels_of_the_ct(scene):
+    from AIFReconScene.inputs.boneNodes import labelsFromNode
+
+    ct = volume_node(scene, np.zeros((40, 40, 40), np.int16), np.array([[1, 0, 0, -10], [0, 1, 0, 0], [0, 0, 1, 10], [0, 0, 0, 1.0]]))
+    labels = labelsFromNode(sphere_surface_node(scene), referenceVolumeNode=ct)
+    k, j, i = np.nonzero(labels.array)
+    center = labels.ijk_to_reference @ [i.mean(), j.mean(), k.mean(), 1]
+    assert np.allclose(center[:3], (10, 20, 30), atol=0.2)
+    assert len(i) == pytest.approx(4 / 3 * np.pi * 8**3, rel=0.05)
+
+
+def test_making_voxels_of_surfaces_leaves_the_segmentation_as_it_was(scene):
+    node = sphere_surface_node(scene)
+    before = class_counts(scene)
+    ct = volume_node(scene, np.zeros((40, 40, 40), np.int16), np.diag([1.0, 1.0, 1.5, 1.0]))
+    bone_of(node, referenceVolumeNode=ct, sigmaVoxels=1.0)
+    scene.RemoveNode(ct)
+    assert class_counts(scene) == before | {"vtkMRMLSegmentationNode": 1}
+    assert not node.GetSegmentation().ContainsRepresentation(slicer.vtkSegmentationConverter.GetBinaryLabelmapRepresentationName())
+
+
+def test_reading_segments_leaves_the_scene_and_their_voxels_as_they_were(scene):
+    node = segmentation_node(scene, {"L3": ball_labels(), "L4": np.roll(ball_labels(), 3, axis=0)})
+
+    def state():
+        segments = [node.GetSegmentation().GetNthSegment(index) for index in range(2)]
+        return class_counts(scene), [segment.GetRepresentation("Binary labelmap").GetExtent() for segment in segments]
+
+    before = state()
+    bone_of(node, sigmaVoxels=1.0)
+    assert state() == before
+
+
+def test_a_segment_that_is_not_there_is_refused_with_those_that_are(scene):
+    node = segmentation_node(scene, {"L3": ball_labels()})
+    with pytest.raises(GeometryError, match=r"Bone: segments must be one or more of those there are \(L3\); got Segment_9"):
+        bone_of(node, ["Segment_9"])
+
+
+def test_an_empty_segment_is_refused(scene):
+    with pytest.raises(GeometryError, match="Bone: "):
+        bone_of(segmentation_node(scene, {"L3": np.zeros((5, 6, 7), np.uint8)}))
+
+
+def test_a_volume_without_voxels_is_refused(scene):
+    with pytest.raises(GeometryError, match="Empty: it has no voxels"):
+        bone_of(scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", "Empty"))
+
+
+# ---- grids
+
+
+def roi_node(scene, size=(20.0, 30.0, 41.0), matrix=ROI_MATRIX, parent=None):
+    node = scene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "R")
+    node.SetSize(*size)
+    node.SetAndObserveObjectToNodeMatrix(slicer.util.vtkMatrixFromArray(matrix))
+    if parent is not None:
+        node.SetAndObserveTransformNodeID(parent.GetID())
+    return node
+
+
+def grid_of(*arguments):
+    from AIFReconScene.inputs.gridNodes import gridFromROI
+
+    return gridFromROI(*arguments)
+
+
+def test_a_rotated_roi_is_covered_by_its_voxels_in_millimeters(scene):
+    grid = grid_of(roi_node(scene), (0.9, 1.1, 2.0))
+    edges = (2 * np.array(list(np.ndindex(2, 2, 2))) - 1) * (10.0, 15.0, 20.5)
+    corners = edges @ ROI_MATRIX[:3, :3].T + ROI_MATRIX[:3, 3]
+    ijk = corners @ grid.reference_to_ijk[:3, :3].T + grid.reference_to_ijk[:3, 3]
+    assert (ijk >= -0.5 - 1e-6).all()
+    assert (ijk <= np.array(grid.size) - 0.5 + 1e-6).all()
+    assert grid.size == (23, 28, 21)
+
+
+def test_the_axes_of_a_grid_are_those_of_its_roi(scene):
+    grid = grid_of(roi_node(scene), (0.9, 1.1, 2.0))
+    assert np.allclose(grid.ijk_to_reference[:3, :3], ROI_MATRIX[:3, :3] @ np.diag([0.9, 1.1, 2.0]), atol=1e-9)
+
+
+def test_the_center_of_a_grid_is_that_of_its_roi_under_a_transform(scene):
+    grid = grid_of(roi_node(scene, parent=transform_node(scene, REGISTRATION)), 0.7)
+    assert np.allclose(grid.corners().mean(axis=0), (REGISTRATION @ ROI_MATRIX)[:3, 3], atol=1e-6)
+
+
+def test_the_center_of_a_grid_is_where_slicer_has_that_of_the_roi(scene):
+    node = roi_node(scene, parent=transform_node(scene, REGISTRATION))
+    assert np.allclose(grid_of(node, 0.7).corners().mean(axis=0), node.GetCenterWorld(), atol=1e-6)
+
+
+def test_a_roi_that_voxels_fill_exactly_gets_no_further_one(scene):
+    assert grid_of(roi_node(scene, size=(20.0, 30.0, 40.0)), 0.1).size == (200, 300, 400)
+
+
+@pytest.mark.parametrize("size", [(0.0, 10.0, 10.0), (10.0, 0.0, 0.0)])
+def test_an_empty_roi_is_refused(scene, size):
+    with pytest.raises(GeometryError, match="R: the region must be a box"):
+        grid_of(roi_node(scene, size=size), 1.0)
+
+
+def test_a_new_roi_is_refused(scene):
+    with pytest.raises(GeometryError, match="Place it"):
+        grid_of(scene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "R"), 1.0)
+
+
+@pytest.mark.parametrize("spacing", [0.0, -1.0, np.nan, (1.0, 1.0, 0.0)])
+def test_a_spacing_that_is_none_is_refused(scene, spacing):
+    with pytest.raises(SettingsError, match="spacing must be positive"):
+        grid_of(roi_node(scene), spacing)
+
+
+def test_a_sheared_roi_is_refused_by_name(scene):
+    with pytest.raises(GeometryError, match=r"R: .*right angles"):
+        grid_of(roi_node(scene, parent=transform_node(scene, np.diag([1.0, 3.0, 1.0, 1.0]))), 1.0)
+
+
+def test_a_grid_like_a_volume_lies_where_its_transform_puts_it(scene):
+    from AIFReconScene.inputs.gridNodes import gridFromVolume
+
+    node = volume_node(scene, np.zeros((4, 5, 6), np.int16), CT_MATRIX, parent=transform_node(scene, REGISTRATION))
+    grid = gridFromVolume(node)
+    assert grid.size == (6, 5, 4)
+    assert np.allclose(grid.ijk_to_reference, REGISTRATION @ CT_MATRIX, atol=1e-9)
+
+
+def test_a_grid_like_a_volume_without_voxels_is_refused(scene):
+    from AIFReconScene.inputs.gridNodes import gridFromVolume
+
+    with pytest.raises(GeometryError, match="V: it has no voxels"):
+        gridFromVolume(scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", "V"))
+
+
+# ---- volumes
+
+
+def result(method="weighted", cosine=True):
+    rng = np.random.default_rng(3)
+    shape = (6, 7, 8)
+
+    def volume(array):
+        return Volume(array, CT_MATRIX)
+
+    return SimpleNamespace(
+        intensity=volume(rng.integers(1, 200, shape).astype(np.uint8)),
+        score=volume(rng.random(shape, np.float32)),
+        hits=volume(rng.integers(0, 9, shape).astype(np.uint32)),
+        cosine=volume(rng.random(shape, np.float32)) if cosine else None,
+        mask=volume(rng.integers(0, 3, shape).astype(np.uint8)),
+        method=method,
+    )
+
+
+def outputs(*arguments, **options):
+    from AIFReconScene.volumes.volumeNodes import outputNodes
+
+    return outputNodes(*arguments, **options)
+
+
+def test_a_volume_file_and_a_volume_node_lie_in_the_same_place(scene, tmp_path):
+    from AIFReconScene.volumes.volumeNodes import updateVolumeNode
+
+    volume = Volume(np.arange(210, dtype=np.int16).reshape(5, 6, 7), CT_MATRIX)
+    volume.write(tmp_path / "volume.nrrd")
+    loaded = scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode")
+    storage = slicer.vtkMRMLVolumeArchetypeStorageNode()
+    storage.SetFileName(str(tmp_path / "volume.nrrd"))
+    assert storage.ReadData(loaded)
+    made = scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode")
+    updateVolumeNode(made, volume)
+    matrices = [vtk.vtkMatrix4x4(), vtk.vtkMatrix4x4()]
+    loaded.GetIJKToRASMatrix(matrices[0])
+    made.GetIJKToRASMatrix(matrices[1])
+    assert np.allclose(*[slicer.util.arrayFromVTKMatrix(m) for m in matrices], atol=1e-6)
+    assert np.array_equal(slicer.util.arrayFromVolume(loaded), slicer.util.arrayFromVolume(made))
+
+
+def test_every_volume_of_a_result_gets_its_node(scene):
+    reconstruction = result()
+    nodes = outputs(reconstruction, "Sweep", ("intensity", "score", "hits", "cosine", "mask"))
+    for kind, node in nodes.items():
+        assert np.array_equal(slicer.util.arrayFromVolume(node), getattr(reconstruction, kind).array), kind
+
+
+def test_nodes_are_named_for_sweep_and_method(scene):
+    nodes = outputs(result(), "Sweep", ("intensity", "score"))
+    assert [node.GetName() for node in nodes.values()] == ["Sweep weighted", "Sweep weighted score"]
+
+
+def test_nodes_lie_in_one_folder(scene):
+    first = outputs(result(), "Sweep", ("intensity", "mask"))
+    second = outputs(result("average"), "Sweep")
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
+    folders = {hierarchy.GetItemParent(hierarchy.GetItemByDataNode(node)) for node in [*first.values(), *second.values()]}
+    assert {hierarchy.GetItemName(folder) for folder in folders} == {"AIFRecon Sweep"}
+    assert len(folders) == 1
+
+
+def test_a_mask_is_a_labelmap_that_names_its_labels(scene):
+    mask = outputs(result(), "Sweep", ("intensity", "mask"))["mask"]
+    colors = mask.GetDisplayNode().GetColorNode()
+    assert mask.IsA("vtkMRMLLabelMapVolumeNode")
+    assert [colors.GetColorName(n) for n in range(3)] == ["empty", "measured", "filled"]
+
+
+def test_a_second_mask_shares_the_colors_of_the_first(scene):
+    outputs(result(), "Sweep", ("intensity", "mask"))
+    tables = class_counts(scene)["vtkMRMLColorTableNode"]
+    outputs(result(), "Sweep", ("intensity", "mask"))
+    assert class_counts(scene)["vtkMRMLColorTableNode"] == tables
+
+
+def test_a_cosine_that_was_not_computed_gets_no_node(scene):
+    assert list(outputs(result(cosine=False), "Sweep", ("intensity", "cosine"))) == ["intensity"]
+
+
+def test_an_existing_node_is_used_again_under_its_name(scene):
+    node = scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", "Mine")
+    assert outputs(result(), "Sweep", nodes={"intensity": node})["intensity"] is node
+    assert node.GetName() == "Mine"
+
+
+def test_an_existing_node_under_a_transform_shows_the_result_in_its_place(scene):
+    node = volume_node(scene, np.zeros((2, 2, 2), np.int16), np.eye(4), parent=transform_node(scene, REGISTRATION))
+    outputs(result(), "Sweep", nodes={"intensity": node})
+    bounds = [0.0] * 6
+    node.GetRASBounds(bounds)
+    expected = [CT_MATRIX @ [i, j, k, 1] for i in (-0.5, 7.5) for j in (-0.5, 6.5) for k in (-0.5, 5.5)]
+    assert np.allclose(np.array(bounds).reshape(3, 2), np.array([np.min(expected, axis=0), np.max(expected, axis=0)]).T[:3], atol=1e-6)
+
+
+def test_an_input_is_never_overwritten(scene):
+    ct = volume_node(scene, np.zeros((2, 2, 2), np.int16), np.eye(4), name="CT")
+    with pytest.raises(SettingsError, match="another volume than the inputs; got 'CT'"):
+        outputs(result(), "Sweep", nodes={"intensity": ct}, inputs=(ct,))
+    assert slicer.util.arrayFromVolume(ct).shape == (2, 2, 2)
+
+
+def test_a_failure_midway_leaves_the_scene_as_it_was(scene, monkeypatch):
+    from AIFReconScene.volumes import volumeNodes
+
+    def fail(*_):
+        raise MemoryError
+
+    before = class_counts(scene)
+    monkeypatch.setattr(volumeNodes, "_collect", fail)
+    with pytest.raises(MemoryError):
+        outputs(result(), "Sweep", ("intensity", "score"))
+    assert class_counts(scene) == before
+
+
+def test_the_window_ends_where_almost_all_measured_voxels_do():
+    from AIFReconScene.volumes.volumeNodes import ultrasoundWindow
+
+    levels = np.full((10, 10, 100), 120.0, np.float32)
+    levels[0, 0, 0], levels[1] = 60000.0, 9000.0
+    mask = np.ones(levels.shape, np.uint8)
+    mask[1] = 0
+    assert ultrasoundWindow(levels, mask) == (0.0, 120.0)
+
+
+def test_a_volume_of_nothing_still_has_a_window():
+    from AIFReconScene.volumes.volumeNodes import ultrasoundWindow
+
+    assert ultrasoundWindow(np.zeros((2, 2, 2)), np.zeros((2, 2, 2), np.uint8)) == (0.0, 1.0)
+
+
+def test_what_was_not_measured_lets_the_ct_show_through(scene):
+    display = outputs(result(), "Sweep")["intensity"].GetDisplayNode()
+    assert display.GetApplyThreshold()
+    assert display.GetLowerThreshold() == 1.0

@@ -1,0 +1,155 @@
+"""Bone metrics as a table node, and the simulated patient as nodes."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
+import vtk  # noqa: E402
+from scene_host import class_counts  # noqa: E402
+
+from AIFReconLib.errors import OperationCanceled  # noqa: E402
+from AIFReconLib.evaluation.metrics import BoneMetrics, SurfaceMetrics  # noqa: E402
+from AIFReconLib.evaluation.quantities import HEADINGS, table  # noqa: E402
+from AIFReconLib.settings import ReconstructionSettings  # noqa: E402
+from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
+
+SURFACE = SurfaceMetrics(812.3, 41.26, 2.3456, 0.871, np.nan, 0.1, 0.2345, 0.4567)
+METRICS = BoneMetrics(SURFACE, SURFACE, SURFACE, 3.21, 1.0, 4.444)
+
+
+@pytest.fixture
+def filled(scene):
+    from AIFReconScene.volumes.metricsTable import updateMetricsTable
+
+    node = scene.AddNewNodeByClass("vtkMRMLTableNode", "Metrics")
+    updateMetricsTable(node, {"average": METRICS, "weighted": METRICS})
+    return node
+
+
+def column(node, name):
+    return node.GetTable().GetColumnByName(name)
+
+
+def test_columns_are_those_of_the_command_line(filled):
+    names = [filled.GetTable().GetColumnName(index) for index in range(filled.GetNumberOfColumns())]
+    assert names == ["volume", *HEADINGS.values()]
+
+
+def test_every_volume_has_a_row(filled):
+    assert [column(filled, "volume").GetValue(row) for row in range(filled.GetNumberOfRows())] == ["average", "weighted"]
+
+
+def test_numbers_are_numbers_with_the_digits_that_are_printed(filled):
+    assert isinstance(column(filled, "CNR"), vtk.vtkDoubleArray)
+    assert (column(filled, "CNR").GetValue(0), column(filled, "coverage").GetValue(1)) == (2.35, 0.457)
+
+
+def test_numbers_say_the_same_as_the_command_line(filled):
+    printed = dict(zip(*table({"average": METRICS})))
+    assert f"{column(filled, 'coverage').GetValue(0):.1%}" == printed["coverage"]
+    assert f"{column(filled, 'shadow').GetValue(0):.1f}" == printed["shadow"]
+
+
+def test_a_number_that_is_not_known_is_not_a_number(filled):
+    assert np.isnan(column(filled, "thickness mm").GetValue(0))
+
+
+def test_columns_say_what_they_are(filled):
+    assert filled.GetColumnDescription("coverage").startswith("Coverage: Share of the surface")
+
+
+def test_filling_again_replaces_what_was_there(filled):
+    from AIFReconScene.volumes.metricsTable import updateMetricsTable
+
+    updateMetricsTable(filled, {"aif": METRICS})
+    assert (filled.GetNumberOfRows(), filled.GetNumberOfColumns()) == (1, 1 + len(HEADINGS))
+
+
+# ---- the simulated patient
+
+
+@pytest.fixture(scope="module")
+def coarse_phantom():
+    """What makes a phantom, but of coarse voxels and once: the real one takes seconds."""
+    from AIFReconLib.simulation import anatomy
+
+    made = anatomy.make_lumbar_phantom
+    return cache(
+        lambda seed, ct_to_reference: made(anatomy.LumbarAnatomy.from_seed(seed), spacing=2.5, ct_to_reference=np.array(ct_to_reference))
+    )
+
+
+@pytest.fixture
+def quick(monkeypatch, coarse_phantom):
+    from AIFReconLib.simulation import anatomy
+
+    def make(person, *, spacing, ct_to_reference, progress=None):
+        return coarse_phantom(person.seed, tuple(map(tuple, ct_to_reference)))
+
+    monkeypatch.setattr(anatomy, "make_lumbar_phantom", make)
+
+
+@pytest.fixture
+def patient(scene, quick):
+    from AIFReconScene.volumes.phantomSample import loadPhantom
+
+    return loadPhantom(frames=9)
+
+
+def test_ct_and_segmentation_are_under_the_registration(patient):
+    assert patient.ct.GetParentTransformNode() is patient.ctToReference
+    assert patient.segmentation.GetParentTransformNode() is patient.ctToReference
+
+
+def test_the_patient_has_a_segment_per_vertebra(patient):
+    segmentation = patient.segmentation.GetSegmentation()
+    assert [segmentation.GetNthSegment(index).GetName() for index in range(3)] == ["L2", "L3", "L4"]
+
+
+def test_the_sweep_has_all_its_frames_in_place_and_knows_its_probe(patient):
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
+
+    sequence = sequenceFromBrowser(patient.browser)
+    assert len(sweep_poses(sequence).usable) == 9
+    assert sequence.configuration.probe.kind == "sector"
+
+
+def test_segments_lie_on_the_bone_of_the_ct(patient):
+    from AIFReconScene.inputs.boneNodes import labelsFromNode
+
+    labels = labelsFromNode(patient.segmentation)
+    hounsfield = slicer.util.arrayFromVolume(patient.ct)
+    assert labels.array.shape == hounsfield.shape
+    assert hounsfield[labels.array > 0].mean() > hounsfield[labels.array == 0].mean() + 200
+
+
+def test_canceling_the_simulation_leaves_the_scene_as_it_was(scene, quick):
+    from AIFReconScene.volumes.phantomSample import loadPhantom
+
+    before = class_counts(scene)
+    with pytest.raises(OperationCanceled):
+        loadPhantom(lambda fraction, message: fraction < 0.97, frames=9)
+    assert class_counts(scene) == before
+
+
+def test_the_sweep_shows_bone_where_the_registered_ct_has_it(patient):
+    from AIFReconScene.inputs.boneNodes import labelsFromNode
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
+    from AIFReconScene.volumes.metricsTable import measureVolumes
+
+    from AIFReconLib.reconstruction import reconstruct
+
+    sequence = sequenceFromBrowser(patient.browser)
+    result = reconstruct(sequence, ReconstructionSettings(method="average", spacing=1.0))
+
+    def contrast():
+        labels = labelsFromNode(patient.segmentation)
+        return measureVolumes({"average": result.intensity}, labels, sequence, mask=result.mask)["average"].bone.contrast
+
+    registered = contrast()
+    patient.segmentation.SetAndObserveTransformNodeID(None)
+    assert registered > contrast() + 5

@@ -1,0 +1,367 @@
+"""What the views are told to show: output over CT, volumes side by side, volume rendering, the probe and the frames' outlines."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from sweeps import rigid
+
+slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
+import vtk  # noqa: E402
+from scene_host import class_counts, transform_node, volume_node  # noqa: E402
+
+from AIFReconLib.errors import SettingsError  # noqa: E402
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
+from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
+from AIFReconLib.imaging.region import Fan, ImageRegion  # noqa: E402
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
+
+PLACE = rigid((20.0, -30.0, 40.0), (100.0, -50.0, 20.0)) @ np.diag([0.8, 0.9, 1.1, 1.0])
+
+
+@pytest.fixture
+def logic(scene):
+    return scene.host.applicationLogic
+
+
+@pytest.fixture
+def ct(scene):
+    node = volume_node(scene, np.zeros((30, 30, 30), np.int16), np.diag([2.0, 2.0, 2.0, 1.0]), "CT")
+    node.CreateDefaultDisplayNodes()
+    return node
+
+
+@pytest.fixture
+def output(scene):
+    return made_output(scene, "Output")
+
+
+def made_output(scene, name):
+    node = volume_node(scene, np.random.default_rng(0).integers(0, 200, (20, 21, 22)).astype(np.uint8), PLACE, name)
+    node.CreateDefaultDisplayNodes()
+    node.GetDisplayNode().SetAutoWindowLevel(False)
+    node.GetDisplayNode().SetWindowLevelMinMax(0, 200)
+    return node
+
+
+def composite(logic, view):
+    return logic.GetSliceLogicByLayoutName(view).GetSliceCompositeNode()
+
+
+def center_of(node) -> np.ndarray:
+    bounds = [0.0] * 6
+    node.GetRASBounds(bounds)
+    return np.array(bounds).reshape(3, 2).mean(axis=1)
+
+
+# ---- over the CT
+
+
+@pytest.mark.parametrize("view", ["Red", "Yellow", "Green"])
+def test_the_output_covers_the_ct(logic, ct, output, view):
+    from AIFReconScene.display.sliceDisplay import showOverCT
+
+    showOverCT(output, ct, 0.35, logic)
+    shown = composite(logic, view)
+    assert (shown.GetBackgroundVolumeID(), shown.GetForegroundVolumeID()) == (ct.GetID(), output.GetID())
+    assert shown.GetForegroundOpacity() == 0.35
+
+
+@pytest.mark.parametrize("view", ["Red", "Yellow", "Green"])
+def test_views_go_to_the_output_in_millimeters(logic, ct, output, view):
+    from AIFReconScene.display.sliceDisplay import showOverCT
+
+    showOverCT(output, ct, 0.5, logic)
+    slice_node = logic.GetSliceLogicByLayoutName(view).GetSliceNode()
+    to_ras = slicer.util.arrayFromVTKMatrix(slice_node.GetSliceToRAS())
+    assert np.allclose(to_ras[:3, 3], center_of(output), atol=0.01)
+    assert 20 < max(slice_node.GetFieldOfView()[:2]) < 80
+
+
+def test_without_a_ct_the_output_is_the_background(logic, output):
+    from AIFReconScene.display.sliceDisplay import showOverCT
+
+    showOverCT(output, None, 0.5, logic)
+    assert composite(logic, "Red").GetBackgroundVolumeID() == output.GetID()
+    assert not composite(logic, "Red").GetForegroundVolumeID()
+
+
+def test_opacity_changes_where_the_output_is_shown(logic, ct, output):
+    from AIFReconScene.display.sliceDisplay import setOpacity, showOverCT
+
+    showOverCT(output, ct, 0.5, logic)
+    composite(logic, "Green").SetForegroundVolumeID(ct.GetID())
+    setOpacity(output, 0.9, logic)
+    assert [composite(logic, view).GetForegroundOpacity() for view in ("Red", "Green")] == [0.9, 0.5]
+
+
+# ---- side by side
+
+
+def side_by_side(scene, logic, ct, count=3):
+    from AIFReconScene.display.sliceDisplay import showSideBySide
+
+    nodes = [made_output(scene, f"V{n}") for n in range(1, count + 1)]
+    showSideBySide([(node, f"method {n}") for n, node in enumerate(nodes, 1)], ct, "Sagittal", logic)
+    return nodes
+
+
+def test_every_volume_gets_a_view_of_its_own(scene, logic, ct):
+    nodes = side_by_side(scene, logic, ct)
+    views = [composite(logic, f"AIFRecon{n}") for n in (1, 2, 3)]
+    assert [view.GetForegroundVolumeID() for view in views] == [node.GetID() for node in nodes]
+    assert {view.GetBackgroundVolumeID() for view in views} == {ct.GetID()}
+
+
+def test_views_side_by_side_are_linked(scene, logic, ct):
+    side_by_side(scene, logic, ct)
+    assert all(composite(logic, f"AIFRecon{n}").GetLinkedControl() for n in (1, 2, 3))
+
+
+def test_views_side_by_side_show_the_same_plane(scene, logic, ct):
+    side_by_side(scene, logic, ct)
+    nodes = [logic.GetSliceLogicByLayoutName(f"AIFRecon{n}").GetSliceNode() for n in (1, 2, 3)]
+    matrices = [slicer.util.arrayFromVTKMatrix(node.GetSliceToRAS()) for node in nodes]
+    assert all(np.allclose(matrix, matrices[0], atol=1e-9) for matrix in matrices)
+    assert {node.GetOrientation() for node in nodes} == {"Sagittal"}
+
+
+def test_views_side_by_side_say_what_they_show(scene, logic, ct):
+    side_by_side(scene, logic, ct)
+    assert [logic.GetSliceLogicByLayoutName(f"AIFRecon{n}").GetSliceNode().GetLayoutLabel() for n in (1, 2)] == ["method 1", "method 2"]
+
+
+def test_the_red_view_is_left_alone(scene, logic, ct):
+    red = logic.GetSliceLogicByLayoutName("Red").GetSliceNode()
+    before = slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()).copy()
+    side_by_side(scene, logic, ct)
+    assert np.array_equal(slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()), before)
+
+
+def test_the_layout_of_before_comes_back(scene, logic, ct):
+    from AIFReconScene.display.sliceDisplay import restoreLayout
+
+    layout = scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+    layout.SetViewArrangement(slicer.vtkMRMLLayoutNode.SlicerLayoutConventionalView)
+    side_by_side(scene, logic, ct)
+    side_by_side(scene, logic, ct, 4)
+    assert layout.GetViewArrangement() > 4200
+    restoreLayout(scene)
+    assert layout.GetViewArrangement() == slicer.vtkMRMLLayoutNode.SlicerLayoutConventionalView
+
+
+def test_a_layout_that_the_user_chose_meanwhile_stays(scene, logic, ct):
+    from AIFReconScene.display.sliceDisplay import restoreLayout
+
+    side_by_side(scene, logic, ct)
+    layout = scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+    layout.SetViewArrangement(slicer.vtkMRMLLayoutNode.SlicerLayoutOneUp3DView)
+    restoreLayout(scene)
+    assert layout.GetViewArrangement() == slicer.vtkMRMLLayoutNode.SlicerLayoutOneUp3DView
+
+
+@pytest.mark.parametrize("count", [0, 10])
+def test_too_few_or_too_many_views_are_refused(scene, logic, ct, count):
+    from AIFReconScene.display.sliceDisplay import showSideBySide
+
+    with pytest.raises(SettingsError, match="1 to 9"):
+        showSideBySide([(ct, "x")] * count, ct, applicationLogic=logic)
+
+
+@pytest.mark.parametrize(("count", "rows"), [(1, 1), (3, 1), (4, 2), (6, 2), (9, 3)])
+def test_views_fill_rows(count, rows):
+    from xml.etree import ElementTree
+
+    from AIFReconScene.display.sliceDisplay import layoutDescription
+
+    layout = ElementTree.fromstring(layoutDescription(count))
+    assert len(layout) == rows
+    assert len(list(layout.iter("view"))) == count
+
+
+# ---- volume rendering
+
+
+def test_volume_rendering_is_turned_on_and_off(logic, output):
+    from AIFReconScene.display.sliceDisplay import showVolumeRendering
+
+    display = showVolumeRendering(output, True, logic)
+    assert display.GetVisibility()
+    assert showVolumeRendering(output, False, logic) is display
+    assert not display.GetVisibility()
+
+
+def test_turning_off_what_never_was_on_adds_nothing(scene, logic, output):
+    from AIFReconScene.display.sliceDisplay import showVolumeRendering
+
+    before = class_counts(scene)
+    assert showVolumeRendering(output, False, logic) is None
+    assert class_counts(scene) == before
+
+
+def test_soft_tissue_is_transparent_and_bone_is_not(logic, output):
+    from AIFReconScene.display.sliceDisplay import showVolumeRendering
+
+    opacity = showVolumeRendering(output, True, logic).GetVolumePropertyNode().GetScalarOpacity()
+    assert (opacity.GetValue(0.25 * 200), opacity.GetValue(200)) == (0.0, pytest.approx(0.8))
+
+
+def test_what_the_user_changes_in_the_rendering_stays(logic, output):
+    from AIFReconScene.display.sliceDisplay import showVolumeRendering
+
+    properties = showVolumeRendering(output, True, logic).GetVolumePropertyNode()
+    mine = vtk.vtkPiecewiseFunction()
+    mine.AddPoint(0, 0.5)
+    properties.SetScalarOpacity(mine)
+    assert showVolumeRendering(output, True, logic).GetVolumePropertyNode().GetScalarOpacity().GetValue(10) == 0.5
+
+
+# ---- probe and outlines
+
+FAN = ImageRegion(fan=Fan((30.0, -5.0), (-35.0, 35.0), (10.0, 50.0)))
+SECTOR = ProbeGeometry("sector", (30.0, -5.0))
+
+
+def pose(number: int) -> np.ndarray:
+    return rigid((3.0 * number, 0.0, 0.0), (0.0, 2.0 * number, 5.0)) @ np.diag([0.5, 0.5, 0.5, 1.0])
+
+
+@pytest.fixture
+def browser(scene):
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
+
+    name = TransformName("Image", "Reference")
+    statuses = [TransformStatus.OK] * 5 + [TransformStatus.OUT_OF_VIEW]
+    records = [FrameRecord(0.1 * n, None, TransformStatus.OK, {name: TransformSample(pose(n), s)}) for n, s in enumerate(statuses)]
+    return browserFromSequence(TrackedSequence(np.full((6, 50, 61), 9, np.uint8), records), "Sweep")
+
+
+@pytest.fixture
+def overlay(scene):
+    from AIFReconScene.display.probeOverlay import ProbeOverlay
+
+    return ProbeOverlay(scene)
+
+
+def points_in_world(node) -> np.ndarray:
+    from vtk.util import numpy_support
+
+    matrix = vtk.vtkMatrix4x4()
+    if node.GetParentTransformNode() is not None:
+        node.GetParentTransformNode().GetMatrixTransformToWorld(matrix)
+    points = numpy_support.vtk_to_numpy(node.GetPolyData().GetPoints().GetData())
+    return points @ slicer.util.arrayFromVTKMatrix(matrix)[:3, :3].T + slicer.util.arrayFromVTKMatrix(matrix)[:3, 3]
+
+
+def test_beams_start_at_the_apex_in_millimeters(browser, overlay):
+    node = overlay.showProbe(browser, None, SECTOR, FAN)
+    browser.SetSelectedItemNumber(3)
+    apex = (pose(3) @ [30.0, -5.0, 0.0, 1.0])[:3]
+    distances = np.linalg.norm(points_in_world(node) - apex, axis=1)
+    assert (distances < 1e-5).sum() == 9
+
+
+def test_the_sector_moves_with_the_frame(browser, overlay):
+    node = overlay.showProbe(browser, None, SECTOR, FAN)
+    browser.SetSelectedItemNumber(0)
+    first = points_in_world(node).copy()
+    browser.SetSelectedItemNumber(4)
+    moved = pose(4) @ np.linalg.inv(pose(0))
+    assert np.allclose(points_in_world(node), first @ moved[:3, :3].T + moved[:3, 3], atol=1e-5)
+
+
+def test_beams_end_within_the_sector(browser, overlay):
+    from AIFReconScene.display.probeOverlay import beams
+
+    ends = np.array([line[1] for line in beams(FAN.mask(61, 50), SECTOR)])
+    radii = np.hypot(*(ends - (30.0, -5.0)).T)
+    assert (radii <= 50.0 + 1e-9).all()
+    assert (radii > 30.0).all()
+
+
+def test_beams_of_a_linear_probe_run_down_the_image():
+    from AIFReconScene.display.probeOverlay import beams
+
+    lines = np.array(beams(np.ones((10, 21), bool), ProbeGeometry("linear"), 3))
+    assert lines.tolist() == [[[0, 0], [0, 9]], [[10, 0], [10, 9]], [[20, 0], [20, 9]]]
+
+
+def test_the_outline_is_the_border_of_the_region():
+    from AIFReconScene.display.probeOverlay import outline
+
+    assert outline(np.ones((2, 4), bool)).tolist() == [[0, 0], [0, 1], [3, 1], [3, 0], [0, 0]]
+
+
+def test_beams_of_a_turned_image_are_turned_with_it(browser, overlay):
+    browser.GetMasterSequenceNode().SetAttribute("Sequences.UltrasoundImageOrientation", "UFD")
+    node = overlay.showProbe(browser, None, ProbeGeometry("sector", (20.0, -5.0)), FAN)
+    apex = (pose(0) @ [60.0 - 20.0, -5.0, 0.0, 1.0])[:3]
+    assert np.linalg.norm(points_in_world(node) - apex, axis=1).min() < 1e-5
+
+
+def test_showing_the_probe_again_uses_the_same_node(scene, browser, overlay):
+    first = overlay.showProbe(browser, None, SECTOR, FAN)
+    assert overlay.showProbe(browser, None, ProbeGeometry("linear"), FAN) is first
+
+
+def test_beams_are_drawn_in_the_slice_views(browser, overlay):
+    assert overlay.showProbe(browser, None, SECTOR, FAN).GetDisplayNode().GetVisibility2D()
+
+
+def sequence_of(browser):
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
+
+    return sequenceFromBrowser(browser)
+
+
+def test_frames_with_a_pose_are_outlined_and_others_are_not(browser, overlay):
+    node = overlay.showOutlines(browser, sequence_of(browser), FAN)
+    assert node.GetPolyData().GetNumberOfLines() == 5
+    numbers = node.GetPolyData().GetCellData().GetArray("frame")
+    assert [numbers.GetValue(index) for index in range(5)] == [0, 1, 2, 3, 4]
+
+
+def test_an_outline_lies_in_the_plane_of_its_frame(browser, overlay):
+    node = overlay.showOutlines(browser, sequence_of(browser), None)
+    count = node.GetPolyData().GetCell(3).GetNumberOfPoints()
+    points = points_in_world(node)[3 * count : 4 * count]
+    pixels = (points - pose(3)[:3, 3]) @ np.linalg.inv(pose(3)[:3, :3]).T
+    assert np.abs(pixels[:, 2]).max() < 1e-5
+    assert (pixels[:, :2].min(axis=0), pixels[:, :2].max(axis=0))[0] == pytest.approx([0, 0], abs=1e-5)
+
+
+def test_a_long_sweep_is_thinned_out(scene, overlay):
+    name = TransformName("Image", "Reference")
+    records = [FrameRecord(0.1 * n, None, TransformStatus.OK, {name: TransformSample(pose(n % 7))}) for n in range(1000)]
+    node = overlay.showOutlines(SimpleNamespace(GetName=lambda: "S"), TrackedSequence(np.zeros((1000, 8, 9), np.uint8), records))
+    assert 150 < node.GetPolyData().GetNumberOfLines() <= 300
+
+
+def test_hiding_removes_everything_that_was_drawn(scene, browser, overlay):
+    before = class_counts(scene)
+    overlay.showProbe(browser, None, SECTOR, FAN)
+    overlay.showOutlines(browser, sequence_of(browser), FAN)
+    overlay.hide()
+    assert class_counts(scene) == before
+
+
+def test_what_is_drawn_is_not_saved_with_the_scene(browser, overlay):
+    assert not overlay.showProbe(browser, None, SECTOR, FAN).GetSaveWithScene()
+
+
+def test_hiding_after_the_scene_was_closed_does_nothing(scene, browser, overlay):
+    overlay.showProbe(browser, None, SECTOR, FAN)
+    scene.Clear(False)
+    overlay.hide()
+
+
+def test_the_probe_of_a_sweep_under_a_transform_lies_where_the_image_does(scene, browser, overlay):
+    reference_to_ras = rigid((0.0, 90.0, 0.0), (7.0, 8.0, 9.0))
+    master = browser.GetMasterSequenceNode()
+    pose_node = browser.GetProxyNode(master).GetParentTransformNode()
+    pose_node.SetAndObserveTransformNodeID(transform_node(scene, reference_to_ras, "ReferenceToRAS").GetID())
+    node = overlay.showProbe(browser, None, SECTOR, FAN)
+    apex = (reference_to_ras @ pose(0) @ [30.0, -5.0, 0.0, 1.0])[:3]
+    assert np.linalg.norm(points_in_world(node) - apex, axis=1).min() < 1e-5

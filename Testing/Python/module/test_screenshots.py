@@ -1,0 +1,210 @@
+"""Pictures of views: what MRML places somewhere appears at the pixel where it belongs. Needs slicer-core, PySide6 and OpenGL offscreen."""
+
+from __future__ import annotations
+
+import struct
+import subprocess
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
+vtk = pytest.importorskip("vtk", reason="vtk is not installed")
+pytest.importorskip("PySide6.QtGui", reason="PySide6 is not installed", exc_type=ImportError)
+
+import scene_host  # noqa: E402 - puts Testing/host on the path
+import view_frames  # noqa: E402
+import view_render  # noqa: E402
+from PySide6 import QtGui  # noqa: E402
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+SIZE = 200
+FIELD_OF_VIEW = 100.0
+BRIGHT_RAS = np.array([10.0, -5.0, 20.0])
+
+
+@pytest.fixture(scope="module")
+def opengl():
+    """Skips where nothing can be drawn."""
+    if reason := view_render.why_no_views():
+        pytest.skip(reason)
+
+
+@pytest.fixture
+def one_voxel(scene):
+    """A volume that is dark but for the voxel at BRIGHT_RAS."""
+    array = np.zeros((40, 40, 40), np.uint8)
+    place = np.eye(4)
+    place[:3, 3] = BRIGHT_RAS - (12, 17, 9)
+    array[9, 17, 12] = 255
+    node = scene_host.volume_node(scene, array, place, "One voxel")
+    node.CreateDefaultDisplayNodes()
+    node.GetDisplayNode().SetAutoWindowLevel(False)
+    node.GetDisplayNode().SetWindowLevelMinMax(0, 255)
+    return node
+
+
+def red_view(scene, center, volume=None) -> np.ndarray:
+    """The red, axial view about a place, 0.5 mm per pixel."""
+    logic = scene.host.applicationLogic.GetSliceLogicByLayoutName("Red")
+    if volume is not None:
+        logic.GetSliceCompositeNode().SetBackgroundVolumeID(volume.GetID())
+    with view_render.OffscreenSliceView(logic, scene.host.applicationLogic, (SIZE, SIZE)) as view:
+        logic.GetSliceNode().SetFieldOfView(FIELD_OF_VIEW, FIELD_OF_VIEW, 1.0)
+        logic.GetSliceNode().JumpSliceByCentering(*center)
+        return view.image()
+
+
+def middle_of(mask: np.ndarray) -> tuple[float, float]:
+    """Column and row of the middle of what is set."""
+    rows, columns = np.nonzero(mask)
+    return columns.mean(), rows.mean()
+
+
+def pixel_of(place_ras, center_ras) -> tuple[float, float]:
+    """Where an axial view shows a place: the patient's right is left, anterior is up."""
+    right, anterior, _ = np.asarray(place_ras) - center_ras
+    scale = SIZE / FIELD_OF_VIEW
+    return SIZE / 2 - 0.5 - right * scale, SIZE / 2 - 0.5 - anterior * scale
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_bright_voxel_appears_where_its_matrix_puts_it(scene, one_voxel):
+    center = np.add(BRIGHT_RAS, (15.0, 8.0, 0.0))
+    shown = red_view(scene, center, one_voxel)
+    assert middle_of(shown[..., 0] > 128) == pytest.approx(pixel_of(BRIGHT_RAS, center), abs=1.01)
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_transform_moves_a_volume_in_the_view(scene, one_voxel):
+    moved = np.eye(4)
+    moved[:3, 3] = -20.0, 6.0, 3.0
+    one_voxel.SetAndObserveTransformNodeID(scene_host.transform_node(scene, moved).GetID())
+    center = np.add(BRIGHT_RAS, (-15.0, 8.0, 3.0))
+    shown = red_view(scene, center, one_voxel)
+    assert middle_of(shown[..., 0] > 128) == pytest.approx(pixel_of(BRIGHT_RAS + moved[:3, 3], center), abs=1.01)
+
+
+@pytest.mark.usefixtures("opengl")
+def test_another_slice_does_not_show_the_voxel(scene, one_voxel):
+    assert red_view(scene, np.add(BRIGHT_RAS, (0.0, 0.0, 3.0)), one_voxel).max() == 0
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_model_is_cut_where_it_meets_the_slice(scene):
+    ball = vtk.vtkSphereSource()
+    ball.SetCenter(*BRIGHT_RAS)
+    ball.SetRadius(4.0)
+    ball.Update()
+    model = scene.AddNewNodeByClass("vtkMRMLModelNode", "Ball")
+    model.SetAndObservePolyData(ball.GetOutput())
+    model.CreateDefaultDisplayNodes()
+    model.GetDisplayNode().SetVisibility2D(True)
+    model.GetDisplayNode().SetColor(0.0, 1.0, 0.0)
+    center = np.add(BRIGHT_RAS, (15.0, 8.0, 0.0))
+    assert middle_of(red_view(scene, center)[..., 1] > 128) == pytest.approx(pixel_of(BRIGHT_RAS, center), abs=1.0)
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_3d_view_shows_a_model_in_the_middle_that_is_looked_at(scene):
+    ball = vtk.vtkSphereSource()
+    ball.SetCenter(*BRIGHT_RAS)
+    ball.SetRadius(4.0)
+    ball.Update()
+    model = scene.AddNewNodeByClass("vtkMRMLModelNode", "Ball")
+    model.SetAndObservePolyData(ball.GetOutput())
+    model.CreateDefaultDisplayNodes()
+    model.GetDisplayNode().SetColor(0.0, 1.0, 0.0)
+    node = scene.GetFirstNodeByClass("vtkMRMLViewNode")
+    node.SetBoxVisible(False)
+    node.SetAxisLabelsVisible(False)
+    with view_render.OffscreenThreeDView(node, scene.host.applicationLogic, (SIZE, SIZE)) as view:
+        view.look(BRIGHT_RAS, np.add(BRIGHT_RAS, (0.0, -1.0, 0.0)), (0.0, 0.0, 1.0), 100.0)
+        shown = view.image().astype(int)
+    green = shown[..., 1] - np.maximum(shown[..., 0], shown[..., 2]) > 40
+    assert middle_of(green) == pytest.approx((SIZE / 2, SIZE / 2), abs=1.5)
+
+
+@pytest.mark.usefixtures("opengl")
+def test_beams_are_drawn_in_a_slice_that_lies_in_the_plane_of_their_frame(scene):
+    from AIFReconScene.display.probeOverlay import ProbeOverlay
+    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
+
+    from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+    from AIFReconLib.imaging.beams import ProbeGeometry
+    from AIFReconLib.imaging.region import ImageRegion
+    from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+
+    flat = TransformSample(np.diag([0.5, 0.5, 0.5, 1.0]), TransformStatus.OK)
+    record = FrameRecord(0.0, None, TransformStatus.OK, {TransformName("Image", "Reference"): flat})
+    browser = browserFromSequence(TrackedSequence(np.full((1, 101, 121), 9, np.uint8), [record]), "Sweep")
+    ProbeOverlay(scene).showProbe(browser, None, ProbeGeometry("linear"), ImageRegion())
+    shown = red_view(scene, (30.0, 25.0, 0.0)).astype(int)
+    drawn = shown[..., 2] - shown[..., 0] > 100
+    rows = np.flatnonzero(drawn[:, SIZE // 2 - 3 : SIZE // 2 + 3].any(axis=1))
+    assert len(rows) > 90  # the beam in the middle, 50 mm long
+
+
+def test_where_opengl_is_missing_the_reason_is_told(monkeypatch):
+    monkeypatch.setattr(subprocess, "run", lambda *arguments, **options: SimpleNamespace(returncode=-11))
+    assert "OpenGL" in view_render.why_no_views()
+
+
+@pytest.mark.parametrize(
+    ("direction", "letters"),
+    [((-2, 0, 0), "L"), ((0, 0, 1), "S"), ((0, -1, 0), "P"), ((0.9, 0.5, 0), "RA"), ((0.95, -0.3, 0), "R"), ((0.3, 0.5, -0.8), "IA")],
+)
+def test_a_direction_is_told_by_the_letters_of_the_patient(direction, letters):
+    assert view_frames.direction_letters(direction) == letters
+
+
+def test_an_axial_view_has_the_patient_s_right_on_its_left(scene):
+    node = scene.host.applicationLogic.GetSliceLogicByLayoutName("Red").GetSliceNode()
+    assert view_frames.slice_letters(node) == {"left": "R", "right": "L", "top": "A", "bottom": "P"}
+
+
+def test_a_view_is_named_after_what_it_shows(scene, one_voxel):
+    logic = scene.host.applicationLogic.GetSliceLogicByLayoutName("Red")
+    composite = logic.GetSliceCompositeNode()
+    composite.SetBackgroundVolumeID(one_voxel.GetID())
+    composite.SetForegroundVolumeID(one_voxel.GetID())
+    composite.SetForegroundOpacity(0.6)
+    assert view_frames.slice_names(logic) == ["F: One voxel (60%)", "B: One voxel"]
+
+
+def test_pictures_in_rows_keep_their_pixels(tmp_path):
+    red, blue = (QtGui.QImage(30, 20, QtGui.QImage.Format.Format_RGB888) for _ in range(2))
+    red.fill(QtGui.QColor(255, 0, 0))
+    blue.fill(QtGui.QColor(0, 0, 255))
+    view_frames.write_png(view_frames.tiled([[red], [blue]]), tmp_path / "tiles.png")
+    read = QtGui.QImage(str(tmp_path / "tiles.png"))
+    seen = [read.pixelColor(10, row).getRgb()[:3] for row in (10, 20 + view_frames.GAP + 10)]
+    assert (read.height(), seen) == (40 + view_frames.GAP, [(255, 0, 0), (0, 0, 255)])
+
+
+PANELS = ("panel", "panel-needs", "panel-dark", "live-panel", "step-1-empty", "step-2-inputs", "step-4-progress", "step-6-report")
+VIEWS = ("slices", "compare", "overlay", "live", "step-3-advanced", "step-5-result", "step-7-compare", "step-8-live")
+
+
+@pytest.mark.parametrize("name", [*PANELS, *VIEWS])
+def test_a_picture_of_the_readme_and_the_guide_is_there_and_small(name):
+    assert 2_000 < (REPOSITORY / "Resources" / "Screenshots" / f"{name}.png").stat().st_size < 400_000
+
+
+@pytest.mark.parametrize("name", PANELS)
+def test_the_panel_is_pictured_at_400_px(name):
+    """A panel that needed more would be pictured wider."""
+    header = (REPOSITORY / "Resources" / "Screenshots" / f"{name}.png").read_bytes()[16:20]
+    assert struct.unpack(">I", header) == (400,)
+
+
+def test_every_picture_of_the_folder_is_made_by_the_program():
+    there = {path.stem for path in (REPOSITORY / "Resources" / "Screenshots").glob("*.png")}
+    assert there == {*PANELS, *VIEWS}
+
+
+def test_the_picture_of_the_sample_data_has_the_size_that_slicer_asks():
+    picture = REPOSITORY / "AIFRecon" / "Resources" / "Icons" / "AIFReconLumbarPhantom.png"
+    assert struct.unpack(">II", picture.read_bytes()[16:24]) == (260, 280)

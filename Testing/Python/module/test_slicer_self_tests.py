@@ -1,0 +1,77 @@
+"""The self tests of the Slicer module, as `make slicer-test` runs them: the real module on real MRML nodes and real Qt, without Slicer."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+HEAVY = ("scipy", "SimpleITK", "matplotlib", "numba", "pyigtl")
+OPEN_THE_PANEL = """
+import sys
+sys.path.insert(0, "Testing")
+from host import runHost
+host = runHost()
+before = set(sys.modules)
+host.start("AIFRecon/AIFRecon.py")
+host.open("AIFRecon")
+host.raise_slot_errors()
+print("imported:", *sorted({name.split(".")[0] for name in set(sys.modules) - before}))
+"""
+
+LOAD_LATER = """
+import sys
+sys.path.insert(0, "Testing")
+from host import runHost
+host = runHost()
+module = host.load_module("AIFRecon/AIFRecon.py")
+import slicer
+layout = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+print("samples:", len(slicer.modules.sampleDataSources["AIFRecon"]))
+print("layouts:", layout.IsLayoutDescription(4204) and layout.IsLayoutDescription(4214))
+print("icon:", not module.icon.isNull())
+host.open("AIFRecon")
+host.raise_slot_errors()
+"""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def host_packages():
+    for package, name in (("PySide6", "PySide6-Essentials"), ("slicer", "slicer-core")):
+        if importlib.util.find_spec(package) is None:
+            pytest.skip(f"{name} is not installed: pip install '.[test]'")
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess:
+    """Python on these arguments in the repository; the test is skipped where the host cannot run at all."""
+    environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
+    done = subprocess.run(
+        [sys.executable, *arguments], cwd=REPOSITORY, env=environment, capture_output=True, text=True, errors="replace", timeout=600
+    )
+    if "cannot run here" in done.stderr:
+        pytest.skip(done.stderr.strip().splitlines()[-1])
+    return done
+
+
+def test_the_self_tests_pass():
+    done = run("Testing/host/run_self_tests.py")
+    assert done.returncode == 0, (done.stdout + done.stderr)[-6000:]
+
+
+def test_nothing_heavy_is_imported_when_the_panel_is_opened():
+    done = run("-c", OPEN_THE_PANEL)
+    assert done.returncode == 0, done.stderr[-3000:]
+    imported = next(line for line in done.stdout.splitlines() if line.startswith("imported:")).split()
+    assert "AIFReconLib" in imported
+    assert set(imported) & set(HEAVY) == set()
+
+
+def test_sample_data_layouts_and_icon_are_there_where_the_module_is_loaded_while_slicer_runs():
+    done = run("-c", LOAD_LATER)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert {"samples: 1", "layouts: True", "icon: True"} <= set(done.stdout.splitlines())

@@ -1,0 +1,135 @@
+"""What `make fuzz` checks, for a few seconds: every input is refused in one sentence or gives a well-formed result."""
+
+from __future__ import annotations
+
+import random
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+TESTING = Path(__file__).resolve().parents[2]
+if str(TESTING) not in sys.path:
+    sys.path.insert(0, str(TESTING))
+
+from fuzz import target as fuzz_target  # noqa: E402
+from fuzz.mutation import LARGEST, mutate  # noqa: E402
+from fuzz.registry import TARGETS  # noqa: E402
+from fuzz.target import LONGEST_MESSAGE, Finding, Target, check  # noqa: E402
+
+from AIFReconLib.errors import FileFormatError  # noqa: E402
+
+CORPUS = TESTING / "fuzz" / "corpus"
+NEEDED = {"pictures": "PIL", "dicom": "pydicom"}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Where inputs are written; beside them lies the data file that detached headers name."""
+    (tmp_path / "data.raw").write_bytes(bytes(range(24)) * 3)
+    return tmp_path
+
+
+@pytest.fixture(params=list(TARGETS))
+def target(request):
+    pytest.importorskip(NEEDED.get(request.param, "numpy"), reason="the package for this kind of image is not installed")
+    return TARGETS[request.param]
+
+
+def test_every_input_of_the_corpus_is_accepted_or_refused(target, folder):
+    inputs = sorted((CORPUS / target.name).iterdir())
+    assert inputs
+    for path in inputs:
+        check(target, path.read_bytes(), folder)
+
+
+def test_good_inputs_are_accepted(target, folder):
+    """Otherwise nothing behind the first refusal would ever be reached."""
+    accepted = [check(target, data, folder) for data in target.seeds()]
+    assert sum(accepted) >= len(accepted) / 2
+
+
+def test_damaged_inputs_are_accepted_or_refused(target, folder):
+    seeds = target.seeds()
+
+    @settings(max_examples=30, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+    @given(st.sampled_from(seeds), st.integers(0, 2**32))
+    def damage(data, number):
+        check(target, mutate(data, random.Random(number), target.words, seeds), folder)
+
+    damage()
+
+
+def test_the_corpus_is_small():
+    assert sum(path.stat().st_size for path in CORPUS.rglob("*")) < 2**20
+
+
+def test_the_corpus_is_of_targets_that_exist():
+    assert {path.name for path in CORPUS.iterdir()} == set(TARGETS)
+
+
+# ---- the check itself can fail
+
+
+def reader(read) -> Target:
+    return Target("own", "input.bin", read, lambda: [b""])
+
+
+def raising(error):
+    def read(path):
+        raise error
+
+    return read
+
+
+@pytest.mark.parametrize(
+    ("error", "kind"),
+    [
+        (KeyError("size"), "KeyError at test_fuzz_corpus.py:read"),
+        (AssertionError(), "AssertionError at"),
+        (FileFormatError("two\nlines"), "message of"),
+        (FileFormatError(""), "message of"),
+        (FileFormatError("long " * LONGEST_MESSAGE), "message of"),
+        (FileFormatError("\x1b[2J"), "message of"),
+        (UserWarning("numpy says"), "UserWarning at"),
+    ],
+)
+def test_what_is_no_refusal_in_one_line_is_found(folder, error, kind):
+    with pytest.raises(Finding) as caught:
+        check(reader(raising(error)), b"", folder)
+    assert caught.value.kind.startswith(kind)
+
+
+def test_a_refusal_is_not_found(folder):
+    assert not check(reader(raising(FileFormatError("ct.nrrd: it is damaged. Copy it again."))), b"", folder)
+
+
+def test_what_takes_too_long_is_found(folder, monkeypatch):
+    monkeypatch.setattr(fuzz_target, "SLOWEST", 0.01)
+    monkeypatch.setattr(fuzz_target, "QUICK", 0.0)
+
+    def work(path):
+        end = time.process_time() + 0.05
+        while time.process_time() < end:
+            pass
+
+    with pytest.raises(Finding, match="slow"):
+        check(reader(work), b"", folder)
+
+
+def test_what_takes_too_much_memory_is_found(folder, monkeypatch):
+    monkeypatch.setattr(fuzz_target, "QUICK", 0.0)
+    seen = iter((2**30, 2**31))
+    monkeypatch.setattr(fuzz_target, "peak_memory", lambda: next(seen))
+    with pytest.raises(Finding, match="memory"):
+        check(reader(lambda path: None), b"", folder)
+
+
+@given(st.binary(max_size=300), st.integers(0, 2**32))
+def test_damage_depends_on_its_number_alone_and_stays_small(data, number):
+    first, again = (mutate(data, random.Random(number), (b"word",), [b"a\nb", b"c"]) for _ in range(2))
+    assert first == again
+    assert len(first) <= LARGEST

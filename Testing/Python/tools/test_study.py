@@ -1,0 +1,160 @@
+"""The study: its patients, its wrong CTs, its files and its page."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from AIFReconLib.errors import FileFormatError
+from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
+from AIFReconLib.simulation.phased_array import PhasedArray
+from AIFReconLib.simulation.scan import multi_angle_sweep
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from study import method_cases, methods
+from study.__main__ import STUDIES
+from study.__main__ import main as start
+from study.method_cases import Row, patient_rows, removed_surface, restricted, without_middle_process
+from study.method_page import COLUMNS, study_page
+from study.patients import Spread, read_rows, run_study, spread_of
+
+TESTING = Path(__file__).resolve().parents[2]
+NAMES = [name for _, name, _ in COLUMNS]
+
+
+@pytest.fixture(scope="module")
+def phantom():
+    return make_lumbar_phantom(LumbarAnatomy.from_seed(2))
+
+
+@pytest.fixture(scope="module")
+def scan(phantom):
+    return method_cases.simulated_scan(phantom, PhasedArray(), multi_angle_sweep(phantom, 36), seed=2)
+
+
+def row(seed, method="average", value=1.0, scan="multi-angle", condition="exact", direction=""):
+    return Row(seed, scan, condition, method, direction, dict.fromkeys(NAMES, value))
+
+
+def test_taking_the_middle_process_away_takes_hardly_any_other_bone(phantom):
+    gone = (phantom.labels.array > 0) & (without_middle_process(phantom).labels.array == 0)
+    assert (phantom.labels.array[gone] == 2).mean() > 0.9
+    k, j, i = np.nonzero(gone)
+    points = np.stack([i, j, k], axis=1) @ phantom.labels.ijk_to_reference[:3, :3].T + phantom.labels.ijk_to_reference[:3, 3]
+    extent = np.ptp(points, axis=0)
+    assert 22 < extent[1] < 36, "a spinous process is about 30 mm long"
+    assert gone.sum() > 2000
+
+
+def test_the_phantom_without_its_process_has_the_same_bone_in_ct_and_ultrasound(phantom):
+    without = without_middle_process(phantom)
+    np.testing.assert_array_equal(without.bone_distance.array <= 0, without.labels.array > 0)
+
+
+def test_the_removed_surface_is_that_of_the_process(phantom, scan):
+    removed = removed_surface(scan.truth.surface, without_middle_process(phantom).bone_distance)
+    middle = method_cases._middle(phantom)
+    assert 0.02 < removed.mean() < 0.2
+    assert (scan.truth.surface.points_reference[removed][:, 1] < middle[1]).all()
+
+
+def test_a_restricted_truth_measures_only_its_points(scan):
+    points = np.zeros(len(scan.truth.surface), bool)
+    points[::7] = True
+    part = restricted(scan.truth, points)
+    assert part.surface.areas.sum() == pytest.approx(scan.truth.surface.areas[points].sum())
+    assert len(part.best_cosine) == len(part.border) == points.sum()
+
+
+def test_a_case_reconstructs_and_measures(phantom, scan, monkeypatch):
+    monkeypatch.setattr(method_cases, "SPACING", 2.0)
+    monkeypatch.setattr(method_cases, "HOLE_LIMIT", 4.0)
+    average, weighted = (
+        method_cases._row(2, "multi-angle", "exact", method, scan, phantom.labels).metrics for method in ("average", "weighted")
+    )
+    assert weighted["bone_cnr"] > average["bone_cnr"]
+    assert weighted["oblique_cnr"] > average["oblique_cnr"]
+
+
+def test_a_spread_is_median_and_quartiles():
+    assert Spread.of([4.0, 1.0, 2.0, 3.0, 5.0]) == Spread(3.0, 2.0, 4.0)
+
+
+def test_a_spread_leaves_out_what_is_not_known():
+    assert Spread.of([float("nan"), 2.0]) == Spread(2.0, 2.0, 2.0)
+
+
+def test_a_spread_is_of_the_rows_asked_for():
+    rows = [row(0, value=1.0), row(0, "weighted", 5.0), row(1, value=3.0)]
+    assert spread_of(rows, "bone_cnr", method="average").median == 2.0
+
+
+def test_the_page_shows_the_median_of_every_column():
+    rows = [row(seed, method, value) for seed, value in enumerate((0.1, 0.2, 0.4)) for method in ("average", "latest", "maximum")]
+    line = next(line for line in study_page(rows).splitlines() if line.startswith("| average |"))
+    assert line.count("0.20 [0.15, 0.30]") == len(COLUMNS) - 3
+    assert line.count("20 [15, 30]") == 3
+
+
+def test_the_page_has_a_dash_where_nothing_is_known():
+    line = next(line for line in study_page([row(0)]).splitlines() if line.startswith("| maximum |"))
+    assert line.count(" - ") == len(COLUMNS)
+
+
+def test_a_finished_study_is_read_and_not_run_again(tmp_path):
+    rows = [row(0), row(0, "weighted", 2.0, direction="gradient")]
+    (tmp_path / "patient-000.json").write_text(json.dumps([asdict(r) for r in rows]))
+    assert run_study(patient_rows, Row, tmp_path, [0]) == rows
+
+
+def test_a_spoiled_result_is_named(tmp_path):
+    path = tmp_path / "patient-000.json"
+    path.write_text("[{]")
+    with pytest.raises(FileFormatError, match=r"patient-000\.json"):
+        read_rows(path, Row)
+
+
+def rows_in_another_process(seed):
+    return [row(seed, value=float(seed))]
+
+
+def test_the_rows_of_every_patient_are_made_in_processes_of_their_own(tmp_path):
+    made = run_study(rows_in_another_process, Row, tmp_path, [3, 5])
+    assert [(each.seed, each.metrics[NAMES[0]]) for each in made] == [(3, 3.0), (5, 5.0)]
+
+
+def test_the_study_writes_the_page_of_what_is_there(tmp_path):
+    (tmp_path / "patient-000.json").write_text(json.dumps([asdict(row(0))]))
+    assert start(["methods", "--output", str(tmp_path), "--patients", "1"]) == 0
+    assert (tmp_path / "study.md").read_text().startswith("1 simulated patient")
+    assert (tmp_path / "study.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_a_study_of_nobody_is_refused(tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        methods.main(["--output", str(tmp_path), "--patients", "0"])
+    assert "at least 1 patient" in capsys.readouterr().err
+
+
+def test_a_spoiled_result_is_one_line_of_the_study(tmp_path, capsys):
+    (tmp_path / "patient-000.json").write_text("[{]")
+    assert start(["methods", "--output", str(tmp_path), "--patients", "1"]) == 2
+    assert "patient-000.json" in capsys.readouterr().err
+
+
+def test_without_a_name_the_studies_are_listed(capsys):
+    assert start([]) == 2
+    assert all(name in capsys.readouterr().err for name in STUDIES)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_every_study_starts_from_its_folder(name):
+    done = subprocess.run([sys.executable, TESTING / "study", name, "--help"], capture_output=True, text=True, check=False)
+    assert (done.returncode, "--output DIR" in done.stdout) == (0, True), done.stderr
