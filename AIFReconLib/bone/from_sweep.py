@@ -144,7 +144,7 @@ class BoneEchoFinder:
         values = (self._read @ np.maximum(image, 0.0).ravel()).reshape(self._known.shape)
         values[~self._known] = 0.0
         lit = values[values > 0]
-        scores = np.zeros(len(values), dtype=np.float32)
+        scores: Singles = np.zeros(len(values), dtype=np.float32)
         samples: Floats = np.zeros(len(values))
         if lit.size:
             echo = ndimage.gaussian_filter(values, self._sigma, output=np.float32) / self._reach

@@ -209,7 +209,8 @@ class PixelLayout:
         numbers: Numbers = np.empty((rows.size, columns.size), np.int64 if all_inside else np.float64)
         lines = [_floors_along_one(along_rows[axis, :, None], along_columns[axis, None]) for axis in range(3)]
         for first in range(0, rows.size, ROWS_AT_ONCE):
-            part, flat = slice(first, first + ROWS_AT_ONCE), np.zeros(())
+            part = slice(first, first + ROWS_AT_ONCE)
+            flat: Floats = np.zeros(())
             for axis in (2, 1, 0):
                 line = lines[axis]
                 if line is None:

@@ -6,7 +6,7 @@ import importlib.util
 import io
 from collections.abc import Collection
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -167,7 +167,8 @@ def _draw(
             picture = np.nan_to_num(cut(volume, plane, middle, width, height))
             if mask is not None:
                 scanned = np.nan_to_num(cut(mask, plane, middle, width, height, order=0)) > 0
-                picture = np.ma.masked_array(picture, mask=~scanned)
+                # Not typed in every numpy
+                picture = cast("Any", np.ma).masked_array(picture, mask=~scanned)
             ax.imshow(picture, cmap="gray", vmin=0, vmax=brightest, extent=_extent(width, height))
         for ax in axes:
             _bare(ax, plane)

@@ -332,7 +332,8 @@ def _speckle_snr(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth
 
     count = by_block(measured)
     filled = count >= 0.5 * side.prod()
-    from_edge = ndimage.distance_transform_edt(np.pad(filled, 1), sampling=side * volume.grid.spacing[::-1])[1:-1, 1:-1, 1:-1]
+    padded = ndimage.distance_transform_edt(np.pad(filled, 1), sampling=side * volume.grid.spacing[::-1])
+    from_edge = np.asarray(padded, dtype=np.float64)[1:-1, 1:-1, 1:-1]
     used = np.argwhere(from_edge >= SPECKLE_FROM_EDGE)
     # Bone and shadow are looked for at the corners and the middle of each cube
     corners = np.array([(k, j, i) for k in (0, 1) for j in (0, 1) for i in (0, 1)] + [(0.5, 0.5, 0.5)])

@@ -94,8 +94,8 @@ def distance_from_labels(labels: Volume) -> Volume:
     margin = np.ceil(DISTANCE_LIMIT / spacing_kji).astype(int) + 1
     box = tuple(slice(max(s.start - m, 0), min(s.stop + m, n)) for s, m, n in zip(found, margin, bone.shape))
     bone = bone[box]
-    distance = ndimage.distance_transform_edt(~bone, sampling=spacing_kji).astype(np.float32)
-    distance -= ndimage.distance_transform_edt(bone, sampling=spacing_kji).astype(np.float32)
+    distance = np.asarray(ndimage.distance_transform_edt(~bone, sampling=spacing_kji)).astype(np.float32)
+    distance -= np.asarray(ndimage.distance_transform_edt(bone, sampling=spacing_kji)).astype(np.float32)
     np.clip(distance, -DISTANCE_LIMIT, DISTANCE_LIMIT, out=distance)
     distance = ndimage.gaussian_filter(distance, SMOOTHING_VOXELS, mode="nearest")
     shift = np.eye(4)

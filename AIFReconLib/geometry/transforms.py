@@ -171,4 +171,5 @@ def image_plane_axes(image_to_reference: Matrix) -> tuple[Floats, Floats]:
 
 def ras_to_lps(matrix_ras: Matrix) -> Matrix:
     """A transform between RAS frames, expressed between LPS frames. Its own inverse."""
-    return LPS_FROM_RAS @ matrix_ras @ LPS_FROM_RAS
+    matrix_lps: Matrix = LPS_FROM_RAS @ matrix_ras @ LPS_FROM_RAS
+    return matrix_lps

@@ -124,4 +124,4 @@ def _kernel_sum(array: Floats, kernel: Floats) -> Floats:
     # A correlation: the kernel the other way round
     product = fft.rfftn(array, shape) * fft.rfftn(kernel[::-1, ::-1, ::-1], shape)
     inner = tuple(slice(k // 2, k // 2 + n) for n, k in zip(array.shape, kernel.shape, strict=True))
-    return fft.irfftn(product, shape)[inner]
+    return np.asarray(fft.irfftn(product, shape), dtype=np.float64)[inner]

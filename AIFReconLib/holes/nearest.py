@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from typing import cast
 
 import numpy as np
 from scipy import ndimage
@@ -214,7 +215,8 @@ def _fill_block(values: Numbers, mask: Bytes, block: Box, spacing_kji: Floats, o
     holes = np.argwhere(mask[block] == EMPTY) + [part.start for part in block]
     if not len(holes) or not measured.any():
         return 0
-    nearest = ndimage.distance_transform_edt(~measured, sampling=spacing_kji, return_distances=False, return_indices=True)
+    transform = ndimage.distance_transform_edt(~measured, sampling=spacing_kji, return_distances=False, return_indices=True)
+    nearest = cast("Integers", transform)
     reach = np.abs(offsets).max(axis=0)
     padded = np.pad(measured, [(r, r) for r in reach])
     strides = np.array([padded.shape[1] * padded.shape[2], padded.shape[2], 1])

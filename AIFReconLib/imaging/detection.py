@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from scipy import ndimage
@@ -89,7 +90,7 @@ def _lit_area(images: ImageStack) -> Mask:
     lit = ndimage.binary_closing(np.pad(brightest > LIT * brightest.max(), 4), iterations=4)[4:-4, 4:-4]
     # An opening drops rulers, text and borders that touch the sector by a thin line
     lit = ndimage.binary_opening(lit, iterations=2)
-    labels, count = ndimage.label(lit)
+    labels, count = cast("tuple[Integers, int]", ndimage.label(lit))
     if count == 0:
         raise _unrecognized(Message("no connected bright area was found"))
     sizes = np.bincount(labels.ravel())

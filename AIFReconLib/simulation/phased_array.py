@@ -146,12 +146,12 @@ class PhasedArray:
     @cached_property
     def beam_angles(self) -> Floats:
         """From the middle beam toward +x, (lines,) float64, radians."""
-        return np.linspace(-self.half_angle, self.half_angle, self.lines)
+        return np.linspace(-self.half_angle, self.half_angle, self.lines, dtype=np.float64)
 
     @cached_property
     def ranges(self) -> Floats:
         """Distance of the samples from the apex, (samples,) float64, mm."""
-        return np.linspace(*self.radii, self.samples)
+        return np.linspace(*self.radii, self.samples, dtype=np.float64)
 
     def beam_points(self, ranges: Floats) -> Floats:
         """Points at these distances from the apex on every beam, (lines, ranges, 3) float64, in the transducer frame, mm."""

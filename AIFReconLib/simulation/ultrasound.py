@@ -181,7 +181,7 @@ def simulate_frame(
     effects = effects or UltrasoundEffects()
     transducer_to_reference = probe_to_reference @ probe.transducer_to_probe
     hits, cosines = _first_surfaces(phantom.bone_distance, probe, transducer_to_reference, effects)
-    field = np.zeros((probe.lines, probe.samples), dtype=np.complex64)
+    field: Field = np.zeros((probe.lines, probe.samples), dtype=np.complex64)
     if effects.tissue:
         field += _tissue(phantom, probe, transducer_to_reference, hits, rng, effects)
     field += _bone_echoes(probe, hits, cosines, rng, effects)
@@ -203,7 +203,7 @@ def _first_surfaces(
     cosines : (lines, elevations) float64 array
         Of the angle of incidence there; 0 without a hit.
     """
-    ranges = np.arange(probe.radii[0], probe.radii[1] + RAY_STEP, RAY_STEP)
+    ranges = np.arange(probe.radii[0], probe.radii[1] + RAY_STEP, RAY_STEP, dtype=np.float64)
     sigma = probe.elevation_fwhm(ranges - probe.apex_offset) / 2.3548
     elevations = ELEVATIONS if effects.beam_thickness else np.zeros(1)
     to_ijk = distance.grid.reference_to_ijk @ transducer_to_reference
@@ -329,7 +329,8 @@ def _bone_echoes(probe: PhasedArray, hits: Floats, cosines: Floats, rng: np.rand
     coherent = deposited(specular * weights)
     incoherent = np.sqrt(deposited(diffuse**2 * weights**2 / (weights**2).sum()))
     if not effects.speckle:
-        return (coherent + incoherent).astype(np.complex64)
+        field: Field = (coherent + incoherent).astype(np.complex64)
+        return field
     texture = 0.8 + 0.55 * ndimage.gaussian_filter(_random_phasors(rng, coherent.shape), 0.7, mode="nearest") * 2.5
     return (coherent * texture + incoherent * _random_phasors(rng, coherent.shape)).astype(np.complex64)
 

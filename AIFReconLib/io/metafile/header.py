@@ -11,8 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import BinaryIO
 
-import numpy as np
-
+from ...arrays import NumberType
 from ...errors import FileFormatError
 from ...message import Message, shorten
 from ..disk.regular_files import stamp
@@ -66,7 +65,7 @@ def build_metafile(
     size_key: str,
     size: tuple[int, ...],
     channels: int,
-    dtype: np.dtype,
+    dtype: NumberType,
     kinds: tuple[str, ...],
     encoding: str,
     data_file: str | None,

@@ -11,8 +11,7 @@ from io import BufferedReader
 from pathlib import Path
 from typing import BinaryIO
 
-import numpy as np
-
+from ...arrays import NumberType
 from ...errors import FileFormatError
 from ...message import Message
 from ..disk.regular_files import stamp
@@ -54,7 +53,7 @@ class Metafile:
     error: type[FileFormatError]
     size: tuple[int, ...]
     channels: int
-    dtype: np.dtype
+    dtype: NumberType
     kinds: tuple[str, ...]
     encoding: str
     data_path: Path

@@ -68,7 +68,7 @@ class InterleavedImages(ImagesOnDemand):
             data = self._sorted.read(self._frame_bytes)
         except OSError as error:
             raise metafile.failure("its sorted copy cannot be read ({reason}). Read the file again.", reason=error.strerror) from error
-        image = np.frombuffer(data, metafile.dtype).reshape(rows, columns, metafile.channels)
+        image: Numbers = np.frombuffer(data, metafile.dtype).reshape(rows, columns, metafile.channels)
         image = luminance(image) if metafile.channels > 1 else image[..., 0]
         return np.array(image[self._flips], dtype=self.dtype, order="C")
 

@@ -37,7 +37,7 @@ def crc64(data: bytes | bytearray | memoryview) -> int:
     if size <= SMALL:
         return _walk(data)
     count = -(-size // 8)
-    words = np.zeros(count, dtype=np.uint64)
+    words: Words = np.zeros(count, dtype=np.uint64)
     words.view(np.uint8)[8 * count - size :] = np.frombuffer(data, dtype=np.uint8)
     while count > 1:
         power = (count - 1).bit_length() - 1

@@ -6,7 +6,7 @@ import struct
 
 import numpy as np
 
-from ...arrays import Matrix, Numbers
+from ...arrays import Matrix, Numbers, NumberType
 from ...message import Message
 from .crc64 import crc64
 from .messages import STATUS_OK
@@ -25,7 +25,7 @@ _SCALARS = {"i1": 2, "u1": 3, "i2": 4, "u2": 5, "i4": 6, "u4": 7, "f4": 10, "f8"
 _TIME_UNIT = 2.0**-32
 
 
-def why_not_sendable(dtype: np.dtype, size: tuple[int, int]) -> Message | None:
+def why_not_sendable(dtype: NumberType, size: tuple[int, int]) -> Message | None:
     """What keeps images of this type of pixel and size (columns, rows) from being sent; None for usable ones."""
     if np.dtype(dtype).str[1:] not in _SCALARS:
         return Message("pixels must be integers of up to 32 bits or floats of 32 or 64; got {kind}", kind=np.dtype(dtype).name)
