@@ -81,6 +81,11 @@ class AIFReconWindowTest(unittest.TestCase):
                 section.collapsed = False
                 self.assertEqual(self.width(), before)
 
+    def isSeen(self, widget) -> bool:
+        """Whether the whole of a widget is in view."""
+        seen = widget.visibleRegion().boundingRect()
+        return (seen.width(), seen.height()) == (widget.width, widget.height)
+
     def test_a_scan_can_be_steered_without_scrolling_in_a_window_of_1000_pixels(self):
         from AIFReconLib.live.replay.server import ReplayServer
 
@@ -90,19 +95,9 @@ class AIFReconWindowTest(unittest.TestCase):
             self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", server.port
             self.ui.liveStartButton.click()
             self.assertTrue(waitFor(lambda: self.ui.liveUseBoxButton.enabled))
-            self.settle()
-            for name in (
-                "livePauseButton",
-                "liveResetButton",
-                "liveStopButton",
-                "liveUseBoxButton",
-                "liveStateLabel",
-                "liveStatisticsLabel",
-            ):
+            for name in ("PauseButton", "ResetButton", "StopButton", "UseBoxButton", "StateLabel", "StatisticsLabel"):
                 with self.subTest(widget=name):
-                    widget = getattr(self.ui, name)
-                    seen = widget.visibleRegion().boundingRect()
-                    self.assertEqual((seen.width(), seen.height()), (widget.width, widget.height))
+                    self.assertTrue(waitFor(lambda name=name: self.isSeen(getattr(self.ui, f"live{name}"))))
             where = self.ui.liveStopButton.y
             for said in ("tracked", "Scan once quickly, then use the box"):
                 self.widget._live._showState(said, "#000000")

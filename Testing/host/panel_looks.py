@@ -98,8 +98,8 @@ class Panel:
         self.native.resize(width, self.native.height())
         self.native.show()
         self.host.process_events()
-        for _settling in range(2):  # a text that has changed is laid out anew after its section has told of it
-            self.native.resize(width, self.native.layout().totalHeightForWidth(width))
+        for wide in (width + 1, width, width):  # layouts keep what other letters asked for, until they get another width
+            self.native.resize(wide, self.native.layout().totalHeightForWidth(wide))
             self.host.process_events()
 
     def shown(self, kind) -> list:

@@ -43,7 +43,6 @@ def updateButtons(ui, logic, parameters, waits: str, report: str) -> None:
         missing = waits or missing
         button.enabled = not missing
         button.toolTip = missing or does
-    if cannot and cannot in ui.sweepStatusLabel.text:
-        cannot = _("The sweep cannot be reconstructed: see under Sweep.")
-    ui.statusLabel.text = "\n".join(line for line in (report, cannot) if line)
+    missing = readiness.withoutRepeating(cannot, ui.sweepStatusLabel.text)
+    ui.statusLabel.text = "\n".join(line for line in (report, missing) if line)
     ui.statusLabel.visible = bool(ui.statusLabel.text)

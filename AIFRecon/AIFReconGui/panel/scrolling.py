@@ -2,14 +2,17 @@
 
 import qt
 
+SETTLED = 100
+"""ms until every layout around a widget that has changed has asked the next one for room."""
+
 
 def reveal(widget) -> None:
-    """Scroll the panel so that a widget is as far up as can be, once the layout has settled: what is below it is seen as well."""
+    """Scroll the panel, once its layout has settled, so that a widget is as far up as can be: what is below it is seen as well."""
     area = widget
     while area is not None and not area.inherits("QScrollArea"):
         area = area.parentWidget()
     if area is not None:
-        qt.QTimer.singleShot(0, lambda: _toTop(area, widget))
+        qt.QTimer.singleShot(SETTLED, lambda: _toTop(area, widget))
 
 
 def _toTop(area, widget) -> None:

@@ -79,6 +79,11 @@ def whyNotCompare(parameters, sweep=None) -> str:
     return whyNotReconstruct(parameters, sweep) or comparisonContradiction(parameters)
 
 
+def withoutRepeating(missing: str, sweepText: str) -> str:
+    """What is missing, for a place beside what is said of the sweep: a pointer where the same is said there."""
+    return _("The sweep cannot be reconstructed: see under Sweep.") if missing and missing in sweepText else missing
+
+
 def describeBone(parameters) -> str:
     """What the chosen bone is taken for, and what its absence means."""
     bone = parameters.bone

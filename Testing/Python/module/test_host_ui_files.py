@@ -62,12 +62,13 @@ def test_a_property_of_a_stand_in_is_set(load):
     assert slicer.util.childWidgetVariables(load(more=more)).extra.suffix == " mm"
 
 
-def test_an_enumeration_of_a_stand_in_is_understood(load, ctk):
+def test_an_enumeration_of_a_stand_in_is_understood(load):
     import slicer
+    from host.widgets_ctk import ctkPathLineEdit
 
     more = item("ctkPathLineEdit", '<property name="filters"><set>ctkPathLineEdit::Files|ctkPathLineEdit::Readable</set></property>')
     filters = slicer.util.childWidgetVariables(load(more=more)).extra.filters
-    assert filters == ctk.ctkPathLineEdit.Files | ctk.ctkPathLineEdit.Readable
+    assert filters == ctkPathLineEdit.Files | ctkPathLineEdit.Readable
 
 
 def test_a_collapsed_section_starts_with_its_contents_hidden(load):
