@@ -16,16 +16,16 @@ FAULTS_SECONDS ?= 3600
 
 help:
 	@echo "make demo         reconstruct a simulated lumbar scan and draw it, into $(DEMO_OUTPUT)/"
-	@echo "make test         lint, format check and all tests"
+	@echo "make test         lint, format check, types and all tests"
 	@echo "make slicer-test  only the self tests of the Slicer module, on real MRML nodes and Qt, without Slicer"
 	@echo "make translations every visible text of the module, for translators, into Resources/Translations/"
 	@echo "make screenshots  the module's panel and views as pictures, into Resources/Screenshots/"
 	@echo "make figures      the pictures of docs/method.md, into docs/images/ (minutes)"
 	@echo "make setup        install what all of these need, into $(VENV)/"
-	@echo "make lint         only lint and format check"
+	@echo "make lint         only lint, format check and types"
 	@echo "make format       reformat the code"
 	@echo "make bench        measure the speed of this machine"
-	@echo "make study        compare all methods on simulated patients, into $(STUDY_OUTPUT)/ (half an hour)"
+	@echo "make study        compare all methods, and register CTs, on simulated patients, into $(STUDY_OUTPUT)/ (an hour)"
 	@echo "make soak         an hour of live reconstruction from a server that fails at random, in simulated time (half an hour)"
 	@echo "make faults       kill, fill and cut whatever can be for FAULTS_SECONDS ($(FAULTS_SECONDS)); nothing may be lost (Linux, best as root)"
 	@echo "make fuzz         damage input on purpose for FUZZ_SECONDS ($(FUZZ_SECONDS)); only clear refusals may come out"
@@ -72,6 +72,7 @@ translations: setup
 lint: setup
 	@$(BIN)/python -m ruff check --quiet .
 	@$(BIN)/python -m ruff format --quiet --check . || { echo "Run 'make format' and commit what it changes." >&2; exit 1; }
+	@$(BIN)/python -m mypy --no-error-summary
 
 format: setup
 	@$(BIN)/python -m ruff check --quiet --fix .
@@ -83,6 +84,7 @@ bench: setup
 
 study: setup
 	@$(BIN)/python Testing/study methods --output "$(STUDY_OUTPUT)"
+	@$(BIN)/python Testing/study registration --output "$(STUDY_OUTPUT)/registration"
 
 # Shorter, or with other faults: make soak SOAK="--minutes 5 --seed 7"
 soak: setup
@@ -102,4 +104,4 @@ fuzz: setup
 	@$(BIN)/python Testing/fuzz/run.py --seconds $(FUZZ_SECONDS)
 
 clean:
-	rm -rf $(VENV) demo-output study-output Resources/Translations htmlcov build dist .pytest_cache .ruff_cache .hypothesis .coverage *.egg-info
+	rm -rf $(VENV) demo-output study-output Resources/Translations htmlcov build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis .coverage *.egg-info

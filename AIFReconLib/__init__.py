@@ -70,6 +70,7 @@ _PUBLIC = {
     "read_transform": "io.volume.files",
     "read_volume": "io.volume.files",
     "reconstruct": "reconstruction",
+    "register": "registration.registration",
     "with_time_offset": "sweep.time_offset",
     "write_sequence": "io.sequence.writer",
     "write_volume": "io.volume.files",

@@ -71,6 +71,10 @@ class InsufficientMemoryError(AIFReconError, MemoryError):
     """The volume asked for does not fit into memory."""
 
 
+class RegistrationRefused(AIFReconError):
+    """A CT was not placed: the bone does not agree, or another place fits as well. No transform is written."""
+
+
 class OutputError(AIFReconError, OSError):
     """A result cannot be written. Nothing is left behind under its name."""
 

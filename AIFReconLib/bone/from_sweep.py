@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
+from scipy import ndimage, sparse
 
 from ..arrays import Array, Floats, Integers, Mask, Matrix, Numbers, Reals, Singles
 from ..errors import BeamGeometryError, GeometryError
@@ -37,6 +37,9 @@ SIGMA = 1.5
 
 ECHO_ALONG, ECHO_ACROSS = 0.4, 0.8
 """mm. Smoothing of the image along scan lines (about the axial resolution) and across them, against speckle."""
+
+LINE_PITCH, SAMPLE_STEP = 0.5, 0.2
+"""mm. Scan lines and samples closer than this are read as one, half of what they are smoothed by: a tenth of the time, the same echoes."""
 
 SHADOW_FROM, SHADOW_TO, SHADOW_LEAST = 1.0, 10.0, 3.0
 """mm behind an echo: where its shadow is measured, and how much of that must lie in the image."""
@@ -104,55 +107,74 @@ class BoneEchoFinder:
                 "Bone is looked for along the beams, whose directions are not known. "
                 "Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
             )
+        self._spacing = np.asarray(spacing)
         mask = imaging.region.mask(*size)
         at_row, at_column = np.nonzero(mask)
         lines = scan_line_samples(at_column, at_row, spacing, imaging.probe)
-        self._columns, self._rows, self._step = lines.columns, lines.rows, lines.step
-        columns, rows = np.rint(self._columns).astype(np.int64), np.rint(self._rows).astype(np.int64)
-        within = (columns >= 0) & (columns < size[0]) & (rows >= 0) & (rows < size[1])
-        self._known = within & mask[np.clip(rows, 0, size[1] - 1), np.clip(columns, 0, size[0] - 1)]
-        across = np.hypot(np.diff(self._columns, axis=0) * spacing[0], np.diff(self._rows, axis=0) * spacing[1])
+        columns, rows = lines.columns, lines.rows
+        across = np.hypot(np.diff(columns, axis=0) * spacing[0], np.diff(rows, axis=0) * spacing[1])
         # A sector's lines diverge: their distance at half depth stands for all
-        self._pitch = max(float(across[:, across.shape[1] // 2].mean()), 1e-3) if across.size else 1.0
+        pitch = max(float(across[:, across.shape[1] // 2].mean()), 1e-3) if across.size else 1.0
+        known = _within(columns, rows, mask)
+        # As many lines and samples are read as one as the smoothing that follows would blur anyway
+        together = max(min(int(LINE_PITCH / pitch), len(columns)), 1), max(min(int(SAMPLE_STEP / lines.step), columns.shape[1]), 1)
+        self._read = _reading_matrix(columns, rows, known, size, together)
+        self._columns, self._rows, share = (_mean_of_blocks(values, together) for values in (columns, rows, known))
+        self._known = share > 0.5
+        self._pitch, self._step = pitch * together[0], lines.step * together[1]
         self._sigma = ECHO_ACROSS / self._pitch, ECHO_ALONG / self._step
         self._reach = np.maximum(ndimage.gaussian_filter(self._known.astype(np.float32), self._sigma), np.float32(1e-3))
         samples = np.arange(self._rows.shape[1])
         self._from, self._to = (np.minimum(samples + round(mm / self._step), samples.size) for mm in (SHADOW_FROM, SHADOW_TO))
         known_before = _running_sum(self._known)
-        self._behind = known_before[:, self._to] - known_before[:, self._from]
+        self._behind = (known_before[:, self._to] - known_before[:, self._from]).astype(np.float32)
         depth = (samples - self._known.argmax(axis=1)[:, None]) * self._step
         self._eligible = self._known & (depth >= SKIN) & (self._behind * self._step >= SHADOW_LEAST)
 
+    @property
+    def lines(self) -> int:
+        """Scan lines that are looked at: the most echoes that an image can have."""
+        return len(self._columns)
+
     def find(self, image: Numbers) -> BoneEchoes:
         """The bone echoes of an image, (rows, columns); values below 0 and not finite count as 0."""
-        image = np.maximum(np.nan_to_num(image.astype(np.float32), nan=0.0, posinf=0.0), 0.0)
-        values = ndimage.map_coordinates(image, np.stack([self._rows, self._columns]), np.float32, order=1, mode="nearest")
+        image = image.astype(np.float32)
+        if not np.isfinite(image).all():
+            image = np.nan_to_num(image, nan=0.0, posinf=0.0, neginf=0.0)
+        values = (self._read @ np.maximum(image, 0.0).ravel()).reshape(self._known.shape)
         values[~self._known] = 0.0
         lit = values[values > 0]
         scores = np.zeros(len(values), dtype=np.float32)
-        samples: Integers = np.zeros(len(values), dtype=np.int64)
+        samples: Floats = np.zeros(len(values))
         if lit.size:
             echo = ndimage.gaussian_filter(values, self._sigma, output=np.float32) / self._reach
             sums = _running_sum(values)
-            behind = (sums[:, self._to] - sums[:, self._from]) / np.maximum(self._behind, 1)
+            behind = (sums[:, self._to] - sums[:, self._from]).astype(np.float32) / np.maximum(self._behind, 1)
             score = np.where(self._eligible, (echo - behind) / (echo + behind + lit.mean()), 0.0)
-            samples = score.argmax(axis=1)
-            scores = np.take_along_axis(score, samples[:, None], axis=1)[:, 0].astype(np.float32)
-            samples = self._crest(echo, samples)
+            strongest = score.argmax(axis=1)
+            scores = np.take_along_axis(score, strongest[:, None], axis=1)[:, 0].astype(np.float32)
+            samples = self._crest(echo, strongest)
         bone = np.flatnonzero(self._agreed(samples, scores >= LEAST_SCORE))
-        at = bone, samples[bone]
-        before = at[0], np.maximum(at[1] - 1, 0)
-        pixels = np.stack([self._columns[at], self._rows[at]], axis=-1)
-        beams = (pixels - np.stack([self._columns[before], self._rows[before]], axis=-1)) / self._step
-        return BoneEchoes(pixels, beams, scores[bone])
+        # Scan lines are straight: places between samples, and the way along the beam, follow from the two around
+        before = np.clip(np.floor(samples[bone]).astype(np.int64), 0, max(self._rows.shape[1] - 2, 0))
+        after = np.minimum(before + 1, self._rows.shape[1] - 1)
+        start, stop = (np.stack([self._columns[bone, at], self._rows[bone, at]], axis=-1) for at in (before, after))
+        way = stop - start
+        beams = way / np.maximum(np.linalg.norm(way * self._spacing, axis=1, keepdims=True), 1e-9)
+        return BoneEchoes(start + (samples[bone] - before)[:, None] * way, beams, scores[bone])
 
-    def _crest(self, echo: Reals, samples: Integers) -> Integers:
-        reach = round(CREST / self._step)
+    def _crest(self, echo: Reals, samples: Integers) -> Floats:
+        """Where each line is brightest up to `CREST` before these samples, between samples by a parabola, (lines,) float64."""
+        reach, lines = round(CREST / self._step), np.arange(len(samples))
         near = np.clip(samples[:, None] + np.arange(-reach, 1), 0, echo.shape[1] - 1)
-        crest: Integers = near[np.arange(len(near)), np.take_along_axis(echo, near, axis=1).argmax(axis=1)]
-        return crest
+        crest = near[lines, np.take_along_axis(echo, near, axis=1).argmax(axis=1)]
+        before, here, after = (echo[lines, np.clip(crest + shift, 0, echo.shape[1] - 1)].astype(np.float64) for shift in (-1, 0, 1))
+        bend = before - 2 * here + after
+        shift = np.divide(0.5 * (before - after), bend, out=np.zeros(len(crest)), where=bend < 0)
+        between: Floats = np.clip(crest + np.clip(shift, -0.5, 0.5), 0, echo.shape[1] - 1)
+        return between
 
-    def _agreed(self, samples: Integers, found: Mask) -> Mask:
+    def _agreed(self, samples: Floats, found: Mask) -> Mask:
         """Which lines that found bone have enough neighbors that found it at about the same depth, (lines,) bool."""
         reach = max(round(NEIGHBORHOOD / self._pitch), 1)
         depth = np.pad(np.where(found, samples * self._step, np.inf), reach, constant_values=np.inf)
@@ -223,6 +245,41 @@ def bone_from_sweep(
     inside = (smooth > 0) & (ndimage.gaussian_filter(weight.reshape(grid.shape), sigma, mode="constant") > 0.05 * LEAST_SCORE)
     report(progress, 1.0, "Looked for bone in the sweep")
     return BoneMap(Volume(probability, grid.ijk_to_reference), Volume(inside.astype(np.uint8), grid.ijk_to_reference))
+
+
+def _within(columns: Floats, rows: Floats, mask: Mask) -> Mask:
+    """Which samples have a pixel of the mask (rows, columns) nearest to them."""
+    column, row = np.rint(columns).astype(np.int64), np.rint(rows).astype(np.int64)
+    within: Mask = (column >= 0) & (column < mask.shape[1]) & (row >= 0) & (row < mask.shape[0])
+    within &= mask[np.clip(row, 0, mask.shape[0] - 1), np.clip(column, 0, mask.shape[1] - 1)]
+    return within
+
+
+def _mean_of_blocks(values: Floats | Mask, together: tuple[int, int]) -> Floats:
+    """Means over blocks of so many lines and samples; lines and samples that fill no block are left out."""
+    lines, samples = (n // block for n, block in zip(values.shape, together))
+    kept = values[: lines * together[0], : samples * together[1]]
+    means: Floats = kept.reshape(lines, together[0], samples, together[1]).mean(axis=(1, 3))
+    return means
+
+
+def _reading_matrix(
+    columns: Floats, rows: Floats, known: Mask, size: tuple[int, int], together: tuple[int, int]
+) -> sparse.csr_matrix[np.float32]:
+    """The matrix that takes an image's pixels to the mean of each block of known samples, by linear interpolation; sparse float32."""
+    lines, samples = (n // block for n, block in zip(columns.shape, together))
+    line, sample = (number // block for number, block in zip(np.nonzero(known), together))
+    kept = (line < lines) & (sample < samples)
+    block = (line * samples + sample)[kept]
+    column, row = (np.clip(values[known][kept], 0, n - 1) for values, n in zip((columns, rows), size))
+    left, top = (np.minimum(values.astype(np.int64), n - 2) for values, n in zip((column, row), np.maximum(size, 2)))
+    right, down = column - left, row - top
+    corners = [(0, 0, (1 - right) * (1 - down)), (1, 0, right * (1 - down)), (0, 1, (1 - right) * down), (1, 1, right * down)]
+    pixels = np.concatenate([np.minimum(top + y, size[1] - 1) * size[0] + np.minimum(left + x, size[0] - 1) for x, y, _ in corners])
+    share = (
+        np.concatenate([weight for *_, weight in corners]) / np.maximum(np.bincount(block, minlength=lines * samples), 1)[np.tile(block, 4)]
+    )
+    return sparse.csr_matrix((share.astype(np.float32), (np.tile(block, 4), pixels)), shape=(lines * samples, size[0] * size[1]))
 
 
 def _running_sum(lines: Array) -> Floats:

@@ -1,7 +1,8 @@
 """The command line: one parser, one place where errors become a line and an exit code.
 
-Exit codes: 0 success; 2 wrong arguments or input, with one line on standard error that says what is wrong and what to do; 130
-interrupted (143 by SIGTERM, 129 by a terminal that was closed). Whatever fails, no file is left half-written.
+Exit codes: 0 success; 1 a registration that is ambiguous or does not agree, and is not written; 2 wrong arguments or input; both with
+one line on standard error that says what is wrong and what to do; 130 interrupted (143 by SIGTERM, 129 by a terminal that was closed).
+Whatever fails, no file is left half-written.
 """
 
 from __future__ import annotations
@@ -17,16 +18,16 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from .. import __version__
-from ..errors import AIFReconError, OperationCanceled
+from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
 from ..message import LONGEST_QUOTE, one_line, shorten
-from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, replay, simulate
+from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, register, replay, simulate
 from .console import prepare_streams
 from .log import add_log_options, logging_as_asked
 from .signals import OrderlyEnd, orderly_end
 
-COMMANDS = (demo, reconstruct, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
+COMMANDS = (demo, reconstruct, register, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
 
-SUCCESS, BAD_INPUT = 0, 2
+SUCCESS, REFUSED, BAD_INPUT = 0, 1, 2
 
 _OF_PRINTING = (errno.ENOSPC, errno.EIO)
 """Errors of a full disk or a terminal that is gone. Those of our files come as `OutputError`, and commands print last."""
@@ -109,7 +110,7 @@ def main(argv: list[str] | None = None) -> int:
     Returns
     -------
     code : int
-        0, 2, or 128 and the number of the signal that ended it.
+        0, 1, 2, or 128 and the number of the signal that ended it.
     """
     prepare_streams()
     try:
@@ -122,6 +123,8 @@ def main(argv: list[str] | None = None) -> int:
             arguments.run(arguments)
     except (KeyboardInterrupt, OperationCanceled):
         return _fail(_INTERRUPTED, end.exit_code)
+    except RegistrationRefused as refusal:
+        return _fail(str(refusal), REFUSED)
     except AIFReconError as error:
         return _fail(str(error), BAD_INPUT)
     except MemoryError:

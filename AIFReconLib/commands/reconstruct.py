@@ -8,13 +8,24 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from ..compounding.reconstructor import Reconstruction
+from ..errors import AIFReconError
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..io.disk.atomic import check_writable, write_text
-from ..io.volume.files import check_volume_path, read_volume
+from ..io.transform.files import read_transform
+from ..io.volume.files import check_volume_path, read_labels, read_volume
 from ..progress import part
 from ..reconstruction import reconstruct
+from ..registration.agreement import check
+from ..registration.bone_field import BoneField
+from ..registration.echoes import sweep_echoes
+from ..settings import BONE_METHODS
+from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
 from .console import ProgressBar
 from .options import (
@@ -37,6 +48,9 @@ EXAMPLE = """examples:
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
       --bone-transform CTToReference.tfm --spacing 0.5 --hole-limit 1 --output volume.nrrd
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
+
+CHECKED_FRAMES = 90
+"""Frames of the sweep in which bone is looked for, to say how well it agrees with the CT's."""
 
 SIDE_OUTPUTS = ("score", "hits", "mask", "cosine")
 
@@ -131,11 +145,40 @@ def run(arguments: argparse.Namespace) -> None:
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
+    agreement = _agreement(arguments, sequence, region, probe, result.method)
     tracking = tracking_report(sequence, sweep_poses(sequence, arguments.image_to_reference, arguments.reference), result)
     if arguments.report:
-        write_text(arguments.report, json.dumps(report_of(result, tracking, outputs), indent=2) + "\n")
+        write_text(arguments.report, json.dumps({**report_of(result, tracking, outputs), "agreement": agreement}, indent=2) + "\n")
     files = [path for path in (*outputs.values(), arguments.report) if path]
-    print(describe(result, len(sequence), time.perf_counter() - started, files, tracking))
+    print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
+
+
+def _agreement(
+    arguments: argparse.Namespace, sequence: TrackedSequence, region: ImageRegion | None, probe: ProbeGeometry | None, method: str
+) -> list[str]:
+    """What the sweep's own bone says of the CT's registration, a line each; nothing where no labels were used.
+
+    Notes
+    -----
+    It follows the reconstruction and cannot spoil it: a sweep that cannot be compared is said to be so.
+    """
+    if not arguments.bone_labels or method not in BONE_METHODS:
+        return []
+    to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else np.eye(4)
+    try:
+        echoes = sweep_echoes(
+            sequence,
+            region=region,
+            probe=probe,
+            image_to_reference=arguments.image_to_reference,
+            reference=arguments.reference,
+            most_frames=CHECKED_FRAMES,
+        )
+        agreement = check(echoes, BoneField.from_labels(read_labels(arguments.bone_labels)), to_reference)
+    except AIFReconError as error:
+        return [f"CT and sweep were not compared. {error}"]
+    warning = agreement.warning()
+    return [str(agreement.sentence()), *([f"WARNING: {warning} See aifrecon register."] if warning else [])]
 
 
 def report_of(result: Reconstruction, tracking: TrackingReport, outputs: dict[str, Path | None]) -> dict[str, object]:
@@ -153,8 +196,15 @@ def report_of(result: Reconstruction, tracking: TrackingReport, outputs: dict[st
     }
 
 
-def describe(result: Reconstruction, frames: int, seconds: float, files: list[Path], tracking: TrackingReport | None = None) -> str:
+def describe(
+    result: Reconstruction,
+    frames: int,
+    seconds: float,
+    files: list[Path],
+    tracking: TrackingReport | None = None,
+    agreement: list[str] | None = None,
+) -> str:
     """What was done, in a few lines."""
     first, *others = summary_lines(result, frames, seconds)
     findings = tracking.findings_on_poses() if tracking else []
-    return "\n  ".join([first, *others, *findings, *(f"wrote {path}" for path in files)])
+    return "\n  ".join([first, *others, *(agreement or []), *findings, *(f"wrote {path}" for path in files)])

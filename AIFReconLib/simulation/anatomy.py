@@ -11,7 +11,7 @@ concentric arcs, so every tissue is a function of (x, depth along the arc's radi
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -216,6 +216,8 @@ class LumbarPhantom:
     bone_distance : Volume
         Signed distance to the nearest bone surface, float32, mm, negative in bone, cut off at 6 mm; in Reference.
     soft_tissue : SoftTissue
+    ct_vertebrae : tuple of Vertebra
+        Where the vertebrae were for the CT: the same places, unless the spine has bent since.
     """
 
     anatomy: LumbarAnatomy
@@ -225,6 +227,14 @@ class LumbarPhantom:
     ct_to_reference: Matrix
     bone_distance: Volume
     soft_tissue: SoftTissue
+    ct_vertebrae: tuple[Vertebra, ...]
+
+    def motions_since_ct(self) -> dict[int, np.ndarray]:
+        """How each vertebra has moved in Reference from the CT to the scan, (4, 4) by label; the identity unless the spine has bent."""
+        return {
+            now.label: now.vertebra_to_reference @ invert(then.vertebra_to_reference)
+            for now, then in zip(self.vertebrae, self.ct_vertebrae, strict=True)
+        }
 
     def skin_y(self, x: ArrayLike, z: ArrayLike) -> Floats:
         """y of the skin in Reference at (x, z), mm."""
@@ -249,6 +259,7 @@ def make_lumbar_phantom(
     spacing: float = 1.0,
     ct_to_reference: Matrix | None = None,
     ct_noise: float = 18.0,
+    ct_flexion_deg: float = 0.0,
     progress: Progress | None = None,
 ) -> LumbarPhantom:
     """A lumbar phantom: CT, labels, and what the ultrasound simulation needs.
@@ -262,6 +273,9 @@ def make_lumbar_phantom(
         The CT is scanned along the axes of its own frame, in which the patient lies as this rigid transform says.
     ct_noise : float, HU
         Standard deviation.
+    ct_flexion_deg : float
+        How much farther the spine was bent forward at each disc for the CT than for the scan (see `flexed`). Soft tissue in the CT does
+        not follow.
     progress : Progress, optional
 
     Returns
@@ -272,18 +286,19 @@ def make_lumbar_phantom(
         raise SettingsError("Input spacing must be 0.2 to 3 mm; got {spacing!r}.", spacing=spacing)
     anatomy = anatomy or LumbarAnatomy()
     vertebrae = anatomy.vertebrae_in_place()
+    ct_vertebrae = flexed(vertebrae, ct_flexion_deg)
     low, high = _extent(anatomy)
     grid = VoxelGrid.from_spacing(low, (np.ceil((high - low) / spacing).astype(int) + 1).tolist(), spacing)
     distance, owner = _bone_on_grid(vertebrae, grid, part(progress, 0.0, 0.5))
     bone_distance = Volume(distance, grid.ijk_to_reference)
     placed_grid, placement = grid, np.eye(4)
-    if ct_to_reference is not None:
-        placement = np.asarray(ct_to_reference, dtype=np.float64)
+    if ct_to_reference is not None or ct_flexion_deg:
+        placement = placement if ct_to_reference is None else np.asarray(ct_to_reference, dtype=np.float64)
         corners_ct = transform_points(invert(placement), grid.corners())
         size = (np.ceil(np.ptp(corners_ct, axis=0) / spacing).astype(int) + 1).tolist()
         ct_grid = VoxelGrid.from_spacing(corners_ct.min(axis=0), size, spacing)
         placed_grid = VoxelGrid(ct_grid.size, placement @ ct_grid.ijk_to_reference)
-        distance, owner = _bone_on_grid(vertebrae, placed_grid, part(progress, 0.5, 0.7))
+        distance, owner = _bone_on_grid(ct_vertebrae, placed_grid, part(progress, 0.5, 0.7))
     soft_tissue = _soft_tissue(anatomy)
     report(progress, 0.7, "Simulating the CT")
     hounsfield = hounsfield_units(soft_tissue, placed_grid, distance, ct_noise, np.random.default_rng([anatomy.seed, 4]))
@@ -291,8 +306,36 @@ def make_lumbar_phantom(
     labels = np.where(distance <= 0, owner, 0).astype(np.uint8)
     report(progress, 1.0, "Phantom made")
     return LumbarPhantom(
-        anatomy, vertebrae, Volume(hounsfield, ijk_to_ct), Volume(labels, ijk_to_ct), placement, bone_distance, soft_tissue
+        anatomy, vertebrae, Volume(hounsfield, ijk_to_ct), Volume(labels, ijk_to_ct), placement, bone_distance, soft_tissue, ct_vertebrae
     )
+
+
+def flexed(vertebrae: tuple[Vertebra, ...], angle_deg: float) -> tuple[Vertebra, ...]:
+    """The vertebrae bent forward (backward where negative) by an angle in degrees at every disc, the middle one staying in its place.
+
+    Notes
+    -----
+    Each vertebra turns against the next lower one about an axis to the side through the hind part of the lower one's upper endplate, a
+    sixth of the body's depth behind its middle: about where lumbar vertebrae turn in flexion and extension [1]_.
+
+    References
+    ----------
+    .. [1] Pearcy MJ, Bogduk N (1988), Instantaneous axes of rotation of the lumbar intervertebral joints, Spine 13:1033-1041.
+    """
+    # Superior turns forward: about the patient's right-left axis, z toward y
+    turn = np.eye(4)
+    turn[:3, :3] = _rotation(0, -math.radians(angle_deg))
+    motions = [np.eye(4)]
+    for lower in vertebrae[:0:-1]:
+        x, y, z = lower.body_center
+        pivot = np.eye(4)
+        pivot[:3, 3] = x, y - lower.body_depth / 6, z + lower.body_height / 2
+        about = lower.vertebra_to_reference @ pivot
+        about[:3, :3] = np.eye(3)
+        motions.append(motions[-1] @ about @ turn @ invert(about))
+    motions = motions[::-1]
+    still = invert(motions[len(motions) // 2])
+    return tuple(replace(v, vertebra_to_reference=still @ motion @ v.vertebra_to_reference) for v, motion in zip(vertebrae, motions))
 
 
 def _soft_tissue(anatomy: LumbarAnatomy) -> SoftTissue:

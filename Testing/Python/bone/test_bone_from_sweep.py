@@ -54,8 +54,12 @@ def bone_image(seed=0, thickness=0.4, **arc) -> np.ndarray:
     return np.clip(image, 0, 255).astype(np.uint8)
 
 
+def finder(kind=LINEAR) -> BoneEchoFinder:
+    return BoneEchoFinder((COLUMNS, ROWS), SPACING, REGIONS[kind])
+
+
 def find(image, kind=LINEAR):
-    return BoneEchoFinder((COLUMNS, ROWS), SPACING, REGIONS[kind]).find(image)
+    return finder(kind).find(image)
 
 
 def sweep_of(images, matrices) -> tuple[TrackedSequence, SweepPoses]:
@@ -92,12 +96,12 @@ def points_in(pose, columns, rows):
 def test_echoes_lie_on_a_bright_arc_over_darkness(kind):
     echoes = find(bone_image(), kind)
     off = (echoes.pixels[:, 1] - arc_row(echoes.pixels[:, 0])) * SPACING[1]
-    assert len(off) > 50
+    assert len(off) > 0.8 * finder(kind).lines
     assert np.abs(off).max() < 0.6
 
 
 def test_nearly_every_scan_line_finds_a_clear_surface():
-    assert len(find(bone_image()).pixels) > 0.95 * COLUMNS
+    assert len(find(bone_image()).pixels) > 0.95 * finder().lines
 
 
 @pytest.mark.parametrize("kind", [LINEAR, SECTOR])
@@ -125,7 +129,15 @@ def test_the_same_echo_below_the_skin_is_bone():
     row = round((SKIN + SKIN_ECHO) / SPACING[1])
     image[row - 2 : row + 3] = 255
     image[row + 3 :] *= 0.05
-    assert find(image.astype(np.uint8)).scores.size == COLUMNS
+    assert find(image.astype(np.uint8)).scores.size == finder().lines
+
+
+@pytest.mark.parametrize("deepest", np.arange(18.0, 18.25, 0.05))
+def test_the_place_of_an_echo_is_good_to_a_twentieth_of_a_millimeter_between_samples(deepest):
+    below = (np.arange(ROWS)[:, None] - deepest / SPACING[1] + np.zeros(COLUMNS)) * SPACING[1]
+    image = 4.0 * (below < 0) + 200 * np.exp(-0.5 * (below / 0.6) ** 2)
+    echoes = find(image)
+    np.testing.assert_allclose(echoes.pixels[:, 1] * SPACING[1], deepest, atol=0.05)
 
 
 def test_echoes_lie_on_the_crest_and_not_on_its_far_flank():
@@ -294,7 +306,8 @@ def test_the_surface_of_a_real_bone_is_found_as_one_line(real_data):
     sequence = read_sequence(real_data("BoneUltrasound_L14.igs.mha"), config=real_data("BoneUltrasound_L14_config.xml"))
     spacing = pixel_spacing(sweep_poses(sequence).image_to_reference[10])
     detected = detect_imaging(sequence.images, spacing)
-    echoes = BoneEchoFinder(sequence.frame_size, spacing, Imaging(detected.region, detected.probe)).find(sequence.images[10])
+    looking = BoneEchoFinder(sequence.frame_size, spacing, Imaging(detected.region, detected.probe))
+    echoes = looking.find(sequence.images[10])
     depth = echoes.pixels[:, 1] * spacing[1]
-    assert len(depth) > 250
+    assert len(depth) > 0.5 * looking.lines
     assert np.abs(np.diff(depth)).max() < 1.5

@@ -20,7 +20,7 @@ ROOMS = (
     "AIFReconScene",
     "commands",
     *("live/replay", "live/session", "live/pairing", "live/wire"),
-    *("evaluation", "simulation", "reconstruction", "inspection", "compounding", "bone", "resolve"),
+    *("evaluation", "simulation", "reconstruction", "inspection", "compounding", "registration", "bone", "resolve"),
     *("io/foreign", "io/sequence", "io/plus", "io/volume", "io/transform", "io/metafile", "io/disk"),
     *("sweep", "imaging", "holes", "geometry", "machine"),
     *("settings", "progress", "errors", "message", "arrays"),

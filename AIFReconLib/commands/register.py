@@ -1,0 +1,152 @@
+"""`aifrecon register`: where a CT belongs on a sweep, from the bone that the sweep shows."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from ..errors import RegistrationRefused
+from ..geometry.transforms import invert, transform_points
+from ..geometry.volume import Volume
+from ..io.disk.atomic import check_writable, write_text
+from ..io.transform.files import read_transform, write_transform
+from ..io.volume.files import check_volume_path, read_labels
+from ..progress import part
+from ..registration.registration import Registration, as_report, register
+from ..registration.segments import placed_labels
+from .console import ProgressBar
+from .options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
+from .reconstruct import add_tracking_options
+from .sequence_options import add_sequence_options, sequence_from, sequence_inputs
+
+EXAMPLE = """examples:
+  aifrecon register sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output CTToReference.tfm
+  aifrecon register sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform rough.tfm \\
+      --per-segment --labels-output lumbar-as-scanned.nrrd --output CTToReference.tfm --report registration.json
+
+Without --bone-transform the place is looked for: the labels' axes are the patient's, and the transducer was behind the patient.
+Exit code 1: the CT does not agree with the sweep, or fits as well elsewhere; then no transform is written (--report and --preview are)."""
+
+
+def add_to(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "register",
+        help="find where a CT belongs on a sweep",
+        description="Lay the bone of a CT's segmentation upon the bone that a sweep shows, and say how well they agree.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, one or more sweeps in one Reference")
+    parser.add_argument("--bone-labels", type=Path, required=True, metavar="LABELS", help="segmentation of the CT, one label per vertebra")
+    parser.add_argument(
+        "--output",
+        type=Path,
+        required=True,
+        metavar="TRANSFORM",
+        help="where to write CT -> Reference as Slicer saves it (.tfm, .txt, .h5)",
+    )
+    parser.add_argument("--bone-transform", type=Path, metavar="START", help="CT -> Reference to start from; default: look for it")
+    result = parser.add_argument_group("result")
+    result.add_argument("--per-segment", action="store_true", help="let each label move on its own: the spine has bent since the CT")
+    result.add_argument("--labels-output", type=Path, metavar="FILE", help="also write the labels in Reference, where they came to lie")
+    result.add_argument("--level", type=int, metavar="N", help="write the place N levels higher (negative: lower) than the best one")
+    result.add_argument("--accept", action="store_true", help="write the best place even if it is ambiguous or does not agree")
+    result.add_argument("--report", type=Path, metavar="FILE.json", help="also write numbers, alternatives and what is not held")
+    result.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes on the bone (needs matplotlib)")
+    add_tracking_options(parser)
+    add_sequence_options(parser)
+    add_imaging_options(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Read, register, write, and say how sure it is."""
+    outputs = [arguments.output, arguments.labels_output, arguments.report, arguments.preview]
+    of_each = [argparse.Namespace(**{**vars(arguments), "sequence": path}) for path in arguments.sequences]
+    inputs = [path for one in of_each for path in sequence_inputs(one)]
+    refuse_to_overwrite(outputs, [*inputs, arguments.bone_labels, arguments.bone_transform])
+    for path in (arguments.output, arguments.report, arguments.preview):
+        if path:
+            check_writable(path)
+    if arguments.labels_output:
+        check_volume_path(arguments.labels_output)
+    if arguments.preview:
+        from ..evaluation.figures import require_matplotlib
+
+        require_matplotlib()
+    with ProgressBar() as progress:
+        labels = read_labels(arguments.bone_labels)
+        start = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+        sequences = [sequence_from(one) for one in of_each]
+        region, probe = imaging_from(arguments, sequences[0].configuration, sequences[0].images)
+        found = register(
+            sequences,
+            labels,
+            start,
+            per_segment=arguments.per_segment,
+            level=arguments.level or 0,
+            region=region,
+            probe=probe,
+            image_to_reference=arguments.image_to_reference,
+            reference=arguments.reference,
+            progress=part(progress, 0.05, 0.95),
+        )
+        written = _write(arguments, found, labels)
+    lines = [found.agreement.sentence(), *_findings(found)]
+    print("\n  ".join([*map(str, lines), *(f"wrote {path}" for path in written)]))
+    if not _is_taken(arguments, found):
+        raise RegistrationRefused("No transform is written. {reason}", reason=found.refusal)
+
+
+def _is_taken(arguments: argparse.Namespace, found: Registration) -> bool:
+    """Whether the answer is sure, or the user has chosen it."""
+    return found.accepted or arguments.accept or arguments.level is not None
+
+
+def _write(arguments: argparse.Namespace, found: Registration, labels: Volume) -> list[Path]:
+    """Write what was asked for; the transform and the labels only when the answer is taken."""
+    written = []
+    if _is_taken(arguments, found):
+        write_transform(found.transform, arguments.output)
+        written.append(arguments.output)
+        if arguments.labels_output:
+            _placed(found, labels).write(arguments.labels_output)
+            written.append(arguments.labels_output)
+    if arguments.report:
+        write_text(arguments.report, json.dumps({**as_report(found), "written": [str(path) for path in written]}, indent=2) + "\n")
+        written.append(arguments.report)
+    if arguments.preview:
+        from ..evaluation.registration_figure import registration_figure
+
+        # Bones that moved on their own are drawn where they came to lie, along the axes of the CT all the same
+        to_labels = invert(found.transform)
+        shown = _placed(found, labels).placed_by(to_labels)
+        registration_figure(arguments.preview, transform_points(to_labels, found.echoes.points), shown, str(found.agreement.sentence()))
+        written.append(arguments.preview)
+    return written
+
+
+def _placed(found: Registration, labels: Volume) -> Volume:
+    """The labels in Reference, where they came to lie."""
+    return placed_labels(labels, found.segments.transforms) if found.segments else labels.placed_by(found.transform)
+
+
+def _findings(found: Registration) -> list[str]:
+    """What else a user should know, one line each."""
+    lines = []
+    if found.moved is not None:
+        lines.append(f"moved by {found.moved:.1f} mm from the start")
+    lines += [
+        f"label {label}: {own.agreement:.0%} of {own.echoes:,} echoes agree" for label, own in sorted(found.agreement.per_label.items())
+    ]
+    if found.uncertain:
+        lines.append("not held by this sweep: " + "; ".join(map(str, found.uncertain)))
+    if found.agreement.elsewhere:
+        lines.append(f"{found.agreement.elsewhere:,} echoes lie far from labeled bone: of bone that the labels lack, or of none")
+    if found.alternatives:
+        best = found.alternatives[0]
+        levels = "" if not best.levels else f" ({best.levels:+d} level{'s' if abs(best.levels) > 1 else ''})"
+        lines.append(f"next best place{levels}: {best.agreement.explained:.0%} of all echoes agree, here {found.agreement.explained:.0%}")
+    return lines

@@ -1,0 +1,108 @@
+"""The picture of a registration: bone echoes on the outline of the CT's bone, in three cuts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from scipy import ndimage
+
+from ..arrays import Floats
+from ..geometry.transforms import transform_points
+from ..geometry.volume import Volume
+from ..io.disk.atomic import atomic_output
+from .figures import BACKGROUND, DPI, INK
+from .surface import DISTANCE_LIMIT, distance_from_labels
+
+SLAB = 2.5
+"""mm to either side of a cut from which echoes are drawn."""
+
+FARTHEST = 4.0
+"""mm from bone at which the colors end."""
+
+NEAR = 10.0
+"""mm. Echoes beyond do not decide what is shown."""
+
+BONE, COLORS = "#8a8f98", ("#2fd6b5", "#9be564", "#ffd23f", "#ff7a30", "#ff2e63")
+"""Bone, and the echoes from on it to far from it."""
+
+CUTS = (("sagittal", 0, 1, 2), ("axial", 2, 0, 1), ("coronal", 1, 0, 2))
+"""Name, axis across the cut, and the axes to the right and up; x to the patient's right, y anterior, z superior. Drawn as radiologists
+look at it, the patient's right or front on the left."""
+
+
+def registration_figure(path: str | Path, echoes: Floats, labels: Volume, title: str) -> None:
+    """Draw the echoes near three cuts through the middle of what was seen, colored by their distance to bone.
+
+    Parameters
+    ----------
+    path : str or Path
+        PNG, PDF or SVG.
+    echoes : (n, 3) array, mm
+        Where bone was seen, in the frame of the labels, whose axes are the patient's.
+    labels : Volume of integers
+    title : str
+
+    Raises
+    ------
+    OutputError
+        When the file cannot be written.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LinearSegmentedColormap, Normalize
+    from matplotlib.figure import Figure
+
+    points, field_of_bone = echoes, distance_from_labels(labels)
+    distances = np.abs(_sample(field_of_bone, points))
+    near = distances < NEAR
+    middle = np.median(points[near] if near.any() else points, axis=0)
+    figure = Figure(figsize=(13.0, 5.2), facecolor=BACKGROUND)
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(1, 3)
+    colors = LinearSegmentedColormap.from_list("distance", COLORS)
+    for panel, (name, across, right, up) in zip(panels, CUTS):
+        # The cut that shows most: where echoes are densest along its axis
+        offset = _densest(points[near, across], middle[across]) if near.any() else middle[across]
+        seen = points[np.abs(points[:, across] - offset) < SLAB]
+        own = distances[np.abs(points[:, across] - offset) < SLAB]
+        low, high = (f(points[near], axis=0) if near.any() else middle for f in (np.min, np.max))
+        spans = [np.arange(low[axis] - 12, high[axis] + (45 if axis == 1 else 12), 0.5) for axis in (right, up)]
+        plane = np.zeros((len(spans[1]), len(spans[0]), 3))
+        plane[..., across], plane[..., right], plane[..., up] = offset, spans[0][None, :], spans[1][:, None]
+        field = _sample(field_of_bone, plane.reshape(-1, 3)).reshape(plane.shape[:2])
+        if (field < 0).any():
+            panel.contourf(*spans, field, levels=[-100, 0], colors=[BONE], alpha=0.35)
+            panel.contour(*spans, field, levels=[0], colors=[BONE], linewidths=0.9)
+        order = np.argsort(own)
+        panel.scatter(
+            seen[order, right], seen[order, up], c=own[order], s=4, cmap=colors, vmin=0, vmax=FARTHEST, linewidths=0, rasterized=True
+        )
+        panel.set(xlim=spans[0][[-1, 0]], ylim=spans[1][[0, -1]], aspect="equal", facecolor=BACKGROUND)
+        panel.set_title(name, color=INK, fontsize=11)
+        panel.set_xlabel("RAS"[right] + " (mm)", color=INK, fontsize=9)
+        panel.set_ylabel("RAS"[up] + " (mm)", color=INK, fontsize=9)
+        panel.tick_params(colors=INK, labelsize=8)
+        for edge in panel.spines.values():
+            edge.set_color("#444444")
+    bar = figure.colorbar(ScalarMappable(Normalize(0, FARTHEST), colors), ax=panels, shrink=0.85, pad=0.015, extend="max")
+    bar.set_label("distance of the bone echo to the CT's bone (mm)", color=INK, fontsize=9)
+    bar.ax.tick_params(colors=INK, labelsize=8)
+    figure.suptitle(title, color=INK, fontsize=12)
+    with atomic_output(path) as temporary:
+        figure.savefig(temporary, dpi=DPI, facecolor=BACKGROUND)
+
+
+def _densest(values: Floats, otherwise: float) -> float:
+    """Where most values lie within a slab; `otherwise` where there is none."""
+    if not len(values):
+        return otherwise
+    counts, edges = np.histogram(values, bins=np.arange(values.min(), values.max() + 2 * SLAB, SLAB))
+    best = int(counts.argmax())
+    return float((edges[best] + edges[best + 1]) / 2)
+
+
+def _sample(distance: Volume, points: Floats) -> Floats:
+    """Distances (n,) at points (n, 3), by linear interpolation; the limit outside."""
+    ijk = transform_points(distance.grid.reference_to_ijk, points)
+    return ndimage.map_coordinates(distance.array, ijk.T[::-1], order=1, mode="constant", cval=DISTANCE_LIMIT)

@@ -1,0 +1,103 @@
+"""What the echoes do not hold fast: motions of the CT that hardly change how well it agrees, in mm and degrees."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Floats
+from ..message import Message
+from .bone_field import BoneField
+from .echoes import SweepEchoes
+from .refine import MOST_ECHOES, Refined, refine, robust_cost, vector_motion
+
+LOSS = 0.02
+"""A motion is held once it costs this much more: two echoes in a hundred."""
+
+HELD_MM, HELD_DEG = 1.0, 3.0
+"""Motions that are held within these are not named."""
+
+FARTHEST_MM, FARTHEST_DEG = 20.0, 45.0
+"""Nothing is followed farther."""
+
+RESTARTS, RESTART_MM, RESTART_DEG = 4, 3.0, 3.0
+"""Starts about the place that was found, from which it must be found again."""
+
+
+@dataclass(frozen=True, eq=False)
+class Loose:
+    """A motion that the sweep does not hold.
+
+    Parameters
+    ----------
+    kind : "slide" or "turn"
+    axis : (3,) float64 array, unit vector, Reference
+        Along which it slides, or about which it turns.
+    amount : float
+        mm or degrees, either way, until `LOSS` is reached.
+    """
+
+    kind: str
+    axis: Floats
+    amount: float
+
+    @property
+    def sentence(self) -> Message:
+        """In words."""
+        axis = "({:.2f}, {:.2f}, {:.2f})".format(*(self.axis + 0.0))
+        if self.kind == "slide":
+            return Message("sliding along {axis} by {amount:.1f} mm either way", axis=axis, amount=self.amount)
+        return Message("turning about {axis} by {amount:.0f} degrees either way", axis=axis, amount=self.amount)
+
+
+def not_held(echoes: SweepEchoes, bone: BoneField, refined: Refined) -> list[Loose]:
+    """Motions that hardly matter to the agreement, the loosest first.
+
+    Notes
+    -----
+    The eigenvectors of Gauss-Newton's matrix at the optimum are motions that do not depend on each other; the cost along each of
+    small eigenvalue is followed until it has risen by `LOSS`. One that is mostly a shift is told as a slide, else as a turn.
+    """
+    chosen = echoes.thinned(MOST_ECHOES)
+    least = robust_cost(chosen, bone, refined.labels_to_reference)
+    found = []
+    for vector in np.linalg.eigh(refined.normal)[1].T:
+        slides = np.linalg.norm(vector[:3]) >= np.linalg.norm(vector[3:])
+        axis = vector[:3] if slides else vector[3:]
+        length = np.linalg.norm(axis)
+        # Steps in units of the named motion: mm of the slide, radians of the turn
+        unit = vector / length * (1.0 if slides else refined.lever)
+        step, farthest = (0.25, FARTHEST_MM) if slides else (math.radians(0.5), math.radians(FARTHEST_DEG))
+        amounts = np.arange(step, farthest + step, step)
+        amount = farthest
+        for size in amounts:
+            costs = [
+                robust_cost(chosen, bone, vector_motion(sign * size * unit, refined.center, refined.lever) @ refined.labels_to_reference)
+                for sign in (-1, 1)
+            ]
+            if min(costs) > least + LOSS:
+                amount = size
+                break
+        amount = amount if slides else math.degrees(amount)
+        if amount > (HELD_MM if slides else HELD_DEG):
+            axis = axis / length
+            found.append(Loose("slide" if slides else "turn", axis * np.sign(axis[np.abs(axis).argmax()]), float(amount)))
+    return sorted(found, key=lambda one: -one.amount / (HELD_MM if one.kind == "slide" else HELD_DEG))
+
+
+def restart_spread(echoes: SweepEchoes, bone: BoneField, refined: Refined) -> float:
+    """How far apart places end, as the largest mean motion of the echoes in mm, that are refined anew from starts some mm and degrees
+    away."""
+    rng = np.random.default_rng(0)
+    chosen = echoes.thinned(MOST_ECHOES // 2)
+    spread = 0.0
+    for _ in range(RESTARTS):
+        move, axis = (vector / np.linalg.norm(vector) for vector in rng.standard_normal((2, 3)))
+        vector = np.concatenate([RESTART_MM * move, math.radians(RESTART_DEG) * axis])
+        again = refine(chosen, bone, vector_motion(vector, refined.center) @ refined.labels_to_reference, (4.0, 2.0, 1.0))
+        motion = again.labels_to_reference @ np.linalg.inv(refined.labels_to_reference)
+        moved = chosen.points @ motion[:3, :3].T + motion[:3, 3] - chosen.points
+        spread = max(spread, float(np.linalg.norm(moved, axis=1).mean()))
+    return spread

@@ -1,0 +1,162 @@
+"""The bone echoes of a sweep as points in Reference: what a CT is laid upon.
+
+How an echo is told from tissue is the business of `BoneEchoFinder`, which the bone map of a sweep without CT uses too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Floats, Integers, Mask, Singles
+from ..bone.from_sweep import BoneEchoFinder
+from ..errors import GeometryError
+from ..geometry.transforms import pixel_spacing
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion
+from ..message import listed
+from ..progress import Progress, part, report
+from ..resolve import Imaging, resolve_imaging
+from ..sweep.frames import TrackedFrame, TrackedSequence
+from ..sweep.poses import sweep_poses, time_order, tracked_frames
+
+MOST_FRAMES = 240
+"""Frames of all sweeps together that are looked at, evenly among them: time and memory do not grow with a recording's length."""
+
+FEWEST = 150
+"""Echoes below which no registration is attempted: six degrees of freedom from a few frames of a few scan lines."""
+
+
+@dataclass(frozen=True, eq=False)
+class SweepEchoes:
+    """Bone echoes in Reference.
+
+    Parameters
+    ----------
+    points : (n, 3) float64 array, mm
+    beams : (n, 3) float64 array, unit vectors
+        Which way the sound went there.
+    scores : (n,) float32 array
+        How surely each is bone, 0 to 1.
+    frames : (n,) int64 array
+        Number of the frame that showed it, counted over all sweeps.
+    """
+
+    points: Floats
+    beams: Floats
+    scores: Singles
+    frames: Integers
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __getitem__(self, chosen: Mask | Integers) -> SweepEchoes:
+        return SweepEchoes(self.points[chosen], self.beams[chosen], self.scores[chosen], self.frames[chosen])
+
+    @classmethod
+    def joined(cls, parts: Sequence[SweepEchoes]) -> SweepEchoes:
+        """All of them, in their order; none of none."""
+        parts = [cls(np.empty((0, 3)), np.empty((0, 3)), np.empty(0, np.float32), np.empty(0, np.int64)), *parts]
+        return cls(*(np.concatenate([getattr(one, name) for one in parts]) for name in ("points", "beams", "scores", "frames")))
+
+    def thinned(self, most: int) -> SweepEchoes:
+        """At most so many, evenly in space: a place that many frames saw counts no more than one that a few saw.
+
+        Notes
+        -----
+        One echo, that of the highest score, is kept per cube; the cubes grow from 1 mm by a fifth until few enough are kept.
+        """
+        kept, edge = self, 1.0
+        while len(kept) > most:
+            cubes = np.floor(self.points / edge).astype(np.int64)
+            order = np.lexsort((-self.scores, *cubes.T))
+            first = np.ones(len(order), dtype=bool)
+            first[1:] = (np.diff(cubes[order], axis=0) != 0).any(axis=1)
+            kept, edge = self[np.sort(order[first])], 1.2 * edge
+        return kept
+
+
+class EchoReader:
+    """Turns frames of one sweep into echoes in Reference.
+
+    Parameters
+    ----------
+    size : (columns, rows)
+    spacing : (x, y), mm
+    imaging : Imaging
+        Region and probe; both must be known.
+    """
+
+    def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging):
+        self._finder = BoneEchoFinder(size, spacing, imaging)
+
+    def read(self, frame: TrackedFrame, number: int | None = None) -> SweepEchoes:
+        """The echoes of a frame that has an image and a pose; `number` stands for the frame's own."""
+        image, matrix = frame.image, frame.image_to_reference
+        if image is None or matrix is None:
+            return SweepEchoes.joined(())
+        echoes = self._finder.find(image)
+        beams = echoes.beams @ matrix[:3, :2].T
+        beams /= np.maximum(np.linalg.norm(beams, axis=1, keepdims=True), 1e-9)
+        frames = np.full(len(echoes.scores), frame.number if number is None else number)
+        return SweepEchoes(echoes.pixels @ matrix[:3, :2].T + matrix[:3, 3], beams, echoes.scores, frames)
+
+
+def sweep_echoes(
+    sequences: TrackedSequence | Iterable[TrackedSequence],
+    *,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+    image_to_reference: str | None = None,
+    reference: str | None = None,
+    most_frames: int = MOST_FRAMES,
+    progress: Progress | None = None,
+) -> SweepEchoes:
+    """The bone echoes of one or more recorded sweeps in one Reference.
+
+    Parameters
+    ----------
+    sequences : TrackedSequence or several
+    region, probe, image_to_reference, reference
+        As in `reconstruct`.
+    most_frames : int
+        Of all sweeps together; chosen evenly.
+    progress : Progress or None
+
+    Raises
+    ------
+    AIFReconError
+        When frames cannot be placed or beams not be told, as in `reconstruct`.
+    GeometryError
+        When fewer than `FEWEST` echoes are found.
+    """
+    sequences = [sequences] if isinstance(sequences, TrackedSequence) else list(sequences)
+    placed = []
+    for sequence in sequences:
+        poses = sweep_poses(sequence, image_to_reference, reference)
+        usable = poses.require_usable(sequence.name)
+        order = time_order(sequence)
+        placed.append((sequence, poses, order[np.isin(order, usable)]))
+    every = max(sum(len(order) for *_, order in placed) / most_frames, 1.0)
+    found, number, before = [], 0, 0
+    for done, (sequence, poses, order) in enumerate(placed):
+        chosen = order[np.unique((np.arange(max(int(len(order) / every), 1)) * every).astype(np.int64))]
+        imaging = resolve_imaging(sequence, poses, True, region, probe)
+        reader = EchoReader(sequence.frame_size, pixel_spacing(poses.image_to_reference[chosen[0]]), imaging)
+        share = part(progress, done / len(placed), (done + 1) / len(placed))
+        for number, frame in enumerate(tracked_frames(sequence, poses, chosen)):
+            report(share, number / len(chosen), "Looking for bone in the sweep")
+            found.append(reader.read(frame, before + frame.number))
+        before += len(sequence)
+    echoes = SweepEchoes.joined(found)
+    if len(echoes) < FEWEST:
+        raise GeometryError(
+            "{sweeps}: {count} bone echoes, bright with darkness behind them, are too few to place a CT by; {fewest} are needed. "
+            "Check that the sweep shows bone, and --probe and --clip-px.",
+            sweeps=listed([sequence.name for sequence in sequences]),
+            count=len(echoes),
+            fewest=FEWEST,
+        )
+    return echoes

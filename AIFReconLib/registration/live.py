@@ -1,0 +1,87 @@
+"""Whether CT and patient still agree while the scan goes on: the bone echoes of the last seconds against the placed CT."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from ..arrays import Floats, Integers
+from ..geometry.transforms import invert, pixel_spacing, transform_points
+from ..resolve import Imaging
+from ..sweep.frames import TrackedFrame
+from .agreement import ENOUGH, Agreement, EchoFit, agreement_of, fit_echoes
+from .bone_field import BoneField
+from .echoes import FEWEST, EchoReader, SweepEchoes
+
+SECONDS = 5.0
+"""s of the scan that are looked back upon."""
+
+
+class LiveAgreement:
+    """Agreement over the last seconds of a live scan; one frame takes a few milliseconds, whatever came before.
+
+    Parameters
+    ----------
+    bone : BoneField
+    labels_to_reference : (4, 4) array, mm
+        Rigid.
+    imaging : Imaging
+        Region and probe of the images; both known.
+    seconds : float
+        How far back it looks.
+
+    Notes
+    -----
+    Not for several threads at once. Old frames are dropped as new ones come, so memory does not grow.
+    """
+
+    def __init__(self, bone: BoneField, labels_to_reference: Floats, imaging: Imaging, seconds: float = SECONDS):
+        self._bone, self._place, self._imaging, self._seconds = bone, np.asarray(labels_to_reference, dtype=np.float64), imaging, seconds
+        self._reader: EchoReader | None = None
+        self._size: tuple[int, int] | None = None
+        self._recent: deque[tuple[float, SweepEchoes, EchoFit, Integers]] = deque()
+        self._has_agreed = False
+
+    def place(self, labels_to_reference: Floats) -> None:
+        """Put the CT elsewhere; the echoes of the last seconds are judged anew."""
+        self._place = np.asarray(labels_to_reference, dtype=np.float64)
+        self._has_agreed = False
+        self._recent = deque((time, echoes, *self._judged(echoes)) for time, echoes, *_ in self._recent)
+
+    def add(self, frame: TrackedFrame) -> None:
+        """Take a frame; one without image or pose is passed over."""
+        if frame.image is None or frame.image_to_reference is None:
+            return
+        size = frame.image.shape[1], frame.image.shape[0]
+        if self._reader is None or size != self._size:
+            self._reader, self._size = EchoReader(size, pixel_spacing(frame.image_to_reference), self._imaging), size
+        echoes = self._reader.read(frame)
+        self._recent.append((frame.timestamp, echoes, *self._judged(echoes)))
+        while self._recent[-1][0] - self._recent[0][0] > self._seconds or self._recent[-1][0] < self._recent[0][0]:
+            self._recent.popleft()
+
+    def echoes(self) -> SweepEchoes:
+        """The bone echoes of the last seconds, to place the CT by anew."""
+        return SweepEchoes.joined([echoes for _, echoes, *_ in self._recent])
+
+    def agreement(self) -> Agreement | None:
+        """How well CT and the last seconds agree; None while they have shown too little bone."""
+        if sum(len(echoes) for _, echoes, *_ in self._recent) < FEWEST:
+            return None
+        fits = [fit for _, _, fit, _ in self._recent]
+        fit = EchoFit(*(np.concatenate([getattr(one, name) for one in fits]) for name in ("distances", "reachable")))
+        agreement = agreement_of(fit, np.concatenate([owners for *_, owners in self._recent]))
+        self._has_agreed |= agreement.enough
+        return agreement
+
+    def has_fallen(self) -> bool:
+        """Whether CT and patient agreed once and do so no longer: the patient moved, or the tracker or its marker was bumped."""
+        agreement = self.agreement()
+        return agreement is not None and self._has_agreed and agreement.echoes >= FEWEST and agreement.share < ENOUGH
+
+    def _judged(self, echoes: SweepEchoes) -> tuple[EchoFit, Integers]:
+        fit = fit_echoes(echoes, self._bone, self._place)
+        owners = np.zeros(len(echoes), dtype=np.int64)
+        owners[fit.near] = self._bone.label_at(transform_points(invert(self._place), echoes.points[fit.near]))
+        return fit, owners

@@ -1,0 +1,163 @@
+"""From a start to the best place nearby: a robust distance of echoes to bone, minimized over a rigid motion, from coarse to fine.
+
+References
+----------
+Brendel B, Winter S, Rick A, Stockheim M, Ermert H (2002), Registration of 3D CT and ultrasound datasets of the spine using bone structures,
+Computer Aided Surgery 7:146-155: bone surfaces that sound can reach laid upon the image. Besl PJ, McKay ND (1992), A method for
+registration of 3-D shapes, IEEE PAMI 14:239-256: the closest-point ancestor. Fitzgibbon AW (2003), Robust registration of 2D and 3D point
+sets, Image and Vision Computing 21:1145-1153: Levenberg-Marquardt on a distance transform under a robust cost, which is what is done here.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from ..arrays import Floats
+from ..geometry.transforms import invert, transform_points
+from .agreement import ENTERING
+from .bone_field import BoneField
+from .echoes import SweepEchoes
+
+SCALES = (8.0, 4.0, 2.0, 1.0)
+"""mm. Distances much beyond a scale count as far, no matter how far; one after the other."""
+
+MOST_ECHOES = 1500
+"""Echoes that take part, evenly in space."""
+
+FAR = 1e3
+"""Stands for the distance, in scales, of an echo whose sound would leave bone there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """Where a refinement ended.
+
+    Parameters
+    ----------
+    labels_to_reference : (4, 4) float64 array, mm
+    cost : float, 0 to 1
+        Mean of 1 - exp(-d^2 / 2 s^2) over the echoes, at the last scale.
+    normal : (6, 6) float64 array
+        Gauss-Newton's matrix, the mean over the echoes of w g g^T in 1 / mm^2, for motions of `vector_motion` about `center` in units of
+        mm, turns multiplied by `lever`; w = exp(-d^2 / 2 s^2).
+    center : (3,) float64 array, mm, Reference
+    lever : float, mm
+        Root mean square distance of the echoes from their center: turns in radians times this are mm.
+    """
+
+    labels_to_reference: Floats
+    cost: float
+    normal: Floats
+    center: Floats
+    lever: float
+
+
+def vector_motion(vector: Floats, center: Floats, lever: float = 1.0) -> Floats:
+    """A rigid motion (4, 4) in Reference: turn about `center` by the rotation vector ``vector[3:] / lever``, then move by
+    ``vector[:3]``."""
+    motion = np.eye(4)
+    motion[:3, :3] = Rotation.from_rotvec(vector[3:] / lever).as_matrix()
+    motion[:3, 3] = center - motion[:3, :3] @ center + vector[:3]
+    return motion
+
+
+class _Cost:
+    """Distances of echoes to bone, and their slopes, as functions of a motion of the labels in Reference."""
+
+    def __init__(self, echoes: SweepEchoes, bone: BoneField, start: Floats):
+        self._echoes, self._bone, self._start = echoes, bone, start
+        self.center = echoes.points.mean(axis=0)
+        self.lever = max(math.sqrt(((echoes.points - self.center) ** 2).sum(axis=1).mean()), 1.0)
+        self._known: tuple[Floats, tuple[Floats, Floats]] | None = None
+
+    def __call__(self, vector: Floats) -> tuple[Floats, Floats]:
+        """(n,) distances in mm, `FAR` where sound would leave bone, and (n, 6) slopes."""
+        if self._known is None or not np.array_equal(vector, self._known[0]):
+            self._known = vector.copy(), self._compute(vector)
+        return self._known[1]
+
+    def _compute(self, vector: Floats) -> tuple[Floats, Floats]:
+        # Moving the labels by M is moving the echoes by its inverse
+        turn = Rotation.from_rotvec(vector[3:] / self.lever).as_matrix()
+        still = (self._echoes.points - vector[:3] - self.center) @ turn
+        to_labels = invert(self._start)
+        distances, slopes = self._bone.sample(transform_points(to_labels, still + self.center))
+        slopes = slopes @ to_labels[:3, :3]
+        beams = self._echoes.beams @ turn
+        steepness = np.linalg.norm(slopes, axis=1)
+        leaving = -(slopes * beams).sum(axis=1) < ENTERING * steepness
+        # d = D(R^T q + c) with q = p - t - c: by t it changes as -R g, by a small further turn w as -(q x R g) . w
+        turned = slopes @ turn.T
+        arm = self._echoes.points - vector[:3] - self.center
+        jacobian = np.concatenate([-turned, -np.cross(arm, turned) / self.lever], axis=1)
+        jacobian[leaving] = 0.0
+        return np.where(leaving, FAR, distances), jacobian
+
+
+def robust_cost(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats, scale: float = SCALES[-1]) -> float:
+    """The mean of 1 - exp(-d^2 / 2 s^2) over the echoes, 0 to 1."""
+    distances, _ = _Cost(echoes, bone, labels_to_reference)(np.zeros(6))
+    return float(1 - np.exp(-0.5 * np.minimum((distances / scale) ** 2, 1e3)).mean())
+
+
+def refine(
+    echoes: SweepEchoes,
+    bone: BoneField,
+    start: Floats,
+    scales: tuple[float, ...] = SCALES,
+    most: int = MOST_ECHOES,
+) -> Refined:
+    """The best place of bone near a start.
+
+    Parameters
+    ----------
+    echoes : SweepEchoes
+    bone : BoneField
+    start : (4, 4) array, mm
+        labels_to_reference; rigid.
+    scales : tuple of float, mm
+    most : int
+        Echoes that take part.
+
+    Notes
+    -----
+    Minimized is the mean of 1 - exp(-d^2 / 2 s^2) over the echoes, d the signed distance of an echo to bone, for s = 8, 4, 2 and 1 mm.
+    An echo far from all bone, or whose sound would leave bone, costs 1 and pulls nowhere: gas, fascia, and bone that the labels lack do
+    no harm. The turn about the echoes' center is composed anew at each scale, so that its vector stays small.
+    """
+    chosen = echoes.thinned(most)
+    place = np.array(start, dtype=np.float64)
+    for scale in scales:
+        cost = _Cost(chosen, bone, place)
+
+        def residuals(vector: Floats, scale: float = scale, cost: _Cost = cost) -> Floats:
+            return cost(vector)[0] / scale
+
+        def slopes_of(vector: Floats, scale: float = scale, cost: _Cost = cost) -> Floats:
+            return cost(vector)[1] / scale
+
+        def loss(squared: Floats) -> Floats:
+            decay = np.exp(-0.5 * np.minimum(squared, 1e3))
+            return np.stack([2 * (1 - decay), decay, -0.5 * decay])
+
+        solution = least_squares(
+            residuals,
+            np.zeros(6),
+            jac=slopes_of,
+            loss=loss,  # type: ignore[arg-type]  # the stubs know a loss of one number only
+            x_scale=1.0,
+            xtol=1e-4,
+            ftol=1e-5,
+            gtol=1e-6,
+            max_nfev=30,
+        )
+        place = vector_motion(solution.x, cost.center, cost.lever) @ place
+    distances, slopes = _Cost(chosen, bone, place)(np.zeros(6))
+    weights = np.exp(-0.5 * np.minimum((distances / scales[-1]) ** 2, 1e3))
+    normal = (slopes * weights[:, None]).T @ slopes / len(slopes)
+    return Refined(place, float(1 - weights.mean()), normal, cost.center, cost.lever)

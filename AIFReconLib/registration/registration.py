@@ -1,0 +1,310 @@
+"""CT to Reference in one call: refined from a start or found without one, judged against its alternatives, bone by bone if asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..arrays import Floats
+from ..errors import GeometryError, SettingsError
+from ..geometry.transforms import as_matrix, transform_points, why_not_rigid
+from ..geometry.volume import Volume
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion
+from ..message import Message
+from ..progress import Progress, part, report
+from ..sweep.frames import TrackedSequence
+from .agreement import Agreement
+from .bone_field import BoneField
+from .certainty import HELD_MM, Loose, not_held, restart_spread
+from .echoes import SweepEchoes, sweep_echoes
+from .search import Place, anywhere, around, distinct, finished, level_shifts, motion_between, search
+from .segments import Segments, fields_of_labels, fit_segments
+
+AS_GOOD = 0.9
+"""A second place whose echoes lie this share as closely on bone as the best one's makes the answer ambiguous."""
+
+REFINED_MEDIAN = 0.33
+"""mm. Median distance beyond which a place that was refined is not the right one: a level off it is 0.35 mm or more, in the right place
+0.3 mm or less, a real bone's included. What is only checked need not be refined, so it is judged less strictly."""
+
+BENT, NEARLY_AS_GOOD = 3, 0.8
+"""Most places in which the bones are let loose, and the share of what the best one explains that makes it worth trying."""
+
+WORTH_JUDGING = 0.3
+"""Agreement below which it is no use to ask what holds a place."""
+
+
+@dataclass(frozen=True, eq=False)
+class Alternative:
+    """Another place: labels_to_reference (4, 4), how well it agrees, and how many levels higher (+) or lower (-) the CT lies there, or
+    None."""
+
+    transform: Floats
+    agreement: Agreement
+    levels: int | None
+
+
+@dataclass(frozen=True, eq=False)
+class Registration:
+    """Where the CT belongs, and how sure that is.
+
+    Parameters
+    ----------
+    transform : (4, 4) float64 array, mm
+        labels_to_reference, RAS.
+    agreement : Agreement
+        Of that place, or, where each bone moved on its own, of the bones where they came to lie.
+    refusal : Message or None
+        Why the answer must not be used unseen.
+    loose : tuple of Loose
+        Motions that the sweep does not hold.
+    restarts : float, mm
+        How far apart refinements from nearby starts ended.
+    alternatives : tuple of Alternative
+        Other places, best first; of which some may be as good.
+    moved : float or None, mm
+        How far the bone has moved from the start; None without one.
+    segments : Segments or None
+        Each bone's own motion.
+    echoes : SweepEchoes
+    """
+
+    transform: Floats
+    agreement: Agreement
+    refusal: Message | None
+    loose: tuple[Loose, ...]
+    restarts: float
+    alternatives: tuple[Alternative, ...]
+    moved: float | None
+    segments: Segments | None
+    echoes: SweepEchoes = field(repr=False)
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the bone agrees and no other place is as good."""
+        return self.refusal is None
+
+    @property
+    def uncertain(self) -> list[Message]:
+        """What the data do not hold, in words."""
+        words = [loose.sentence for loose in self.loose]
+        if not words and self.restarts > HELD_MM:
+            words = [Message("starts nearby end {spread:.1f} mm apart", spread=self.restarts)]
+        return words
+
+
+def register(
+    sequences: TrackedSequence | Iterable[TrackedSequence],
+    labels: Volume,
+    start: Floats | None = None,
+    *,
+    per_segment: bool = False,
+    level: int = 0,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+    image_to_reference: str | None = None,
+    reference: str | None = None,
+    progress: Progress | None = None,
+) -> Registration:
+    """Lay a CT's bone upon the bone that a sweep shows.
+
+    Parameters
+    ----------
+    sequences : TrackedSequence or several in one Reference
+    labels : Volume of integers
+        The CT's segmentation; any label above 0 is bone, one label per vertebra tells levels apart.
+    start : (4, 4) array or None, mm
+        labels_to_reference, rigid, from which to go; None: the place is looked for.
+    per_segment : bool
+        Let each label move on its own in the end.
+    level : int
+        Take the place so many levels higher (lower where negative) than the best one.
+    region, probe, image_to_reference, reference
+        As in `reconstruct`.
+    progress : Progress or None
+
+    Raises
+    ------
+    AIFReconError
+        For input that cannot be registered. An answer that is ambiguous or does not agree is no error: see `Registration.refusal`.
+    """
+    # What is wrong with the CT is said before the sweep is read
+    start = None if start is None else _rigid(start)
+    bone = BoneField.from_labels(labels)
+    echoes = sweep_echoes(
+        sequences,
+        region=region,
+        probe=probe,
+        image_to_reference=image_to_reference,
+        reference=reference,
+        progress=part(progress, 0.0, 0.5),
+    )
+    return register_echoes(echoes, bone, start, per_segment=per_segment, level=level, progress=part(progress, 0.5, 1.0))
+
+
+def register_echoes(
+    echoes: SweepEchoes,
+    bone: BoneField,
+    start: Floats | None = None,
+    *,
+    per_segment: bool = False,
+    level: int = 0,
+    progress: Progress | None = None,
+) -> Registration:
+    """`register`, for echoes and a field that are there already: of the last seconds of a live scan, say.
+
+    Raises
+    ------
+    SettingsError
+        When a level is asked for of a single bone.
+    """
+    shifts = level_shifts(bone)
+    if level and not shifts:
+        raise SettingsError("Input level must be 0 for labels of a single bone; got {level}. Give one label per vertebra.", level=level)
+    places = _places(echoes, bone, start, part(progress, 0.0, 0.6))
+    places = distinct([*places, *(finished(echoes, bone, places[0].labels_to_reference @ _shift(by)) for by in shifts.values())], echoes)
+    fields = fields_of_labels(bone.labels) if per_segment else {}
+    segments_of: dict[int, Segments] = {}
+    if per_segment:
+        # A bent spine fits rigidly a level off nearly as well: the bones decide
+        rivals = [place for place in places[:BENT] if place.agreement.explained >= NEARLY_AS_GOOD * places[0].agreement.explained]
+        bent = [(place, fit_segments(echoes, fields, place.labels_to_reference)) for place in rivals]
+        bent.sort(key=lambda one: one[1].agreement.rank, reverse=True)
+        segments_of = {id(place): segments for place, segments in bent}
+        places = [*(place for place, _ in bent), *places[len(rivals) :]]
+    chosen = places[0]
+    if level:
+        unit = shifts[1] * np.sign(shifts[1][2] or 1.0)
+        chosen = finished(echoes, bone, places[0].labels_to_reference @ _shift(level * unit))
+    others = [place for place in places if place is not chosen]
+    report(progress, 0.7, "Judging the CT's place")
+    segments = segments_of.get(id(chosen))
+    if per_segment and segments is None:
+        segments = fit_segments(echoes, fields, chosen.labels_to_reference)
+    agreement = segments.agreement if segments else chosen.agreement
+    alternatives = tuple(
+        Alternative(
+            other.labels_to_reference,
+            segments_of[id(other)].agreement if id(other) in segments_of else other.agreement,
+            _levels(other, chosen, bone, shifts),
+        )
+        for other in others
+    )
+    loose, restarts = [], 0.0
+    if chosen.agreement.share >= WORTH_JUDGING:
+        loose, restarts = not_held(echoes, bone, chosen.refined), restart_spread(echoes, bone, chosen.refined)
+    moved = None if start is None else motion_between(start, chosen.labels_to_reference, echoes.thinned(200).points)
+    refusal = _disagreement(agreement) or (None if level else _ambiguity(agreement, alternatives))
+    report(progress, 1.0, "Registered")
+    return Registration(chosen.labels_to_reference, agreement, refusal, tuple(loose), restarts, alternatives, moved, segments, echoes)
+
+
+def _places(echoes: SweepEchoes, bone: BoneField, start: Floats | None, progress: Progress | None) -> list[Place]:
+    if start is None:
+        return search(echoes, bone, anywhere(echoes, bone), progress)
+    report(progress, 0.0, "Refining the CT's place")
+    place = finished(echoes, bone, start)
+    if place.agreement.enough:
+        return [place]
+    # The way down led nowhere good: look around
+    middle = transform_points(start, bone.middle)
+    return distinct([place, *search(echoes, bone, around(start, middle), progress)], echoes)
+
+
+def _rigid(start: Floats) -> Floats:
+    matrix = as_matrix(start, "start")
+    problem = why_not_rigid(matrix)
+    if problem:
+        raise GeometryError(
+            "Input start must be a rigid transform, a turn and a shift; got one that is {problem}. Save it without scaling.",
+            problem=problem,
+        )
+    return matrix
+
+
+def _shift(by: Floats) -> Floats:
+    matrix = np.eye(4)
+    matrix[:3, 3] = by
+    return matrix
+
+
+def _levels(place: Place, best: Place, bone: BoneField, shifts: dict[int, Floats]) -> int | None:
+    """How many levels higher the CT lies at a place than at the best one."""
+    if not shifts:
+        return None
+    unit = shifts[1] * np.sign(shifts[1][2] or 1.0)
+    moved = transform_points(np.linalg.inv(best.labels_to_reference) @ place.labels_to_reference, bone.middle) - bone.middle
+    return round(float(moved @ unit / (unit @ unit)))
+
+
+def _disagreement(agreement: Agreement) -> Message | None:
+    warning = agreement.warning()
+    if warning is None and agreement.median_distance > REFINED_MEDIAN:
+        warning = Message(
+            "It fits only roughly for a place that was refined: a level off, the spine bent, the poses shaking, or another patient."
+        )
+    if warning is None:
+        return None
+    return Message(
+        "{sentence} {warning} Start nearer with --bone-transform, give --per-segment if the spine has bent, or take it as it is "
+        "with --accept.",
+        sentence=agreement.sentence(),
+        warning=warning,
+    )
+
+
+def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Message | None:
+    rival = next(iter(others), None)
+    if rival is None or not rival.agreement.enough or rival.agreement.tightness < AS_GOOD * best.tightness:
+        return None
+    where = Message("elsewhere") if not rival.levels else Message("{levels:+d} level(s) away", levels=rival.levels)
+    return Message(
+        "The CT fits nearly as well {where}: {other:.0%} of all echoes agree there, {best:.0%} here. "
+        "Compare the alternatives in --report, then choose one with --level N, or take the best with --accept.",
+        where=where,
+        other=rival.agreement.explained,
+        best=best.explained,
+    )
+
+
+def as_report(found: Registration) -> dict[str, object]:
+    """The registration as JSON holds it: matrices as nested lists, row by row, labels -> Reference in RAS."""
+    by_label = {
+        str(label): {"agreement": round(own.agreement, 4), "median_distance_mm": _rounded(own.median_distance), "echoes": own.echoes}
+        for label, own in found.agreement.per_label.items()
+    }
+    for label, place in (found.segments.transforms if found.segments else {}).items():
+        by_label.setdefault(str(label), {"agreement": 0.0, "median_distance_mm": None, "echoes": 0})["transform"] = place.tolist()
+    return {
+        "accepted": found.accepted,
+        "refusal": None if found.refusal is None else str(found.refusal),
+        "agreement": round(found.agreement.share, 4),
+        "median_distance_mm": _rounded(found.agreement.median_distance),
+        "echoes": found.agreement.echoes,
+        "echoes_elsewhere": found.agreement.elsewhere,
+        "transform": found.transform.tolist(),
+        "moved_mm": None if found.moved is None else round(found.moved, 3),
+        "uncertain": [str(words) for words in found.uncertain],
+        "loose": [
+            {"kind": one.kind, "axis": [round(float(v), 4) for v in one.axis], "mm" if one.kind == "slide" else "deg": round(one.amount, 2)}
+            for one in found.loose
+        ],
+        "restarts_mm": round(found.restarts, 3),
+        "alternatives": [
+            {
+                "transform": other.transform.tolist(),
+                "agreement": round(other.agreement.share, 4),
+                "explained": round(other.agreement.explained, 4),
+                "levels": other.levels,
+            }
+            for other in found.alternatives
+        ],
+        "per_label": by_label,
+    }
+
+
+def _rounded(value: float) -> float | None:
+    return round(value, 4) if np.isfinite(value) else None

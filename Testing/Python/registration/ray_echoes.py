@@ -1,0 +1,63 @@
+"""Bone echoes without images: rays sent into labeled bone until they meet it. Shares no code with the registration."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from scipy import ndimage
+
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.registration.echoes import SweepEchoes
+from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
+
+TILTS_DEG = ((0, 0), (25, 0), (-25, 0), (0, 15), (0, -15))
+"""Of the rays, to the side and along the spine."""
+
+
+@lru_cache
+def spine(seed: int = 0, vertebrae: int = 3, flexion_deg: float = 0.0, irregularity: float = 1.0) -> LumbarPhantom:
+    """A spine whose CT lies in Reference as it is."""
+    anatomy = LumbarAnatomy.from_seed(seed, vertebrae)
+    if irregularity != 1.0:
+        anatomy = LumbarAnatomy(seed=seed, vertebrae=vertebrae, irregularity=irregularity)
+    return make_lumbar_phantom(anatomy, spacing=1.0, ct_flexion_deg=flexion_deg)
+
+
+def ray_echoes(
+    distance: Volume, pitch: float = 2.5, z_range=(-70.0, 70.0), depth: float = 70.0, noise: float = 0.0, seed: int = 0
+) -> SweepEchoes:
+    """Where rays from behind (along +y, and tilted) first meet bone.
+
+    Parameters
+    ----------
+    distance : Volume of float, mm
+        Signed distance to bone, in Reference.
+    z_range : (low, high), mm
+        Part of the spine that is looked at.
+    noise : float, mm
+        Along each axis.
+    pitch, depth : float, mm
+        Between rays, and how far they go.
+    """
+    rng = np.random.default_rng(0)
+    points, beams, frames = [], [], []
+    xs, zs = np.meshgrid(np.arange(-28.0, 28.0, pitch), np.arange(*z_range, pitch), indexing="ij")
+    steps = np.arange(0.0, depth, 0.25)
+    for side, along in TILTS_DEG:
+        beam = np.array([np.tan(np.radians(side)), 1.0, np.tan(np.radians(along))])
+        beam /= np.linalg.norm(beam)
+        through = np.stack([xs.ravel(), np.full(xs.size, 30.0), zs.ravel()], axis=1)
+        start = through - beam * ((through[:, 1] + 5.0) / beam[1])[:, None]
+        way = start[:, None] + steps[None, :, None] * beam
+        to_ijk = np.linalg.inv(distance.ijk_to_reference)
+        ijk = way.reshape(-1, 3) @ to_ijk[:3, :3].T + to_ijk[:3, 3]
+        inside = ndimage.map_coordinates(distance.array, ijk.T[::-1], order=1, mode="constant", cval=6.0).reshape(way.shape[:2]) <= 0
+        met = inside.any(axis=1)
+        points.append(way[met, inside[met].argmax(axis=1)])
+        beams.append(np.tile(beam, (met.sum(), 1)))
+        frames.append(np.round(points[-1][:, 2]).astype(np.int64))
+    points = np.concatenate(points)
+    return SweepEchoes(
+        points + noise * rng.standard_normal(points.shape), np.concatenate(beams), np.ones(len(points), np.float32), np.concatenate(frames)
+    )

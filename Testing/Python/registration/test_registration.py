@@ -1,0 +1,336 @@
+"""A CT laid upon bone echoes: whether it is right, brought there, found, and what the sweep does not hold."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from ray_echoes import ray_echoes, spine
+from scipy.spatial.transform import Rotation
+from sweeps import rigid
+
+from AIFReconLib.errors import GeometryError, OperationCanceled, SettingsError
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.registration.agreement import Agreement, LabelAgreement, check
+from AIFReconLib.registration.bone_field import REACH, BoneField
+from AIFReconLib.registration.certainty import not_held
+from AIFReconLib.registration.echoes import SweepEchoes
+from AIFReconLib.registration.refine import _Cost, refine, vector_motion
+from AIFReconLib.registration.registration import register, register_echoes
+from AIFReconLib.registration.search import level_shifts
+from AIFReconLib.registration.segments import fields_of_labels, fit_segments, placed_labels
+from AIFReconLib.simulation.scan import random_rigid
+
+
+@pytest.fixture(scope="module")
+def echoes():
+    return ray_echoes(spine().bone_distance, noise=0.2)
+
+
+@pytest.fixture(scope="module")
+def bone():
+    return BoneField.from_labels(spine().labels)
+
+
+CENTER = np.array([3.0, -2.0, 5.0])
+
+
+def ball(radius=8.0, spacing=0.5, turn=(10.0, -20.0, 30.0), center=tuple(CENTER)) -> Volume:
+    """A ball of bone, label 1, on a turned grid."""
+    size = int(2 * radius / spacing) + 5
+    matrix = rigid(turn) @ np.diag([spacing, spacing, spacing, 1.0])
+    matrix[:3, 3] = np.asarray(center) - matrix[:3, :3] @ np.full(3, (size - 1) / 2)
+    k, j, i = np.indices((size,) * 3)
+    inside = np.sqrt(((np.stack([i, j, k]) - (size - 1) / 2) ** 2).sum(axis=0)) * spacing < radius
+    return Volume(inside.astype(np.uint8), matrix)
+
+
+def rod(length=120, radius=5.0) -> Volume:
+    """A round shaft along z."""
+    k, j, i = np.indices((length, 24, 24))
+    inside = (np.hypot(i - 11.5, j - 11.5) < radius) & (k > 0) & (k < length - 1)
+    matrix = np.eye(4)
+    matrix[:3, 3] = -11.5, -11.5, -length / 2
+    return Volume(inside.astype(np.uint8), matrix)
+
+
+def off_by(one, other, points) -> float:
+    return float(np.linalg.norm(transform_points(one, points) - transform_points(other, points), axis=1).mean())
+
+
+def move(x=0.0, y=0.0, z=0.0) -> np.ndarray:
+    return rigid(translation=(x, y, z))
+
+
+# The field
+
+
+def test_the_distance_to_a_ball_is_that_to_its_center_less_its_radius():
+    points = np.random.default_rng(0).uniform(-12, 12, (500, 3)) + CENTER
+    expected = np.linalg.norm(points - CENTER, axis=1) - 8.0
+    near = (expected > -6.0) & (expected < 10.0)
+    distances, _ = BoneField.from_labels(ball()).sample(points[near])
+    np.testing.assert_allclose(distances, expected[near], atol=0.6)
+    surface = np.abs(expected[near]) < 2.0
+    assert abs(np.median((distances - expected[near])[surface])) < 0.1
+
+
+def test_slopes_point_away_from_a_ball():
+    points = np.random.default_rng(1).standard_normal((200, 3))
+    points *= 9.0 / np.linalg.norm(points, axis=1, keepdims=True)
+    _, slopes = BoneField.from_labels(ball()).sample(points + CENTER)
+    assert (((slopes / np.linalg.norm(slopes, axis=1, keepdims=True)) * points).sum(axis=1) / 9.0 > 0.9).all()
+
+
+def test_places_beyond_the_box_are_as_far_as_is_known():
+    distances, slopes = BoneField.from_labels(ball()).sample(np.array([[500.0, 0.0, 0.0], [np.nan, 0.0, 0.0]]))
+    np.testing.assert_array_equal(distances, REACH)
+    np.testing.assert_array_equal(slopes, 0.0)
+
+
+def test_a_place_near_two_bones_is_given_to_the_nearer_one(bone):
+    labels = bone.labels
+    for label in (1, 2, 3):
+        k, j, i = np.argwhere(labels.array == label)[::500].T
+        points = transform_points(labels.ijk_to_reference, np.column_stack([i, j, k]).astype(float))
+        owners = bone.label_at(points)
+        assert (owners[owners > 0] == label).mean() > 0.9
+
+
+@pytest.mark.parametrize("fill", [0, 1])
+def test_labels_of_one_kind_alone_are_refused(fill):
+    with pytest.raises(GeometryError, match="right segmentation"):
+        BoneField.from_labels(Volume(np.full((4, 4, 4), fill, np.uint8), np.eye(4)))
+
+
+# The check
+
+
+def test_the_right_place_agrees(echoes, bone):
+    agreement = check(echoes, bone, np.eye(4))
+    assert agreement.share > 0.9
+    assert agreement.enough
+    assert agreement.warning() is None
+
+
+@pytest.mark.parametrize("wrong", [move(x=5), move(y=5), move(z=5), rigid((0, 0, 10)), rigid((10, 0, 0)), move(z=37)])
+def test_a_wrong_place_is_told(wrong, echoes, bone):
+    # About the middle of the echoes, as a user would turn it
+    center = move(*echoes.points.mean(axis=0))
+    assert check(echoes, bone, center @ wrong @ np.linalg.inv(center)).warning() is not None
+
+
+def test_the_ct_of_another_patient_is_told(echoes):
+    stranger = spine(seed=2)
+    bone = BoneField.from_labels(stranger.labels)
+    assert not register_echoes(echoes, bone, np.eye(4)).accepted
+
+
+def test_bone_that_lies_behind_bone_does_not_agree(bone, echoes):
+    # The front of the bodies, reached by no beam from behind
+    k, j, i = np.nonzero((bone.labels.array > 0) & (np.pad(bone.labels.array, ((0, 0), (0, 1), (0, 0)))[:, 1:] == 0))
+    front = transform_points(bone.labels.ijk_to_reference, np.column_stack([i, j, k]).astype(float))
+    front = front[front[:, 1] > front[:, 1].max() - 10.0][:300]
+    beams = np.tile([0.0, 1.0, 0.0], (len(front), 1))
+    hidden = SweepEchoes(front, beams, np.ones(len(front), np.float32), np.zeros(len(front), np.int64))
+    assert check(hidden, bone, np.eye(4)).share < 0.05
+
+
+def test_echoes_of_bone_that_the_labels_lack_do_not_count_against_it(echoes, bone):
+    far = SweepEchoes(echoes.points + np.array([200.0, 0, 0]), echoes.beams, echoes.scores, echoes.frames)
+    both = check(SweepEchoes.joined([echoes, far]), bone, np.eye(4))
+    assert both.share == check(echoes, bone, np.eye(4)).share
+    assert both.elsewhere == len(far)
+
+
+def test_a_label_without_its_echoes_is_named():
+    agreement = Agreement(0.8, 0.3, 1000, 0, {1: LabelAgreement(0.9, 0.3, 800), 2: LabelAgreement(0.1, 4.0, 200)})
+    assert not agreement.enough
+    assert "Label 2" in agreement.warning()
+
+
+def test_the_sentence_is_the_one_that_users_know():
+    agreement = Agreement(0.94, 0.42, 4210, 17)
+    assert agreement.sentence() == "CT and sweep agree: 94% of 4,210 bone echoes lie within 2 mm of the CT's bone, median 0.4 mm."
+
+
+def test_a_sweep_far_from_the_labels_says_so(echoes, bone):
+    assert "none of" in check(echoes, bone, move(x=500)).sentence()
+
+
+# Refinement
+
+
+def test_slopes_are_those_of_the_distances(echoes, bone):
+    cost = _Cost(echoes[::40], bone, random_rigid(2.0, 3.0, np.random.default_rng(0)))
+    vector = np.array([0.3, -0.2, 0.4, 0.5, -0.6, 0.2])
+    distances, slopes = (values.copy() for values in cost(vector))
+    for axis in range(6):
+        ahead, behind = (cost(vector + sign * 1e-5 * np.eye(6)[axis])[0] for sign in (1, -1))
+        same = (np.abs(ahead) < 100) & (np.abs(behind) < 100) & (np.abs(distances) < 100)
+        change = (ahead[same] - behind[same]) / 2e-5
+        # But for the few that cross from one voxel to the next
+        close = np.abs(change - slopes[same, axis]) < 0.02 + 0.02 * np.abs(change)
+        assert close.mean() > 0.97
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_ten_millimeters_and_ten_degrees_off_come_back(seed, echoes, bone):
+    start = random_rigid(10.0, 10.0, np.random.default_rng(seed), about=echoes.points.mean(axis=0))
+    found = register_echoes(echoes, bone, start)
+    assert found.accepted
+    assert off_by(found.transform, np.eye(4), echoes.points) < 0.3
+
+
+def test_the_answer_moves_with_the_sweep(echoes, bone):
+    motion = rigid((20.0, -35.0, 50.0), (100.0, -30.0, 12.0))
+    moved = SweepEchoes(transform_points(motion, echoes.points), echoes.beams @ motion[:3, :3].T, echoes.scores, echoes.frames)
+    place = refine(moved, bone, motion @ random_rigid(3.0, 3.0, np.random.default_rng(1))).labels_to_reference
+    assert off_by(place, motion, echoes.points) < 0.3
+
+
+def test_a_third_of_echoes_from_elsewhere_does_no_harm(echoes, bone):
+    rng = np.random.default_rng(0)
+    count = len(echoes) // 2
+    low, high = echoes.points.min(axis=0), echoes.points.max(axis=0)
+    noise = SweepEchoes(rng.uniform(low, high, (count, 3)), echoes.beams[:count], echoes.scores[:count], echoes.frames[:count])
+    start = random_rigid(5.0, 5.0, rng, about=echoes.points.mean(axis=0))
+    place = refine(SweepEchoes.joined([echoes, noise]), bone, start).labels_to_reference
+    assert off_by(place, np.eye(4), echoes.points) < 0.5
+
+
+def test_a_motion_turns_about_its_center():
+    center = np.array([10.0, -5.0, 3.0])
+    motion = vector_motion(np.array([1.0, 2.0, 3.0, 0.0, 0.0, math.pi / 2]), center)
+    np.testing.assert_allclose(transform_points(motion, center), center + np.array([1.0, 2.0, 3.0]))
+    np.testing.assert_allclose(motion[:3, :3], Rotation.from_euler("z", 90, degrees=True).as_matrix(), atol=1e-12)
+
+
+# What is not held
+
+
+def rod_echoes() -> SweepEchoes:
+    """A shaft seen from three sides, far from its ends."""
+    points, beams = [], []
+    for angle in np.radians((-30, 0, 30)):
+        beam = np.array([math.sin(angle), math.cos(angle), 0.0])
+        for phi in np.radians(np.arange(-60, 61, 10)):
+            side = Rotation.from_euler("z", phi).apply(-beam)
+            z = np.arange(-40.0, 40.0, 2.0)
+            points.append(5.0 * side + z[:, None] * (0, 0, 1.0))
+            beams.append(np.tile(beam, (len(z), 1)))
+    points = np.concatenate(points)
+    return SweepEchoes(points, np.concatenate(beams), np.ones(len(points), np.float32), np.zeros(len(points), np.int64))
+
+
+def test_a_shaft_is_not_held_along_and_about_its_axis():
+    bone, seen = BoneField.from_labels(rod()), rod_echoes()
+    loose = not_held(seen, bone, refine(seen, bone, move(x=2.0)))
+    assert sorted(one.kind for one in loose) == ["slide", "turn"]
+    assert all(abs(one.axis[2]) > 0.99 for one in loose)
+
+
+def test_a_shaft_comes_back_across_its_axis():
+    bone, seen = BoneField.from_labels(rod()), rod_echoes()
+    found = register_echoes(seen, bone, move(x=7.0, y=-7.0))
+    assert np.hypot(*found.transform[:2, 3]) < 0.3
+
+
+def test_a_spine_is_held(echoes, bone):
+    assert not_held(echoes, bone, refine(echoes, bone, np.eye(4))) == []
+
+
+# Without a start
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_ct_finds_its_place_without_a_start(seed):
+    phantom = spine(seed)
+    motion = random_rigid(300.0, 170.0, np.random.default_rng(seed))
+    seen = ray_echoes(phantom.bone_distance, noise=0.2)
+    seen = SweepEchoes(transform_points(motion, seen.points), seen.beams @ motion[:3, :3].T, seen.scores, seen.frames)
+    found = register_echoes(seen, BoneField.from_labels(phantom.labels))
+    assert found.accepted
+    assert off_by(found.transform, motion, phantom.bone_distance.grid.corners()) < 1.0
+
+
+def test_levels_that_fit_equally_well_are_ambiguous():
+    """A spine of equal vertebrae of which the sweep shows a part in the middle."""
+    same = spine(0, 4, irregularity=0.0)
+    labels = Volume(np.where(np.isin(same.labels.array, (2, 3)), same.labels.array, 0).astype(np.uint8), same.labels.ijk_to_reference)
+    middle = transform_points(labels.ijk_to_reference, np.argwhere(labels.array)[:, ::-1].astype(float))[:, 2]
+    seen = ray_echoes(same.bone_distance, z_range=(middle.min() - 25.0, middle.max() + 25.0), noise=0.2)
+    found = register_echoes(seen, BoneField.from_labels(labels), np.eye(4))
+    assert [other.levels for other in found.alternatives if other.agreement.enough] != []
+    assert not found.accepted
+    assert "level" in found.refusal
+
+
+def test_a_start_one_level_off_does_not_stay_there(echoes, bone):
+    found = register_echoes(echoes, bone, move(*level_shifts(bone)[1]))
+    assert off_by(found.transform, np.eye(4), echoes.points) < 0.5
+
+
+def test_another_level_can_be_asked_for(echoes, bone):
+    found = register_echoes(echoes, bone, np.eye(4), level=1)
+    # One level higher
+    assert 25.0 < transform_points(found.transform, bone.middle)[2] - bone.middle[2] < 50.0
+
+
+def test_a_single_bone_has_no_levels(echoes):
+    with pytest.raises(SettingsError, match="one label per vertebra"):
+        register_echoes(echoes, BoneField.from_labels(rod()), np.eye(4), level=1)
+
+
+# Bone by bone
+
+
+@pytest.fixture(scope="module")
+def bent():
+    return spine(0, 3, flexion_deg=5.0)
+
+
+def test_vertebrae_of_a_bent_spine_each_find_their_place(bent):
+    seen = ray_echoes(bent.bone_distance, noise=0.2)
+    fields = fields_of_labels(bent.labels)
+    one = refine(seen, BoneField.from_labels(bent.labels), np.eye(4)).labels_to_reference
+    each = fit_segments(seen, fields, one).transforms
+    motions = bent.motions_since_ct()
+    errors = [off_by(each[label], motions[label], fields[label].distance.grid.corners()) for label in fields]
+    rigidly = [off_by(one, motions[label], fields[label].distance.grid.corners()) for label in fields]
+    assert np.median(errors) < 0.7
+    assert max(rigidly) > 2.0
+    assert max(errors) < max(rigidly)
+
+
+def test_a_spine_that_has_not_bent_stays_in_one_piece(echoes, bone):
+    each = fit_segments(echoes, fields_of_labels(bone.labels), np.eye(4)).transforms
+    assert max(off_by(place, np.eye(4), echoes.points) for place in each.values()) < 1.0
+
+
+def test_placed_labels_are_where_their_motions_put_them():
+    labels = Volume(np.zeros((20, 20, 20), np.uint8), move(-10, -10, -10))
+    labels.array[4:8, 4:8, 4:8], labels.array[12:16, 4:8, 4:8] = 1, 2
+    placed = placed_labels(labels, {1: np.eye(4), 2: move(z=5.0)})
+    kji = np.argwhere(placed.array == 2)
+    center = transform_points(placed.ijk_to_reference, kji[:, ::-1].astype(float)).mean(axis=0)
+    np.testing.assert_allclose(center, (-4.5, -4.5, 8.5))
+    assert (placed.array == 1).sum() == (placed.array == 2).sum() == 64
+
+
+# Refusals
+
+
+@pytest.mark.parametrize(
+    ("start", "words"), [(np.diag([2.0, 2.0, 2.0, 1.0]), "rigid"), (np.full((4, 4), np.nan), "finite"), (np.diag([-1.0, 1, 1, 1]), "rigid")]
+)
+def test_a_start_that_is_no_pose_is_refused_before_the_sweep_is_read(start, words):
+    with pytest.raises(GeometryError, match=words):
+        register([], ball(), start)
+
+
+def test_it_can_be_canceled(echoes, bone):
+    with pytest.raises(OperationCanceled):
+        register_echoes(echoes, bone, progress=lambda fraction, message: fraction < 0.3)

@@ -1,0 +1,63 @@
+"""Does a CT find its place on the sweep, and does it say so when it does not? Starts, wrong CTs, posture, tracker noise, sparse sweeps.
+
+    python Testing/study registration --output study-output/registration
+
+writes registration.md. About four minutes per patient and core; an interrupted study goes on where it stopped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from AIFReconLib.commands.console import ProgressBar
+from AIFReconLib.errors import AIFReconError
+from AIFReconLib.io.disk.atomic import write_text
+
+from .patients import run_study
+from .registration_cases import Row, patient_rows
+
+
+def main(words: list[str]) -> int:
+    """Run what is missing, then write the page; the answer is the exit status."""
+    parser = argparse.ArgumentParser(prog="python Testing/study registration", description=__doc__.splitlines()[0])
+    parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder to keep the results in; made if it is not there")
+    parser.add_argument("--patients", type=int, default=10, metavar="N", help="how many (default: %(default)s)")
+    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="patients at a time (default: %(default)s)")
+    arguments = parser.parse_args(words)
+    try:
+        arguments.output.mkdir(parents=True, exist_ok=True)
+        with ProgressBar() as progress:
+            rows = run_study(patient_rows, Row, arguments.output, range(arguments.patients), arguments.jobs, progress)
+        page = arguments.output / "registration.md"
+        write_text(page, page_of(rows))
+    except (AIFReconError, OSError) as error:
+        print(f"study: {error}", file=sys.stderr)
+        return 2
+    print(f"{len(rows)} registrations of {arguments.patients} simulated patients\n  wrote {page}")
+    return 0
+
+
+def page_of(rows: list[Row]) -> str:
+    """A table: a line per condition."""
+    lines = [
+        "| Condition | n | accepted | error, mm: median | 95% | within 1 mm | within 2 mm | wrongly accepted | agreement | median, mm |",
+        "|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for condition in dict.fromkeys(row.condition for row in rows):
+        these = [row for row in rows if row.condition == condition]
+        errors = sorted(row.error for row in these if row.error == row.error)
+        accepted = sum(row.accepted for row in these) / len(these)
+        middle = sorted(row.agreement for row in these)
+        medians = sorted(row.median_distance for row in these)
+        cells = [condition, str(len(these)), f"{accepted:.0%}"]
+        if errors:
+            wrong = sum(row.accepted and row.error > 2.0 for row in these)
+            cells += [f"{errors[len(errors) // 2]:.2f}", f"{errors[int(0.95 * (len(errors) - 1))]:.2f}"]
+            cells += [f"{sum(e <= limit for e in errors) / len(errors):.0%}" for limit in (1.0, 2.0)] + [str(wrong)]
+        else:
+            cells += ["", "", "", "", ""]
+        cells += [f"{middle[0]:.2f} to {middle[-1]:.2f}", f"{medians[0]:.2f} to {medians[-1]:.2f}"]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,179 @@
+"""One simulated patient of the study of registration: every condition, and how far each answer is from the truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from AIFReconLib.evaluation.surface import bone_surface, centers_of_mass, distance_from_labels
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.registration.bone_field import BoneField
+from AIFReconLib.registration.echoes import SweepEchoes, sweep_echoes
+from AIFReconLib.registration.registration import Registration, register_echoes
+from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
+from AIFReconLib.simulation.phased_array import PhasedArray
+from AIFReconLib.simulation.scan import freehand_sweep, multi_angle_sweep, random_rigid, simulate_sweep, single_angle_sweep
+from AIFReconLib.sweep.frames import TrackedSequence
+
+FRAMES = 144
+
+STARTS = (("10 mm, 10 degrees", 10.0, 10.0, 10), ("25 mm, 20 degrees", 25.0, 20.0, 4))
+"""Name, mm and degrees of every start, and how many."""
+
+POSTURES_DEG = (3.0, 6.0)
+
+NOISES = ((0.3, 0.3), (1.0, 0.5))
+"""mm and degrees per axis and frame."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One registration: how far the bone in the sweep's box is from its place in mm on the mean (NaN where there is no truth)."""
+
+    patient: int
+    condition: str
+    error: float
+    accepted: bool
+    agreement: float
+    median_distance: float
+
+
+def patient_rows(seed: int) -> list[Row]:
+    """Every condition of one patient. Truth is where the simulator had the bone; the CT lies turned and shifted in its own frame."""
+    case = _Case(seed)
+    rows = [case.row("exact start", register_echoes(case.echoes, case.bone, case.truth))]
+    for name, move, turn, count in STARTS:
+        for trial in range(count):
+            start = random_rigid(move, turn, np.random.default_rng([seed, 50, trial]), about=case.center) @ case.truth
+            rows.append(case.row(f"start {name}", register_echoes(case.echoes, case.bone, start)))
+    rows.append(case.row("no start", register_echoes(case.echoes, case.bone)))
+    rows += _wrong_cts(case) + _postures(case) + _noises(case) + _sparse(case)
+    return rows
+
+
+class _Case:
+    """A patient, its sweep's echoes, and the truth."""
+
+    def __init__(self, seed: int):
+        self.seed = seed
+        self.phantom = _phantom(seed)
+        self.truth = self.phantom.ct_to_reference
+        self.bone = BoneField.from_labels(self.phantom.labels)
+        self.echoes = _echoes(self.phantom, multi_angle_sweep(self.phantom, FRAMES), seed)
+        self.center = self.echoes.points.mean(axis=0)
+        surface = bone_surface(distance_from_labels(self.phantom.labels), pitch=3.0).points_reference
+        placed = transform_points(self.truth, surface)
+        low, high = self.echoes.points.min(axis=0), self.echoes.points.max(axis=0)
+        self.targets = surface[((placed >= low) & (placed <= high)).all(axis=1)]
+
+    def row(self, condition: str, found: Registration, error: float | None = None) -> Row:
+        """The row of an answer; its error is that of the whole bone unless given."""
+        if error is None:
+            off = transform_points(found.transform, self.targets) - transform_points(self.truth, self.targets)
+            error = float(np.linalg.norm(off, axis=1).mean())
+        agreement = found.agreement
+        return Row(self.seed, condition, error, found.accepted, agreement.share, float(np.nan_to_num(agreement.median_distance, nan=99.0)))
+
+
+def _phantom(seed: int, **options) -> LumbarPhantom:
+    place = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
+    return make_lumbar_phantom(LumbarAnatomy.from_seed(seed), ct_to_reference=place, **options)
+
+
+def _echoes(phantom: LumbarPhantom, path, seed: int, **options) -> SweepEchoes:
+    probe = PhasedArray()
+    sweep = simulate_sweep(phantom, probe, path, seed=seed, **options)
+    calibrated = TrackedSequence(sweep.images, sweep.records, transforms=_calibration(probe))
+    return sweep_echoes(calibrated, probe=probe.geometry, region=probe.region)
+
+
+def _calibration(probe: PhasedArray) -> dict:
+    from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+
+    return {TransformName("Image", "Probe"): TransformSample(probe.image_to_probe)}
+
+
+def _wrong_cts(case: _Case) -> list[Row]:
+    """Another patient's CT, laid level upon level; the right CT a level off; and one that lacks a vertebra the sweep shows."""
+    rows, nothing = [], float("nan")
+    own = {label: transform_points(case.truth, center) for label, center in centers_of_mass(case.phantom.labels).items()}
+    for other in ((case.seed + 1) % 10,):
+        stranger = _phantom(other)
+        bone = BoneField.from_labels(stranger.labels)
+        start = stranger.ct_to_reference.copy()
+        start[:3, 3] += own[2] - transform_points(start, centers_of_mass(stranger.labels)[2])
+        rows.append(case.row("another patient's CT, start on the right level", register_echoes(case.echoes, bone, start), nothing))
+        rows.append(case.row("another patient's CT, no start", register_echoes(case.echoes, bone), nothing))
+    for levels in (1, -1):
+        start = case.truth.copy()
+        start[:3, 3] += own[2 + levels] - own[2]
+        rows.append(case.row("start one level off", register_echoes(case.echoes, case.bone, start)))
+    for kept, name in (((1, 2), "CT without the lowest vertebra"), ((2, 3), "CT without the highest vertebra")):
+        labels = case.phantom.labels
+        less = Volume(np.where(np.isin(labels.array, kept), labels.array, 0).astype(np.uint8), labels.ijk_to_reference)
+        bone = BoneField.from_labels(less)
+        rows.append(case.row(f"{name}, right start", register_echoes(case.echoes, bone, case.truth)))
+        rows.append(case.row(f"{name}, no start", register_echoes(case.echoes, bone)))
+        off = case.truth.copy()
+        off[:3, 3] += own[3 if kept[0] == 1 else 2] - own[2 if kept[0] == 1 else 3]
+        rows.append(case.row(f"{name}, start one level off", register_echoes(case.echoes, bone, off)))
+    return rows
+
+
+def _postures(case: _Case) -> list[Row]:
+    """The spine bent between CT and scan: the error of each vertebra, with one rigid motion and with one motion each."""
+    rows = []
+    for angle in POSTURES_DEG:
+        bent = _phantom(case.seed, ct_flexion_deg=angle)
+        bone, motions = BoneField.from_labels(bent.labels), bent.motions_since_ct()
+        start = random_rigid(5.0, 5.0, np.random.default_rng([case.seed, 51]), about=case.center) @ motions[2] @ bent.ct_to_reference
+        for per_segment, name in ((False, "rigid"), (True, "per vertebra")):
+            found = register_echoes(case.echoes, bone, start, per_segment=per_segment)
+            for label, motion in motions.items():
+                points = bone_surface(distance_from_labels(_only(bent.labels, label)), pitch=4.0).points_reference
+                place = found.segments.transforms[label] if found.segments else found.transform
+                off = transform_points(place, points) - transform_points(motion @ bent.ct_to_reference, points)
+                rows.append(case.row(f"bent by {angle:g} degrees per level, {name}", found, float(np.linalg.norm(off, axis=1).mean())))
+    return rows
+
+
+def _only(labels: Volume, label: int) -> Volume:
+    return Volume((labels.array == label).astype(np.uint8), labels.ijk_to_reference)
+
+
+def _noises(case: _Case) -> list[Row]:
+    """Tracker noise, drawn anew for every frame: it moves each frame's echoes together, about the probe some 40 mm above them."""
+    rows = []
+    for mm, degrees in NOISES:
+        rng = np.random.default_rng([case.seed, 52])
+        points, beams = case.echoes.points.copy(), case.echoes.beams.copy()
+        for frame in np.unique(case.echoes.frames):
+            mine = case.echoes.frames == frame
+            turn = Rotation.from_rotvec(np.deg2rad(degrees) * rng.standard_normal(3)).as_matrix()
+            probe = points[mine].mean(axis=0) - 40.0 * beams[mine].mean(axis=0)
+            points[mine] = (points[mine] - probe) @ turn.T + probe + mm * rng.standard_normal(3)
+            beams[mine] = beams[mine] @ turn.T
+        noisy = SweepEchoes(points, beams, case.echoes.scores, case.echoes.frames)
+        for trial in range(1):
+            start = random_rigid(10.0, 10.0, np.random.default_rng([case.seed, 53, trial]), about=case.center) @ case.truth
+            rows.append(
+                case.row(f"tracker noise {mm:g} mm, {degrees:g} degrees; start 10 mm, 10 degrees", register_echoes(noisy, case.bone, start))
+            )
+    return rows
+
+
+def _sparse(case: _Case) -> list[Row]:
+    """Few frames, and other ways of scanning."""
+    rows = []
+    sweeps = [(f"{FRAMES // every} frames of nine angles", case.echoes[case.echoes.frames % every == 0]) for every in (6, 12)]
+    paths = {"60 frames of one angle": single_angle_sweep(case.phantom, 60), "60 frames freehand": freehand_sweep(case.phantom, 60)}
+    sweeps += [(name, _echoes(case.phantom, path, case.seed)) for name, path in paths.items()]
+    for name, echoes in sweeps:
+        for trial in range(1):
+            start = random_rigid(10.0, 10.0, np.random.default_rng([case.seed, 54, trial]), about=case.center) @ case.truth
+            rows.append(case.row(f"{name}; start 10 mm, 10 degrees", register_echoes(echoes, case.bone, start)))
+        rows.append(case.row(f"{name}; no start", register_echoes(echoes, case.bone)))
+    return rows
