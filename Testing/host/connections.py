@@ -13,6 +13,8 @@ import traceback
 
 from PySide6 import QtCore
 
+_QT_SIGNALS: dict[tuple[type, int], dict[str, list[str]]] = {}
+
 
 class SlotErrors:
     """The exceptions that slots have raised since the last `take`."""
@@ -53,6 +55,34 @@ def guarded(function, wrap=lambda value: value):
 
     del call.__wrapped__
     return call
+
+
+def tables_of(native: type) -> list[dict]:
+    """The tables of what the stand-ins among a class and its bases offer; empty for a class of Qt."""
+    return [base.__dict__["api"] for base in native.__mro__ if "api" in base.__dict__]
+
+
+def signals_of(native, name: str) -> dict[str, str]:
+    """The signals of that name: C++ signature to the name by which PySide6 knows it, in C++ order; empty where there is none."""
+    for table in tables_of(type(native)):
+        found = {signature: attribute for signature, attribute in table.get("signals", {}).items() if signature.split("(")[0] == name}
+        if found:
+            return found
+    private = {attribute for table in tables_of(type(native)) for attribute in table.get("signals", {}).values()}
+    return {} if name in private else {signature: signature for signature in _qt_signals(native).get(name, ())}
+
+
+def _qt_signals(native) -> dict[str, list[str]]:
+    """The C++ signatures of a Qt object's signals by name. Asked of Qt once for a class: it tells of its methods one at a time."""
+    meta = native.metaObject()
+    key = type(native), meta.methodCount()
+    if key not in _QT_SIGNALS:
+        found = _QT_SIGNALS[key] = {}
+        for method in (meta.method(i) for i in range(meta.methodCount())):
+            if method.methodType() == QtCore.QMetaMethod.MethodType.Signal:
+                signature = bytes(method.methodSignature().data()).decode()
+                found.setdefault(signature.split("(")[0], []).append(signature)
+    return _QT_SIGNALS[key]
 
 
 def parameters(signature: str) -> list[str]:
@@ -98,15 +128,13 @@ class BoundSignal:
 
     def __call__(self, *args):
         """Emits the signal."""
-        from .pythonqt import unwrap
-
         for signature, attribute in self._signals.items():
             if len(parameters(signature)) == len(args):
                 native = self._owner._object
                 signal = getattr(native, attribute.split("(")[0])
                 if "(" in attribute and parameters(attribute):
                     signal = signal[",".join(parameters(attribute))]
-                signal.emit(*map(unwrap, args))
+                signal.emit(*map(self._owner._unwrap, args))
                 return
         raise ValueError(f"Called {self._signature()} with wrong arguments: {args!r}")
 
@@ -130,8 +158,6 @@ class _Registry:
 
 def resolve(owner, signal: str) -> tuple[str, str]:
     """The normalized C++ signature of a signal and PySide6's name of it; raises RuntimeError where the class lacks it."""
-    from .pythonqt import signals_of
-
     normalized = bytes(QtCore.QMetaObject.normalizedSignature(signal.lstrip("0123456789")).data()).decode()
     known = signals_of(owner._object, normalized.split("(")[0])
     if normalized not in known:
@@ -144,13 +170,11 @@ def connect(owner, signal: str, receiver) -> bool:
 
     Slicer only prints a line where the signal does not exist; here that is a RuntimeError, since nobody reads that line in a test.
     """
-    from .pythonqt import wrap
-
     if not callable(receiver):
         raise TypeError(f"a slot must be callable; got {receiver!r}")
     signature, attribute = resolve(owner, signal)
     native = owner._object
-    slot = guarded(_call_signal(receiver) if isinstance(receiver, BoundSignal) else receiver, wrap)
+    slot = guarded(_call_signal(receiver) if isinstance(receiver, BoundSignal) else receiver, owner._wrap)
     if "(" in attribute:
         connection = QtCore.QObject.connect(native, QtCore.SIGNAL(attribute), slot)
     else:

@@ -19,7 +19,7 @@ import weakref
 import shiboken6
 from PySide6 import QtCore
 
-from .connections import BoundSignal, connect, disconnect, guarded
+from .connections import BoundSignal, connect, disconnect, guarded, signals_of
 
 _BUILTIN = ("PySide6.", "Shiboken")
 
@@ -281,11 +281,6 @@ def _write(native, meta, value, kind):
         )
 
 
-def tables_of(native: type) -> list[dict]:
-    """The tables of what the stand-ins among a class and its bases offer; empty for a class of Qt."""
-    return [base.__dict__["api"] for base in native.__mro__ if "api" in base.__dict__]
-
-
 def is_offered(native: type, name: str) -> bool:
     """Whether C++ offers a method or enumeration of that name on a class."""
     if name in _PYSIDE_ONLY:
@@ -299,29 +294,6 @@ def is_offered(native: type, name: str) -> bool:
     # PySide6 resolves the values of scoped enumerations by its own metaclass, so they are in no __dict__
     qt = next((base for base in native.__mro__ if base.__module__.startswith(_BUILTIN)), None)
     return qt is not None and isinstance(inspect.getattr_static(qt, name, None) or getattr(qt, name, None), enum.Enum)
-
-
-def signals_of(native, name: str) -> dict[str, str]:
-    """The signals of that name: C++ signature to the name by which PySide6 knows it, in C++ order; empty where there is none."""
-    for table in tables_of(type(native)):
-        found = {signature: attribute for signature, attribute in table.get("signals", {}).items() if signature.split("(")[0] == name}
-        if found:
-            return found
-    private = {attribute for table in tables_of(type(native)) for attribute in table.get("signals", {}).values()}
-    return {} if name in private else {signature: signature for signature in _qt_signals(native).get(name, ())}
-
-
-def _qt_signals(native) -> dict[str, list[str]]:
-    """The C++ signatures of a Qt object's signals by name. Asked of Qt once for a class: it tells of its methods one at a time."""
-    meta = native.metaObject()
-    key = type(native), meta.methodCount()
-    if key not in _QT_SIGNALS:
-        found = _QT_SIGNALS[key] = {}
-        for method in (meta.method(i) for i in range(meta.methodCount())):
-            if method.methodType() == QtCore.QMetaMethod.MethodType.Signal:
-                signature = bytes(method.methodSignature().data()).decode()
-                found.setdefault(signature.split("(")[0], []).append(signature)
-    return _QT_SIGNALS[key]
 
 
 def wrapper_class(native: type) -> type:
@@ -340,8 +312,6 @@ def wrapper_class(native: type) -> type:
 _MADE: dict[type, type] = {}
 _PROPERTIES: dict[type, frozenset[str]] = {}
 """Names of the properties of the classes that were wrapped: a destroyed object cannot be asked."""
-
-_QT_SIGNALS: dict[tuple[type, int], dict[str, list[str]]] = {}
 
 
 def wrap(value):
@@ -381,3 +351,7 @@ def unwrap(value):
     if inspect.isfunction(value) or inspect.ismethod(value):
         return guarded(value, wrap)
     return value
+
+
+# For signals, which know of wrappers only what these tell them
+Wrapper._wrap, Wrapper._unwrap = staticmethod(wrap), staticmethod(unwrap)
