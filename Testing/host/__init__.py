@@ -13,8 +13,7 @@ As in Slicer, a module's panel lies in a scroll area that its size hints widen (
 widget, 3D cameras stay where they are until they are reset (`views.py`), and widgets answer to no name that the application's list lacks.
 
 Modules come and go as in Slicer: they are made in the order of their names, each loadable one bringing its classes into `slicer`, before
-any is loaded (`start_up.py`); closing the window or `slicer.util.exit` unloads them and destroys their panels within that very call, in
-the
+any is loaded (`start_up.py`); closing the window or `slicer.util.exit` unloads them and destroys their panels within that very call, in the
 middle of whatever Python does (`SlicerHost.run`), and a destroyed widget raises what PythonQt raises.
 
 What it cannot show: nothing is drawn in views, so no displayable manager, no interaction and no picture of a slice; no readers or
