@@ -27,13 +27,13 @@ if TYPE_CHECKING:
     from .io.plus.configuration import read_plus_configuration
     from .io.sequence.files import read_sequence
     from .io.sequence.writer import write_sequence
-    from .io.transform.files import read_transform
-    from .io.volume.files import read_labels, read_volume, write_volume
+    from .io.volume.files import read_labels, read_transform, read_volume, write_volume
     from .live.pairing.synchronizer import SynchronizerSettings
     from .live.replay.server import ReplayServer
     from .live.session.session import LiveSession
     from .live.wire.client import OpenIGTLinkClient
     from .reconstruction import reconstruct
+    from .registration.registration import register
     from .settings import ReconstructionSettings
     from .sweep.frames import TrackedFrame, TrackedSequence
     from .sweep.time_offset import with_time_offset
@@ -104,6 +104,7 @@ __all__ = [
     "read_transform",
     "read_volume",
     "reconstruct",
+    "register",
     "with_time_offset",
     "write_sequence",
     "write_volume",

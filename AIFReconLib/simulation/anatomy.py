@@ -229,7 +229,7 @@ class LumbarPhantom:
     soft_tissue: SoftTissue
     ct_vertebrae: tuple[Vertebra, ...]
 
-    def motions_since_ct(self) -> dict[int, np.ndarray]:
+    def motions_since_ct(self) -> dict[int, Matrix]:
         """How each vertebra has moved in Reference from the CT to the scan, (4, 4) by label; the identity unless the spine has bent."""
         return {
             now.label: now.vertebra_to_reference @ invert(then.vertebra_to_reference)
