@@ -268,7 +268,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         sequence = with_time_offset(read_sequence(recording, config=configuration, orientation=orientation), timeOffset, longestGap)
         return browserFromSequence(sequence, pathlib.Path(recording).name.split(".")[0], progress)
 
-    def reconstruct(self, sweep, bone=None, *, output=None, keep=(), progress=None, inputs=None, **settings):
+    def reconstruct(self, sweep, bone=None, *, output=None, keep=(), progress=None, inputs=None, **choices):
         """Reconstruct a volume from the nodes of a sweep.
 
         Parameters
@@ -282,21 +282,23 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         progress : callable or None
             ``progress(fraction, message) -> bool``; False cancels.
         inputs : dict or None
-            More about the inputs: the fields of `AIFReconScene.inputs.inputs.Inputs`, as ``{"boneSigmaMm": 4.0, "region": roiNode}``.
-        **settings
-            The fields of `AIFReconLib.ReconstructionSettings`, as ``method="average", spacing=0.5``.
+            As in `choices`; for callers from before these took them.
+        **choices
+            The fields of `AIFReconLib.ReconstructionSettings`, as ``method="average", holeLimit=1.0`` (``hole_limit`` does as well), and
+            those of `AIFReconScene.inputs.inputs.Inputs`, as ``boneSigmaMm=4.0, region=roiNode``.
 
         Returns
         -------
         volume : vtkMRMLScalarVolumeNode
             Or an AIFReconError with what is wrong and what to do, OperationCanceled after a cancel; the scene is then as before.
         """
-        from AIFReconScene.inputs.inputs import Inputs
+        from AIFReconScene.inputs.inputs import Inputs, settingsAndInputs
 
         from AIFReconLib import ReconstructionSettings
 
+        settings, more = settingsAndInputs({**(inputs or {}), **choices})
         asked = ReconstructionSettings(**{"best_cosine": "cosine" in keep, **settings})
-        nodes, _report = self._reconstruct(Inputs(sweep=sweep, bone=bone, **(inputs or {})), asked, output, keep, progress)
+        nodes, _report = self._reconstruct(Inputs(sweep=sweep, bone=bone, **more), asked, output, keep, progress)
         return nodes["intensity"]
 
     # ---- for the panel

@@ -67,7 +67,7 @@ _PUBLIC = {
     "read_labels": "io.volume.files",
     "read_plus_configuration": "io.plus.configuration",
     "read_sequence": "io.sequence.files",
-    "read_transform": "io.volume.files",
+    "read_transform": "io.transform.files",
     "read_volume": "io.volume.files",
     "reconstruct": "reconstruction",
     "register": "registration.registration",

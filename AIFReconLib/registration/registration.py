@@ -26,6 +26,9 @@ from .segments import Segments, fields_of_labels, fit_segments
 AS_GOOD = 0.9
 """A second place whose echoes lie this share as closely on bone as the best one's makes the answer ambiguous."""
 
+OUTNUMBERED = 1.8
+"""A place that is believed for the few echoes near it is not, where another explains so many times as many of all."""
+
 REFINED_MEDIAN = 0.33
 """mm. Median distance beyond which a place that was refined is not the right one: a level off it is 0.35 mm or more, in the right place
 0.3 mm or less, a real bone's included. What is only checked need not be refined, so it is judged less strictly."""
@@ -257,6 +260,15 @@ def _disagreement(agreement: Agreement) -> Message | None:
 
 
 def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Message | None:
+    others = list(others)
+    most = max((other.agreement.explained for other in others), default=0.0)
+    if most > OUTNUMBERED * best.explained:
+        return Message(
+            "Only {best:.0%} of all echoes agree in the place that fits most closely, and {most:.0%} in one that fits too roughly. "
+            "Check that CT and sweep are of one patient, start nearer with --bone-transform, or take it as it is with --accept.",
+            best=best.explained,
+            most=most,
+        )
     rival = next(iter(others), None)
     if rival is None or not rival.agreement.enough or rival.agreement.tightness < AS_GOOD * best.tightness:
         return None

@@ -12,6 +12,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import tinyScene
 
 from AIFRecon import AIFReconLogic
+from AIFReconLib.errors import SettingsError
 
 
 class AIFReconReconstructionTest(unittest.TestCase):
@@ -83,11 +84,21 @@ class AIFReconReconstructionTest(unittest.TestCase):
         turned = tinyScene.moved(0.0, tinyScene.FACE, 0.0) @ tinyScene.rotation(0, 20.0) @ tinyScene.rotation(2, 35.0)
         roi.SetAndObserveObjectToNodeMatrix(slicer.util.vtkMatrixFromArray(turned))
         roi.SetSize(10.0, 12.0, 8.0)
-        volume = self.logic.reconstruct(self.sweep, self.bone, spacing=0.5, inputs={"region": roi})
+        volume = self.logic.reconstruct(self.sweep, self.bone, spacing=0.5, region=roi)
         self.assertEqual(volume.GetImageData().GetDimensions(), (20, 24, 16))
         axes = tinyScene.ijkToRAS(volume)[:3, :3] / 0.5
         np.testing.assert_allclose(axes, turned[:3, :3], atol=1e-6)
         self.assertOnFace(volume)
+
+    def test_choices_are_named_as_the_module_names_them_or_as_the_library_does(self):
+        asked = {"method": "average", "spacing": 1.0}
+        ours = self.logic.reconstruct(self.sweep, self.bone, holeLimit=2.0, region=self.ct, **asked)
+        theirs = self.logic.reconstruct(self.sweep, self.bone, hole_limit=2.0, inputs={"region": self.ct}, **asked)
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(ours), slicer.util.arrayFromVolume(theirs))
+
+    def test_a_choice_that_there_is_not_is_named_with_those_there_are(self):
+        with self.assertRaisesRegex(SettingsError, "holelimit is no choice.*boneSigmaMm.*holeLimit"):
+            self.logic.reconstruct(self.sweep, holelimit=2.0)
 
     def test_the_voxels_of_a_volume_are_used_with_its_transform(self):
         volume = self.logic.reconstruct(self.sweep, self.bone, inputs={"region": self.ct})

@@ -12,6 +12,10 @@ AIFRECON_SLICER_SOURCE=<a checkout of Slicer> the first three and `slicer.util` 
 As in Slicer, a module's panel lies in a scroll area that its size hints widen (`windows.py`); slice views fit their field of view to their
 widget, 3D cameras stay where they are until they are reset (`views.py`), and widgets answer to no name that the application's list lacks.
 
+Modules come and go as in Slicer: they are made in the order of their names, each loadable one bringing its classes into `slicer`, before any
+is loaded (`start_up.py`); closing the window or `slicer.util.exit` unloads them and destroys their panels within that very call, in the
+middle of whatever Python does (`SlicerHost.run`), and a destroyed widget raises what PythonQt raises.
+
 What it cannot show: nothing is drawn in views, so no displayable manager, no interaction and no picture of a slice; no readers or
 writers of the application (`slicer.util.loadVolume` fails), no panels of C++ modules, no language but a test's, no packaging, no packages
 installed (`pip_install` refuses). The look is Qt's Fusion style, with what CTK draws itself drawn alike. Which node a selector falls

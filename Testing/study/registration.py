@@ -11,6 +11,8 @@ import argparse
 import sys
 from pathlib import Path
 
+import numpy as np
+
 from AIFReconLib.commands.console import ProgressBar
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.io.disk.atomic import write_text
@@ -54,7 +56,7 @@ def page_of(rows: list[Row]) -> str:
         cells = [condition, str(len(these)), f"{accepted:.0%}"]
         if errors:
             wrong = sum(row.accepted and row.error > 2.0 for row in these)
-            cells += [f"{errors[len(errors) // 2]:.2f}", f"{errors[int(0.95 * (len(errors) - 1))]:.2f}"]
+            cells += [f"{np.median(errors):.2f}", f"{np.percentile(errors, 95):.2f}"]
             cells += [f"{sum(e <= limit for e in errors) / len(errors):.0%}" for limit in (1.0, 2.0)] + [str(wrong)]
         else:
             cells += ["", "", "", "", ""]

@@ -54,7 +54,7 @@ def _aroundSweep(parameters) -> tuple | None:
         sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
         poses = sweep_poses(sequence)
         usable = poses.require_usable(sequence.name)
-        asked = Inputs.fromParameters(parameters).imageRegion(sequence)
+        asked = Inputs.fromParameters(parameters).imageRegion(sequence.configuration)
         region = resolve_imaging(sequence, poses, False, asked).region
     except AIFReconError:
         return None  # the panel says what is wrong with the sweep

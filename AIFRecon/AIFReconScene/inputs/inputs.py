@@ -1,6 +1,6 @@
 """The nodes that a reconstruction starts from, and what the library makes of them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 from AIFReconLib import reconstruct
@@ -10,7 +10,7 @@ from AIFReconLib.progress import part
 
 from ..sceneNodes import proxiesOf
 from .imagingChoices import imageRegionFrom, probeFrom
-from .parameters import Region, SigmaUnit, fileFrom
+from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom
 
 
 @dataclass(frozen=True)
@@ -172,3 +172,24 @@ def reconstructed(inputs: Inputs, settings, progress=None):
     """A `Reconstruction` and the sequence it was made from."""
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
     return prepared.reconstruct(settings, part(progress, 0.1, 1.0)), prepared.sequence
+
+
+def settingsAndInputs(choices: dict) -> tuple[dict, dict]:
+    """What a script chose by name: the fields of the library's settings, and the fields of `Inputs`.
+
+    Settings may be named as the module names them (``holeLimit``) or as the library does (``hole_limit``).
+
+    Raises
+    ------
+    SettingsError
+        When a name is neither.
+    """
+    settings = {name: known for known in PARAMETERS for name in (known, camelCase(known))}
+    others = [field.name for field in fields(Inputs) if field.name not in ("sweep", "bone")]
+    unknown = next((name for name in choices if name not in settings and name not in others), None)
+    if unknown is not None:
+        names = ", ".join(sorted({camelCase(name) for name in PARAMETERS} | set(others)))
+        raise SettingsError("Input {name} is no choice. The choices are: {names}.", name=unknown, names=names)
+    return {settings[name]: value for name, value in choices.items() if name in settings}, {
+        name: value for name, value in choices.items() if name in others
+    }

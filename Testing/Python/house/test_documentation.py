@@ -17,8 +17,13 @@ from doc_workplace import make_workplace, serve
 from AIFReconLib.commands.parser import build_parser, main
 from AIFReconLib.settings import METHODS
 
-LONG_RUNNING = {"demo": "commands/test_demo.py", "benchmark": "commands/test_benchmark.py", "simulate": "commands/test_demo.py"}
-"""Commands that are only parsed here, and where they are run."""
+LONG_RUNNING = {
+    "demo": "commands/test_demo.py",
+    "benchmark": "commands/test_benchmark.py",
+    "simulate": "commands/test_demo.py",
+    "register": "commands/test_register_command.py",
+}
+"""Commands that are only parsed here, for they take long or more than the workplace's made-up images, and where they are run."""
 
 BLOCKS = [block for page in PAGES for block in blocks(page)]
 SHELL = [block for block in BLOCKS if block.commands()]

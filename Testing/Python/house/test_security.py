@@ -18,6 +18,7 @@ from AIFReconLib.commands.parser import build_parser, main
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.plus.importance_mask import configured_importance
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_labels, read_volume
 from AIFReconLib.live.replay.server import ReplayServer
@@ -191,7 +192,7 @@ def test_an_importance_mask_of_a_kind_that_names_other_files_is_refused(inputs, 
         "</PlusConfiguration>"
     )
     with pytest.raises(AIFReconError, match=r"must be one of \.png"):
-        read_plus_configuration(inputs / "plus.xml").importance()
+        configured_importance(read_plus_configuration(inputs / "plus.xml"))
 
 
 def test_nothing_in_a_configuration_or_recording_says_where_to_write(patient, results, tmp_path):

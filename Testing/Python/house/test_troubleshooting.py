@@ -182,7 +182,7 @@ def test_a_volume_too_large_for_memory(here, said):
 
 def test_what_the_panel_says_is_on_the_page():
     rows = re.search(r"^\| The panel says.*\n\|[-| ]+\|\n((?:\|.*\n)+)", text_of(PAGE), flags=re.MULTILINE).group(1).splitlines()
-    source = (REPOSITORY / "AIFRecon" / "AIFReconScene" / "readiness.py").read_text("utf-8")
+    source = (REPOSITORY / "AIFRecon" / "AIFReconScene" / "inputs" / "readiness.py").read_text("utf-8")
     sayings = set(re.findall(r'_\("([^"]+)"\)', re.sub(r"\{\w+\}", "…", source)))
     assert {row.split("|")[1].strip() for row in rows} - sayings == set()
 

@@ -108,6 +108,14 @@ def test_a_run_can_be_canceled(host, widget):
     assert widget.logic.run(widget._parameterNode) == "canceled"
 
 
+def test_a_progress_dialog_is_not_modal_by_itself(host):
+    import slicer
+
+    dialog = slicer.util.createProgressDialog(labelText="Begin")
+    assert not dialog.modal
+    dialog.close()
+
+
 def test_an_error_in_a_run_is_shown(host, widget, parameters):
     import slicer
 
