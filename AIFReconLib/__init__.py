@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from .io.plus.configuration import read_plus_configuration
     from .io.sequence.files import read_sequence
     from .io.sequence.writer import write_sequence
-    from .io.volume.files import read_labels, read_transform, read_volume, write_volume
+    from .io.transform.files import read_transform
+    from .io.volume.files import read_labels, read_volume, write_volume
     from .live.pairing.synchronizer import SynchronizerSettings
     from .live.replay.server import ReplayServer
     from .live.session.session import LiveSession
