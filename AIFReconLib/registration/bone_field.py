@@ -128,12 +128,12 @@ class BoneField:
 def _signed_distance(inside: Mask, spacing_kji: Floats) -> Floats:
     """Signed distance to the surface, which lies half a voxel from the centers of the voxels on either side of it; smoothed, float32."""
     half = np.float32(0.5 * np.prod(spacing_kji) ** (1 / 3))
-    distance = ndimage.distance_transform_edt(~inside, sampling=spacing_kji).astype(np.float32)
+    distance = np.asarray(ndimage.distance_transform_edt(~inside, sampling=spacing_kji)).astype(np.float32)
     distance -= half
     (box,) = ndimage.find_objects(inside.view(np.uint8))
     # No need to look for depth in bone outside of its box
     box = tuple(slice(max(s.start - 1, 0), s.stop + 1) for s in box)
-    depth = ndimage.distance_transform_edt(inside[box], sampling=spacing_kji).astype(np.float32)
+    depth = np.asarray(ndimage.distance_transform_edt(inside[box], sampling=spacing_kji)).astype(np.float32)
     distance[box] = np.where(inside[box], half - depth, distance[box])
     np.clip(distance, -REACH, REACH, out=distance)
     return ndimage.gaussian_filter(distance, SMOOTHING, mode="nearest")

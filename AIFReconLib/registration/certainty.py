@@ -78,7 +78,7 @@ def not_held(echoes: SweepEchoes, bone: BoneField, refined: Refined) -> list[Loo
                 for sign in (-1, 1)
             ]
             if min(costs) > least + LOSS:
-                amount = size
+                amount = float(size)
                 break
         amount = amount if slides else math.degrees(amount)
         if amount > (HELD_MM if slides else HELD_DEG):

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -145,11 +146,12 @@ def refine(
             decay = np.exp(-0.5 * np.minimum(squared, 1e3))
             return np.stack([2 * (1 - decay), decay, -0.5 * decay])
 
-        solution = least_squares(
+        # Typed in another way from one release of the stubs to the next
+        solution = cast("Any", least_squares)(
             residuals,
             np.zeros(6),
             jac=slopes_of,
-            loss=loss,  # type: ignore[arg-type]  # the stubs know a loss of one number only
+            loss=loss,
             x_scale=1.0,
             xtol=1e-4,
             ftol=1e-5,

@@ -183,7 +183,8 @@ def _back_of(bone: BoneField) -> Floats:
     first = np.ones(len(order), dtype=bool)
     first[1:] = (np.diff(cells[order], axis=0) != 0).any(axis=1)
     seen = points[order[first]]
-    return seen[np.abs(seen[:, 0] - np.median(points[:, 0])) < 25.0]
+    central: Floats = seen[np.abs(seen[:, 0] - np.median(points[:, 0])) < 25.0]
+    return central
 
 
 def _directions(rng: np.random.Generator, count: int) -> Floats:

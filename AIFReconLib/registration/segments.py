@@ -14,6 +14,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 from scipy import ndimage
@@ -144,11 +145,12 @@ def _moved_together(
         rho[:, :echo_count] = 2 * (1 - decay), decay, -0.5 * decay
         return rho
 
-    solution = least_squares(
+    # Typed in another way from one release of the stubs to the next
+    solution = cast("Any", least_squares)(
         residuals,
         np.zeros(6 * len(numbers)),
         jac=jacobian,
-        loss=loss,  # type: ignore[arg-type]  # the stubs know a loss of one number only
+        loss=loss,
         xtol=1e-4,
         ftol=1e-4,
         gtol=1e-6,
