@@ -45,6 +45,7 @@ def codec() -> ModuleType:
         When it is not installed.
     """
     try:
+        importlib.import_module("pyigtl")
         messages = importlib.import_module("pyigtl.messages")
     except ImportError:
         raise LiveConnectionError("A live stream needs the Python package pyigtl, which is not installed: pip install pyigtl") from None

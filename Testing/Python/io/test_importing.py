@@ -203,7 +203,7 @@ def test_a_status_of_the_file_is_kept(tmp_path, results, frames):
 def test_poses_of_another_rate_are_interpolated_at_the_images(tmp_path, results):
     """Images of a DICOM file at 0, 0.04 and 0.08 s, poses every 0.02 s."""
     dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
-    from test_imported_images import write_dicom
+    from test_foreign_images import write_dicom
 
     images = write_dicom(dicom, tmp_path / "a.dcm", np.asarray(SEQUENCE.images)[:3], FrameTime=40.0)
     rows = [[0.02 * n + 0.01, *(rigid(translation=(n, 0, 0)) @ np.diag([0.4, 0.5, 1, 1])).ravel().tolist()] for n in range(-1, 5)]

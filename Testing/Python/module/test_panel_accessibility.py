@@ -18,7 +18,7 @@ import pytest
 REPOSITORY = Path(__file__).resolve().parents[3]
 MODULE = REPOSITORY / "AIFRecon"
 PROGRAM = REPOSITORY / "Testing" / "host" / "panel_looks.py"
-STATES = REPOSITORY / "AIFRecon" / "AIFReconGui" / "livePanel.py"
+STATES = REPOSITORY / "AIFRecon" / "AIFReconGui" / "panel" / "livePanel.py"
 COLOR = re.compile(r"#[0-9a-fA-F]{6}\b|\brgba?\(|\bcolor:|QColor|setForeground|setPalette")
 
 
@@ -67,7 +67,7 @@ def test_every_label_stands_out_from_what_is_behind_it(found, look):
 @pytest.mark.parametrize("path", sorted([*MODULE.rglob("*.py"), *MODULE.rglob("*.ui")]), ids=lambda path: path.name)
 def test_colors_are_left_to_the_palette(path):
     """The tracking state alone has colors of its own, and brings its background along; volumes and models are no widgets."""
-    if path == STATES or path.parent.name == "AIFReconScene":
+    if path == STATES or "AIFReconScene" in path.parts:
         return
     assert COLOR.findall(path.read_text("utf-8")) == []
 

@@ -19,18 +19,15 @@ for _folder in ("Testing", "AIFRecon"):
 import write_translations  # noqa: E402 - the folder must be known first
 
 OF_COMMANDS_ALONE = (
-    "calibration_files",  # aifrecon import and convert
-    "engines",  # its option is one of pip
-    "importing",
-    "offset_estimate",  # aifrecon time-offset
-    "pose_files",
-    "pose_rows",
-    "replay_frames",  # aifrecon replay
-    "sequence_edits",  # aifrecon convert
-    "study",
-    "transform_sequences",
+    "compounding/engines",  # its option is one of pip
+    "inspection/offset_estimate",  # aifrecon time-offset
+    "io/foreign",  # aifrecon import and convert
+    "io/sequence/transforms",
+    "live/replay",  # aifrecon replay
+    "registration",  # aifrecon register
+    "sweep/edits",  # aifrecon convert
 )
-"""Files whose sentences never reach the panel."""
+"""Files and rooms whose sentences never reach the panel."""
 
 
 @functools.cache
@@ -39,8 +36,9 @@ def sentences() -> list[str]:
     errors = write_translations.error_classes()
     found = []
     for path in write_translations.python_files(write_translations.LIBRARY):
-        parts = path.relative_to(write_translations.LIBRARY).parts
-        if parts[0] in write_translations.COMMAND_LINE or path.stem in OF_COMMANDS_ALONE:
+        place = path.relative_to(write_translations.LIBRARY).with_suffix("")
+        alone = any(place.is_relative_to(other) for other in OF_COMMANDS_ALONE)
+        if alone or {place.parts[0], f"{place}.py"} & set(write_translations.COMMAND_LINE):
             continue
         for _, template in write_translations.template_calls(ast.parse(path.read_text(encoding="utf-8")), errors):
             found.append(write_translations.literal(template) or "")
