@@ -44,7 +44,7 @@ def sequence(phantom, path):
 
 def image_to_reference(record, image_to_probe=PROBE.image_to_probe) -> np.ndarray:
     graph = TransformGraph()
-    graph.set("ImageToProbe", image_to_probe)
+    graph.put("ImageToProbe", image_to_probe)
     return graph.updated(record.transforms).lookup("Image", "Reference").matrix
 
 
