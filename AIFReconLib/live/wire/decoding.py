@@ -6,7 +6,6 @@ message that is whole and still makes no sense is the sender's mistake, and is r
 
 from __future__ import annotations
 
-import importlib
 import struct
 from collections.abc import Callable
 from types import ModuleType
@@ -49,7 +48,8 @@ def codec() -> ModuleType:
         messages = importlib.import_module("pyigtl.messages")
     except ImportError:
         raise LiveConnectionError("A live stream needs the Python package pyigtl, which is not installed: pip install pyigtl") from None
-    return messages
+    known: ModuleType = messages
+    return known
 
 
 def decode(frame: Frame, received: float = 0.0) -> tuple[Decoded, ...]:
