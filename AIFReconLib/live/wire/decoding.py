@@ -44,8 +44,7 @@ def codec() -> ModuleType:
         When it is not installed.
     """
     try:
-        importlib.import_module("pyigtl")
-        messages = importlib.import_module("pyigtl.messages")
+        from pyigtl import messages
     except ImportError:
         raise LiveConnectionError("A live stream needs the Python package pyigtl, which is not installed: pip install pyigtl") from None
     known: ModuleType = messages
