@@ -12,7 +12,6 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import tinyScene
 
 from AIFRecon import AIFReconLogic
-from AIFReconLib.errors import SettingsError
 
 
 class AIFReconReconstructionTest(unittest.TestCase):
@@ -97,6 +96,8 @@ class AIFReconReconstructionTest(unittest.TestCase):
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(ours), slicer.util.arrayFromVolume(theirs))
 
     def test_a_choice_that_there_is_not_is_named_with_those_there_are(self):
+        from AIFReconLib.errors import SettingsError
+
         with self.assertRaisesRegex(SettingsError, "holelimit is no choice.*boneSigmaMm.*holeLimit"):
             self.logic.reconstruct(self.sweep, holelimit=2.0)
 

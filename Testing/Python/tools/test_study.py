@@ -151,7 +151,8 @@ def test_a_spoiled_result_is_one_line_of_the_study(tmp_path, capsys):
 
 def test_without_a_name_the_studies_are_listed(capsys):
     assert start([]) == 2
-    assert all(name in capsys.readouterr().err for name in STUDIES)
+    said = capsys.readouterr().err
+    assert all(name in said for name in STUDIES)
 
 
 @pytest.mark.parametrize("name", STUDIES)
