@@ -261,12 +261,17 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         or missing one, `timeOffset` (s) and `longestGap` (s) are those of `with_time_offset`. Returns the browser node. An AIFReconError
         says what is wrong, where, and what to do; the scene is then as before.
         """
+        from AIFReconScene.background import inBackground
         from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
         from AIFReconLib import read_sequence, with_time_offset
+        from AIFReconLib.progress import part
 
-        sequence = with_time_offset(read_sequence(recording, config=configuration, orientation=orientation), timeOffset, longestGap)
-        return browserFromSequence(sequence, pathlib.Path(recording).name.split(".")[0], progress)
+        def work(progress):
+            return with_time_offset(read_sequence(recording, config=configuration, orientation=orientation), timeOffset, longestGap)
+
+        sequence = inBackground(work, part(progress, 0.0, 0.1))
+        return browserFromSequence(sequence, pathlib.Path(recording).name.split(".")[0], part(progress, 0.1, 1.0))
 
     def reconstruct(self, sweep, bone=None, *, output=None, keep=(), progress=None, inputs=None, **choices):
         """Reconstruct a volume from the nodes of a sweep.

@@ -45,9 +45,9 @@ class ProgressDialog:
             dialog.deleteLater()
 
     def __call__(self, fraction: float, message: str) -> bool:
-        """Show `fraction` (0 to 1) and `message`; False when the user has asked to stop."""
+        """Show `fraction` (0 to 1) and `message`, an empty one not; False when the user has asked to stop."""
         if not self._canceled:
-            self._dialog.labelText = inPanelWords(message)
+            self._dialog.labelText = inPanelWords(message) or self._dialog.labelText
             self._dialog.value = int(fraction * self.STEPS)
             slicer.app.processEvents()
         # The events may have been the end of the application, with the dialog

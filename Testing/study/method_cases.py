@@ -126,7 +126,7 @@ def simulated_scan(phantom: LumbarPhantom, probe: PhasedArray, path: ProbePath, 
     sequence = _configured(simulate_sweep(phantom, probe, path, seed=seed), probe)
     poses = sweep_poses(sequence)
     beams = SweepBeams(poses.image_to_reference[poses.usable], sequence.frame_size, probe.geometry, probe.region, BEAM_THICKNESS)
-    return Scan(sequence, bone_truth(phantom.labels, beams, distance=phantom.bone_distance))
+    return Scan(sequence, bone_truth(phantom.labels.placed_by(phantom.ct_to_reference), beams, distance=phantom.bone_distance))
 
 
 def _configured(sequence: TrackedSequence, probe: PhasedArray) -> TrackedSequence:

@@ -62,4 +62,17 @@ def page_of(rows: list[Row]) -> str:
             cells += ["", "", "", "", ""]
         cells += [f"{middle[0]:.2f} to {middle[-1]:.2f}", f"{medians[0]:.2f} to {medians[-1]:.2f}"]
         lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines + _kept(rows)) + "\n"
+
+
+def _kept(rows: list[Row]) -> list[str]:
+    """A table of what `weighted` shows with the registrations that were found, as shares of what it shows with the exact one."""
+    lines = ["", "| Condition | n | CNR kept: median | least | coverage kept: median | least |", "|---|---|---|---|---|---|"]
+    rows = [row for row in rows if row.cnr_kept == row.cnr_kept]
+    for condition in dict.fromkeys(row.condition for row in rows):
+        cells = [condition, str(len([row for row in rows if row.condition == condition]))]
+        for name in ("cnr_kept", "coverage_kept"):
+            shares = [getattr(row, name) for row in rows if row.condition == condition]
+            cells += [f"{np.median(shares):.1%}", f"{min(shares):.1%}"]
+        lines.append("| " + " | ".join(cells) + " |")
+    return lines

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.evaluation.metrics import BoneMetrics, evaluate
 from AIFReconLib.evaluation.surface import bone_surface, centers_of_mass, distance_from_labels
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.bone_field import BoneField
 from AIFReconLib.registration.echoes import SweepEchoes, sweep_echoes
 from AIFReconLib.registration.registration import Registration, register_echoes
+from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import freehand_sweep, multi_angle_sweep, random_rigid, simulate_sweep, single_angle_sweep
 from AIFReconLib.sweep.frames import TrackedSequence
+
+from .method_cases import HOLE_LIMIT, SIGMA, SPACING, simulated_scan
 
 FRAMES = 144
 
@@ -39,6 +45,9 @@ class Row:
     accepted: bool
     agreement: float
     median_distance: float
+    cnr_kept: float = float("nan")
+    """Of what `weighted` shows with the exact registration, the share that it shows with this one; likewise `coverage_kept`."""
+    coverage_kept: float = float("nan")
 
 
 def patient_rows(seed: int) -> list[Row]:
@@ -50,7 +59,7 @@ def patient_rows(seed: int) -> list[Row]:
             start = random_rigid(move, turn, np.random.default_rng([seed, 50, trial]), about=case.center) @ case.truth
             rows.append(case.row(f"start {name}", register_echoes(case.echoes, case.bone, start)))
     rows.append(case.row("no start", register_echoes(case.echoes, case.bone)))
-    rows += _wrong_cts(case) + _postures(case) + _noises(case) + _sparse(case)
+    rows += _volumes(case) + _wrong_cts(case) + _postures(case) + _noises(case) + _sparse(case)
     return rows
 
 
@@ -94,6 +103,25 @@ def _calibration(probe: PhasedArray) -> dict:
     from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 
     return {TransformName("Image", "Probe"): TransformSample(probe.image_to_probe)}
+
+
+def _volumes(case: _Case) -> list[Row]:
+    """What `weighted` shows where the CT found its own place, against what it shows with the exact registration."""
+    scan = simulated_scan(case.phantom, PhasedArray(), multi_angle_sweep(case.phantom, FRAMES), case.seed)
+
+    def shown(labels_to_reference: np.ndarray) -> BoneMetrics:
+        bone = BoneMap.from_labels(case.phantom.labels, sigma_mm=SIGMA, labels_to_reference=labels_to_reference)
+        result = reconstruct(scan.sequence, ReconstructionSettings(method="weighted", spacing=SPACING, hole_limit=HOLE_LIMIT), bone)
+        return evaluate(result.intensity, scan.truth, result.mask)
+
+    exact, rows = shown(case.truth), []
+    near = random_rigid(10.0, 10.0, np.random.default_rng([case.seed, 55]), about=case.center) @ case.truth
+    for name, start in (("start 10 mm, 10 degrees", near), ("no start", None)):
+        found = register_echoes(case.echoes, case.bone, start)
+        metrics = shown(found.transform)
+        kept = {"cnr_kept": metrics.cnr / exact.cnr, "coverage_kept": metrics.coverage / exact.coverage}
+        rows.append(replace(case.row(f"`weighted` after {name}", found), **kept))
+    return rows
 
 
 def _wrong_cts(case: _Case) -> list[Row]:

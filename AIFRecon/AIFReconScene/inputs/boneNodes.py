@@ -13,6 +13,7 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress
 
+from ..background import inBackground
 from ..transforms import arrayOf, ijkToRAS, matrixToWorld
 
 PADDING = 8
@@ -60,7 +61,8 @@ def boneMapFromNode(
     sigma = SIGMA_VOXELS if sigmaVoxels is None else sigmaVoxels
     labels = labelsFromNode(node, segmentIDs, referenceVolumeNode=referenceVolumeNode, world=False, reach=_reach(sigma, sigmaMm))
     with _named(node):
-        return BoneMap.from_labels(labels, sigma, sigmaMm, _worldOrNone(node), progress)
+        world = _worldOrNone(node)
+        return inBackground(lambda progress: BoneMap.from_labels(labels, sigma, sigmaMm, world, progress), progress)
 
 
 def labelsFromNode(

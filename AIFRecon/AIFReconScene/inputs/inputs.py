@@ -8,6 +8,7 @@ from AIFReconLib.errors import SettingsError
 from AIFReconLib.imaging.region import ClipRectangle, chosen_region
 from AIFReconLib.progress import part
 
+from ..background import inBackground
 from ..sceneNodes import proxiesOf
 from .imagingChoices import imageRegionFrom, probeFrom
 from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom
@@ -128,9 +129,12 @@ class Inputs:
         from AIFReconLib.resolve import resolve_imaging
         from AIFReconLib.sweep.poses import sweep_poses
 
-        poses = sweep_poses(sequence)
-        poses.require_usable(sequence.name)
-        return bone_from_sweep(sequence, poses, resolve_imaging(sequence, poses, True, region, self.probe), progress=progress)
+        def work(progress):
+            poses = sweep_poses(sequence)
+            poses.require_usable(sequence.name)
+            return bone_from_sweep(sequence, poses, resolve_imaging(sequence, poses, True, region, self.probe), progress=progress)
+
+        return inBackground(work, progress)
 
     def grid(self, settings):
         """The `VoxelGrid` of the chosen region in RAS, or None for the box around the sweep."""
@@ -156,16 +160,12 @@ class PreparedInputs:
 
     def reconstruct(self, settings, progress=None):
         """One call of the library: `settings` to a `Reconstruction` in RAS."""
-        return reconstruct(
-            self.sequence,
-            settings,
-            self.bone,
-            self.grid,
-            region=self.imageRegion,
-            probe=self.probe,
-            importance=self.importance,
-            progress=progress,
-        )
+
+        def work(progress):
+            imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}
+            return reconstruct(self.sequence, settings, self.bone, self.grid, progress=progress, **imaging)
+
+        return inBackground(work, progress)
 
 
 def reconstructed(inputs: Inputs, settings, progress=None):

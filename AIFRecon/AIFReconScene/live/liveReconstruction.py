@@ -10,6 +10,7 @@ from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
 from AIFReconLib.live.session.session import SCOUTING, LiveSession
 from AIFReconLib.live.session.snapshots import SnapshotMaker
 
+from ..background import inBackground
 from ..inputs.inputs import Inputs
 from ..inputs.parameters import LiveSource, fileFrom, settingsFrom
 from ..sceneNodes import removeNodes
@@ -113,7 +114,7 @@ class LiveReconstruction:
         """
         self._snapshots.stop()
         try:
-            result = self.session.finish(progress)
+            result = inBackground(self.session.finish, progress)
             if result is not None and result.frames_inserted:
                 self._fillVolume(result)
                 self._attempt(self._views.showVolume, self.volumeNode)

@@ -13,6 +13,8 @@ from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress, part, report
 from AIFReconLib.sweep.frames import TrackedSequence
 
+from ..background import inBackground
+
 
 def measureVolumes(
     volumes: dict[str, Volume],
@@ -42,14 +44,17 @@ def measureVolumes(
     from AIFReconLib.evaluation.metrics import evaluate
     from AIFReconLib.evaluation.visibility import SweepBeams, bone_truth
 
-    beams = SweepBeams.of_sequence(sequence, region=region, probe=probe) if sequence is not None else None
-    truth = bone_truth(labels, beams, progress=part(progress, 0.0, 0.6))
-    results = {}
-    for number, (name, volume) in enumerate(volumes.items()):
-        report(progress, 0.6 + 0.4 * number / len(volumes), Message("Measuring {name}", name=name))
-        results[name] = evaluate(volume, truth, mask)
-    report(progress, 1.0, "Measured")
-    return results
+    def work(progress):
+        beams = SweepBeams.of_sequence(sequence, region=region, probe=probe) if sequence is not None else None
+        truth = bone_truth(labels, beams, progress=part(progress, 0.0, 0.6))
+        results = {}
+        for number, (name, volume) in enumerate(volumes.items()):
+            report(progress, 0.6 + 0.4 * number / len(volumes), Message("Measuring {name}", name=name))
+            results[name] = evaluate(volume, truth, mask)
+        report(progress, 1.0, "Measured")
+        return results
+
+    return inBackground(work, progress)
 
 
 def updateMetricsTable(tableNode, metrics: dict, say: Callable[[Message], str] = str) -> None:

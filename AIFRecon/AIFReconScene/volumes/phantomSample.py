@@ -10,6 +10,7 @@ import slicer
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import Progress, part
 
+from ..background import inBackground
 from ..sweep.sequenceNodes import browserFromSequence
 from ..transforms import vtkMatrixOf
 from .volumeNodes import updateVolumeNode
@@ -79,11 +80,15 @@ def loadPhantom(
     from AIFReconLib.simulation.scan import multi_angle_sweep, random_rigid, simulate_sweep
 
     scene = scene or slicer.mrmlScene
-    ctToReference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
-    anatomy = LumbarAnatomy.from_seed(seed, vertebrae=len(LEVELS))
-    phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=ctToReference, progress=part(progress, 0.0, 0.5))
     probe = PhasedArray()
-    sweep = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, progress=part(progress, 0.5, 0.95))
+
+    def work(progress):
+        ctToReference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
+        anatomy = LumbarAnatomy.from_seed(seed, vertebrae=len(LEVELS))
+        phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=ctToReference, progress=part(progress, 0.0, 0.5))
+        return phantom, simulate_sweep(phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, progress=part(progress, 0.5, 1.0))
+
+    phantom, sweep = inBackground(work, part(progress, 0.0, 0.95))
     sweep = replace(sweep, configuration=_configuration(probe), path=Path("lumbar phantom"))
     # The sweep first: it alone can still be canceled, and it leaves nothing behind then
     browser = browserFromSequence(sweep, "Lumbar sweep", part(progress, 0.95, 1.0), scene)

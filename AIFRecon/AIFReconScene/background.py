@@ -1,0 +1,55 @@
+"""The library's work on a thread of its own, so that windows stay alive however rarely it reports."""
+
+import concurrent.futures
+import threading
+
+from AIFReconLib.message import Message
+from AIFReconLib.progress import report
+
+ALIVE_EVERY = 0.02
+"""s between two looks of the main thread at its events."""
+
+
+def inBackground(work, progress=None):
+    """Call ``work(progress)`` and return what it returns; the caller's `progress` hears of it often, on the caller's thread.
+
+    Parameters
+    ----------
+    work : callable
+        Computes with the library alone: nodes, views and widgets belong to the main thread. It is given a progress function.
+    progress : callable or None
+        As everywhere; None: nobody waits for events, and `work` is called as it is.
+
+    Raises
+    ------
+    OperationCanceled
+        When `progress` returns False; `work` has ended by then.
+    Exception
+        Whatever `work` raises.
+    """
+    if progress is None:
+        return work(None)
+    relay = _Relay()
+    with concurrent.futures.ThreadPoolExecutor(1, "AIFRecon work") as worker:
+        future = worker.submit(work, relay)
+        try:
+            while not concurrent.futures.wait([future], ALIVE_EVERY).done:
+                if progress(*relay.latest) is False:
+                    relay.canceled.set()
+        finally:
+            relay.canceled.set()
+    result = future.result()
+    report(progress, *relay.latest)
+    return result
+
+
+class _Relay:
+    """The progress function of the worker: keeps the latest report for the main thread, and tells the worker to stop."""
+
+    def __init__(self):
+        self.latest = (0.0, Message(""))
+        self.canceled = threading.Event()
+
+    def __call__(self, fraction, message) -> bool:
+        self.latest = (fraction, message)
+        return not self.canceled.is_set()

@@ -1,0 +1,82 @@
+"""Self tests of the library's work beside the main thread."""
+
+import threading
+import unittest
+
+
+class AIFReconBackgroundTest(unittest.TestCase):
+    """What the caller's progress function hears, and where."""
+
+    def setUp(self):
+        # As it is loaded now, for other tests reload the module
+        from AIFReconScene.background import inBackground
+
+        self.inBackground = inBackground
+
+    def test_the_caller_is_called_while_work_goes_on_that_reports_nothing(self):
+        called = threading.Event()
+
+        def progress(fraction, message):
+            called.set()
+
+        # On the caller's thread this would wait in vain
+        self.assertTrue(self.inBackground(lambda _progress: called.wait(60.0), progress))
+
+    def test_the_caller_hears_what_the_work_reports_on_its_own_thread(self):
+        heard, both = [], threading.Event()
+
+        def progress(fraction, message):
+            heard.append((threading.get_ident(), fraction, str(message)))
+            if fraction == 0.5:
+                both.set()
+
+        def work(progress):
+            progress(0.5, "half")
+            self.assertTrue(both.wait(60.0))
+            progress(1.0, "all")
+            return threading.get_ident()
+
+        worker = self.inBackground(work, progress)
+        self.assertNotEqual(worker, threading.get_ident())
+        self.assertEqual({thread for thread, *_rest in heard}, {threading.get_ident()})
+        self.assertIn((threading.get_ident(), 0.5, "half"), heard)
+        self.assertEqual(heard[-1][1:], (1.0, "all"))
+
+    def test_a_cancel_ends_the_work_at_its_next_report(self):
+        from AIFReconLib.errors import OperationCanceled
+        from AIFReconLib.progress import report
+
+        ended = []
+
+        def work(progress):
+            try:
+                while True:
+                    report(progress, 0.2, "counting")
+            finally:
+                ended.append(True)
+
+        with self.assertRaises(OperationCanceled):
+            self.inBackground(work, lambda fraction, message: False)
+        self.assertEqual(ended, [True])
+
+    def test_work_that_was_canceled_after_its_last_report_counts_as_canceled(self):
+        from AIFReconLib.errors import OperationCanceled
+
+        asked = threading.Event()
+
+        def progress(fraction, message):
+            asked.set()
+            return False
+
+        with self.assertRaises(OperationCanceled):
+            self.inBackground(lambda _progress: asked.wait(60.0), progress)
+
+    def test_what_the_work_raises_is_raised(self):
+        def work(progress):
+            raise ZeroDivisionError("in the work")
+
+        with self.assertRaisesRegex(ZeroDivisionError, "in the work"):
+            self.inBackground(work, lambda fraction, message: True)
+
+    def test_work_that_nobody_watches_stays_on_the_caller_s_thread(self):
+        self.assertEqual(self.inBackground(lambda progress: (progress, threading.get_ident())), (None, threading.get_ident()))

@@ -1,0 +1,278 @@
+"""Walks through the module inside a Slicer application as a user does, looks at every step and measures how long the GUI stands still.
+
+    Slicer --no-splash --additional-module-paths AIFRecon --python-script Testing/Slicer/walkInSlicer.py FOLDER
+
+The steps are those of docs/slicer.md: sample data, a reconstruction, the comparison, boxes, a real recording, a live scan of it, saving
+and loading. Into FOLDER go a picture of the window after each step and `walk.json`: the longest stall of each step in ms, and what the
+application's log says that it should not. The exit status is 0 when every step succeeded, no stall was over the limits and the log holds
+no traceback.
+
+    ... walkInSlicer.py FOLDER --close SECONDS
+
+Closes the application in the middle of a reconstruction instead, SECONDS after its start; it must end within a second, in silence.
+"""
+
+import json
+import pathlib
+import sys
+import time
+
+import numpy as np
+import qt
+import slicer
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+
+import realData  # noqa: E402 - the folder must be known first
+
+WINDOW = (1400, 900)
+"""Pixels."""
+
+LONGEST_IN_A_RUN, LONGEST_WHILE_LIVE = 0.25, 0.1
+"""s for which the GUI may stand still."""
+
+FRAMES_SCOUTED, FRAMES_INSERTED = 60, 200
+RATE = 20.0
+"""Frames per second of the replayed recording."""
+
+
+class Heart:
+    """Beats in the GUI's event loop, and knows the longest time between two beats: for so long nothing was drawn or heard."""
+
+    INTERVAL = 5
+    """ms."""
+
+    def __init__(self):
+        self._timer = qt.QTimer()
+        self._timer.setInterval(self.INTERVAL)
+        self._timer.connect("timeout()", self._beat)
+        self._timer.start()
+        self.start()
+
+    def start(self) -> None:
+        """Begin a new measurement."""
+        self._last, self.longest = time.monotonic(), 0.0
+
+    def _beat(self) -> None:
+        now = time.monotonic()
+        self.longest = max(self.longest, now - self._last)
+        self._last = now
+
+
+class Walk:
+    """The module in the application, with short ways to what the steps need."""
+
+    def __init__(self, folder: pathlib.Path):
+        self.folder = folder
+        self.heart = Heart()
+        self.stalls: dict[str, float] = {}
+        slicer.util.mainWindow().resize(*WINDOW)
+        slicer.util.mainWindow().move(0, 0)
+        slicer.util.selectModule("AIFRecon")
+        self.settle()
+
+    @property
+    def widget(self):
+        """The panel."""
+        return slicer.modules.AIFReconWidget
+
+    @property
+    def ui(self):
+        """The panel's widgets by name."""
+        return self.widget.ui
+
+    @property
+    def parameters(self):
+        """The panel's parameters."""
+        return self.widget._parameterNode
+
+    def settle(self, seconds: float = 0.5) -> None:
+        """Let the application do what it has put off."""
+        self.wait(lambda: False, seconds, "")
+
+    def wait(self, condition, seconds: float = 120.0, what: str = "what was waited for") -> None:
+        """Handle events until the condition holds; an error after so many seconds, unless nothing is said to be waited for."""
+        end = time.monotonic() + seconds
+        while not condition():
+            if time.monotonic() > end:
+                if what:
+                    raise RuntimeError(f"{what} did not come: {self.ui.statusLabel.text} {self.ui.liveStatisticsLabel.text}")
+                return
+            slicer.app.processEvents()
+            time.sleep(0.002)
+
+    def press(self, button) -> None:
+        """Click a button that must be enabled."""
+        if not button.enabled:
+            raise RuntimeError(f"{button.text} cannot be pressed: {button.toolTip} {self.ui.statusLabel.text}")
+        button.click()
+
+    def picture(self, name: str) -> None:
+        """The window as it is."""
+        self.settle()
+        slicer.util.mainWindow().grab().save(str(self.folder / f"{name}.png"))
+
+    def step(self, function) -> None:
+        """Do one step, measured, and take its picture."""
+        name = function.__name__
+        self.heart.start()
+        try:
+            function(self)
+        finally:
+            self.stalls[name] = round(self.heart.longest * 1000.0)
+        self.picture(name)
+        print(f"{name}: {function.__doc__} Longest stall {self.stalls[name]} ms.", flush=True)
+
+
+def sampleData(walk: Walk) -> None:
+    """The sample patient is loaded from the Sample Data module."""
+    import SampleData
+    from AIFReconGui.sampleData import SAMPLE_NAME
+
+    SampleData.SampleDataLogic().downloadSamples(SAMPLE_NAME)
+    slicer.util.selectModule("AIFRecon")
+    walk.settle()
+    if walk.parameters.sweep is None or walk.parameters.bone is None or walk.parameters.ctVolume is None:
+        raise RuntimeError("the sample data are not chosen in the panel")
+
+
+def apply(walk: Walk) -> None:
+    """The sample patient is reconstructed."""
+    walk.press(walk.ui.applyButton)
+    if walk.parameters.output is None or not slicer.util.arrayFromVolume(walk.parameters.output).any():
+        raise RuntimeError(f"nothing was reconstructed: {walk.ui.statusLabel.text}")
+
+
+def compare(walk: Walk) -> None:
+    """The methods are compared side by side."""
+    walk.press(walk.ui.compareButton)
+    if slicer.util.getNodes("*comparison*") == {}:
+        raise RuntimeError(f"nothing was compared: {walk.ui.statusLabel.text}")
+
+
+def single(walk: Walk) -> None:
+    """Back from the comparison."""
+    walk.press(walk.ui.singleViewButton)
+
+
+def box(walk: Walk) -> None:
+    """A new box lies around the sweep, and is reconstructed."""
+    from AIFReconScene.inputs.parameters import Region
+
+    walk.parameters.region = Region.BOX
+    walk.settle()
+    walk.ui.roiSelector.addNode()
+    walk.settle()
+    if min(walk.parameters.roi.GetSize()) <= 0.0:
+        raise RuntimeError("the new box has no size")
+    walk.press(walk.ui.applyButton)
+    walk.parameters.region = Region.AROUND_SWEEP
+
+
+def saveAndLoad(walk: Walk) -> None:
+    """The scene is saved, closed and loaded: the same choices and the same voxels."""
+    file = walk.folder / "scene.mrb"
+    before = slicer.util.arrayFromVolume(walk.parameters.output).copy()
+    method, spacing = walk.parameters.method, walk.parameters.spacing
+    if not slicer.util.saveScene(str(file)):
+        raise RuntimeError("the scene could not be saved")
+    slicer.mrmlScene.Clear()
+    walk.settle()
+    if not slicer.util.loadScene(str(file)):
+        raise RuntimeError("the scene could not be loaded")
+    walk.settle()
+    np.testing.assert_array_equal(slicer.util.arrayFromVolume(walk.parameters.output), before)
+    if (walk.parameters.method, walk.parameters.spacing) != (method, spacing):
+        raise RuntimeError("the choices were not loaded")
+    walk.press(walk.ui.applyButton)
+    np.testing.assert_array_equal(slicer.util.arrayFromVolume(walk.parameters.output), before)
+
+
+def recording(walk: Walk) -> None:
+    """A real recording is loaded with its calibration, and reconstructed."""
+    slicer.mrmlScene.Clear()
+    walk.settle()
+    calibration = realData.folder() / realData.SPINE_CALIBRATION
+    walk.parameters.recordingPath, walk.parameters.configurationPath = realData.recordingOf(calibration), calibration
+    walk.settle()
+    walk.press(walk.ui.loadButton)
+    walk.press(walk.ui.applyButton)
+    if walk.parameters.output is None:
+        raise RuntimeError(f"the recording was not reconstructed: {walk.ui.statusLabel.text}")
+
+
+def live(walk: Walk) -> None:
+    """A real recording is replayed, its box found, and a volume grows while it is received."""
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
+
+    from AIFReconLib.live.replay.server import ReplayServer
+
+    with ReplayServer(sequenceFromBrowser(walk.parameters.sweep), 0, rate=RATE, loop=True) as server:
+        walk.parameters.output = None
+        walk.parameters.liveHost, walk.parameters.livePort = "127.0.0.1", server.port
+        walk.settle()
+        walk.press(walk.ui.liveStartButton)
+        session = walk.widget._live._live.session
+        walk.wait(lambda: session.scouted >= FRAMES_SCOUTED, what="a box")
+        walk.wait(lambda: walk.ui.liveUseBoxButton.enabled, what="Use the scanned box")
+        walk.heart.start()
+        walk.press(walk.ui.liveUseBoxButton)
+        walk.wait(lambda: session.statistics.inserted > FRAMES_INSERTED, what="frames")
+        walk.stalls["whileLive"] = round(walk.heart.longest * 1000.0)
+        walk.picture("liveScan")
+        walk.press(walk.ui.liveStopButton)
+    if walk.parameters.output is None or not slicer.util.arrayFromVolume(walk.parameters.output).any():
+        raise RuntimeError(f"the scan left no volume: {walk.ui.liveStatisticsLabel.text}")
+
+
+STEPS = (sampleData, apply, compare, single, box, saveAndLoad, recording, live)
+
+
+def logged() -> list[str]:
+    """Lines of the application's log that tell of a traceback or an error."""
+    path = pathlib.Path(slicer.app.errorLogModel().filePath)
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
+    return [line for line in lines if "Traceback" in line or "[CRITICAL]" in line or "[ERROR]" in line]
+
+
+def closeInMidRun(walk: Walk, seconds: float) -> None:
+    """Close the application's window while it reconstructs; what Python does afterwards is seen from outside."""
+    walk.step(sampleData)
+    walk.parameters.spacing = 0.3
+
+    def close() -> None:
+        print(f"closing at {time.time():.3f}", flush=True)
+        slicer.util.exit(0)
+
+    qt.QTimer.singleShot(int(seconds * 1000), close)
+    walk.press(walk.ui.applyButton)
+    print(f"the run ended at {time.time():.3f}", flush=True)
+
+
+def main(arguments: list[str]) -> int:
+    """Walk; the exit status."""
+    folder = pathlib.Path(arguments[0])
+    folder.mkdir(parents=True, exist_ok=True)
+    walk = Walk(folder)
+    if "--close" in arguments:
+        closeInMidRun(walk, float(arguments[arguments.index("--close") + 1]))
+        return 1  # the application should be gone
+    failed = []
+    for step in STEPS:
+        try:
+            walk.step(step)
+        except Exception as error:
+            failed.append(f"{step.__name__}: {type(error).__name__}: {error}")
+            print(f"FAILED {failed[-1]}", flush=True)
+            walk.picture(f"{step.__name__}-failed")
+    limits = {name: LONGEST_WHILE_LIVE if name == "whileLive" else LONGEST_IN_A_RUN for name in walk.stalls}
+    slow = [name for name, stall in walk.stalls.items() if stall > 1000.0 * limits[name]]
+    told = logged()
+    found = {"version": slicer.app.applicationVersion, "stalls_ms": walk.stalls, "failed": failed, "slow": slow, "log": told}
+    (folder / "walk.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+    print(json.dumps(found, indent=2), flush=True)
+    return 1 if failed or slow or told else 0
+
+
+slicer.util.exit(main(sys.argv[1:]))
