@@ -183,11 +183,12 @@ def test_a_missing_transform_is_not_taken_from_the_configuration(sequence):
 
 def raw(server: ReplayServer, request: bytes = b"", count: int = 3) -> list[Frame]:
     """The first messages that a client receives which sends `request`."""
-    framer, parts = Framer(), []
+    framer = Framer()
+    parts: list[Frame] = []
     with socket.create_connection(("127.0.0.1", server.port), timeout=DEADLINE) as connection:
         connection.sendall(request)
         while len(parts) < count:
-            parts += framer.feed(connection.recv(2**16))
+            parts += [part for part in framer.feed(connection.recv(2**16)) if isinstance(part, Frame)]
     return parts[:count]
 
 

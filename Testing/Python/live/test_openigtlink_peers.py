@@ -63,9 +63,7 @@ def served(program):
         client = OpenIGTLinkClient("127.0.0.1", port, retry_delays=(0.05,))
         running.append(client)
         client.start()
-        inbox = Inbox(client)
-        inbox.server = process
-        return inbox
+        return Inbox(client, process)
 
     yield start
     for one in reversed(running):
