@@ -67,7 +67,8 @@ def measure(values: np.ndarray, offsets: np.ndarray) -> tuple[float, float, floa
     widths = []
     for line, top, floor in zip(values, peak, behind, strict=True):
         above = np.nan_to_num(line) > (top + floor) / 2
-        labels, _ = ndimage.label(above)
+        labels = np.empty(above.shape, np.int32)
+        ndimage.label(above, output=labels)
         crest = np.flatnonzero(near)[np.nanargmax(line[near])]
         widths.append((labels == labels[crest]).sum() * (offsets[1] - offsets[0]) if labels[crest] else np.nan)
     columns = (peak, peak / np.maximum(before, 1), peak / np.maximum(behind, 1), np.array(widths))
