@@ -6,6 +6,7 @@ this file holds what Slicer looks for by name: the module, its parameters, its p
 
 import pathlib
 import sys
+from typing import Any
 
 import slicer
 import vtk
@@ -71,14 +72,10 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def __init__(self, parent=None) -> None:
         ScriptedLoadableModuleWidget.__init__(self, parent)
         VTKObservationMixin.__init__(self)
-        self.logic = None
+        self._isSetUp = False
         self._parameterNode = None
         self._parameterNodeGuiTag = None
-        self._work = None
-        self._live = None
         self._report = ""
-        self._followers = ()
-        self._watch = None
 
     # ---- life of the panel
 
@@ -100,7 +97,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui = slicer.util.childWidgetVariables(uiWidget)
         uiWidget.setMRMLScene(slicer.mrmlScene)
         self.logic = AIFReconLogic()
-        self._followers = (
+        self._followers: tuple[Any, ...] = (
             SegmentsChooser(self.ui.segmentsComboBox, self.ui.segmentsLabel),
             *(PathField(getattr(self.ui, f"{name}LineEdit"), name) for name in PATHS),
             BoxChooser(),
@@ -111,6 +108,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._libraryLog = LibraryLog()
         self._live = LivePanel(self.ui, self._work, self._onParametersModified)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
+        self._isSetUp = True
 
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneIsNew)
@@ -123,7 +121,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def cleanup(self) -> None:
         """Let go of everything; called when the application closes or the module is reloaded."""
-        if self._live is None:
+        if not self._isSetUp:
             return  # the .ui file could not be loaded
         self._work.close()
         self._live.close(sceneStays=True)

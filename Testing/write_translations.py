@@ -113,7 +113,7 @@ def module_texts(texts: Texts) -> None:
         for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if not isinstance(call, ast.Call):
                 continue
-            given = [literal(argument) for argument in call.args]
+            given = [literal(argument) or "" for argument in call.args]
             if called(call) == "_" and len(given) == 1 and given[0]:
                 add(texts, context_of(path), given[0], path)
             elif called(call) == "translate" and len(given) == 2 and all(given):
@@ -128,7 +128,7 @@ def ui_texts(texts: Texts) -> None:
             for child in element:
                 if child.tag in ("string", "stringlist") and child.get("notr") != "true":
                     for text in [child.text] if child.tag == "string" else [item.text for item in child]:
-                        add(texts, root.findtext("class"), text or "", path)
+                        add(texts, root.findtext("class", ""), text or "", path)
 
 
 def add(texts: Texts, context: str, text: str, path: Path) -> None:

@@ -1,5 +1,7 @@
 """The one adapter from the library's progress to Qt: a dialog with a bar, a message and Cancel."""
 
+from typing import Any
+
 import slicer
 from AIFReconScene.panelWords import inPanelWords
 
@@ -27,7 +29,7 @@ class ProgressDialog:
     def __init__(self, title: str):
         self._title = title
         self._canceled = False
-        self._dialog = None
+        self._dialog: Any = None
 
     def __enter__(self):
         self._dialog = slicer.util.createProgressDialog(

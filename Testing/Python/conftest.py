@@ -61,8 +61,8 @@ def results(tmp_path):
 def scene():
     """A new MRML scene as Slicer's application sets it up; it is `slicer.mrmlScene` while the test runs."""
     slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
-    import scene_host  # noqa: F401, puts Testing/host on the path
-    from mrml_scene import createScene
+    import scene_host  # noqa: F401, puts Testing on the path
+    from host.mrml_scene import createScene
 
     before = getattr(slicer, "mrmlScene", None)
     made = slicer.mrmlScene = createScene()

@@ -85,6 +85,7 @@ def write_patient(folder: Path, sequence: TrackedSequence | None = None, compres
     write_sequence(sequence, patient.sweep, compress=compress)
     patient.config.write_text(CONFIGURATION.format(matrix=" ".join(map(repr, IMAGE_TO_PROBE.ravel().tolist())), spacing=spacing))
     inside = sphere_bone(center=(0.0, 0.0, 0.0)).inside
+    assert inside is not None
     labels = np.pad(inside.array, 3)
     shift = rigid(translation=(-3, -3, -3))
     Volume(labels, np.linalg.inv(LABELS_TO_REFERENCE) @ inside.ijk_to_reference @ shift).write(patient.labels)

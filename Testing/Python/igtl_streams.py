@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import lzma
 import socket
+import subprocess
 import time
 from collections.abc import Callable
 from functools import lru_cache
@@ -84,7 +85,7 @@ class ScriptedServer:
         self._listener.listen()
         self._listener.settimeout(DEADLINE)
         self.port = self._listener.getsockname()[1]
-        self.connection: socket.socket | None = None
+        self._connection: socket.socket | None = None
 
     def __enter__(self) -> ScriptedServer:
         return self
@@ -96,9 +97,15 @@ class ScriptedServer:
     def accept(self) -> ScriptedServer:
         """Wait for a client; one that was there before is left."""
         self.hang_up()
-        self.connection, _ = self._listener.accept()
-        self.connection.settimeout(DEADLINE)
+        self._connection, _ = self._listener.accept()
+        self._connection.settimeout(DEADLINE)
         return self
+
+    @property
+    def connection(self) -> socket.socket:
+        """To the client that was accepted."""
+        assert self._connection is not None, "no client was accepted"
+        return self._connection
 
     def send(self, *parts: bytes) -> None:
         """Send bytes."""
@@ -113,9 +120,9 @@ class ScriptedServer:
 
     def hang_up(self) -> None:
         """Close the connection as a server does that ends."""
-        if self.connection is not None:
-            self.connection.close()
-            self.connection = None
+        if self._connection is not None:
+            self._connection.close()
+            self._connection = None
 
 
 def wait_for(condition: Callable[[], object], what: str = "the condition", deadline: float = DEADLINE):
@@ -131,19 +138,20 @@ def wait_for(condition: Callable[[], object], what: str = "the condition", deadl
 class Inbox:
     """Everything that a client hands out, read as it comes."""
 
-    def __init__(self, client):
-        self._client = client
+    def __init__(self, client, server: subprocess.Popen | None = None) -> None:
+        self.client = client
+        self.server = server
         self.messages: list = []
 
     def until(self, condition: Callable[[Inbox], object], what: str = "what was awaited") -> Inbox:
         """Read until the condition holds; fails the test after the deadline."""
         end = time.monotonic() + DEADLINE
         while not condition(self):
-            message = self._client.get(timeout=0.05)
+            message = self.client.get(timeout=0.05)
             if message is not None:
                 self.messages.append(message)
             elif time.monotonic() > end:
-                pytest.fail(f"{what} did not come within {DEADLINE} s; came: {self.messages}; {self._client.statistics}")
+                pytest.fail(f"{what} did not come within {DEADLINE} s; came: {self.messages}; {self.client.statistics}")
         return self
 
     def until_event(self, kind: str, count: int = 1) -> StreamEvent:

@@ -32,13 +32,14 @@ def transform(time: float, name: str, matrix=None, status=TransformStatus.OK, *,
 
 def tracked(time: float, *, probe=True, reference=True, version=1, **options) -> list[StreamMessage]:
     """One frame of a server that sends valid transforms only: image first, then its tools and its own transform."""
-    messages: list[StreamMessage] = [image(time, version=version, **options)]
+    picture = image(time, version=version, **options)
+    messages: list[StreamMessage] = [picture]
     if probe:
         messages.append(transform(time, "ProbeToTracker", version=version))
     if reference:
         messages.append(transform(time, "ReferenceToTracker", REFERENCE_TO_TRACKER, version=version))
     if probe and reference:
-        messages.append(transform(time, "ImageToReference", messages[0].image_to_sender, version=version))
+        messages.append(transform(time, "ImageToReference", picture.image_to_sender, version=version))
     return messages
 
 
@@ -53,8 +54,9 @@ def metadata(**statuses: str) -> dict[str, str]:
 
 def streamed(sequence: TrackedSequence, device: str = "Image") -> Iterator[StreamMessage]:
     """A recording as a server without an image pose sends it now: the image, then each of its transforms."""
-    for pixels, record in zip(sequence.images, sequence.records, strict=True):
+    for number, record in enumerate(sequence.records):
+        assert record.timestamp is not None
         received = monotonic()
-        yield ImageMessage(device, record.timestamp, pixels, np.eye(4), {}, received, 2)
+        yield ImageMessage(device, record.timestamp, sequence.images[number], np.eye(4), {}, received, 2)
         for name, sample in record.transforms.items():
             yield TransformMessage(str(name), record.timestamp, sample.matrix, sample.status, {}, received, 2)

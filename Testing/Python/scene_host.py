@@ -9,7 +9,7 @@ import numpy as np
 import slicer
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-for folder in (REPOSITORY / "AIFRecon", REPOSITORY / "Testing" / "host"):
+for folder in (REPOSITORY / "AIFRecon", REPOSITORY / "Testing"):
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
 

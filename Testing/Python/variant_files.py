@@ -139,7 +139,7 @@ def rgb() -> np.ndarray:
     return np.repeat(pictures()[..., None], 3, axis=3)
 
 
-def time_last(kinds: str, size: str, dimensions: str) -> dict[str, str]:
+def time_last(kinds: str | None, size: str, dimensions: str) -> dict[str, str | None]:
     return {"Kinds": kinds, "DimSize": size, "NDims": dimensions}
 
 

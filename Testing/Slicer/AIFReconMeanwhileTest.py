@@ -35,7 +35,8 @@ class AIFReconMeanwhileTest(unittest.TestCase):
 
     def pressAnd(self, button, work: str, fraction: float, act, step=""):
         """Press a button, and do something else as soon as `work` of the logic has come so far, in a step of that name."""
-        do, done = getattr(self.widget.logic, work), []
+        do = getattr(self.widget.logic, work)
+        done: list[str] = []
 
         def disturbed(parameters, progress):
             def report(share, message):

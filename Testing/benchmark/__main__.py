@@ -9,4 +9,7 @@ if __name__ == "__main__":
     from benchmark import live, speed
 
     words = sys.argv[1:]
-    raise SystemExit(live.main(words[1:]) if words[:1] == ["live"] else speed.main(words))
+    if words[:1] == ["live"]:
+        live.main(words[1:])
+    else:
+        raise SystemExit(speed.main(words))

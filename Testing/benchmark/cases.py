@@ -23,14 +23,14 @@ def turned(sweep: list[TrackedFrame], degrees: float) -> list[TrackedFrame]:
     """The sweep, turned about each axis of Reference."""
     turn = np.eye(4)
     turn[:3, :3] = Rotation.from_euler("xyz", [degrees] * 3, degrees=True).as_matrix()
-    return [replace(frame, image_to_reference=turn @ frame.image_to_reference) for frame in sweep]
+    return [replace(frame, image_to_reference=turn @ frame.placed()[1]) for frame in sweep]
 
 
 def recorded(sweep: list[TrackedFrame]) -> TrackedSequence:
     """The sweep as a sequence that can be written to a file."""
     name = TransformName("Image", "Reference")
-    records = [FrameRecord(timestamp=f.timestamp, transforms={name: TransformSample(f.image_to_reference)}) for f in sweep]
-    return TrackedSequence(np.stack([f.image for f in sweep]), records)
+    records = [FrameRecord(timestamp=f.timestamp, transforms={name: TransformSample(f.placed()[1])}) for f in sweep]
+    return TrackedSequence(np.stack([f.placed()[0] for f in sweep]), records)
 
 
 def labels_of_size(voxels: int) -> Volume:

@@ -93,6 +93,8 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     grid = grid_around_sweep(poses, (columns, rows), region, (arguments.spacing,) * 3)
     settings = ReconstructionSettings(method=arguments.method, engine=arguments.engine)
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdin is not None
+        assert server.stdout is not None
         port = json.loads(server.stdout.readline())["port"]
         client = OpenIGTLinkClient("127.0.0.1", port)
         session = LiveSession(
@@ -166,7 +168,8 @@ def main(words: list[str] | None = None) -> None:
     arguments = parser.parse_args(words)
     if arguments.serve:
         size, rate = arguments.serve.split("@")
-        serve(*(int(n) for n in size.split("x")), float(rate))
+        columns, rows = (int(n) for n in size.split("x"))
+        serve(columns, rows, float(rate))
         return
     results = []
     for stream in arguments.size or STREAMS:

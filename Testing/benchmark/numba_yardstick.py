@@ -121,19 +121,20 @@ def yardsticks(sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, probe:
 
     For `weighted` the evidence is judged once beforehand, and the same for every frame.
     """
-    rows, columns = sweep[0].image.shape
-    spacing = pixel_spacing(sweep[0].image_to_reference)
+    image, pose = sweep[0].placed()
+    rows, columns = image.shape
+    spacing = pixel_spacing(pose)
     beams = probe.directions(columns, rows, spacing)
     placed = bone.on_grid(grid)
-    matrices = [grid.reference_to_ijk @ frame.image_to_reference for frame in sweep]
-    axes = [tuple(axis.astype(np.float32) for axis in image_plane_axes(frame.image_to_reference)) for frame in sweep]
+    matrices = [grid.reference_to_ijk @ frame.placed()[1] for frame in sweep]
+    axes = [tuple(axis.astype(np.float32) for axis in image_plane_axes(frame.placed()[1])) for frame in sweep]
     value, weight = np.zeros(grid.shape, np.float32), np.zeros(grid.shape, np.float32)
     total, hits = np.zeros(grid.shape, np.float64), np.zeros(grid.shape, np.uint32)
     defaults = ReconstructionSettings()
-    alpha, beta, maximum = np.float32(defaults.alpha), np.float32(defaults.beta), np.float32(np.iinfo(sweep[0].image.dtype).max)
+    alpha, beta, maximum = np.float32(defaults.alpha), np.float32(defaults.beta), np.float32(np.iinfo(str(image.dtype)).max)
     floor, gain = np.float32(defaults.weight_floor), np.float32(defaults.bone_gain)
     layout = PixelLayout.build((columns, rows), spacing, ImageRegion(), probe)
-    judged = ScanLines(layout, probe).evidence(layout.values(sweep[0].image), float(maximum))
+    judged = ScanLines(layout, probe).evidence(layout.values(image), float(maximum))
     reach, onset = judged.reach.reshape(rows, columns), judged.onset.reshape(rows, columns)
     known = placed.probability, placed.directions_reference
 

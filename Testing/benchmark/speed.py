@@ -14,6 +14,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -93,8 +94,8 @@ def benchmark(
     timings: list[Timing] = []
     sweeps = [(_reconstruction_jobs, spacing) for spacing in spacings] + [(_turned_jobs, spacings[0])]
     for number, (jobs, spacing) in enumerate(sweeps):
-        start, part = 0.7 * number / len(sweeps), 0.7 / len(sweeps)
-        timings += _measured(jobs(frames, spacing), repeats, lambda f, s=start, p=part: report(progress, s + p * f, "Reconstructing"))
+        tell = partial(_report_share, progress, 0.7 * number / len(sweeps), 0.7 / len(sweeps))
+        timings += _measured(jobs(frames, spacing), repeats, tell)
     busy = busy_share()
     if voxels:
         report(progress, 0.7, "Holes and bone")
@@ -108,11 +109,15 @@ def benchmark(
     return BenchmarkResult(machine(), __version__, frames, repeats, busy, tuple(timings))
 
 
+def _report_share(progress: Progress | None, start: float, length: float, fraction: float) -> None:
+    report(progress, start + length * fraction, "Reconstructing")
+
+
 def _measured(jobs: list[Job], repeats: int, tell: Callable[[float], None]) -> list[Timing]:
     """The jobs' rows with their medians; each is done once before, which prepares tables and compiles."""
     for work, _, _ in jobs:
         work()
-    seconds = [[] for _ in jobs]
+    seconds: list[list[float]] = [[] for _ in jobs]
     for turn in range(repeats):
         tell(turn / repeats)
         for (work, _, _), taken in zip(jobs, seconds, strict=True):

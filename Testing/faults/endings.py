@@ -14,6 +14,7 @@ import time
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from unittest import mock
 
 from AIFReconLib.io.disk.workspace import remove_left_behind
 
@@ -77,18 +78,18 @@ def _told_to_end(command: Command, inputs: Path, place: Path, number: int, after
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
             from AIFReconLib.__main__ import main as entry
             from AIFReconLib.commands import parser as cli
+            from AIFReconLib.commands.signals import orderly_end
 
             arguments = command.arguments(inputs, place, 1)
-            begin = cli.orderly_end
 
             def begun(end):
-                manager = begin(end)
+                manager = orderly_end(end)
                 os.write(tell, b"x")
                 return manager
 
-            cli.orderly_end = begun
             sys.argv[1:] = arguments
-            sys.exit(entry())
+            with mock.patch.object(cli, "orderly_end", begun):
+                sys.exit(entry())
 
         child = start(work)
         os.read(ready, 1)

@@ -83,7 +83,7 @@ class _Server:
             try:
                 error, answer = 0, self._answer(operation, node, request[IN_HEADER.size :])
             except OSError as cause:
-                error, answer = cause.errno, b""
+                error, answer = cause.errno or errno.EIO, b""
             if answer is None:
                 return  # and the disk with us
             os.write(self._device, OUT_HEADER.pack(OUT_HEADER.size + len(answer), -error, unique) + answer)

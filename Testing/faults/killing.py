@@ -55,7 +55,7 @@ def traced(work: Callable[[], None], line: int | None = None) -> int:
     return count
 
 
-def duration_of(work: Callable[[], None]) -> float:
+def duration_of(work: Callable[[], object]) -> float:
     """s from the fork of a child to the end of its work."""
     begun = time.monotonic()
     end_of(start(work))
@@ -67,7 +67,7 @@ def killed_at_line(work: Callable[[], None], line: int) -> int:
     return end_of(start(lambda: traced(work, line)))
 
 
-def killed_after(work: Callable[[], None], seconds: float) -> int:
+def killed_after(work: Callable[[], object], seconds: float) -> int:
     """The child's exit code: -9 when it was still at work."""
     child = start(work)
     time.sleep(seconds)
@@ -131,7 +131,7 @@ def kill_write(entry: Entry, writer: Writer, trials: int, chance: random.Random,
     for older in (True, False):
         probe = folder / "probe"
         shutil.copytree(clean[0], probe) if older else probe.mkdir()
-        lines = result_of(lambda probe=probe: traced(partial(writer.write, probe, 1)))
+        lines = result_of(partial(traced, partial(writer.write, probe, 1)))
         shutil.rmtree(probe)
         shutil.copytree(clean[0], probe) if older else probe.mkdir()
         lasts = duration_of(partial(writer.write, probe, 1))
@@ -199,10 +199,10 @@ def kill_recording(entry: Entry, writer: Writer, trials: int, chance: random.Ran
         probe = folder / "probe"
         shutil.copytree(clean, probe) if older else probe.mkdir()
         with mmap.mmap(-1, 1) as listed:
-            lines = result_of(lambda probe=probe, listed=listed: traced(lambda: record(probe, listed)))
+            lines = result_of(partial(traced, partial(record, probe, listed)))
             shutil.rmtree(probe)
             shutil.copytree(clean, probe) if older else probe.mkdir()
-            lasts = duration_of(lambda probe=probe, listed=listed: record(probe, listed))
+            lasts = duration_of(partial(record, probe, listed))
         shutil.rmtree(probe)
         each = max(trials // 4, 1)
         for number, line in enumerate(chosen_lines(lines, each, chance)):
@@ -217,18 +217,22 @@ def kill_command(entry: Entry, command: Command, trials: int, chance: random.Ran
     command.prepare(inputs)
     before = result_of(lambda: command.digest_inputs(inputs))
     clean = [folder / "old", folder / "new"]
+
+    def run_to_exit(place: Path, version: int) -> None:
+        sys.exit(quietly(command.arguments(inputs, place, version)))
+
     for version, place in enumerate(clean):
         place.mkdir()
-        code = end_of(start(lambda version=version, place=place: sys.exit(quietly(command.arguments(inputs, place, version)))))
+        code = end_of(start(partial(run_to_exit, place, version)))
         if code:
             raise RuntimeError(f"{command.name} ends with {code}")
     digests = {name: [result_of(partial(digest, place / name)) for place in clean] for name, digest in command.outputs.items()}
-    lasts = duration_of(lambda: quietly(command.arguments(inputs, clean[1], 1)))
+    lasts = duration_of(partial(quietly, command.arguments(inputs, clean[1], 1)))
     for number in range(trials):
         older = number % 2 == 0
         place = folder / f"trial-{number}"
         shutil.copytree(clean[0], place) if older else place.mkdir()
-        code = killed_after(lambda place=place: quietly(command.arguments(inputs, place, 1)), chance.uniform(0, MOMENTS * lasts))
+        code = killed_after(partial(quietly, command.arguments(inputs, place, 1)), chance.uniform(0, MOMENTS * lasts))
         states = {version_of(place / name, digests[name], digest) for name, digest in command.outputs.items()}
         if states - ({"old", "new"} if older else {"absent", "new"}):
             entry.lost[f"{sorted(states)}, exit {code}"] += 1

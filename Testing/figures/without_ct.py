@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -39,7 +40,7 @@ AROUND = 10.0
 """mm before and behind an echo that its profile shows."""
 
 
-def sample(volume: Volume, points_reference: np.ndarray, order: int = 1) -> np.ndarray:
+def sample(volume: Volume, points_reference: np.ndarray, order: Literal[0, 1] = 1) -> np.ndarray:
     """Values of a volume at points (..., 3) in Reference, NaN outside."""
     ijk = points_reference @ volume.grid.reference_to_ijk[:3, :3].T + volume.grid.reference_to_ijk[:3, 3]
     return ndimage.map_coordinates(volume.array.astype(np.float64), np.moveaxis(ijk[..., ::-1], -1, 0), order=order, cval=np.nan)
@@ -66,10 +67,13 @@ def measure(values: np.ndarray, offsets: np.ndarray) -> tuple[float, float, floa
     widths = []
     for line, top, floor in zip(values, peak, behind, strict=True):
         above = np.nan_to_num(line) > (top + floor) / 2
-        labels, _ = ndimage.label(above)
+        labels = np.empty(above.shape, np.int32)
+        ndimage.label(above, output=labels)
         crest = np.flatnonzero(near)[np.nanargmax(line[near])]
         widths.append((labels == labels[crest]).sum() * (offsets[1] - offsets[0]) if labels[crest] else np.nan)
-    return tuple(float(np.nanmedian(v)) for v in (peak, peak / np.maximum(before, 1), peak / np.maximum(behind, 1), np.array(widths)))
+    columns = (peak, peak / np.maximum(before, 1), peak / np.maximum(behind, 1), np.array(widths))
+    level, before_it, behind_it, width = (float(np.nanmedian(column)) for column in columns)
+    return level, before_it, behind_it, width
 
 
 def show(axes, picture: np.ndarray, extent, title: str, **options) -> None:
@@ -92,8 +96,8 @@ def study(name: str) -> None:
     bone = bone_from_sweep(sequence, poses, imaging)
     settings = [ReconstructionSettings(method=m, spacing=spacing, hole_limit=1.2, bone_direction="surface") for m in METHODS]
     results = {
-        s.method: reconstruct(sequence, s, None if s.method == "average" else bone, region=imaging.region, probe=imaging.probe)
-        for s in settings
+        method: reconstruct(sequence, s, None if method == "average" else bone, region=imaging.region, probe=imaging.probe)
+        for method, s in zip(METHODS, settings, strict=True)
     }
 
     # Without the brightening of bone: what remains is the weighting
@@ -118,6 +122,7 @@ def study(name: str) -> None:
     near_bone = measured & (sample_grid(bone, results["average"].grid) > 0.5)
     print(f"  pixels per measured voxel: median {np.median(hits[measured]):.0f}; measured voxels with P > 0.5: {near_bone.sum()}")
 
+    assert imaging.region.clip is not None, "the recordings have a border"
     left, right, top, bottom = imaging.region.clip.bounds(*sequence.frame_size)
     in_plane = place(pose, np.arange(left, right + 1, 3)[None, :], np.arange(top, bottom + 1, 3)[:, None])
     box = ((right - left) * pixel[0], (bottom - top) * pixel[1])

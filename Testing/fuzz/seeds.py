@@ -8,6 +8,7 @@ import struct
 import tempfile
 import zlib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +32,7 @@ def _fields() -> list[tuple[str, str]]:
     return entries
 
 
-def metaimage(payload: bytes = PIXELS, **changes: str | None) -> bytes:
+def metaimage(payload: bytes = PIXELS, /, **changes: str | None) -> bytes:
     """A sequence of three images of 6 x 4 pixels; `changes` replaces entries, None removes one."""
     header = {
         "ObjectType": "Image",
@@ -54,7 +55,7 @@ def metaimage(payload: bytes = PIXELS, **changes: str | None) -> bytes:
     return "".join(f"{key} = {value}\n" for key, value in header.items() if value is not None).encode() + payload
 
 
-def nrrd(payload: bytes = PIXELS, pairs: list[tuple[str, str]] | None = None, **changes: str | None) -> bytes:
+def nrrd(payload: bytes = PIXELS, /, pairs: list[tuple[str, str]] | None = None, **changes: str | None) -> bytes:
     """The same as NRRD; underscores in `changes` stand for spaces."""
     header = {
         "type": "uint8",
@@ -108,7 +109,8 @@ def volumes(suffix: str) -> list[bytes]:
     """Volumes, label volumes and segmentations with layers, of one file format."""
     if suffix == ".mha":
         packed = zlib.compress(PIXELS)
-        plain = {"Kinds": None, "UltrasoundImageOrientation": None, "UltrasoundImageType": None} | {key: None for key, _ in _fields()}
+        left_out = ("Kinds", "UltrasoundImageOrientation", "UltrasoundImageType", *(key for key, _ in _fields()))
+        plain: dict[str, str | None] = dict.fromkeys(left_out)
         return [
             metaimage(**plain),
             metaimage(packed, **plain, CompressedData="True", CompressedDataSize=str(len(packed))),
@@ -306,7 +308,7 @@ def dicom() -> list[bytes]:
         dataset.PixelData = bytes(range(24)) * frames
         dataset.save_as(str(path), enforce_file_format=True)
 
-    return [_written(lambda path, n=n: write(path, n), "frame.dcm") for n in (1, 3)]
+    return [_written(partial(write, frames=frames), "frame.dcm") for frames in (1, 3)]
 
 
 def arrays() -> list[bytes]:
@@ -316,7 +318,7 @@ def arrays() -> list[bytes]:
         np.zeros((2, 3, 4, 3), ">f4"),
         np.array([{"a": 1}] * 8, object).reshape(2, 2, 2),
     ]
-    return [_written(lambda path, a=a: np.save(path, a, allow_pickle=True), "images.npy") for a in made]
+    return [_written(partial(np.save, arr=images, allow_pickle=True), "images.npy") for images in made]
 
 
 def stream_bodies() -> list[bytes]:

@@ -42,7 +42,7 @@ class qSlicerModuleManager(QtCore.QObject):
     moduleLoaded = Signal(str)
     moduleAboutToBeUnloaded = Signal(str)
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__()
         self.loaded: dict = {}
         self._factory = qSlicerModuleFactoryManager(self.loaded)

@@ -43,8 +43,8 @@ def _first(annotations, kind):
 
 def node_classes(kind) -> tuple[str, ...]:
     """The class names of a node type or of a union of them with None; empty for other types."""
-    members = typing.get_args(kind) if typing.get_origin(kind) in (typing.Union, types.UnionType) else (kind,)
-    members = [member for member in members if member is not type(None)]
+    known = typing.get_args(kind) if typing.get_origin(kind) in (typing.Union, types.UnionType) else (kind,)
+    members = [member for member in known if member is not type(None)]
     if members and all(isinstance(member, type) and issubclass(member, slicer.vtkMRMLNode) for member in members):
         return tuple(member().GetClassName() for member in members)
     return ()

@@ -49,7 +49,7 @@ def progress(module, folder: Path) -> None:
 
     from host import view_frames
 
-    pictures = []
+    pictures: list = []
 
     def look(value):
         for dialog in QtWidgets.QApplication.topLevelWidgets():

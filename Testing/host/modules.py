@@ -62,7 +62,7 @@ MODULE_METHODS = ("logic", "mrmlScene", "setMRMLScene", "widgetRepresentation", 
 class qSlicerLoadableModule(_Module):
     """A module whose logic is C++: the logic is real, there is no panel."""
 
-    api = {"methods": MODULE_METHODS}
+    api: dict = {"methods": MODULE_METHODS}
     title = _held("title", str, writable=False)
     categories = _held("categories", "QStringList", writable=False)
     dependencies = _held("dependencies", "QStringList", writable=False)
@@ -90,7 +90,7 @@ class qMRMLSequenceBrowserToolBar(QtWidgets.QToolBar):
 class qSlicerSequencesModule(qSlicerLoadableModule):
     """The Sequences module with its tool bar."""
 
-    api = {
+    api: dict = {
         "methods": (
             *MODULE_METHODS,
             "toolBar",
@@ -222,6 +222,8 @@ def load_file(name: str, path: str):
     if folder not in sys.path:
         sys.path.append(folder)
     spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None, path
+    assert spec.loader is not None, path
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
@@ -246,7 +248,7 @@ def load(application, module) -> None:
     name = module._values["name"]
     register(application, module)
     instance = getattr(slicer.modules, f"{name}Instance", None)
-    if hasattr(instance, "setup"):
+    if instance is not None and hasattr(instance, "setup"):
         instance.setup()
     application.moduleManager().moduleLoaded.emit(name)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from PySide6 import QtWidgets
 from PySide6.QtCore import Property, Signal
 
@@ -17,6 +19,11 @@ class WithScene:
     def mrmlScene(self):
         """The scene, or None."""
         return self._scene
+
+
+def _value(name: str, kind):
+    """A property that decides what the list shows."""
+    return Property(kind, lambda self: self._values[name], lambda self, value: self._set_value(name, value))
 
 
 class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
@@ -66,9 +73,9 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
     currentNodeRenamed = Signal(str)
     nodeAboutToBeEdited = Signal(object)
 
-    def __init__(self, parent=None):
+    def __init__(self, parent=None) -> None:
         super().__init__(parent)
-        self._values = {
+        self._values: dict[str, Any] = {
             "showHidden": False,
             "showChildNodeTypes": True,
             "hideChildNodeTypes": [],
@@ -341,9 +348,6 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
     def _set_base_name(self, name):
         self._base_names = dict.fromkeys(self._types, name)
 
-    def _value(name, kind):
-        return Property(kind, lambda self: self._values[name], lambda self, value: self._set_value(name, value))
-
     showHidden = _value("showHidden", bool)
     showChildNodeTypes = _value("showChildNodeTypes", bool)
     hideChildNodeTypes = _value("hideChildNodeTypes", "QStringList")
@@ -355,7 +359,6 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
     interactionNodeSingletonTag = _value("interactionNodeSingletonTag", str)
     selectNodeUponCreation = _value("selectNodeUponCreation", bool)
     noneDisplay = _value("noneDisplay", str)
-    del _value
     nodeTypes = Property("QStringList", lambda self: self._types, _set_types)
     currentNodeID = Property(str, lambda self: self._current.GetID() if self._current is not None else "", setCurrentNodeID)
     baseName = Property(str, lambda self: next(iter(self._base_names.values()), ""), _set_base_name)

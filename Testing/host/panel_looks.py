@@ -27,7 +27,7 @@ CONTRAST = 4.5
 NODE_SELECTORS = ("qMRMLNodeComboBox",)
 """They show names that the user has given, which may be longer than any line; what they show without a node must fit."""
 
-LOOKS = {
+LOOKS: dict[str, dict] = {
     "light": {},
     "open": {"opened": True},
     "large letters": {"opened": True, "letters": LARGE},
@@ -54,9 +54,9 @@ def set_look(module, opened=False, letters=1.0, dark=False) -> None:
 
     application = QtWidgets.QApplication.instance()
     font = application.font()
-    font.setPointSizeF(set_look.size * letters)
+    font.setPointSizeF(module.letters_at_first * letters)
     application.setFont(font)
-    application.setPalette(dark_palette() if dark else set_look.palette)
+    application.setPalette(dark_palette() if dark else module.colors_at_first)
     for section in sections(module.native):
         section.setProperty("collapsed", not opened if section.objectName() not in module.open_at_first else False)
     module.host.process_events()
@@ -74,12 +74,14 @@ class Panel:
 
     def __init__(self, host):
         import slicer
+        from PySide6 import QtWidgets
 
         self.host = host
         host.start(REPOSITORY / "AIFRecon" / "AIFRecon.py")
         slicer.mrmlScene.Clear()
         self.widget = host.open("AIFRecon")
         self.native = host.take_out(self.widget.parent)
+        self.letters_at_first, self.colors_at_first = QtWidgets.QApplication.font().pointSizeF(), QtWidgets.QApplication.palette()
         self.open_at_first = {each.objectName() for each in sections(self.native) if not each.property("collapsed")}
 
     def choose_inputs(self) -> None:
@@ -287,9 +289,7 @@ def scrolls(panel) -> dict:
 
 def look_around(panel, pictures: Path | None) -> dict:
     """Everything that is looked at."""
-    from PySide6 import QtWidgets
 
-    set_look.size, set_look.palette = QtWidgets.QApplication.font().pointSizeF(), QtWidgets.QApplication.palette()
     found: dict = {"pixels per point": panel.native.devicePixelRatioF(), "cut": {}, "faint": {}}
     set_look(panel, opened=True, letters=LARGE)
     panel.lay_out()

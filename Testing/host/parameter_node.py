@@ -68,7 +68,7 @@ class _Methods:
 
     def __init__(self, parameterNode):
         self.parameterNode = parameterNode
-        self._guis: dict[int, tuple] = {}
+        self._guis = {}
         self._updating = False
         for parameter in self.allParameters.values():
             if not parameter.stored.is_in(parameterNode, parameter.name):

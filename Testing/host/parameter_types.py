@@ -303,8 +303,6 @@ class ObservedList(MutableSequence):
         """Whether the elements are the same."""
         return self._values == (other._values if isinstance(other, ObservedList) else other)
 
-    __hash__ = None
-
 
 class StoredList(Stored):
     """A list of one type."""

@@ -15,6 +15,8 @@ import functools
 import inspect
 import math
 import weakref
+from collections.abc import Callable
+from typing import Any, ClassVar
 
 import shiboken6
 from PySide6 import QtCore
@@ -94,6 +96,8 @@ class Wrapper(metaclass=PythonQtMeta):
     __slots__ = ("__weakref__", "_destroyed", "_object")
     _native = None
     _wrappers: weakref.WeakValueDictionary = weakref.WeakValueDictionary()
+    _wrap: ClassVar[Callable]
+    _unwrap: ClassVar[Callable]
 
     def __init__(self, *args):
         native = type(self)._native
@@ -296,7 +300,7 @@ def is_offered(native: type, name: str) -> bool:
     return qt is not None and isinstance(inspect.getattr_static(qt, name, None) or getattr(qt, name, None), enum.Enum)
 
 
-def wrapper_class(native: type) -> type:
+def wrapper_class(native: Any) -> type:
     """The wrapper class of a PySide6 class or of a stand-in; the same one every time."""
     made = native.__dict__.get("_wrapper_class") if not native.__module__.startswith(_BUILTIN) else _MADE.get(native)
     if made is None:

@@ -12,10 +12,11 @@ import importlib.util
 import sys
 import unittest
 from pathlib import Path
+from typing import Any, cast
 
 TESTING = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(TESTING))
-from host import missing, runHost  # noqa: E402 - the folder must be known first
+from host import SlicerHost, missing, runHost  # noqa: E402 - the folder must be known first
 
 
 def all_cases(suite):
@@ -30,6 +31,8 @@ def all_cases(suite):
 def load(path: Path):
     """A test file as a Python module."""
     spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None, path
+    assert spec.loader is not None, path
     module = importlib.util.module_from_spec(spec)
     sys.modules[path.stem] = module
     spec.loader.exec_module(module)
@@ -51,7 +54,7 @@ def collect(host, module: Path, folder: Path) -> list[unittest.TestCase]:
 class Result(unittest.TextTestResult):
     """Resets the host before every test and says which slots failed during one."""
 
-    host = None
+    host: SlicerHost
 
     def startTest(self, test):
         """Begins with an empty scene, as in a fresh Slicer."""
@@ -89,7 +92,7 @@ def main(arguments=None) -> int:
         print("\n".join(case.id() for case in cases) or "There is no such test.")
         return 0 if cases else 2
     Result.host = host
-    outcome = unittest.TextTestRunner(stream=sys.stdout, verbosity=2, resultclass=Result).run(unittest.TestSuite(cases))
+    outcome = unittest.TextTestRunner(stream=sys.stdout, verbosity=2, resultclass=cast(Any, Result)).run(unittest.TestSuite(cases))
     host.close()
     return 0 if outcome.wasSuccessful() else 1
 

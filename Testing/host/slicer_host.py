@@ -11,6 +11,7 @@ import sys
 import tempfile
 import types
 from pathlib import Path
+from typing import Any
 
 SOURCE_VARIABLE = "AIFRECON_SLICER_SOURCE"
 
@@ -66,7 +67,7 @@ class SlicerHost:
             raise RuntimeError(f"{SOURCE_VARIABLE} must name a checkout of Slicer; there is no {self.source / 'util.py'}.")
         self._folder = tempfile.TemporaryDirectory(prefix="aifrecon-host-", ignore_cleanup_errors=True)
         _quiet()
-        self._application = qSlicerApplication(self._folder.name, testing)
+        self._application: Any = qSlicerApplication(self._folder.name, testing)
         _register_fonts()
         self.scene = createScene()
         qt, ctk, widgets = qt_modules.make_modules()
@@ -153,7 +154,8 @@ class SlicerHost:
                 setattr(slicer, name, importlib.import_module(f"slicer.{name}"))
             # Not in every Slicer, and not for every Python
             with contextlib.suppress(ImportError):
-                importlib.import_module("slicer.packaging").pip_install = self._refuse_install
+                packaging: Any = importlib.import_module("slicer.packaging")
+                packaging.pip_install = self._refuse_install
         slicer.util.pip_install = self._refuse_install
 
     @staticmethod
@@ -321,7 +323,7 @@ def _register_fonts() -> None:
     if QtGui.QFontDatabase.families():
         return
     found = importlib.util.find_spec("matplotlib")
-    if found is not None:
+    if found is not None and found.origin is not None:
         for file in sorted((Path(found.origin).parent / "mpl-data" / "fonts" / "ttf").glob("DejaVuSans*.ttf")):
             QtGui.QFontDatabase.addApplicationFont(str(file))
 

@@ -64,7 +64,7 @@ class QUiLoader(QtUiTools.QUiLoader):
 
     stand_ins: dict[str, type] = {}
 
-    def __init__(self, parent=None):
+    def __init__(self, parent=None) -> None:
         super().__init__(parent)
         self._made: list = []
 

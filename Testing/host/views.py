@@ -160,7 +160,7 @@ class qSlicerLayoutManager(QtCore.QObject):
     }
     layoutChanged = Signal(int)
 
-    def __init__(self, mrml):
+    def __init__(self, mrml) -> None:
         super().__init__()
         self._mrml = mrml
         self._widgets: dict = {}

@@ -23,7 +23,7 @@ class ctkCollapsibleButton(QtWidgets.QAbstractButton):
     api = {"signals": {"contentsCollapsed(bool)": "contentsCollapsed"}}
     contentsCollapsed = Signal(bool)
 
-    def __init__(self, parent=None):
+    def __init__(self, parent=None) -> None:
         super().__init__(parent)
         self._collapsed = False
         self._hidden_by_us: list = []
@@ -107,7 +107,7 @@ class ctkCollapsibleGroupBox(QtWidgets.QGroupBox):
 
     api: dict = {}
 
-    def __init__(self, parent=None):
+    def __init__(self, parent=None) -> None:
         super().__init__(parent)
         self._hidden_by_us: list = []
         self._collapsed_height = 14

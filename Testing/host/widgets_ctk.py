@@ -92,6 +92,11 @@ class ctkSliderWidget(QtWidgets.QWidget):
     spinBoxVisible = Property(bool, lambda self: not self._spin.isHidden(), setSpinBoxVisible)
 
 
+def _value(name: str, kind):
+    """A property that is only kept."""
+    return Property(kind, lambda self: self._values[name], lambda self, value: self._values.__setitem__(name, value))
+
+
 class ctkPathLineEdit(QtWidgets.QWidget):
     """A line for a path, with the paths used before and a button that opens a file dialog."""
 
@@ -164,9 +169,6 @@ class ctkPathLineEdit(QtWidgets.QWidget):
         self._box.addItems(history)
         self._box.setCurrentText(path)
 
-    def _value(name, kind):
-        return Property(kind, lambda self: self._values[name], lambda self, value: self._values.__setitem__(name, value))
-
     currentPath = Property(str, lambda self: self._box.currentText(), setCurrentPath)
     label = _value("label", str)
     filters = _value("filters", int)
@@ -177,7 +179,6 @@ class ctkPathLineEdit(QtWidgets.QWidget):
     minimumContentsLength = Property(
         int, lambda self: self._box.minimumContentsLength(), lambda self, v: self._box.setMinimumContentsLength(v)
     )
-    del _value
 
 
 class ctkComboBox(QtWidgets.QComboBox):

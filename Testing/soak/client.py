@@ -32,8 +32,10 @@ from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.session.snapshots import SnapshotMaker
+from AIFReconLib.live.session.statistics import LiveStatistics
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.messages import ImageMessage
+from AIFReconLib.live.wire.statistics import StreamStatistics
 from AIFReconLib.settings import ReconstructionSettings
 
 from . import stream
@@ -87,8 +89,8 @@ class Outcome:
     equations: list[Equation]
     samples: list[Sample]
     growth: Growth | None
-    statistics: object
-    stream: object
+    statistics: LiveStatistics
+    stream: StreamStatistics
     wall: float
     findings: list[str] = field(default_factory=list)
 
@@ -103,12 +105,15 @@ class Server:
         self._held = False
         self.told: dict = {}
         self.over = threading.Event()
-        self.port = json.loads(self._process.stdout.readline())["port"]
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._orders, self._words = self._process.stdin, self._process.stdout
+        self.port = json.loads(self._words.readline())["port"]
         self._reader = threading.Thread(target=self._read, name="server's words", daemon=True)
         self._reader.start()
 
     def _read(self) -> None:
-        for line in self._process.stdout:
+        for line in self._words:
             told = json.loads(line)
             if "minute" in told:
                 self._on_minute(told["minute"])
@@ -122,19 +127,19 @@ class Server:
         if (under_way > HOLD_ABOVE) != self._held and not (GO_BELOW <= under_way <= HOLD_ABOVE):
             self._held = under_way > HOLD_ABOVE
             with suppress(BrokenPipeError):  # it has ended, and says why on its other pipe
-                self._process.stdin.write("hold\n" if self._held else "go\n")
-                self._process.stdin.flush()
+                self._orders.write("hold\n" if self._held else "go\n")
+                self._orders.flush()
 
     def end(self) -> None:
         """End the process, whatever it is doing."""
         with suppress(BrokenPipeError):
-            self._process.stdin.close()
+            self._orders.close()
         try:
             self._process.wait(10.0)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        self._process.stdout.close()
+        self._words.close()
 
 
 def under_way(client: Tap, session: LiveSession) -> int:
@@ -170,8 +175,10 @@ def soak(
     """
     samples: list[Sample] = []
     began = time.monotonic()
+    ready = threading.Event()
 
     def on_minute(minute: int) -> None:
+        ready.wait()
         samples.append(look(minute, time.monotonic() - began))
         sample, frames = samples[-1], session.statistics
         report(
@@ -179,8 +186,7 @@ def soak(
             f"{sample.memory_mib:9.1f} {sample.blocks:8d} {sample.threads:4d} {sample.files:4d}"
         )
 
-    ready = threading.Event()
-    server = Server(seed, minutes, ledger, lambda minute: ready.wait() and on_minute(minute))
+    server = Server(seed, minutes, ledger, on_minute)
     client = Tap("127.0.0.1", server.port)
     session = LiveSession(client, **imaging(engine), record=record)
     snapshots = SnapshotMaker(session)

@@ -195,7 +195,8 @@ def other_size(server) -> None:
     """Frames of another size or type of pixel."""
     for _ in range(int(server.random.integers(1, 4))):
         number, time = server.next_frame("another size")
-        image = [np.full((50, 70), 7, np.uint8), np.full((stream.ROWS, stream.COLUMNS), 7, np.uint16)][int(server.random.integers(2))]
+        others: list[np.ndarray] = [np.full((50, 70), 7, np.uint8), np.full((stream.ROWS, stream.COLUMNS), 7, np.uint16)]
+        image = others[int(server.random.integers(2))]
         message = stream.image_message(number, time, server.version, image=image)
         server.line.send(message + b"".join(stream.transform_messages(number, time, server.version)))
         server.ledger.note(number, "another size", WHOLE)

@@ -112,5 +112,6 @@ def growth(samples: list[Sample], settling: int = SETTLING) -> Growth | None:
         return None
     hours = [sample.minute / 60.0 for sample in settled]
     columns = {name: [getattr(sample, name) for sample in settled] for name in ("memory_mib", "blocks", "threads", "files")}
-    slopes = (float(np.polyfit(hours, columns[name], 1)[0]) for name in ("memory_mib", "blocks"))
-    return Growth(*slopes, *((min(values), max(values)) for values in columns.values()))
+    slopes = {name: float(np.polyfit(hours, columns[name], 1)[0]) for name in ("memory_mib", "blocks")}
+    ranges = {name: (min(values), max(values)) for name, values in columns.items()}
+    return Growth(memory_mib_per_hour=slopes["memory_mib"], blocks_per_hour=slopes["blocks"], **ranges)

@@ -17,6 +17,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -263,11 +264,8 @@ def main(argv: list[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=20.0)
     arguments = parser.parse_args(argv)
-    rows = [(behavior.__name__, lambda behavior=behavior: endure_server(behavior, arguments.seconds)) for behavior in SERVERS]
-    rows += [
-        (f"{behavior.__name__} x {count}", lambda behavior=behavior, count=count: endure_clients(behavior, count, arguments.seconds))
-        for behavior, count in CROWDS
-    ]
+    rows = [(behavior.__name__, partial(endure_server, behavior, arguments.seconds)) for behavior in SERVERS]
+    rows += [(f"{behavior.__name__} x {count}", partial(endure_clients, behavior, count, arguments.seconds)) for behavior, count in CROWDS]
     bad = 0
     print(f"{'peer':32} {'stop s':>7} {'peak MiB':>9} {'late MiB':>9} {'threads left':>13} {'frames':>7} {'sent':>7}", flush=True)
     for name, endure in rows:

@@ -24,7 +24,6 @@ class Line:
     def __init__(self, port: int = 0):
         self.port = port
         self.connections = 0
-        self._listener: socket.socket | None = None
         self._connection: socket.socket | None = None
         self.listen()
 
@@ -61,6 +60,7 @@ class Line:
 
     def send(self, data: bytes) -> None:
         """Hand bytes to the operating system, waiting while the client has no room for them."""
+        assert self._connection is not None, "nobody is connected"
         try:
             self._connection.sendall(data)
         except OSError as error:
@@ -80,6 +80,7 @@ class Line:
 
     def reset(self) -> None:
         """The rude end: a reset. First everything sent reaches the client's machine, else nobody could tell which frames were destroyed."""
+        assert self._connection is not None, "nobody is connected"
         end = time.monotonic() + PATIENCE
         while _unacknowledged(self._connection) and time.monotonic() < end:
             time.sleep(0.002)

@@ -12,14 +12,17 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from AIFReconLib.errors import FileFormatError, InsufficientMemoryError
 from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress, report
 
-Row = TypeVar("Row")
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+Row = TypeVar("Row", bound="DataclassInstance")
 """A dataclass of what JSON can hold: one reconstruction of a patient, and its numbers."""
 
 MOST_JOBS = 61
@@ -105,8 +108,8 @@ def read_rows(path: Path, row: type[Row]) -> list[Row]:
         ) from None
 
 
-def spread_of(rows: list[Row], name: str, **wanted: str) -> Spread:
-    """Over the patients, of the metric `name` in the rows whose other values are as `wanted`."""
+def spread_of(rows: Iterable[Any], name: str, **wanted: str) -> Spread:
+    """Over the patients, of the metric `name` in the rows, which have `metrics`, whose other values are as `wanted`."""
     return Spread.of(row.metrics[name] for row in rows if all(getattr(row, key) == value for key, value in wanted.items()))
 
 

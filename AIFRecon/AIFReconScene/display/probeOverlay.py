@@ -44,7 +44,7 @@ class ProbeOverlay:
     removes the nodes.
     """
 
-    def __init__(self, scene=None):
+    def __init__(self, scene=None) -> None:
         self._scene = scene or slicer.mrmlScene
         self._ids: dict[str, str] = {}
 

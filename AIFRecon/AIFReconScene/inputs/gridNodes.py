@@ -51,7 +51,8 @@ def gridFromROI(roiNode, spacing) -> VoxelGrid:
     matrix = np.eye(4)
     matrix[:3, :3] = objectToWorld[:3, :3] / lengths * spacings
     matrix[:3, 3] = objectToWorld[:3, 3] - matrix[:3, :3] @ ((count - 1) / 2)
-    return _grid(roiNode, tuple(int(n) for n in count), matrix)
+    columns, rows, slices = (int(n) for n in count)
+    return _grid(roiNode, (columns, rows, slices), matrix)
 
 
 def gridFromVolume(volumeNode) -> VoxelGrid:

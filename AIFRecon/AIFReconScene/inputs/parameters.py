@@ -3,6 +3,7 @@
 import enum
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 from slicer.i18n import tr as _
 
@@ -23,18 +24,20 @@ class SettingChoice(enum.Enum):
         return _("automatic") if self.value in ("", "auto") else self.value
 
 
-def _choices(name: str, setting: str, automatic: bool) -> type[SettingChoice]:
+def _choices(name: str, setting: str, automatic: bool) -> Any:
+    """A `SettingChoice`; Any, as no checker knows members that are made from the library's words."""
     words = PARAMETERS[setting]["choices"]
     members = {word.upper().replace("-", "_"): word for word in words}
-    return SettingChoice(name, {"AUTOMATIC": "", **members} if automatic else members, module=__name__)
+    made: Any = SettingChoice
+    return made(name, {"AUTOMATIC": "", **members} if automatic else members, module=__name__)
 
 
-Method = _choices("Method", "method", automatic=True)
-BoneDirection = _choices("BoneDirection", "bone_direction", automatic=False)
-Engine = _choices("Engine", "engine", automatic=False)
-OutputType = _choices("OutputType", "output_type", automatic=True)
-HoleFilling = _choices("HoleFilling", "holes", automatic=True)
-Interpolation = _choices("Interpolation", "interpolation", automatic=True)
+Method: Any = _choices("Method", "method", automatic=True)
+BoneDirection: Any = _choices("BoneDirection", "bone_direction", automatic=False)
+Engine: Any = _choices("Engine", "engine", automatic=False)
+OutputType: Any = _choices("OutputType", "output_type", automatic=True)
+HoleFilling: Any = _choices("HoleFilling", "holes", automatic=True)
+Interpolation: Any = _choices("Interpolation", "interpolation", automatic=True)
 
 
 class ImageOrientation(SettingChoice):

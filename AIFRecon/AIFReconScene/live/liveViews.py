@@ -27,7 +27,7 @@ class LiveViews:
     def __init__(self, ctNode, opacity: float):
         self._ct = ctNode
         self._opacity = opacity
-        self._before = None
+        self._before: _View | None = None
         self._frame = None
         self._volume = None
 

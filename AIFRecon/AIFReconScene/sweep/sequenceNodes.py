@@ -260,7 +260,7 @@ def _record(sequence: TrackedSequence, poses: SweepPoses | None, poseName: Trans
     names = [name for name in sequence.transform_names() if name not in sequence.transforms]
     frames = {}
     for number, record in enumerate(sequence.records):
-        frame = {"time": record.timestamp}
+        frame: dict[str, object] = {"time": record.timestamp}
         if record.unfiltered_timestamp is not None:
             frame["unfiltered"] = record.unfiltered_timestamp
         if record.image_status is not TransformStatus.OK:

@@ -126,7 +126,7 @@ def _followed(items: BrowserItems, links: list[_Link], number: int) -> FramePose
     for link in links:
         toParent, problem, status = link.at(number)
         problem, status = (problem, status) if problem else _statedByImage(image, (link.name,))
-        if problem is not None:
+        if toParent is None or problem is not None:
             return FramePose(None, problem, status)
         matrix = toParent @ matrix
     return _checked(matrix)
@@ -168,7 +168,7 @@ def _embeddedPose(items: BrowserItems, number: int) -> FramePose:
 
 def _namedTransforms(items: BrowserItems) -> dict[TransformName, object]:
     """The browser's transform sequences whose names say from where to where they lead."""
-    found = {}
+    found: dict[TransformName, object] = {}
     for sequenceNode in items.transformSequences():
         try:
             found.setdefault(TransformName.parse(items.nameOf(sequenceNode)), sequenceNode)
@@ -185,7 +185,7 @@ def _byName(items: BrowserItems, named: dict, reference: str | None) -> list[Fra
         transforms = {}
         for name, link in links.items():
             matrix, problem, status = link.at(number)
-            transforms[name] = TransformSample(np.full((4, 4), np.nan) if problem else matrix, status)
+            transforms[name] = TransformSample(np.full((4, 4), np.nan) if matrix is None else matrix, status)
         records.append(FrameRecord(transforms=transforms))
     static = items.record.get("transforms", {})
     configuration = items.record.get("configuration")

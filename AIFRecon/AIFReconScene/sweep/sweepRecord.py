@@ -108,7 +108,7 @@ def _message(template: str, values: dict) -> Message:
     for _, name, form, conversion in string.Formatter().parse(template):
         if name is not None:
             names.add(name)
-            if not re.fullmatch(r"(\.?[0-9])?[a-z%]?", form) or conversion not in (None, "r"):
+            if not re.fullmatch(r"(\.?[0-9])?[a-z%]?", form or "") or conversion not in (None, "r"):
                 raise ValueError(f"a message is not formatted as {form!r}")
     if names != set(values):
         raise ValueError("a message does not name its values")

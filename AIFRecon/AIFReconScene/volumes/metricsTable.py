@@ -98,5 +98,5 @@ def updateMetricsTable(tableNode, metrics: dict, say: Callable[[Message], str] =
 
 def _digits(form: str) -> int:
     """Digits after the point that a format keeps; two more for a percentage, which is kept as a share."""
-    digits = int(re.search(r"\.(\d+)", form)[1])
-    return digits + 2 if form.endswith("%") else digits
+    [digits] = re.findall(r"\.(\d+)", form)
+    return int(digits) + (2 if form.endswith("%") else 0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import pytest
 from geometry_strategies import rigid, rigid_poses, scaled
@@ -63,7 +65,8 @@ def on_own_voxels(array: np.ndarray, bone_map: BoneMap, shape) -> np.ndarray:
 def ball(radius: float, matrix: np.ndarray) -> tuple[Volume, np.ndarray]:
     """A ball in mm about the middle of a volume of that matrix with 7 mm around it, and its center in Reference."""
     spacing = np.linalg.norm(matrix[:3, :3], axis=0)
-    grid = VoxelGrid(tuple(int(n) for n in np.ceil(2 * (radius + 7.0) / spacing)), matrix)
+    columns, rows, slices = (int(n) for n in np.ceil(2 * (radius + 7.0) / spacing))
+    grid = VoxelGrid((columns, rows, slices), matrix)
     center = grid.corners().mean(axis=0)
     return Volume((np.linalg.norm(positions(grid) - center, axis=-1) < radius).astype(np.uint8), matrix), center
 
@@ -307,7 +310,7 @@ def test_a_probability_in_percent_or_gray_levels_is_refused(largest):
 FINE = VoxelGrid((18, 17, 16), rigid((0.2, 0.1, -0.3), (3.0, 4.0, 5.0)) @ scaled(0.7, 0.8, 0.9))
 
 
-def sampled_by_scipy(array: np.ndarray, source: VoxelGrid, grid: VoxelGrid, order: int) -> np.ndarray:
+def sampled_by_scipy(array: np.ndarray, source: VoxelGrid, grid: VoxelGrid, order: Literal[0, 1]) -> np.ndarray:
     """`map_coordinates` in float64 at every voxel of the grid, zeros around the source."""
     to_source = np.linalg.inv(source.ijk_to_reference)
     ijk = positions(grid) @ to_source[:3, :3].T + to_source[:3, 3]
@@ -435,10 +438,15 @@ def test_results_take_single_precision():
 
 
 @pytest.mark.parametrize("work", ["from_labels", "on_grid"])
-def test_progress_rises_from_0_to_1(work):
+def test_progress_rises_from_0_to_1(work) -> None:
     heard: list[float] = []
-    bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)), progress=lambda f, _: heard.append(f) if work == "from_labels" else None)
-    bone_map.on_grid(FINE, progress=lambda f, _: heard.append(f) if work == "on_grid" else None)
+
+    def hear(fraction: float, _message: str) -> bool:
+        heard.append(fraction)
+        return True
+
+    bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)), progress=hear if work == "from_labels" else None)
+    bone_map.on_grid(FINE, progress=hear if work == "on_grid" else None)
     assert heard == sorted(heard)
     assert (heard[0], heard[-1]) == (0.0, 1.0)
 

@@ -40,7 +40,7 @@ def rich_sequence() -> TrackedSequence:
     """Every kind of field that a recording may hold."""
     sequence = tracked_sequence(statuses={2: TransformStatus.OUT_OF_VIEW})
     records = [
-        replace(record, unfiltered_timestamp=record.timestamp + 1e-3, fields={"FrameNumber": str(100 + n), "Note": "a = b : c"})
+        replace(record, unfiltered_timestamp=(record.timestamp or 0.0) + 1e-3, fields={"FrameNumber": str(100 + n), "Note": "a = b : c"})
         for n, record in enumerate(sequence.records)
     ]
     records[4] = replace(records[4], image_status=TransformStatus.INVALID)
@@ -52,11 +52,13 @@ def assert_same(actual: TrackedSequence, expected: TrackedSequence) -> None:
     np.testing.assert_array_equal(np.asarray(actual.images), np.asarray(expected.images))
     assert actual.images.dtype == expected.images.dtype
     assert actual.fields == expected.fields
-    for mine, theirs in zip([actual, *actual.records], [expected, *expected.records], strict=True):
-        assert list(mine.transforms) == list(theirs.transforms)
-        for name, sample in theirs.transforms.items():
-            assert mine.transforms[name].status is sample.status
-            np.testing.assert_array_equal(mine.transforms[name].matrix, sample.matrix)
+    of_mine = [actual.transforms, *(record.transforms for record in actual.records)]
+    of_theirs = [expected.transforms, *(record.transforms for record in expected.records)]
+    for found, wanted in zip(of_mine, of_theirs, strict=True):
+        assert list(found) == list(wanted)
+        for name, sample in wanted.items():
+            assert found[name].status is sample.status
+            np.testing.assert_array_equal(found[name].matrix, sample.matrix)
     for mine, theirs in zip(actual.records, expected.records, strict=True):
         assert (mine.timestamp, mine.unfiltered_timestamp, mine.image_status, mine.fields) == (
             theirs.timestamp,

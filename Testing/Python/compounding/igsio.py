@@ -36,6 +36,7 @@ def optimized_fan(region: ImageRegion, columns: int, rows: int) -> np.ndarray:
         return np.floor(x + FLOOR_TOLERANCE)
 
     fan = region.fan
+    assert fan is not None
     column = np.arange(columns)[None, :]
     y = np.arange(rows)[:, None] - fan.apex_px[1]
     left, right = (np.tan(np.radians(angle)) for angle in fan.angles_deg)

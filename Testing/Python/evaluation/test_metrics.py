@@ -29,7 +29,8 @@ def coordinates(grid: VoxelGrid, to_reference=TURN) -> np.ndarray:
 
 def grid_around(size, spacing, rotation_vector_deg=(0.0, 0.0, 0.0)) -> VoxelGrid:
     """A grid of about `size` mm about the middle of the plane, turned against Reference."""
-    voxels = tuple(int(a / b) for a, b in zip(size, spacing))
+    columns, rows, slices = (int(a / b) for a, b in zip(size, spacing))
+    voxels = columns, rows, slices
     matrix = rigid(rotation_vector_deg) @ np.diag([*spacing, 1.0])
     matrix[:3, 3] = TURN[:3, 3] - matrix[:3, :3] @ ((np.array(voxels) - 1) / 2)
     return VoxelGrid(voxels, matrix)

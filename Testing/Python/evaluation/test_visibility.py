@@ -20,8 +20,9 @@ WIDTH, DEPTH = 40.0, 60.0
 
 def sweep(offsets=(0.0,), probe=None, motion=None, region=None, **options) -> SweepBeams:
     """Frames in the planes z = offset: x from -20 to 20, y (along linear beams) from 0 to 60 mm."""
-    poses = [image_pose(SPACING, translation=(-WIDTH / 2, 0, z)) for z in offsets]
-    poses = np.array(poses) if motion is None else motion @ np.array(poses)
+    poses = np.array([image_pose(SPACING, translation=(-WIDTH / 2, 0, z)) for z in offsets])
+    if motion is not None:
+        poses = motion @ poses
     return SweepBeams(poses, (COLUMNS, ROWS), probe or ProbeGeometry(LINEAR), region or ImageRegion(), **options)
 
 

@@ -67,16 +67,15 @@ def imported(path: Path, tree: ast.AST | None = None) -> Iterator[Path]:
     """Files of this repository that a file imports anywhere, in functions and for type checkers too."""
     for node in ast.walk(tree or ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.ImportFrom):
-            if node.level:
-                start = (
-                    path.parents[node.level - 1].joinpath(*(node.module or "").split(".")) if node.module else path.parents[node.level - 1]
-                )
-            else:
-                start = _absolute(node.module)
+            start = (
+                path.parents[node.level - 1].joinpath(*(node.module.split(".") if node.module else ()))
+                if node.level
+                else _absolute(node.module or "")
+            )
             targets = [start / alias.name for alias in node.names] if start else []
             yield from {file for target in targets if (file := module_at(target) or module_at(target.parent))}
         elif isinstance(node, ast.Import):
-            yield from (file for alias in node.names if (start := _absolute(alias.name)) and (file := module_at(start)))
+            yield from (file for alias in node.names if (named := _absolute(alias.name)) and (file := module_at(named)))
 
 
 def _absolute(name: str) -> Path | None:
@@ -162,7 +161,7 @@ def test_at_the_root_of_the_library_lie_only_what_all_rooms_share_and_the_way_in
 def drawn() -> dict[str, float]:
     """Every room of the drawing, and how far down its box begins."""
     boxes = [element for element in DRAWING.iter() if element.get("data-room")]
-    return {box.get("data-room"): float(next(part for part in box if part.tag.endswith("rect")).get("y")) for box in boxes}
+    return {box.attrib["data-room"]: float(next(part for part in box if part.tag.endswith("rect")).attrib["y"]) for box in boxes}
 
 
 def test_every_room_is_drawn():

@@ -109,6 +109,7 @@ def run_replay(arguments: list[str]) -> None:
     """`aifrecon replay` in a process of its own, on a free port, until it listens."""
     command = [sys.executable, "-m", "AIFReconLib", *arguments, "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        assert process.stdout is not None
         said = process.stdout.readline()
         process.send_signal(signal.SIGINT) if sys.platform != "win32" else process.terminate()
     assert said.startswith("Listening on 127.0.0.1"), said

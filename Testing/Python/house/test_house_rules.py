@@ -33,7 +33,7 @@ def imports_of(tree: ast.AST) -> set[str]:
         if isinstance(node, ast.Import):
             packages |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
-            packages.add(node.module.split(".")[0])
+            packages.add((node.module or "").split(".")[0])
         elif isinstance(node, ast.Call) and ast.unparse(node.func) in ("importlib.import_module", "import_module", "__import__", "library"):
             # A name that is put together at run time, as the lazy names of __init__ are, cannot be judged here
             packages |= {str(word.value).split(".")[0] for word in node.args[:1] if isinstance(word, ast.Constant)}

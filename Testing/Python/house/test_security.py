@@ -7,6 +7,7 @@ import os
 import pickle
 import socket
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -38,7 +39,7 @@ sys.addaudithook(_hear)
 
 
 @contextmanager
-def watched():
+def watched() -> Iterator[list[tuple[str, str]]]:
     """Everything that Python opens, starts, connects to or unpickles inside the block, as (event, first argument)."""
     seen: list[tuple[str, str]] = []
 

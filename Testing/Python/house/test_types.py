@@ -1,8 +1,9 @@
-"""What editors and type checkers see of the library. `make lint` runs mypy; here is what mypy does not ask for."""
+"""What editors and type checkers see of the library. `make lint` runs mypy; here is what it is told, and what it does not ask for."""
 
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -14,6 +15,7 @@ import AIFReconLib
 
 LIBRARY = Path(AIFReconLib.__file__).parent
 FILES = sorted(LIBRARY.rglob("*.py"))
+PROJECT = (LIBRARY.parent / "pyproject.toml").read_text("utf-8")
 OPEN_ENDED = {
     ("__init__.py", "__getattr__"): "a public name of any kind",
     ("commands/parser.py", "OneLineParser.__init__"): "hands everything on to argparse",
@@ -61,7 +63,8 @@ def imports_for_checkers() -> dict[str, str]:
     """Name and module, with dots, of what the package imports for type checkers alone."""
     tree = ast.parse((LIBRARY / "__init__.py").read_text("utf-8"))
     block = next(node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")
-    return {alias.asname or alias.name: node.module for node in block.body for alias in node.names}
+    imports = [node for node in block.body if isinstance(node, ast.ImportFrom)]
+    return {alias.asname or alias.name: node.module or "" for node in imports for alias in node.names}
 
 
 @pytest.mark.parametrize("path", FILES, ids=name_of)
@@ -84,9 +87,24 @@ def test_every_public_name_can_be_had(name):
 
 
 def test_the_package_says_that_it_is_typed():
-    pyproject = (LIBRARY.parent / "pyproject.toml").read_text("utf-8")
     assert (LIBRARY / "py.typed").read_bytes() == b""
-    assert 'AIFReconLib = ["py.typed"]' in pyproject
+    assert 'AIFReconLib = ["py.typed"]' in PROJECT
+
+
+def test_the_library_is_checked_for_all_that_mypy_calls_strict():
+    """Listed one by one, because `strict` itself cannot be said of a part of what is checked."""
+    pytest.importorskip("mypy", reason="mypy is not installed")
+    told = subprocess.run([sys.executable, "-m", "mypy", "--help"], capture_output=True, text=True, check=True).stdout
+    # Lines break within the flags
+    listed = re.search(r"Strictmode;enablesthefollowingflags:((?:--[a-z-]+?,)+--[a-z-]+?)--disable-error-code", re.sub(r"\s", "", told))
+    flags = [flag.removeprefix("--") for flag in listed[1].split(",")]
+    wanted = {f"{flag[3:]} = false" if flag.startswith("no-") else f"{flag} = true" for flag in flags}
+    everywhere, of_library = (
+        set(re.search(heading + r"\n(.*?)^\[", PROJECT, re.DOTALL | re.MULTILINE)[1].splitlines())
+        for heading in (r"^\[tool\.mypy\]", r'^module = "AIFReconLib\.\*"')
+    )
+    assert {setting.replace("-", "_") for setting in wanted} <= everywhere | of_library
+    assert of_library - {""} <= {setting.replace("-", "_") for setting in wanted}
 
 
 @pytest.mark.parametrize("path", FILES, ids=name_of)

@@ -72,6 +72,8 @@ SECTORS = {
 def assert_found(found: DetectedImaging, apex=(160.0, 10.0), angles=(-45.0, 45.0), radii=(0.0, 215.0), spacing=(1.0, 1.0)) -> None:
     """Apex within 2 px, angles within half a degree, and nearly the same pixels."""
     assert found.probe.kind == SECTOR
+    assert found.probe.apex_px is not None
+    assert found.region.fan is not None
     assert np.hypot(*np.subtract(found.probe.apex_px, apex)) < 2.0
     np.testing.assert_allclose(found.region.fan.angles_deg, angles, atol=0.5)
     truth, mask = sector(apex, angles, radii, spacing), found.region.mask(COLUMNS, ROWS)

@@ -30,7 +30,7 @@ def quaternion(pose, order="xyzw") -> list[float]:
 
 
 def euler(pose, order, degrees=True) -> list[float]:
-    return Rotation.from_matrix(pose[:3, :3]).as_euler(order, degrees=degrees).tolist()
+    return np.ravel(Rotation.from_matrix(pose[:3, :3]).as_euler(order, degrees=degrees)).tolist()
 
 
 def table(rows, header=None, separator=",") -> str:

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import time
+from importlib.util import find_spec
 
 import pytest
 
@@ -14,7 +15,7 @@ from AIFReconLib.io.disk.atomic import check_writable, write_text
 from AIFReconLib.io.disk.workspace import LEFT_BEHIND, PREFIX, remove_left_behind, workspace
 
 LEFT = PREFIX + "abcdef_1"
-needs_locks = pytest.mark.skipif(module.fcntl is None, reason="folders cannot be locked here")
+needs_locks = pytest.mark.skipif(find_spec("fcntl") is None, reason="folders cannot be locked here")
 
 
 def left_behind(folder, name=LEFT):

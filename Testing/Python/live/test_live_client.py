@@ -41,9 +41,7 @@ def connect(server):
         client.start()
         server.accept()
         server.receive(len(encode_status_request()))
-        inbox = Inbox(client)
-        inbox.client = client
-        return inbox
+        return Inbox(client)
 
     yield start
     for client in clients:

@@ -46,8 +46,8 @@ def devices(parts: list) -> list[str]:
 def decoded(message: bytes):
     """The only message in a frame."""
     (frame,) = framed(message)
-    (message,) = decode(frame, received=7.0)
-    return message
+    (held,) = decode(frame, received=7.0)
+    return held
 
 
 # ---- checksum

@@ -183,11 +183,12 @@ def test_a_missing_transform_is_not_taken_from_the_configuration(sequence):
 
 def raw(server: ReplayServer, request: bytes = b"", count: int = 3) -> list[Frame]:
     """The first messages that a client receives which sends `request`."""
-    framer, parts = Framer(), []
+    framer = Framer()
+    parts: list[Frame] = []
     with socket.create_connection(("127.0.0.1", server.port), timeout=DEADLINE) as connection:
         connection.sendall(request)
         while len(parts) < count:
-            parts += framer.feed(connection.recv(2**16))
+            parts += [part for part in framer.feed(connection.recv(2**16)) if isinstance(part, Frame)]
     return parts[:count]
 
 
@@ -248,7 +249,7 @@ def test_nothing_is_played_before_there_is_a_client(serve, sequence):
 def test_the_recording_begins_again_once_every_client_has_left(serve, sequence):
     server = serve(sequence)
     first = server.connect().until(at_the_end)
-    first._client.stop()
+    first.client.stop()
     wait_for(lambda: server.clients == 0, "the client's leave")
     second = server.connect().until(at_the_end)
     assert len(second.images()) == 6
@@ -257,7 +258,7 @@ def test_the_recording_begins_again_once_every_client_has_left(serve, sequence):
 def test_a_client_that_comes_when_the_others_left_half_way_gets_the_whole_recording(serve, sequence):
     server = serve(sequence, rate=25.0)
     first = server.connect().until(lambda inbox: len(inbox.images()) >= 2)
-    first._client.stop()
+    first.client.stop()
     wait_for(lambda: server.clients == 0, "the client's leave")
     second = server.connect().until(at_the_end)
     assert np.array_equal(second.images()[0].image, sequence.images[0])
@@ -280,7 +281,7 @@ def test_a_client_that_does_not_read_stalls_no_other(serve):
     with socket.create_connection(("127.0.0.1", server.port)):
         wait_for(lambda: server.clients == 1)
         inbox = server.connect().until(lambda inbox: len(inbox.images()) >= 60)
-    assert inbox._client.statistics.bad_crc == 0
+    assert inbox.client.statistics.bad_crc == 0
 
 
 def test_a_slow_client_misses_whole_frames_and_the_rest_is_undamaged():
@@ -350,7 +351,7 @@ def test_stopping_ends_every_thread(serve, sequence):
     before = threading.active_count()
     server = serve(sequence, loop=True)
     inbox = server.connect().until(lambda inbox: inbox.images())
-    inbox._client.stop()
+    inbox.client.stop()
     server.stop()
     wait_for(lambda: threading.active_count() == before, "the end of all threads")
 

@@ -13,7 +13,7 @@ from AIFReconLib.live.session.snapshots import SnapshotMaker
 class Session:
     """As much of a session as snapshots need: counts how often one is made."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.statistics = SimpleNamespace(inserted=0)
         self.made = 0
         self.trouble: Exception | None = None

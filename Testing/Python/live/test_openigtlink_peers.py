@@ -63,9 +63,7 @@ def served(program):
         client = OpenIGTLinkClient("127.0.0.1", port, retry_delays=(0.05,))
         running.append(client)
         client.start()
-        inbox = Inbox(client)
-        inbox.server = process
-        return inbox
+        return Inbox(client, process)
 
     yield start
     for one in reversed(running):
@@ -80,7 +78,7 @@ def test_images_of_the_cpp_library_arrive_pixel_for_pixel(served):
     inbox = served("Imager/ImagerServer", "50", str(EXAMPLES / "Imager" / "img")).until(lambda inbox: len(inbox.images()) >= 5)
     stored = [np.fromfile(EXAMPLES / "Imager" / "img" / f"igtlTestImage{n}.raw", np.uint8).reshape(256, 256) for n in range(1, 6)]
     assert all(np.array_equal(message.image, expected) for message, expected in zip(inbox.images(), stored, strict=False))
-    assert inbox._client.statistics.bad_crc == 0
+    assert inbox.client.statistics.bad_crc == 0
 
 
 def test_the_center_of_an_image_lies_where_the_cpp_library_puts_it(served):

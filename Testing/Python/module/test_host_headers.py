@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -49,17 +50,17 @@ def parameter_type(declaration: str) -> str:
 def public_api(text: str, class_name: str) -> dict:
     """What PythonQt shows of a class: properties, public slots and invokable methods, signals, enumeration values; and its bases."""
     text = re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.S)
-    found = re.search(rf"class\s+(?:\w+\s+)?{class_name}\s*(:[^{{;]*)?\{{(.*?)\n\}};", text, flags=re.S)
-    enums = re.findall(r"enum\s+\w*\s*\{(.*?)\}", found.group(2), flags=re.S)
-    api = {
-        "bases": re.findall(r"public\s+(?:virtual\s+)?(\w+)", found.group(1) or ""),
-        "properties": set(re.findall(r"Q_PROPERTY\(\s*\w[\w:<>]*[\s*]+(\w+)\s+READ", found.group(2))),
+    [(bases, inside), *_] = re.findall(rf"class\s+(?:\w+\s+)?{class_name}\s*(:[^{{;]*)?\{{(.*?)\n\}};", text, flags=re.S)
+    enums = re.findall(r"enum\s+\w*\s*\{(.*?)\}", inside, flags=re.S)
+    api: dict[str, Any] = {
+        "bases": re.findall(r"public\s+(?:virtual\s+)?(\w+)", bases),
+        "properties": set(re.findall(r"Q_PROPERTY\(\s*\w[\w:<>]*[\s*]+(\w+)\s+READ", inside)),
         "methods": set(),
         "signals": set(),
         "enums": {word.split("=")[0].strip() for body in enums for word in body.split(",")},
     }
     section = "private"
-    body = re.sub(MACROS, "", found.group(2), flags=re.M)
+    body = re.sub(MACROS, "", inside, flags=re.M)
     # A label heads what follows it; what it heads ends with ; or a body
     for line in re.split(r"[;{}]", body):
         line = " ".join(line.split())
@@ -92,7 +93,7 @@ def stand_ins() -> dict[str, type]:
     """Every stand-in class by name."""
     from host import application, modules, qt_modules, views, widgets_collapsible, widgets_ctk, widgets_qmrml, windows
 
-    found = {}
+    found: dict[str, type] = {}
     for module in (widgets_collapsible, widgets_ctk, widgets_qmrml, application, modules, views, windows):
         found |= qt_modules.stand_ins(module)
     return found

@@ -7,6 +7,7 @@ this repository.
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import pytest
 
@@ -45,7 +46,8 @@ def excess(compared, offered, allowed) -> dict:
 def properties(kind) -> set[str]:
     """The Qt properties of a class."""
     # A class of its own: the wrapper of a class that other tests have used may have gone with their objects
-    meta = type(kind.__name__, (kind,), {}).staticMetaObject
+    own: Any = type(kind.__name__, (kind,), {})
+    meta = own.staticMetaObject
     return {meta.property(i).name() for i in range(meta.propertyCount())}
 
 

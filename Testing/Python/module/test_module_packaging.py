@@ -29,8 +29,8 @@ def name_of(path: Path) -> str:
 
 def listed(cmake: Path, variable: str) -> list[str]:
     """What a CMake file sets a list to."""
-    found = re.search(rf"set\({variable}\n(.*?)\n\s*\)", cmake.read_text("utf-8"), re.DOTALL)
-    return [line.strip().replace("${MODULE_NAME}", "AIFRecon") for line in found.group(1).splitlines()]
+    found = re.findall(rf"set\({variable}\n(.*?)\n\s*\)", cmake.read_text("utf-8"), re.DOTALL)
+    return [line.strip().replace("${MODULE_NAME}", "AIFRecon") for line in found[0].splitlines()]
 
 
 def relative(folder: Path, files) -> list[str]:
@@ -49,7 +49,7 @@ def module_level_imports(tree: ast.Module) -> set[str]:
         if isinstance(node, ast.Import):
             packages |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
-            packages.add(node.module.split(".")[0])
+            packages.add((node.module or "").split(".")[0])
     return packages
 
 
@@ -111,7 +111,7 @@ def test_a_widget_says_what_it_is_for(name):
     assert property_of(WIDGETS[name], "toolTip")
 
 
-@pytest.mark.parametrize("name", [name for name, widget in WIDGETS.items() if widget.get("class").startswith("qMRMLNode")])
+@pytest.mark.parametrize("name", [name for name, widget in WIDGETS.items() if widget.attrib["class"].startswith("qMRMLNode")])
 def test_a_node_selector_is_given_the_scene(name):
     receivers = [
         connection.findtext("receiver")

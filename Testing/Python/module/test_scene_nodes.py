@@ -56,6 +56,8 @@ def under(node, matrix):
 
 def equal(a: BoneMap, b: BoneMap) -> bool:
     same_place = np.allclose(a.probability.ijk_to_reference, b.probability.ijk_to_reference, atol=1e-9)
+    assert a.inside is not None
+    assert b.inside is not None
     return same_place and np.array_equal(a.probability.array, b.probability.array) and np.array_equal(a.inside.array, b.inside.array)
 
 

@@ -96,7 +96,7 @@ def proxy(browser, name):
 
 def saved_and_loaded(scene, tmp_path, name="sweep.mrb"):
     """The same scene after a trip through a file, in a scene of its own."""
-    from mrml_scene import createScene
+    from host.mrml_scene import createScene
 
     assert scene.WriteToMRB(str(tmp_path / name))
     other = createScene()

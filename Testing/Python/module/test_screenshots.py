@@ -14,9 +14,8 @@ slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 vtk = pytest.importorskip("vtk", reason="vtk is not installed")
 pytest.importorskip("PySide6.QtGui", reason="PySide6 is not installed", exc_type=ImportError)
 
-import scene_host  # noqa: E402 - puts Testing/host on the path
-import view_frames  # noqa: E402
-import view_render  # noqa: E402
+import scene_host  # noqa: E402 - puts Testing on the path
+from host import view_frames, view_render  # noqa: E402
 from PySide6 import QtGui  # noqa: E402
 
 REPOSITORY = Path(__file__).resolve().parents[3]

@@ -42,7 +42,7 @@ def ray_echoes(
     """
     rng = np.random.default_rng(0)
     points, beams, frames = [], [], []
-    xs, zs = np.meshgrid(np.arange(-28.0, 28.0, pitch), np.arange(*z_range, pitch), indexing="ij")
+    xs, zs = np.meshgrid(np.arange(-28.0, 28.0, pitch), np.arange(z_range[0], z_range[1], pitch), indexing="ij")
     steps = np.arange(0.0, depth, 0.25)
     for side, along in TILTS_DEG:
         beam = np.array([np.tan(np.radians(side)), 1.0, np.tan(np.radians(along))])
@@ -57,7 +57,7 @@ def ray_echoes(
         points.append(way[met, inside[met].argmax(axis=1)])
         beams.append(np.tile(beam, (met.sum(), 1)))
         frames.append(np.round(points[-1][:, 2]).astype(np.int64))
-    points = np.concatenate(points)
+    met_at = np.concatenate(points)
     return SweepEchoes(
-        points + noise * rng.standard_normal(points.shape), np.concatenate(beams), np.ones(len(points), np.float32), np.concatenate(frames)
+        met_at + noise * rng.standard_normal(met_at.shape), np.concatenate(beams), np.ones(len(met_at), np.float32), np.concatenate(frames)
     )

@@ -221,8 +221,8 @@ def rod_echoes() -> SweepEchoes:
             z = np.arange(-40.0, 40.0, 2.0)
             points.append(5.0 * side + z[:, None] * (0, 0, 1.0))
             beams.append(np.tile(beam, (len(z), 1)))
-    points = np.concatenate(points)
-    return SweepEchoes(points, np.concatenate(beams), np.ones(len(points), np.float32), np.zeros(len(points), np.int64))
+    count = sum(map(len, points))
+    return SweepEchoes(np.concatenate(points), np.concatenate(beams), np.ones(count, np.float32), np.zeros(count, np.int64))
 
 
 def test_a_shaft_is_not_held_along_and_about_its_axis():
