@@ -1,5 +1,6 @@
 """Long work of the panel: with progress and cancel, its errors shown in the panel's words."""
 
+from AIFReconScene.background import importLibrary
 from AIFReconScene.inputs.nodesAtWork import NodesAtWork
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
@@ -51,6 +52,7 @@ class LongWork:
                 self._enable(False)
                 # A node may have gone while the dialog came up
                 report(self._progress, 0.0, title)
+                importLibrary(self._progress)
                 return inPanelWords(work(parameters, progress=self._progress))
             return (nodes.lost or _("Canceled. Nothing was changed.")) if isinstance(outcome.error, OperationCanceled) else ""
         finally:

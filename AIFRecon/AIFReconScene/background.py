@@ -1,10 +1,14 @@
 """The library's work on a thread of its own, so that windows stay alive however rarely it reports."""
 
 import concurrent.futures
+import importlib
 import threading
 
 from AIFReconLib.message import Message
 from AIFReconLib.progress import report
+
+HEAVY = ("AIFReconLib.reconstruction", "AIFReconLib.evaluation.metrics")
+"""With SciPy and all that the library computes with."""
 
 ALIVE_EVERY = 0.02
 """s between two looks of the main thread at its events."""
@@ -41,6 +45,11 @@ def inBackground(work, progress=None):
     result = future.result()
     report(progress, *relay.latest)
     return result
+
+
+def importLibrary(progress=None) -> None:
+    """Load what the library computes with, which takes a while the first time."""
+    inBackground(lambda _progress: [importlib.import_module(name) for name in HEAVY], progress)
 
 
 class _Relay:

@@ -7,6 +7,10 @@ and loading. Into FOLDER go a picture of the window after each step and `walk.js
 application's log says that it should not. The exit status is 0 when every step succeeded, no stall was over the limits and the log holds
 no traceback.
 
+    ... walkInSlicer.py FOLDER --only recording,live
+
+Takes these steps alone.
+
     ... walkInSlicer.py FOLDER --close SECONDS
 
 Closes the application in the middle of a reconstruction instead, SECONDS after its start; it must end within a second, in silence.
@@ -27,7 +31,8 @@ sys.path.insert(0, str(HERE))
 import realData  # noqa: E402 - the folder must be known first
 
 WINDOW = (1400, 900)
-"""Pixels."""
+PANEL_WIDTH = 400
+"""Pixels. The panel stays as wide as the user has made it."""
 
 LONGEST_IN_A_RUN, LONGEST_WHILE_LIVE = 0.25, 0.1
 """s for which the GUI may stand still."""
@@ -70,7 +75,11 @@ class Walk:
         slicer.util.mainWindow().resize(*WINDOW)
         slicer.util.mainWindow().move(0, 0)
         slicer.util.selectModule("AIFRecon")
+        dock = slicer.util.findChild(slicer.util.mainWindow(), "PanelDockWidget")
+        slicer.util.mainWindow().resizeDocks([dock], [PANEL_WIDTH], qt.Qt.Horizontal)
         self.settle()
+        self.dock, self.width = dock, dock.width
+        self.widened: list[str] = []
 
     @property
     def widget(self):
@@ -111,6 +120,8 @@ class Walk:
     def picture(self, name: str) -> None:
         """The window as it is."""
         self.settle()
+        for view in [*slicer.util.findChildren(className="qMRMLSliceView"), *slicer.util.findChildren(className="qMRMLThreeDView")]:
+            view.forceRender()
         slicer.util.mainWindow().grab().save(str(self.folder / f"{name}.png"))
 
     def step(self, function) -> None:
@@ -121,16 +132,21 @@ class Walk:
             function(self)
         finally:
             self.stalls[name] = round(self.heart.longest * 1000.0)
+        if self.dock.width != self.width:
+            self.widened.append(f"{name}: from {self.width} to {self.dock.width} pixels")
+            self.width = self.dock.width
         self.picture(name)
         print(f"{name}: {function.__doc__} Longest stall {self.stalls[name]} ms.", flush=True)
 
 
 def sampleData(walk: Walk) -> None:
     """The sample patient is loaded from the Sample Data module."""
-    import SampleData
     from AIFReconGui.sampleData import SAMPLE_NAME
 
-    SampleData.SampleDataLogic().downloadSamples(SAMPLE_NAME)
+    slicer.util.selectModule("SampleData")
+    walk.settle()
+    buttons = slicer.util.findChildren(slicer.modules.sampledata.widgetRepresentation(), className="QToolButton")
+    walk.press(next(button for button in buttons if button.text == SAMPLE_NAME))
     slicer.util.selectModule("AIFRecon")
     walk.settle()
     if walk.parameters.sweep is None or walk.parameters.bone is None or walk.parameters.ctVolume is None:
@@ -167,11 +183,10 @@ def box(walk: Walk) -> None:
     if min(walk.parameters.roi.GetSize()) <= 0.0:
         raise RuntimeError("the new box has no size")
     walk.press(walk.ui.applyButton)
-    walk.parameters.region = Region.AROUND_SWEEP
 
 
 def saveAndLoad(walk: Walk) -> None:
-    """The scene is saved, closed and loaded: the same choices and the same voxels."""
+    """The scene is saved, closed and loaded: the same choices, and the same voxels when it is reconstructed again."""
     file = walk.folder / "scene.mrb"
     before = slicer.util.arrayFromVolume(walk.parameters.output).copy()
     method, spacing = walk.parameters.method, walk.parameters.spacing
@@ -187,6 +202,11 @@ def saveAndLoad(walk: Walk) -> None:
         raise RuntimeError("the choices were not loaded")
     walk.press(walk.ui.applyButton)
     np.testing.assert_array_equal(slicer.util.arrayFromVolume(walk.parameters.output), before)
+
+
+def shown(view: str):
+    """The volume in the background of a slice view."""
+    return slicer.app.layoutManager().sliceWidget(view).sliceLogic().GetBackgroundLayer().GetVolumeNode()
 
 
 def recording(walk: Walk) -> None:
@@ -211,14 +231,18 @@ def live(walk: Walk) -> None:
     with ReplayServer(sequenceFromBrowser(walk.parameters.sweep), 0, rate=RATE, loop=True) as server:
         walk.parameters.output = None
         walk.parameters.liveHost, walk.parameters.livePort = "127.0.0.1", server.port
+        walk.ui.liveCollapsibleButton.collapsed = False
         walk.settle()
         walk.press(walk.ui.liveStartButton)
-        session = walk.widget._live._live.session
+        scan = walk.widget._live._live
+        session = scan.session
         walk.wait(lambda: session.scouted >= FRAMES_SCOUTED, what="a box")
         walk.wait(lambda: walk.ui.liveUseBoxButton.enabled, what="Use the scanned box")
         walk.heart.start()
         walk.press(walk.ui.liveUseBoxButton)
         walk.wait(lambda: session.statistics.inserted > FRAMES_INSERTED, what="frames")
+        walk.wait(lambda: shown("Green") is not None and shown("Green") is scan.volumeNode, what="the growing volume in the green view")
+        walk.wait(lambda: shown("Red") is scan.frameNode, what="the frame in the red view")
         walk.stalls["whileLive"] = round(walk.heart.longest * 1000.0)
         walk.picture("liveScan")
         walk.press(walk.ui.liveStopButton)
@@ -259,7 +283,8 @@ def main(arguments: list[str]) -> int:
         closeInMidRun(walk, float(arguments[arguments.index("--close") + 1]))
         return 1  # the application should be gone
     failed = []
-    for step in STEPS:
+    chosen = arguments[arguments.index("--only") + 1].split(",") if "--only" in arguments else [step.__name__ for step in STEPS]
+    for step in [step for step in STEPS if step.__name__ in chosen]:
         try:
             walk.step(step)
         except Exception as error:
@@ -269,10 +294,17 @@ def main(arguments: list[str]) -> int:
     limits = {name: LONGEST_WHILE_LIVE if name == "whileLive" else LONGEST_IN_A_RUN for name in walk.stalls}
     slow = [name for name, stall in walk.stalls.items() if stall > 1000.0 * limits[name]]
     told = logged()
-    found = {"version": slicer.app.applicationVersion, "stalls_ms": walk.stalls, "failed": failed, "slow": slow, "log": told}
+    found = {
+        "version": slicer.app.applicationVersion,
+        "stalls_ms": walk.stalls,
+        "failed": failed,
+        "widened": walk.widened,
+        "slow": slow,
+        "log": told,
+    }
     (folder / "walk.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
     print(json.dumps(found, indent=2), flush=True)
-    return 1 if failed or slow or told else 0
+    return 1 if any(trouble.values()) else 0
 
 
 slicer.util.exit(main(sys.argv[1:]))

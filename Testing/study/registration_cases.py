@@ -119,8 +119,9 @@ def _volumes(case: _Case) -> list[Row]:
     for name, start in (("start 10 mm, 10 degrees", near), ("no start", None)):
         found = register_echoes(case.echoes, case.bone, start)
         metrics = shown(found.transform)
-        kept = {"cnr_kept": metrics.cnr / exact.cnr, "coverage_kept": metrics.coverage / exact.coverage}
-        rows.append(replace(case.row(f"`weighted` after {name}", found), **kept))
+        row = case.row(f"`weighted` after {name}", found)
+        cnr, coverage = metrics.bone.cnr / exact.bone.cnr, metrics.bone.coverage / exact.bone.coverage
+        rows.append(replace(row, cnr_kept=cnr, coverage_kept=coverage))
     return rows
 
 

@@ -75,21 +75,8 @@ def loadPhantom(
     OperationCanceled
         The scene is then as it was.
     """
-    from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
-    from AIFReconLib.simulation.phased_array import PhasedArray
-    from AIFReconLib.simulation.scan import multi_angle_sweep, random_rigid, simulate_sweep
-
     scene = scene or slicer.mrmlScene
-    probe = PhasedArray()
-
-    def work(progress):
-        ctToReference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
-        anatomy = LumbarAnatomy.from_seed(seed, vertebrae=len(LEVELS))
-        phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=ctToReference, progress=part(progress, 0.0, 0.5))
-        return phantom, simulate_sweep(phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, progress=part(progress, 0.5, 1.0))
-
-    phantom, sweep = inBackground(work, part(progress, 0.0, 0.95))
-    sweep = replace(sweep, configuration=_configuration(probe), path=Path("lumbar phantom"))
+    phantom, sweep = inBackground(lambda progress: _simulated(seed, frames, spacing, progress), part(progress, 0.0, 0.95))
     # The sweep first: it alone can still be canceled, and it leaves nothing behind then
     browser = browserFromSequence(sweep, "Lumbar sweep", part(progress, 0.95, 1.0), scene)
     transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
@@ -99,6 +86,19 @@ def loadPhantom(
     for node in (ct, segmentation):
         node.SetAndObserveTransformNodeID(transform.GetID())
     return PhantomNodes(ct, segmentation, transform, browser)
+
+
+def _simulated(seed: int, frames: int, spacing: float, progress) -> tuple:
+    """The `LumbarPhantom` and its `TrackedSequence`."""
+    from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
+    from AIFReconLib.simulation.phased_array import PhasedArray
+    from AIFReconLib.simulation.scan import multi_angle_sweep, random_rigid, simulate_sweep
+
+    ctToReference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
+    anatomy, probe = LumbarAnatomy.from_seed(seed, vertebrae=len(LEVELS)), PhasedArray()
+    phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=ctToReference, progress=part(progress, 0.0, 0.5))
+    sweep = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, progress=part(progress, 0.5, 1.0))
+    return phantom, replace(sweep, configuration=_configuration(probe), path=Path("lumbar phantom"))
 
 
 def _configuration(probe):
