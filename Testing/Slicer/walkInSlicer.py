@@ -294,14 +294,8 @@ def main(arguments: list[str]) -> int:
     limits = {name: LONGEST_WHILE_LIVE if name == "whileLive" else LONGEST_IN_A_RUN for name in walk.stalls}
     slow = [name for name, stall in walk.stalls.items() if stall > 1000.0 * limits[name]]
     told = logged()
-    found = {
-        "version": slicer.app.applicationVersion,
-        "stalls_ms": walk.stalls,
-        "failed": failed,
-        "widened": walk.widened,
-        "slow": slow,
-        "log": told,
-    }
+    trouble = {"failed": failed, "widened": walk.widened, "slow": slow, "log": told}
+    found = {"version": slicer.app.applicationVersion, "stalls_ms": walk.stalls, **trouble}
     (folder / "walk.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
     print(json.dumps(found, indent=2), flush=True)
     return 1 if any(trouble.values()) else 0
