@@ -46,7 +46,7 @@ from .sequence_options import add_sequence_options, sequence_from, sequence_inpu
 EXAMPLE = """examples:
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
-      --bone-transform CTToReference.tfm --spacing 0.5 --hole-limit 1 --output volume.nrrd
+      --bone-transform CTToReference.tfm --output volume.nrrd
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
 
 CHECKED_FRAMES = 90
