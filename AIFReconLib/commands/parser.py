@@ -20,12 +20,12 @@ from typing import Any, NoReturn
 from .. import __version__
 from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
 from ..message import LONGEST_QUOTE, one_line, shorten
-from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, register, replay, simulate
+from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, preview, reconstruct, register, replay, simulate
 from .console import prepare_streams
 from .log import add_log_options, logging_as_asked
 from .signals import OrderlyEnd, orderly_end
 
-COMMANDS = (demo, reconstruct, register, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
+COMMANDS = (demo, reconstruct, preview, register, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
 
 SUCCESS, REFUSED, BAD_INPUT = 0, 1, 2
 

@@ -22,7 +22,7 @@ from ..imaging.beams import SECTOR, ProbeGeometry
 from ..imaging.region import ImageRegion, PixelFilter
 from ..imaging.sound_speed import depth_factor, depth_scale
 from ..machine.memory import require_memory
-from ..message import Message
+from ..message import Described, Message
 from ..progress import Progress
 from ..settings import BONE_METHODS, ReconstructionSettings
 from ..sweep.frames import TrackedFrame
@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     from .compiled.numba_engine import NumbaEngine
 
 
-@dataclass(frozen=True, eq=False)
-class Reconstruction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Reconstruction(Described):
     """The result of a reconstruction, all volumes on one grid.
 
     Parameters
@@ -75,6 +75,10 @@ class Reconstruction:
     skipped: dict[str, list[int]]
     notes: tuple[str, ...] = ()
     hole_limit: float = 0.0
+
+    def _facts(self) -> list[tuple[str, str]]:
+        skipped = sum(map(len, self.skipped.values()))
+        return [("method", self.method), ("frames", f"{self.frames_inserted} inserted, {skipped} skipped"), *self.grid.facts()]
 
     @property
     def grid(self) -> VoxelGrid:
