@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 import sys
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable
 from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels, read_volume
-from .console import ProgressBar, program
+from .console import ProgressBar, program, shell_words
 from .options import Commands, refuse_to_overwrite
 
 
@@ -102,4 +101,4 @@ def how_to_look(arguments: argparse.Namespace) -> list[str]:
         if arguments.bone_labels and getattr(arguments, option):
             words += [f"--{option.replace('_', '-')}", str(getattr(arguments, option))]
     words += ["--output", str(arguments.output.with_name(arguments.output.name.partition(".")[0] + ".png"))]
-    return [f"to look at it: {program()} {shlex.join(words)}"]
+    return [f"to look at it: {program()} {shell_words(words)}"]
