@@ -16,6 +16,9 @@ from .filling import HoleFilling
 FARTHEST = 4.0
 """mm. What lies farther from every frame was not scanned: to fill it would be to invent it."""
 
+LARGEST = 20.0
+"""mm, of any hole limit."""
+
 SHARE = 0.95
 """Of the space between neighboring frames, how much is to be filled."""
 
@@ -83,10 +86,11 @@ def automatic_limit(poses: Matrix, shown: Mask, grid: VoxelGrid) -> tuple[float,
     diagonal = float(np.linalg.norm(grid.spacing))
     distances = distances_between_frames(poses, shown, grid) if len(poses) > 1 else np.empty(0)
     apart = float(np.quantile(distances, SHARE)) if distances.size else 0.0
-    most = max(FARTHEST, diagonal)
+    # No more than the settings take, which voxels of centimeters would ask for
+    most = min(max(FARTHEST, diagonal), LARGEST)
     limit = min(math.ceil(10 * max(diagonal, apart + diagonal / 2) - 1e-9) / 10, most)
     notes = [Message("Holes are filled up to {limit:.3g} mm, chosen by how far apart the frames lie.", limit=limit)]
-    if apart + diagonal / 2 > most:
+    if diagonal <= FARTHEST < apart + diagonal / 2:
         times = apart / (most - diagonal / 2)
         notes.append(
             Message(

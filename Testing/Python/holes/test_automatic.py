@@ -49,6 +49,13 @@ def test_voxels_larger_than_that_still_reach_their_neighbors():
     assert automatic_limit(frames_at(0.0, 5.0, 10.0), SHOWN, coarse)[0] >= np.linalg.norm((5.0, 5.0, 5.0))
 
 
+def test_voxels_of_centimeters_ask_for_no_more_than_may_be_given():
+    coarse = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (2, 2, 2), 40.0)
+    limit, notes = automatic_limit(frames_at(0.0, 30.0, 60.0), SHOWN, coarse)
+    assert ReconstructionSettings(hole_limit=limit).hole_limit == 20.0
+    assert len(notes) == 1
+
+
 def test_passes_that_interleave_fill_each_other_s_gaps():
     passes = [np.arange(start, 90.0, 9.0) for start in (0.0, 3.0, 6.0)]
     assert limit_of(*np.concatenate(passes)) == pytest.approx(limit_of(*np.arange(0.0, 90.0, 3.0)), abs=0.2)
