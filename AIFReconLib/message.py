@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import string
 from collections.abc import Callable, Iterable
+from html import escape
 from pathlib import PurePath
 
 LONGEST_QUOTE = 500
@@ -106,6 +107,28 @@ def translated(value: object, translate: Callable[[str], str]) -> object:
     if isinstance(value, BaseException):
         value = said(value)
     return value.translated(translate) if isinstance(value, Message) else value
+
+
+def html_table(title: str, rows: Iterable[tuple[str, str]]) -> str:
+    """Names and values as a small table for a notebook."""
+    body = "".join(
+        f"<tr><th style='text-align:left'>{escape(name)}</th><td style='text-align:left'>{escape(str(value))}</td></tr>"
+        for name, value in rows
+    )
+    return f"<table><caption style='text-align:left'><b>{escape(title)}</b></caption>{body}</table>"
+
+
+class Described:
+    """Shows itself in a line, and in a notebook as a table, by what `_facts` tells."""
+
+    def _facts(self) -> list[tuple[str, str]]:
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {', '.join(f'{name} {value}' for name, value in self._facts())}>"
+
+    def _repr_html_(self) -> str:
+        return html_table(type(self).__name__, self._facts())
 
 
 def columns(rows: Iterable[Iterable[str]], indent: str = "  ") -> str:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from .arrays import Reals
+from .arrays import Integers, Reals
 from .bone.map import BoneMap
 from .compounding.reconstructor import Reconstruction, Reconstructor, needs_beams
 from .compounding.splat_engine import uses_shares
@@ -14,16 +14,17 @@ from .compounding.state import bytes_per_voxel
 from .errors import NoUsableFramesError
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
+from .holes.automatic import with_limit
 from .imaging.beams import ProbeGeometry
 from .imaging.extent import grid_around_sweep
 from .imaging.region import ImageRegion
 from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
 from .progress import Progress, part, report
-from .resolve import reconstructor_parts, resolve_imaging, resolve_settings
+from .resolve import Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
 from .settings import ReconstructionSettings
 from .sweep.frames import TrackedFrame, TrackedSequence
-from .sweep.poses import describe_skipped, sweep_poses, time_order, tracked_frames
+from .sweep.poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames
 
 logger = logging.getLogger(__name__)
 
@@ -33,6 +34,96 @@ def _reporting(frames: Iterable[TrackedFrame], count: int, progress: Progress | 
     for done, frame in enumerate(frames):
         report(progress, done / count, "Reconstructing")
         yield frame
+
+
+@dataclass(frozen=True, eq=False)
+class _Prepared:
+    """What a reconstruction does, before it does it."""
+
+    settings: ReconstructionSettings
+    parts: ReconstructorParts
+    poses: SweepPoses
+    order: Integers
+    chosen: Integers
+    imaging: Imaging
+    uses_beams: bool
+    grid: VoxelGrid
+    bytes_per_voxel: int
+
+
+def _prepare(
+    sequence: TrackedSequence,
+    asked: ReconstructionSettings | None,
+    has_bone: bool,
+    grid: VoxelGrid | None,
+    region: ImageRegion | None,
+    probe: ProbeGeometry | None,
+    importance: Reals | None,
+    image_to_reference: str | None,
+    reference: str | None,
+) -> _Prepared:
+    """Everything that is chosen before the first frame enters; the arguments are those of `reconstruct`."""
+    asked = asked or ReconstructionSettings()
+    settings = resolve_settings(asked, sequence.configuration, has_bone, importance is not None)
+    parts = reconstructor_parts(asked, settings, sequence.configuration, importance)
+    method = settings.method_for(has_bone)
+    poses = sweep_poses(sequence, image_to_reference, reference)
+    poses.require_usable(sequence.name)
+    order = time_order(sequence)[:: settings.skip]
+    chosen = order[[poses.problems[number] is None for number in order]]
+    if not chosen.size:
+        raise NoUsableFramesError(
+            "{sequence}: none of every {skip}th frames can be placed. Use a smaller --skip.", sequence=sequence.name, skip=settings.skip
+        )
+    uses_beams = needs_beams(method, settings)
+    imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, region, probe)
+    cost = bytes_per_voxel(method, uses_beams, settings.best_cosine, uses_shares(settings, parts.importance))
+    if grid is None and parts.grid is not None and image_to_reference is None and reference is None:
+        grid = parts.grid
+    if grid is None:
+        placed = poses.image_to_reference[chosen]
+        scale = depth_scale(settings, imaging.region.mask(*sequence.frame_size), imaging.probe, pixel_spacing(placed[0]))
+        grid = grid_around_sweep(placed, sequence.frame_size, imaging.region, settings.spacing_xyz(), cost, scale, parts.fits_spacing)
+    return _Prepared(settings, parts, poses, order, chosen, imaging, uses_beams, grid, cost)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What `reconstruct` would make of a sweep.
+
+    Parameters
+    ----------
+    method : str
+    grid : VoxelGrid
+    memory : int
+        Bytes that it takes.
+    hole_limit : float, mm
+    notes : tuple of str
+        How holes are filled, and why.
+    """
+
+    method: str
+    grid: VoxelGrid
+    memory: int
+    hole_limit: float
+    notes: tuple[str, ...]
+
+
+def plan(
+    sequence: TrackedSequence,
+    settings: ReconstructionSettings | None = None,
+    *,
+    has_bone: bool = False,
+    image_to_reference: str | None = None,
+    reference: str | None = None,
+) -> Plan:
+    """What `reconstruct` with these arguments would choose, without reconstructing; it raises the same errors."""
+    prepared = _prepare(sequence, settings, has_bone, None, None, None, None, image_to_reference, reference)
+    shown = prepared.imaging.region.mask(*sequence.frame_size)
+    poses = prepared.poses.image_to_reference[prepared.chosen][:, :3]
+    chosen, notes = with_limit(prepared.settings, prepared.parts.holes, poses, shown, prepared.grid)
+    memory = prepared.grid.voxels * prepared.bytes_per_voxel
+    return Plan(prepared.settings.method_for(has_bone), prepared.grid, memory, float(chosen.hole_limit), notes)
 
 
 def reconstruct(
@@ -76,28 +167,10 @@ def reconstruct(
     AIFReconError
         One of its kinds, with a message that says what is wrong, where, and what to do. Inputs are untouched.
     """
-    asked = settings or ReconstructionSettings()
-    settings = resolve_settings(asked, sequence.configuration, bone is not None, importance is not None)
-    parts = reconstructor_parts(asked, settings, sequence.configuration, importance)
-    method = settings.method_for(bone is not None)
     report(progress, 0.0, "Looking at the sweep")
-    poses = sweep_poses(sequence, image_to_reference, reference)
-    poses.require_usable(sequence.name)
-    order = time_order(sequence)[:: settings.skip]
-    chosen = order[[poses.problems[number] is None for number in order]]
-    if not chosen.size:
-        raise NoUsableFramesError(
-            "{sequence}: none of every {skip}th frames can be placed. Use a smaller --skip.", sequence=sequence.name, skip=settings.skip
-        )
-    uses_beams = needs_beams(method, settings)
-    imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, region, probe)
-    if grid is None and parts.grid is not None and image_to_reference is None and reference is None:
-        grid = parts.grid
-    if grid is None:
-        cost = bytes_per_voxel(method, uses_beams, settings.best_cosine, uses_shares(settings, parts.importance))
-        placed = poses.image_to_reference[chosen]
-        scale = depth_scale(settings, imaging.region.mask(*sequence.frame_size), imaging.probe, pixel_spacing(placed[0]))
-        grid = grid_around_sweep(placed, sequence.frame_size, imaging.region, settings.spacing_xyz(), cost, scale, parts.fits_spacing)
+    prepared = _prepare(sequence, settings, bone is not None, grid, region, probe, importance, image_to_reference, reference)
+    settings, parts, poses, order, imaging = prepared.settings, prepared.parts, prepared.poses, prepared.order, prepared.imaging
+    grid, uses_beams = prepared.grid, prepared.uses_beams
     report(progress, 0.02, "Preparing the volume")
     bone_part = 0.15 if uses_beams else 0.02
     reconstructor = Reconstructor(

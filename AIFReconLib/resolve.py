@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
+import numpy as np
+
 from .arrays import Reals
 from .errors import BeamGeometryError, SettingsError
 from .geometry.transforms import pixel_spacing
@@ -25,6 +27,9 @@ if TYPE_CHECKING:
 
 
 Value = TypeVar("Value")
+
+MOST_OF_AN_IMAGE = 0.9
+"""Where ultrasound fills more of an image than this, its surround does no harm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,11 +198,37 @@ def resolve_imaging(
     configuration = sequence.configuration
     known = known_imaging(configuration, need_probe, region, probe)
     if known is not None:
-        return known
+        return replace(known, notes=_about_black_surround(sequence, known.region)) if region is None else known
     try:
         return recognized_imaging(sequence.images, poses, configuration, need_probe, region, probe)
     except BeamGeometryError as error:
         raise BeamGeometryError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
+
+
+def _about_black_surround(sequence: TrackedSequence, region: ImageRegion) -> tuple[str, ...]:
+    """A note where a configuration's clip rectangle is the whole image although ultrasound fills only a part of it."""
+    columns, rows = sequence.frame_size
+    if region.fan is not None or not region.mask(columns, rows).all():
+        return ()
+    try:
+        lit = detect_imaging(sequence.images).region.mask(columns, rows)
+    except BeamGeometryError:
+        return ()
+    if lit.mean() > MOST_OF_AN_IMAGE:
+        return ()
+    (left, right), (top, bottom) = (np.flatnonzero(lit.any(axis=axis))[[0, -1]] for axis in (0, 1))
+    return (
+        Message(
+            "The configuration's clip rectangle is the whole image of {columns} x {rows} pixels, and ultrasound fills only a part of it: "
+            "the black around it enters the volume too. Recognized: --clip-px {x} {y} {width} {height}.",
+            columns=columns,
+            rows=rows,
+            x=int(left),
+            y=int(top),
+            width=int(right - left),
+            height=int(bottom - top),
+        ),
+    )
 
 
 def recognized_imaging(

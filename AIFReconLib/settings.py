@@ -19,6 +19,8 @@ BONE_METHODS = ("aif", "aif-compensated", "weighted")
 
 ENGINES = ("auto", "numpy", "numba")
 INTERPOLATIONS = ("nearest", "linear")
+AUTOMATIC = "auto"
+"""Stands for a number that is chosen from the sweep."""
 HOLE_FILLINGS = ("off", "nearest", "cube", "gaussian", "stick")
 
 DEFAULT_METHOD_WITH_BONE = "weighted"
@@ -40,6 +42,7 @@ class Rule(TypedDict):
     choices: tuple[str, ...] | None
     default: object
     whole: bool
+    word: str | None
 
 
 def parameter(
@@ -51,9 +54,13 @@ def parameter(
     maximum: float | None = None,
     choices: tuple[str, ...] | None = None,
     whole: bool = False,
+    word: str | None = None,
 ) -> Value:
-    """A dataclass field that carries what a user interface needs to know of it: where its default is None, None may be given."""
-    rule = Rule(help=help, unit=unit, minimum=minimum, maximum=maximum, choices=choices, default=default, whole=whole)
+    """A dataclass field that carries what a user interface needs to know of it: where its default is None, None may be given.
+
+    `word` is one that may be given instead of a number.
+    """
+    rule = Rule(help=help, unit=unit, minimum=minimum, maximum=maximum, choices=choices, default=default, whole=whole, word=word)
     return field(default=default, metadata=rule)
 
 
@@ -89,13 +96,19 @@ class ReconstructionSettings:
         "where bone faces: gradient of the probability map (the paper), or of the smoothed bone surface",
         choices=("gradient", "surface"),
     )
-    hole_limit: float = parameter(
-        0.0, "empty voxels take the nearest measured value up to this distance; 0: off", unit="mm", minimum=0.0, maximum=20.0
+    hole_limit: float | str = parameter(
+        AUTOMATIC,
+        "empty voxels take the nearest measured value up to this distance; 0: off; auto: from how far the frames lie apart, at most 4 "
+        "(or the configuration's own hole filling)",
+        unit="mm",
+        minimum=0.0,
+        maximum=20.0,
+        word=AUTOMATIC,
     )
     holes: str | None = parameter(
         None,
         "how empty voxels within the limit are filled: nearest measured value; or as Plus does it, mean of the nearest cube, gaussian "
-        "average, sticks that bridge gaps; off: not (default: nearest where a limit is given, else the configuration's way)",
+        "average, sticks that bridge gaps; off: not (default: nearest where a limit is given, else the configuration's way, else nearest)",
         choices=HOLE_FILLINGS,
     )
     interpolation: str | None = parameter(
@@ -188,9 +201,13 @@ def check_value(name: str, value: object, rule: Rule) -> None:
             raise SettingsError("Input {name} must be True or False; got {value!r}.", name=name, value=value)
         return
     whole = rule["whole"]
+    if isinstance(value, str) and value == rule["word"]:
+        return
     if isinstance(value, bool) or not isinstance(value, Integral if whole else Real) or not math.isfinite(value):
         if whole:
             raise SettingsError("Input {name} must be a whole number; got {value!r}.", name=name, value=value)
+        if rule["word"] is not None:
+            raise SettingsError("Input {name} must be a finite number or {word}; got {value!r}.", name=name, word=rule["word"], value=value)
         raise SettingsError("Input {name} must be a finite number; got {value!r}.", name=name, value=value)
     number = float(value)
     unit = f" {rule['unit']}" if rule["unit"] else ""

@@ -4,6 +4,7 @@ import pathlib
 from typing import Annotated
 
 from AIFReconScene.inputs.parameters import (
+    AUTOMATIC_NUMBER,
     PARAMETERS,
     BoneDirection,
     Engine,
@@ -47,7 +48,7 @@ class AIFReconParameterNode:
     """Every choice of the panel, saved with the scene.
 
     Ranges and defaults are those of AIFReconLib.settings, but for `SMALLEST_WEIGHT_FLOOR`. Where the library's default is "not given",
-    0 or an automatic choice stands for it.
+    0 or an automatic choice stands for it, and `AUTOMATIC_NUMBER` for a number that it chooses.
     """
 
     sweep: vtkMRMLSequenceBrowserNode | None
@@ -75,7 +76,7 @@ class AIFReconParameterNode:
     alpha: Annotated[float, _within("alpha")] = PARAMETERS["alpha"]["default"]
     beta: Annotated[float, _within("beta")] = PARAMETERS["beta"]["default"]
     boneDirection: BoneDirection = BoneDirection(PARAMETERS["bone_direction"]["default"])
-    holeLimit: Annotated[float, _within("hole_limit")] = PARAMETERS["hole_limit"]["default"]
+    holeLimit: Annotated[float, WithinRange(AUTOMATIC_NUMBER, PARAMETERS["hole_limit"]["maximum"])] = AUTOMATIC_NUMBER
     holes: HoleFilling = HoleFilling.AUTOMATIC
     interpolation: Interpolation = Interpolation.AUTOMATIC
     pixelRejection: Annotated[float, Minimum(0.0)] = 0.0

@@ -15,7 +15,7 @@ from ..arrays import Floats, Integers, Mask, Matrix, Numbers, Singles
 from ..errors import GeometryError
 from ..geometry.volume import Volume, VoxelGrid
 from ..machine.threads import in_parts, optional_module, usable_cores
-from ..message import listed
+from ..message import Described, listed
 from ..progress import Progress, report
 
 SIGMA_VOXELS = 10.0
@@ -58,8 +58,8 @@ class BoneOnGrid:
         return bool(self.probability.any())
 
 
-@dataclass(frozen=True, eq=False)
-class BoneMap:
+@dataclass(frozen=True, eq=False, repr=False)
+class BoneMap(Described):
     """Bone as a CT predicts it, in the CT's own geometry.
 
     Parameters
@@ -76,6 +76,10 @@ class BoneMap:
 
     probability: Volume
     inside: Volume | None = None
+
+    def _facts(self) -> list[tuple[str, str]]:
+        known = "probability" if self.inside is None else f"probability and {np.count_nonzero(self.inside.array):,} voxels of bone"
+        return [("holds", known), *self.probability.grid.facts()]
 
     @classmethod
     def from_labels(

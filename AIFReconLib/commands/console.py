@@ -8,6 +8,7 @@ import shlex
 import shutil
 import sys
 import time
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TextIO
 
@@ -47,6 +48,12 @@ def program() -> str:
     if called.stem == "aifrecon" and shutil.which("aifrecon") is None:
         return _typed(called)
     return "aifrecon"
+
+
+def shell_words(words: Iterable[str]) -> str:
+    """A command as one would type it here."""
+    words = list(words)
+    return shlex.join(words) if os.name == "posix" else " ".join(f'"{word}"' if " " in word else word for word in words)
 
 
 def _typed(path: Path) -> str:

@@ -1,4 +1,4 @@
-"""`aifrecon info`: what a sequence holds, and what keeps it from being reconstructed."""
+"""`aifrecon info`: what sequences hold, what keeps them from being reconstructed, and what would be made of them."""
 
 from __future__ import annotations
 
@@ -6,11 +6,21 @@ import argparse
 import json
 from pathlib import Path
 
+import numpy as np
+
+from ..errors import AIFReconError
 from ..inspection.diagnosis import diagnose
-from .console import ProgressBar
+from ..message import columns
+from ..progress import Progress, part
+from ..reconstruction import Plan, plan
+from ..sweep.pose_tracks import LONGEST_GAP
+from .console import ProgressBar, program, shell_words
 from .options import Commands
 from .reconstruct import add_tracking_options
 from .sequence_options import add_sequence_options, sequence_from
+
+NOT_READY = 1
+"""Exit code where a sequence cannot be reconstructed."""
 
 
 def add_to(commands: Commands) -> None:
@@ -18,18 +28,81 @@ def add_to(commands: Commands) -> None:
     parser = commands.add_parser(
         "info",
         help="say what a sequence holds and what is missing",
-        description="Show frames, transforms, rate, pixel spacing and tracking of a sequence, say in words what is missing, and estimate "
-        "from a sweep that goes to and fro whether images and poses are out of step.",
+        description="Show frames, transforms, rate, pixel spacing and tracking of sequences, say in words what is missing, estimate from a "
+        "sweep that goes to and fro whether images and poses are out of step, and say what reconstruct would make of it, with the command. "
+        "Exit code 1: a sequence cannot be reconstructed as it is.",
     )
-    parser.add_argument("sequence", type=Path, metavar="SEQUENCE", help="tracked frames, e.g. sweep.igs.mha")
-    parser.add_argument("--json", action="store_true", help="print JSON instead of text")
+    parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, e.g. sweep.igs.mha; one or more")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of text (of several sequences: a list)")
     add_tracking_options(parser)
     add_sequence_options(parser)
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
-    """Read and report."""
+def run(arguments: argparse.Namespace) -> int:
+    """Read and report; the answer is the exit code."""
+    each = [argparse.Namespace(**{**vars(arguments), "sequence": path}) for path in arguments.sequences]
+    texts, dicts, ready = [], [], True
     with ProgressBar() as progress:
-        report = diagnose(sequence_from(arguments), arguments.image_to_reference, arguments.reference, progress)
-    print(json.dumps(report.to_dict(), indent=2) if arguments.json else report.to_text())
+        for number, one in enumerate(each):
+            text, as_dict = _report(one, part(progress, number / len(each), (number + 1) / len(each)))
+            texts.append(text)
+            dicts.append(as_dict)
+            ready &= bool(as_dict["ready"])
+    print(json.dumps(dicts if len(dicts) > 1 else dicts[0], indent=2) if arguments.json else "\n\n".join(texts))
+    return 0 if ready else NOT_READY
+
+
+def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[str, dict[str, object]]:
+    """What is to be said of one sequence, for a terminal and for JSON."""
+    sequence = sequence_from(arguments)
+    report = diagnose(sequence, arguments.image_to_reference, arguments.reference, progress)
+    text, as_dict = report.to_text(), report.to_dict()
+    if not report.ready:
+        return text, as_dict
+    try:
+        planned = plan(sequence, image_to_reference=arguments.image_to_reference, reference=arguments.reference)
+    except AIFReconError as error:
+        return f"{text}\nCannot be reconstructed like this. {error}", {**as_dict, "ready": False, "problem": str(error)}
+    command = f"{program()} {shell_words(_command(arguments))}"
+    facts = columns([("", f"{name}:", value) for name, value in _facts(planned)], indent="")
+    as_dict["plan"] = {
+        "method": planned.method,
+        "size": list(planned.grid.size),
+        "spacing_mm": [round(float(mm), 6) for mm in planned.grid.spacing],
+        "ijk_to_reference": planned.grid.ijk_to_reference.tolist(),
+        "memory_bytes": planned.memory,
+        "hole_limit_mm": planned.hole_limit,
+        "command": command,
+    }
+    return "\n".join([text, "", "As it is, reconstruct would make:", facts, *planned.notes, "", "To do so:", f"  {command}"]), as_dict
+
+
+def _facts(planned: Plan) -> list[tuple[str, str]]:
+    """The volume in words."""
+    grid = planned.grid
+    extent = " x ".join(f"{n * mm:.0f}" for n, mm in zip(grid.size, grid.spacing, strict=True))
+    size, spacing = (" x ".join(f"{n:.4g}" for n in three) for three in (grid.size, grid.spacing))
+    corner = ", ".join(f"{mm:.1f}" for mm in np.asarray(grid.origin))
+    return [
+        ("box", f"{extent} mm, first voxel at {corner} in Reference"),
+        ("voxels", f"{size} of {spacing} mm, {grid.voxels / 1e6:.1f} million"),
+        ("memory", f"{planned.memory / 2**20:.0f} MiB"),
+        ("method", planned.method),
+    ]
+
+
+def _command(arguments: argparse.Namespace) -> list[str]:
+    """The words of the reconstruction that was planned."""
+    words = ["reconstruct", str(arguments.sequence)]
+    for option in ("config", "image_to_reference", "reference", "orientation"):
+        if getattr(arguments, option) is not None:
+            words += [f"--{option.replace('_', '-')}", str(getattr(arguments, option))]
+    for name, file in (arguments.transform_sequence or {}).items():
+        words += ["--transform-sequence", f"{name}={file}"]
+    if arguments.time_offset:
+        words += ["--time-offset", f"{arguments.time_offset:g}"]
+    if arguments.longest_gap != LONGEST_GAP:
+        words += ["--longest-gap", f"{arguments.longest_gap:g}"]
+    name = arguments.sequence.name.partition(".")[0]
+    return [*words, "--output", f"{name}-volume.nrrd"]

@@ -37,6 +37,7 @@ from .options import (
     refuse_to_overwrite,
     settings_from,
 )
+from .preview import add_preview_option, check_preview, how_to_look, write_preview
 from .reconstruct import SIDE_OUTPUTS, add_tracking_options, add_tuning_options, add_volume_options, describe
 
 EXAMPLE = """examples:
@@ -114,7 +115,7 @@ def add_to(commands: Commands) -> None:
     add_tracking_options(parser)
     add_bone_options(parser)
     add_importance_option(add_imaging_options(parser))
-    add_volume_options(parser)
+    add_preview_option(add_volume_options(parser))
     add_tuning_options(parser)
     parser.set_defaults(run=run)
 
@@ -128,7 +129,8 @@ def run(arguments: argparse.Namespace) -> None:
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
     inputs = [arguments.config, arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.grid_like]
     inputs.append(arguments.importance_mask)
-    refuse_to_overwrite([*outputs.values(), arguments.record], inputs)
+    refuse_to_overwrite([*outputs.values(), arguments.preview, arguments.record], inputs)
+    check_preview(arguments.preview)
     for path in filter(None, outputs.values()):
         check_volume_path(path)
     started = time.perf_counter()
@@ -145,8 +147,10 @@ def run(arguments: argparse.Namespace) -> None:
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.1 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
-    print(describe(result, statistics.frames_received, time.perf_counter() - started, [path for path in outputs.values() if path]))
-    for line in filter(None, [*_what_else(statistics, result), recording]):
+        drawn = write_preview(result, arguments)
+    files = [path for path in (*outputs.values(), *drawn) if path]
+    print(describe(result, statistics.frames_received, time.perf_counter() - started, files))
+    for line in filter(None, [*_what_else(statistics, result), recording, *how_to_look(arguments)]):
         print(f"  {line}")
     if error is not None:
         cause = str(error).rstrip(".")

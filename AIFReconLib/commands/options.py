@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import TypeAlias
@@ -38,14 +38,29 @@ def add_setting(group: argparse._ActionsContainer, name: str, flag: str | None =
     """Declare the option of one reconstruction parameter from its entry in `settings`."""
     rule = PARAMETERS[name]
     spec = next(spec for spec in fields(ReconstructionSettings) if spec.name == name)
-    default, number = spec.default, int if rule["whole"] else float
+    default = spec.default
+    number: Callable[[str], float | str] = int if rule["whole"] else float
     unit = f" [{rule['unit']}]" if rule["unit"] else ""
     shown = "" if default is None else f" (default: {default:g})" if isinstance(default, int | float) else f" (default: {default})"
+    if rule["word"] is not None:
+        number = _number_or(rule["word"])
     option, words = flag or "--" + name.replace("_", "-"), rule["help"] + unit + shown
     if rule["choices"]:
         group.add_argument(option, dest=name, help=words, choices=rule["choices"])
     else:
         group.add_argument(option, dest=name, help=words, type=number, metavar=metavar or "N")
+
+
+def _number_or(word: str) -> Callable[[str], float | str]:
+    """What reads a number or this word from the command line."""
+
+    def read(text: str) -> float | str:
+        try:
+            return word if text == word else float(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"must be {word} or a number such as 0.5, without a unit; got {text!r}") from None
+
+    return read
 
 
 def settings_from(arguments: argparse.Namespace) -> ReconstructionSettings:

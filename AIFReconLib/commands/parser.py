@@ -1,7 +1,8 @@
 """The command line: one parser, one place where errors become a line and an exit code.
 
-Exit codes: 0 success; 1 a registration that is ambiguous or does not agree, and is not written; 2 wrong arguments or input; both with
-one line on standard error that says what is wrong and what to do; 130 interrupted (143 by SIGTERM, 129 by a terminal that was closed).
+Exit codes: 0 success; 1 a registration that is ambiguous or does not agree, and is not written, or a sequence that `info` says cannot be
+reconstructed; 2 wrong arguments or input; but for `info` with one line on standard error that says what is wrong and what to do; 130
+interrupted (143 by SIGTERM, 129 by a terminal that was closed).
 Whatever fails, no file is left half-written.
 """
 
@@ -20,12 +21,12 @@ from typing import Any, NoReturn
 from .. import __version__
 from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
 from ..message import LONGEST_QUOTE, one_line, shorten
-from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, reconstruct, register, replay, simulate
+from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, preview, reconstruct, register, replay, simulate
 from .console import prepare_streams
 from .log import add_log_options, logging_as_asked
 from .signals import OrderlyEnd, orderly_end
 
-COMMANDS = (demo, reconstruct, register, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
+COMMANDS = (demo, reconstruct, preview, register, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
 
 SUCCESS, REFUSED, BAD_INPUT = 0, 1, 2
 
@@ -117,10 +118,10 @@ def main(argv: list[str] | None = None) -> int:
         arguments = build_parser().parse_args(argv)
     except SystemExit as stop:  # argparse has printed help, the version or its one line
         return int(stop.code or 0)
-    end = OrderlyEnd()
+    end, code = OrderlyEnd(), SUCCESS
     try:
         with orderly_end(end), logging_as_asked(arguments, sys.argv[1:] if argv is None else argv):
-            arguments.run(arguments)
+            code = arguments.run(arguments)
     except (KeyboardInterrupt, OperationCanceled):
         return _fail(_INTERRUPTED, end.exit_code)
     except RegistrationRefused as refusal:
@@ -144,7 +145,7 @@ def main(argv: list[str] | None = None) -> int:
             return _not_printed(error)
         where = f"{error.filename}: " if error.filename else ""
         return _fail(f"{where}{error.strerror or error}. Check that the file exists and may be used.", BAD_INPUT)
-    return _print_the_rest()
+    return _print_the_rest() or code or SUCCESS
 
 
 def _print_the_rest() -> int:

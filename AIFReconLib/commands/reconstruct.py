@@ -41,12 +41,13 @@ from .options import (
     refuse_to_overwrite,
     settings_from,
 )
+from .preview import add_preview_option, check_preview, how_to_look, write_preview
 from .sequence_options import add_sequence_options, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
-      --bone-transform CTToReference.tfm --spacing 0.5 --hole-limit 1 --output volume.nrrd
+      --bone-transform CTToReference.tfm --output volume.nrrd
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
 
 CHECKED_FRAMES = 90
@@ -72,6 +73,7 @@ def add_to(commands: Commands) -> None:
     add_bone_options(parser)
     add_importance_option(add_imaging_options(parser))
     volume = add_volume_options(parser)
+    add_preview_option(volume)
     volume.add_argument("--report", type=Path, metavar="FILE", help="also write a report of the tracking and of what was done, as JSON")
     add_tuning_options(parser)
     parser.set_defaults(run=run)
@@ -119,10 +121,13 @@ def run(arguments: argparse.Namespace) -> None:
     started = time.perf_counter()
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
     inputs = [*sequence_inputs(arguments), arguments.bone_labels, arguments.bone_probability, arguments.grid_like]
-    refuse_to_overwrite([*outputs.values(), arguments.report], [*inputs, arguments.bone_transform, arguments.importance_mask])
+    refuse_to_overwrite(
+        [*outputs.values(), arguments.preview, arguments.report], [*inputs, arguments.bone_transform, arguments.importance_mask]
+    )
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     for path in filter(None, outputs.values()):
         check_volume_path(path)
+    check_preview(arguments.preview)
     if arguments.report:
         check_writable(arguments.report)
     with ProgressBar() as progress:
@@ -145,12 +150,14 @@ def run(arguments: argparse.Namespace) -> None:
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
+        drawn = write_preview(result, arguments)
     agreement = _agreement(arguments, sequence, region, probe, result.method)
     tracking = tracking_report(sequence, sweep_poses(sequence, arguments.image_to_reference, arguments.reference), result)
     if arguments.report:
         write_text(arguments.report, json.dumps({**report_of(result, tracking, outputs), "agreement": agreement}, indent=2) + "\n")
-    files = [path for path in (*outputs.values(), arguments.report) if path]
+    files = [path for path in (*outputs.values(), *drawn, arguments.report) if path]
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
+    print(*(f"  {line}\n" for line in how_to_look(arguments)), sep="", end="")
 
 
 def _agreement(

@@ -15,13 +15,14 @@ from ..bone.map import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, SettingsError
 from ..geometry.transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
 from ..geometry.volume import Volume, VoxelGrid
+from ..holes.automatic import with_limit
 from ..holes.fill import fill_as_asked
 from ..holes.filling import HoleFilling
 from ..imaging.beams import SECTOR, ProbeGeometry
 from ..imaging.region import ImageRegion, PixelFilter
 from ..imaging.sound_speed import depth_factor, depth_scale
 from ..machine.memory import require_memory
-from ..message import Message
+from ..message import Described, Message
 from ..progress import Progress
 from ..settings import BONE_METHODS, ReconstructionSettings
 from ..sweep.frames import TrackedFrame
@@ -38,8 +39,8 @@ if TYPE_CHECKING:
     from .compiled.numba_engine import NumbaEngine
 
 
-@dataclass(frozen=True, eq=False)
-class Reconstruction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Reconstruction(Described):
     """The result of a reconstruction, all volumes on one grid.
 
     Parameters
@@ -60,6 +61,8 @@ class Reconstruction:
         Numbers of the frames that were not inserted, by reason.
     notes : tuple of str
         What a user should know about how this result came about.
+    hole_limit : float, mm
+        Up to which holes were filled, as given or as chosen; 0 where they were not, or in the configuration's own way.
     """
 
     intensity: Volume
@@ -71,6 +74,11 @@ class Reconstruction:
     frames_inserted: int
     skipped: dict[str, list[int]]
     notes: tuple[str, ...] = ()
+    hole_limit: float = 0.0
+
+    def _facts(self) -> list[tuple[str, str]]:
+        skipped = sum(map(len, self.skipped.values()))
+        return [("method", self.method), ("frames", f"{self.frames_inserted} inserted, {skipped} skipped"), *self.grid.facts()]
 
     @property
     def grid(self) -> VoxelGrid:
@@ -80,10 +88,12 @@ class Reconstruction:
 
 @dataclass(eq=False)
 class FrameCounts:
-    """Which frames entered and which did not; their numbers in arrays, because a scan of hours may skip most of its frames."""
+    """Which frames entered and which did not; in arrays, because a scan may take hours, and skip most of its frames."""
 
     inserted: int = 0
     skipped: dict[str, array[int]] = field(default_factory=dict)
+    poses: array[float] = field(default_factory=lambda: array("d"))
+    """The upper three rows of every pose, for the distance between frames."""
 
     def skip(self, reason: str, number: int) -> None:
         """Count frame `number` as skipped for `reason`."""
@@ -91,7 +101,7 @@ class FrameCounts:
 
     def copy(self) -> FrameCounts:
         """The counts as they are now."""
-        return FrameCounts(self.inserted, {reason: numbers[:] for reason, numbers in self.skipped.items()})
+        return FrameCounts(self.inserted, {reason: numbers[:] for reason, numbers in self.skipped.items()}, self.poses[:])
 
 
 @dataclass(frozen=True)
@@ -261,7 +271,9 @@ class Reconstructor:
         score = state.score().reshape(shape)
         hits, cosine = state.hits.reshape(shape), state.cosine
         del state
-        fill_as_asked(values, mask, self.grid.spacing, self.settings, self._holes, progress, threads=self._threads, score=score)
+        shown = self._region.mask(*self._images.shape[::-1]) if self._images else np.ones((1, 1), dtype=bool)
+        settings, said = with_limit(self.settings, self._holes, np.reshape(counts.poses, (-1, 3, 4)), shown, self.grid)
+        fill_as_asked(values, mask, self.grid.spacing, settings, self._holes, progress, threads=self._threads, score=score)
         return Reconstruction(
             intensity=self._volume(self._to_output_type(values)),
             score=self._volume(score),
@@ -271,7 +283,8 @@ class Reconstructor:
             method=self.method,
             frames_inserted=counts.inserted,
             skipped={reason: numbers.tolist() for reason, numbers in counts.skipped.items()},
-            notes=notes,
+            notes=(*notes, *said),
+            hole_limit=float(settings.hole_limit),
         )
 
     def _place_bone(self, bone: BoneMap, progress: Progress | None) -> BoneOnGrid:
@@ -311,6 +324,7 @@ class Reconstructor:
         axes = x_axis.astype(np.float32), y_axis.astype(np.float32)
         image_to_ijk = self.grid.reference_to_ijk @ pose if self._stretch is None else self.grid.reference_to_ijk @ pose @ self._stretch
         work.batch.add(image, in_fixed_point(image_to_ijk) if self._fixed_point else image_to_ijk, axes, frame.number, kept)
+        self.counts.poses.extend(pose[:3].ravel())
         if work.batch.full:
             self._compute()
 

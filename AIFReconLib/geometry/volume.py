@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +19,11 @@ from numpy.typing import ArrayLike
 from ..arrays import Floats, Matrix, Numbers
 from ..errors import GeometryError
 from ..machine.memory import MAXIMUM_VOXELS
+from ..message import Described
 from .transforms import as_matrix, invert, transform_points
+
+if TYPE_CHECKING:
+    from ..evaluation.preview import Picture
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,13 +111,19 @@ class VoxelGrid:
         ijk = np.array([(i, j, k) for k in (0, last[2]) for j in (0, last[1]) for i in (0, last[0])], dtype=np.float64)
         return transform_points(self.ijk_to_reference, ijk)
 
+    def facts(self) -> list[tuple[str, str]]:
+        """Voxels, spacing and origin in words, for whatever shows a volume."""
+        numbers = (self.size, np.round(self.spacing, 4), np.round(self.origin, 2))
+        size, spacing, origin = (" x ".join(f"{n:g}" for n in three) for three in numbers)
+        return [("voxels", size), ("spacing", f"{spacing} mm"), ("origin", f"{origin.replace(' x ', ', ')} mm")]
+
     def matches(self, other: VoxelGrid) -> bool:
         """Whether both grids have the same voxels, to a thousandth of a voxel over the whole grid."""
         return self.size == other.size and bool(np.allclose(self.corners(), other.corners(), atol=1e-3 * self.spacing.min(), rtol=0))
 
 
-@dataclass(frozen=True, eq=False)
-class Volume:
+@dataclass(frozen=True, eq=False, repr=False)
+class Volume(Described):
     """Values on a voxel grid.
 
     Parameters
@@ -138,6 +149,16 @@ class Volume:
     def placed_by(self, volume_to_reference: Matrix) -> Volume:
         """The same voxels moved by a (4, 4) transform, e.g. a CT put into Reference by its registration."""
         return Volume(self.array, as_matrix(volume_to_reference, "volume_to_reference") @ self.ijk_to_reference)
+
+    def _facts(self) -> list[tuple[str, str]]:
+        values = f"{self.array.dtype}, {self.array.min():g} to {self.array.max():g}"
+        return [*self.grid.facts(), ("values", values)]
+
+    def plot(self, mask: Volume | None = None, labels: Volume | None = None, ct: Volume | None = None, title: str = "") -> Picture:
+        """A picture of three cuts through the bone and a projection, which a notebook shows; see `AIFReconLib.evaluation.preview`."""
+        from ..evaluation.preview import preview
+
+        return preview(self, mask, labels, ct, title)
 
     def write(self, path: str | Path) -> None:
         """Write to a volume file (.nrrd, .mha, .mhd, .nii, .nii.gz): LPS in the file, so that it opens in Slicer where it belongs.

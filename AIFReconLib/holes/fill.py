@@ -29,7 +29,7 @@ def fill_as_asked(
         See `fill_holes_by_kind`.
     spacing : (3,) array, mm along i, j, k
     settings : ReconstructionSettings
-        Of which `holes`, `hole_limit` and `engine` count.
+        Of which `holes`, `hole_limit` (a number: see `with_limit`) and `engine` count.
     configured : tuple of HoleFilling
         What is done where the settings have neither a way nor a limit.
     progress : Progress or None
@@ -41,6 +41,7 @@ def fill_as_asked(
         return 0
     if settings.holes is None and settings.hole_limit == 0:
         return fill_holes_by_kind(values, mask, configured, progress, engine=settings.engine, score=score)
+    limit = float(settings.hole_limit)
     if settings.holes in (None, "nearest"):
-        return fill_holes(values, mask, spacing, settings.hole_limit, progress, engine=settings.engine, threads=threads)
-    return fill_holes_by_kind(values, mask, (within(settings.holes, settings.hole_limit, spacing),), progress, engine=settings.engine)
+        return fill_holes(values, mask, spacing, limit, progress, engine=settings.engine, threads=threads)
+    return fill_holes_by_kind(values, mask, (within(settings.holes, limit, spacing),), progress, engine=settings.engine)

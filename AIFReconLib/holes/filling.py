@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import SettingsError
+from ..message import Message
 
 CUBE, GAUSSIAN, STICK = "cube", "gaussian", "stick"
 GAUSSIAN_BY_HITS, INVERSE_DISTANCE = "gaussian by hits", "inverse distance"
@@ -59,6 +60,10 @@ class HoleFilling:
             raise SettingsError("Input ratio of known voxels must be 0 to 1; got {known_ratio!r}.", known_ratio=self.known_ratio)
         if self.sticks < 1:
             raise SettingsError("Input number of sticks must be at least 1; got {sticks!r}.", sticks=self.sticks)
+
+    def described(self) -> Message:
+        """The way and its size, in words."""
+        return Message("{kind} of up to {size} voxels", kind=self.kind, size=self.size)
 
     @property
     def reach(self) -> int:

@@ -25,10 +25,13 @@ HOLES_AT_ONCE = 65_536
 MOST_ASKED = 130
 """Neighbors (a reach of 3 voxels) up to which holes ask them one after the other; beyond, a distance transform is faster."""
 
-PLANES_AT_ONCE = 4
-"""Planes [k] that a thread fills before it takes the next ones."""
+LONGEST_REACH = 24
+"""Voxels up to which the compiled search asks rows; beyond, a distance transform is faster."""
 
-ROUND = 32
+PLANES_AT_ONCE = 16
+"""Planes [k] that a thread fills before it takes the next ones; it looks at those within reach beside them too."""
+
+ROUND = 8
 """How often threads take `PLANES_AT_ONCE` planes before progress is reported."""
 
 NM_PER_MM = 1e6
@@ -76,10 +79,10 @@ def fill_holes(
     offsets, distances = neighbor_offsets(spacing, limit, mask.shape)
     if not len(offsets):
         return 0
-    compiled = None if engine == "numpy" or len(offsets) > MOST_ASKED else optional_module("AIFReconLib.holes.numba_nearest")
-    if compiled is not None and values.flags.c_contiguous and mask.flags.c_contiguous:
-        return _fill_compiled(compiled.fill_slab, values, mask, offsets, threads, progress)
     reach = np.abs(offsets).max(axis=0)
+    compiled = None if engine == "numpy" or reach.max() > LONGEST_REACH else optional_module("AIFReconLib.holes.numba_nearest")
+    if compiled is not None and values.flags.c_contiguous and mask.flags.c_contiguous:
+        return _fill_compiled(compiled.fill_slab, values, mask, offsets, distances, threads, progress)
     edge = np.maximum(BLOCK, 2 * reach)
     blocks = list(itertools.product(*(range(0, n, e) for n, e in zip(mask.shape, edge, strict=True))))
     filled = 0
@@ -131,14 +134,16 @@ def _nanometers(offset_kji: Sequence[Numbers], spacing_kji: Floats) -> Integers:
 
 
 def _fill_compiled(
-    fill_slab: Callable[[Numbers, Bytes, Integers, int, int], int],
+    fill_slab: Callable[[Numbers, Bytes, Integers, Integers, int, int], int],
     values: Numbers,
     mask: Bytes,
     offsets: Integers,
+    distances: Integers,
     threads: int | None,
     progress: Progress | None,
 ) -> int:
     """Fill the whole volume with the compiled search, a few planes at a time."""
+    rows, lengths = _by_rows(offsets, distances)
     starts = range(0, mask.shape[0], PLANES_AT_ONCE)
     filled = np.zeros(len(starts), dtype=np.int64)
     rounds = -(-len(starts) // ROUND)
@@ -149,11 +154,21 @@ def _fill_compiled(
 
         def fill(part: int, parts: range = parts) -> None:
             first = starts[parts[part]]
-            filled[parts[part]] = fill_slab(values, mask, offsets, first, min(first + PLANES_AT_ONCE, mask.shape[0]))
+            filled[parts[part]] = fill_slab(values, mask, rows, lengths, first, min(first + PLANES_AT_ONCE, mask.shape[0]))
 
         in_parts(fill, len(parts), threads or usable_cores())
     report(progress, 1.0, "Filled holes")
     return int(filled.sum())
+
+
+def _by_rows(offsets: Integers, distances: Integers) -> tuple[Integers, Integers]:
+    """What is within reach by rows along i: offsets [k, j] of the rows, and how far each step along them leads; see `fill_slab`."""
+    rows, row = np.unique(np.concatenate([[[0, 0]], offsets[:, :2]]), axis=0, return_inverse=True)
+    lengths = np.full((len(rows), int(np.abs(offsets[:, 2]).max()) + 2), distances[-1] + 1)
+    lengths[row.reshape(-1)[1:], np.abs(offsets[:, 2])] = distances
+    lengths[(rows == 0).all(axis=1), 0] = 0
+    order = np.argsort(lengths[:, 0], kind="stable")
+    return rows[order], lengths[order]
 
 
 def _fill_near(values: Numbers, mask: Bytes, block: Box, offsets: Integers) -> int:

@@ -42,6 +42,9 @@ LARGEST_COST = 0.85
 LEAST_SURE = 0.1
 """s. An estimate that is less sure than this is none."""
 
+JUMP, SHORTEST_JUMP = 4.0, 3.0
+"""A step this many times as fast as nine of ten, and longer than so many mm, is no motion: a recording that begins anew, a lost marker."""
+
 _BLOCKS = 10
 _NEGLIGIBLE = -7.0
 """Exponent of a weight that counts for nothing."""
@@ -109,13 +112,13 @@ def estimate_time_offset(sequence: TrackedSequence, poses: SweepPoses, progress:
     track = _Track(times, corner_track(poses.image_to_reference[usable[first]], sequence.frame_size))
     chosen = np.unique(np.linspace(0, len(times) - 1, min(len(times), MOST_FRAMES)).round().astype(int))
     near = max(SMALLEST_NEIGHBORHOOD, track.typical_step / 2)
-    returns = track.weights(times[chosen], 2 * near).any(axis=1).sum()
+    returns = track.weights(chosen, 0.0, 2 * near).any(axis=1).sum()
     if returns < FEWEST_RETURNS:
         return OffsetEstimate(reason="the sweep does not go back over the same place in the opposite direction")
     dissimilarity = _dissimilarity(sequence, usable[first][chosen], progress)
     offsets = STEP * np.arange(-round(LARGEST / STEP), round(LARGEST / STEP) + 1)
     starts = np.arange(_BLOCKS) * len(chosen) // _BLOCKS
-    sums: Floats = np.array([_block_sums(track.weights(times[chosen] + offset, near), dissimilarity, starts) for offset in offsets])
+    sums: Floats = np.array([_block_sums(track.weights(chosen, offset, near), dissimilarity, starts) for offset in offsets])
     best = _minimum(offsets, sums.sum(axis=(2, 3)))
     if best is None:
         return OffsetEstimate(reason="the images agree best at no offset within half a second, or at none much better than at others")
@@ -123,7 +126,10 @@ def estimate_time_offset(sequence: TrackedSequence, poses: SweepPoses, progress:
     each = [_minimum(offsets, rest.sum(axis=(2, 3))) for rest in without]
     left_out = np.array([offset for offset in each if offset is not None])
     spread = np.sqrt((_BLOCKS - 1) / _BLOCKS * np.sum((left_out - np.mean(left_out)) ** 2)) if len(left_out) == _BLOCKS else np.inf
-    if 2 * spread > LEAST_SURE:
+    middle = _BLOCKS // 2
+    halves = [_minimum(offsets, sums[:, :, half, half].sum(axis=(2, 3))) for half in (slice(middle), slice(middle, None))]
+    apart = abs(halves[0] - halves[1]) if halves[0] is not None and halves[1] is not None else 0.0
+    if 2 * spread > LEAST_SURE or apart > LEAST_SURE:
         return OffsetEstimate(reason="parts of the sweep contradict each other")
     return OffsetEstimate(float(best), float(max(2 * spread, STEP / 2)))
 
@@ -143,22 +149,49 @@ def corner_track(image_to_reference: Matrix, frame_size: tuple[int, int]) -> Flo
 
 
 class _Track:
-    """Where the image is over time."""
+    """Where the image is over time: in stretches, which end where frames are missing or the image jumps."""
 
     def __init__(self, times: Floats, points: Floats):
         self.times = times
         self.points = points
-        self.velocities = np.gradient(points, times, axis=0)
-        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)[np.diff(times) <= LONGEST_GAP]
-        self.typical_step = float(np.median(steps)) if len(steps) else 0.0
+        steps, seconds = np.linalg.norm(np.diff(points, axis=0), axis=1), np.diff(times)
+        missing = seconds > LONGEST_GAP
+        speeds = steps / seconds
+        usual = np.percentile(speeds[~missing], 90) if not missing.all() else 0.0
+        jumps = (speeds > JUMP * usual) & (steps > SHORTEST_JUMP)
+        self._stretch = np.concatenate([[0], np.cumsum(missing | jumps)])
+        self.velocities = np.zeros_like(points)
+        for number in range(int(self._stretch[-1]) + 1):
+            own = self._stretch == number
+            if own.sum() > 1:
+                self.velocities[own] = np.gradient(points[own], times[own], axis=0)
+        kept = steps[~(missing | jumps)]
+        self.typical_step = float(np.median(kept)) if len(kept) else 0.0
 
-    def weights(self, at: Floats, near: float) -> Floats:
-        """How much each pair of moments counts: same place, opposite ways, not one right after the other; (n, n)."""
+    def weights(self, images: Integers, offset: float, near: float) -> Floats:
+        """How much each pair of images counts whose poses are `offset` (s) off: same place, opposite ways, not one right after the other.
+
+        Parameters
+        ----------
+        images : (n,) array
+            Their numbers on this track.
+        offset : float, s
+        near : float, mm
+
+        Returns
+        -------
+        weights : (n, n) array
+        """
+        at = self.times[images] + offset
         points = np.stack([np.interp(at, self.times, column) for column in self.points.T], axis=1)
         velocities = np.stack([np.interp(at, self.times, column) for column in self.velocities.T], axis=1)
         speeds = np.linalg.norm(velocities, axis=1)
         after = np.clip(np.searchsorted(self.times, at), 1, len(self.times) - 1)
-        known = (at >= self.times[0]) & (at <= self.times[-1]) & (self.times[after] - self.times[after - 1] <= LONGEST_GAP)
+        # Between two frames of the stretch that the image itself is of; a moment that is a frame's own belongs to it alone
+        own = self._stretch[images]
+        before = np.where(at == self.times[after], after, after - 1)
+        after = np.where(at == self.times[after - 1], after - 1, after)
+        known = (at >= self.times[0]) & (at <= self.times[-1]) & (self._stretch[before] == own) & (self._stretch[after] == own)
         moving = known & (speeds > 0.2 * np.percentile(speeds, 75)) & (speeds > 0)
         squares = (points**2).sum(axis=1)
         exponents = (_products(points) - 0.5 * (squares[:, None] + squares[None])) / near**2

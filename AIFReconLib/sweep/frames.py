@@ -15,6 +15,7 @@ import numpy as np
 from ..arrays import Matrix, Numbers
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ..imaging.images import ImageStack
+from ..message import Described
 from .configuration import NO_CONFIGURATION, PlusConfiguration
 
 
@@ -74,8 +75,8 @@ class FrameRecord:
     fields: dict[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, eq=False)
-class TrackedSequence:
+@dataclass(frozen=True, eq=False, repr=False)
+class TrackedSequence(Described):
     """A recorded sweep: images, and per frame its transforms, statuses and times.
 
     Parameters
@@ -110,6 +111,12 @@ class TrackedSequence:
 
     def __len__(self) -> int:
         return len(self.records)
+
+    def _facts(self) -> list[tuple[str, str]]:
+        columns, rows = self.frame_size
+        names = ", ".join(map(str, self.transform_names())) or "none"
+        images = f"{columns} x {rows} pixels, {np.dtype(self.images.dtype).name}"
+        return [("name", self.name), ("frames", str(len(self))), ("images", images), ("transforms", names)]
 
     @property
     def frame_size(self) -> tuple[int, int]:

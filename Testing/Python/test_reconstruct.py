@@ -36,6 +36,26 @@ def rectangle_images(count=6):
     return images
 
 
+def test_a_clip_rectangle_that_is_the_whole_image_is_told_of_its_black_surround():
+    sequence = calibrated(tracked_sequence(images=rectangle_images()), region=FULL, spacing=(2.0,) * 3)
+    (note,) = (note for note in reconstruct(sequence).notes if "clip rectangle" in note)
+    assert "whole image of 40 x 30 pixels" in note
+    assert "--clip-px 5 3 29 23" in note
+    columns, rows = np.nonzero(ImageRegion(ClipRectangle((5, 3), (29, 23))).mask(40, 30).T)
+    assert (columns.min(), columns.max(), rows.min(), rows.max()) == (5, 34, 3, 26)
+
+
+def test_a_whole_image_of_ultrasound_is_told_of_no_surround():
+    assert not [note for note in reconstruct(calibrated(region=FULL, spacing=(2.0,) * 3)).notes if "clip rectangle" in note]
+
+
+def test_skipped_frames_are_plain_lists_of_whole_numbers():
+    statuses = {1: TransformStatus.OUT_OF_VIEW, 3: TransformStatus.OUT_OF_VIEW}
+    skipped = reconstruct(calibrated(tracked_sequence(statuses=statuses), spacing=(2.0,) * 3), region=FULL).skipped
+    assert list(skipped.values()) == [[1, 3]]
+    assert {type(number) for numbers in skipped.values() for number in numbers} == {int}
+
+
 def test_the_configurations_spacing_is_used_where_none_is_given():
     result = reconstruct(calibrated(spacing=(1.5, 2.0, 2.5)), region=FULL)
     np.testing.assert_allclose(result.grid.spacing, (1.5, 2.0, 2.5))

@@ -68,7 +68,7 @@ def test_an_interpolation_that_does_not_go_with_the_method_is_told():
 
 def test_a_way_to_fill_holes_needs_a_limit():
     with pytest.raises(SettingsError, match="hole_limit must be above 0 mm to fill holes by stick"):
-        resolved(holes="stick")
+        resolved(holes="stick", hole_limit=0.0)
 
 
 def test_the_box_of_the_configuration_is_the_grid():
@@ -199,7 +199,7 @@ def test_options_win_over_the_configuration(recording):
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        (("--holes", "stick"), "hole_limit must be above 0 mm"),
+        (("--holes", "stick", "--hole-limit", "0"), "hole_limit must be above 0 mm"),
         (("--importance-mask", "none.png"), "none.png: there is no such file"),
         (("--pixel-rejection", "-3"), "pixel_rejection must be at least 0"),
     ],

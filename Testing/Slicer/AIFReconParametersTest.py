@@ -45,8 +45,17 @@ class AIFReconParametersTest(unittest.TestCase):
                 with self.subTest(name=name, limit=limit):
                     setattr(self.parameters, camelCase(name), limit)
                     self.assertEqual(getattr(settingsFrom(self.parameters), name), limit)
+                    if rule["word"] and limit == lowest:
+                        continue  # just below the range a number stands for the word
                     with self.assertRaises(ValueError):
                         setattr(self.parameters, camelCase(name), limit + beyond * abs(limit) + beyond * 1e-3)
+
+    def test_a_step_below_no_filling_leaves_the_hole_limit_to_the_library(self):
+        from AIFReconScene.inputs.parameters import settingsFrom
+
+        for asked, limit in ((-0.5, "auto"), (0.0, 0.0), (1.5, 1.5)):
+            self.parameters.holeLimit = asked
+            self.assertEqual(settingsFrom(self.parameters).hole_limit, limit)
 
     def test_choices_are_the_library_s(self):
         from AIFReconScene.inputs.parameters import PARAMETERS, camelCase

@@ -34,10 +34,10 @@ class AIFReconReconstructionTest(unittest.TestCase):
         self.assertLess(np.abs(points[:, 1] - tinyScene.FACE).max(), within)
 
     def test_bright_voxels_lie_on_the_bone(self):
-        self.assertOnFace(self.logic.reconstruct(self.sweep, self.bone, spacing=0.5))
+        self.assertOnFace(self.logic.reconstruct(self.sweep, self.bone, spacing=0.5, holeLimit=0.0))
 
     def test_bright_voxels_lie_on_the_bone_that_the_ct_shows(self):
-        volume = self.logic.reconstruct(self.sweep, self.bone, spacing=0.5, method="average")
+        volume = self.logic.reconstruct(self.sweep, self.bone, spacing=0.5, holeLimit=0.0, method="average")
         points = tinyScene.worldOfBrightVoxels(volume, 120)
         inCT = np.linalg.inv(tinyScene.CT_TO_WORLD) @ np.c_[points, np.ones(len(points))].T
         matrix = tinyScene.ijkToRAS(self.ct)
@@ -72,7 +72,7 @@ class AIFReconReconstructionTest(unittest.TestCase):
         while chain.GetParentTransformNode() is not None:
             chain = chain.GetParentTransformNode()
         chain.SetAndObserveTransformNodeID(above.GetID())
-        volume = self.logic.reconstruct(self.sweep, spacing=0.5)
+        volume = self.logic.reconstruct(self.sweep, spacing=0.5, holeLimit=0.0)
         points = tinyScene.worldOfBrightVoxels(volume, 120)
         back = np.linalg.inv(moved) @ np.c_[points, np.ones(len(points))].T
         self.assertGreater(len(points), 100)
@@ -83,7 +83,7 @@ class AIFReconReconstructionTest(unittest.TestCase):
         turned = tinyScene.moved(0.0, tinyScene.FACE, 0.0) @ tinyScene.rotation(0, 20.0) @ tinyScene.rotation(2, 35.0)
         roi.SetAndObserveObjectToNodeMatrix(slicer.util.vtkMatrixFromArray(turned))
         roi.SetSize(10.0, 12.0, 8.0)
-        volume = self.logic.reconstruct(self.sweep, self.bone, spacing=0.5, region=roi)
+        volume = self.logic.reconstruct(self.sweep, self.bone, spacing=0.5, holeLimit=0.0, region=roi)
         self.assertEqual(volume.GetImageData().GetDimensions(), (20, 24, 16))
         axes = tinyScene.ijkToRAS(volume)[:3, :3] / 0.5
         np.testing.assert_allclose(axes, turned[:3, :3], atol=1e-6)
@@ -102,7 +102,7 @@ class AIFReconReconstructionTest(unittest.TestCase):
             self.logic.reconstruct(self.sweep, holelimit=2.0)
 
     def test_the_voxels_of_a_volume_are_used_with_its_transform(self):
-        volume = self.logic.reconstruct(self.sweep, self.bone, inputs={"region": self.ct})
+        volume = self.logic.reconstruct(self.sweep, self.bone, holeLimit=0.0, inputs={"region": self.ct})
         expected = tinyScene.CT_TO_WORLD @ tinyScene.ijkToRAS(self.ct)
         np.testing.assert_allclose(tinyScene.ijkToRAS(volume), expected, atol=1e-6)
         self.assertOnFace(volume, within=1.3)

@@ -16,6 +16,10 @@ PARAMETERS = {spec.name: dict(spec.metadata) for spec in fields(ReconstructionSe
 PARAMETERS["spacing"]["default"] = DEFAULT_SPACING  # the panel shows a number where the library may be told nothing
 
 
+AUTOMATIC_NUMBER = -0.5
+"""Stands in the panel for a number that the library chooses where a word may be given: a step below 0, and shown as a word."""
+
+
 class SettingChoice(enum.Enum):
     """One word of the library per member, saved in the scene by the member's name; "" leaves the choice to the library."""
 
@@ -131,6 +135,8 @@ def settingsFrom(parameterNode) -> ReconstructionSettings:
         value = getattr(parameterNode, camelCase(name))
         if isinstance(value, SettingChoice):
             value = value.value or None
+        elif rule["word"] is not None and value < rule["minimum"]:
+            value = rule["word"]
         elif rule["default"] is None and value == 0:
             value = None
         values[name] = value

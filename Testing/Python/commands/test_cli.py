@@ -57,7 +57,7 @@ def test_side_outputs_are_written(patient, results):
     sides = [word for name in ("score", "hits", "mask", "cosine") for word in (f"--{name}", str(results / f"{name}.nrrd"))]
     assert main([*patient.reconstruct, *patient.bone, "--output", str(results / "v.nrrd"), *sides]) == 0
     hits, mask, cosine = (read_volume(results / f"{name}.nrrd").array for name in ("hits", "mask", "cosine"))
-    np.testing.assert_array_equal(mask > 0, hits > 0)
+    np.testing.assert_array_equal(mask == 1, hits > 0)
     assert 0.5 < cosine.max() <= 1.0
 
 
@@ -139,7 +139,7 @@ def test_info_says_that_a_sequence_is_ready(patient, capsys):
 
 
 def test_info_names_the_missing_calibration_and_how_to_give_it(patient, capsys):
-    assert main(["info", str(patient.sweep)]) == 0
+    assert main(["info", str(patient.sweep)]) == 1
     out = capsys.readouterr().out
     assert "Cannot be reconstructed yet" in out
     assert "ImageToProbe" in out

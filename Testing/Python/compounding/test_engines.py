@@ -31,7 +31,9 @@ PROBES = (ProbeGeometry("sector", (16.0, -6.0)), ProbeGeometry("linear"))
 def state_after(engine, method, frames, grid, *, probe=PROBES[0], region=REGIONS[0], threads=None, chunk=None, maximum=None):
     """Values, score, hits and best cosine after these frames, given all at once or in chunks."""
     bone = sphere_bone()
-    wanted = ReconstructionSettings(method=method, engine=engine, output_type="float32", best_cosine=True, intensity_maximum=maximum)
+    wanted = ReconstructionSettings(
+        hole_limit=0.0, method=method, engine=engine, output_type="float32", best_cosine=True, intensity_maximum=maximum
+    )
     reconstructor = Reconstructor(grid, wanted, bone, probe=probe, region=region, threads=threads)
     for start in range(0, len(frames), chunk or len(frames)):
         reconstructor.insert(frames[start : start + (chunk or len(frames))])
@@ -137,7 +139,7 @@ def test_large_images_are_taken_in_parts_alike(method, turn):
 
 
 def test_the_shadowed_frames_of_these_tests_show_onsets_on_expected_bone():
-    without_gain = ReconstructionSettings(method="weighted", engine="numpy", output_type="float32", bone_gain=0.0)
+    without_gain = ReconstructionSettings(hole_limit=0.0, method="weighted", engine="numpy", output_type="float32", bone_gain=0.0)
     plain = Reconstructor(turned_grid(), without_gain, sphere_bone(), probe=PROBES[1])
     plain.insert(shadowed_frames())
     raised = state_after("numpy", "weighted", shadowed_frames(), turned_grid(), probe=PROBES[1])[0]
@@ -195,7 +197,9 @@ def test_an_image_may_change_once_the_next_frame_was_asked_for():
             yield frame
             frame.image[:] = 0
 
-    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method="latest", engine="numba", output_type="float32"))
+    reconstructor = Reconstructor(
+        turned_grid(), ReconstructionSettings(hole_limit=0.0, method="latest", engine="numba", output_type="float32")
+    )
     reconstructor.insert(reusing())
     np.testing.assert_array_equal(reconstructor.finish().intensity.array, straight)
 

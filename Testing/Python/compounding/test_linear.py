@@ -70,7 +70,9 @@ def loop(frames, grid, method, mask, interpolation="linear", importance=None):
 
 
 def reconstructed(frames, grid, method, engine="auto", region=REGION, importance=None, interpolation="linear", **settings):
-    settings = ReconstructionSettings(method=method, interpolation=interpolation, engine=engine, output_type="float32", **settings)
+    settings = ReconstructionSettings(
+        hole_limit=0.0, method=method, interpolation=interpolation, engine=engine, output_type="float32", **settings
+    )
     reconstructor = Reconstructor(grid, settings, region=region, importance=importance)
     reconstructor.insert(frames)
     return reconstructor.finish()
@@ -78,7 +80,7 @@ def reconstructed(frames, grid, method, engine="auto", region=REGION, importance
 
 @pytest.mark.parametrize(("interpolation", "name"), [("linear", "numba"), ("nearest", "numpy")])
 def test_the_engine_named_is_the_one_that_computes(interpolation, name, engine):
-    settings = ReconstructionSettings(method="average", interpolation=interpolation, engine=engine)
+    settings = ReconstructionSettings(hole_limit=0.0, method="average", interpolation=interpolation, engine=engine)
     reconstructor = Reconstructor(turned_grid(), settings, importance=np.ones((26, 34)))
     assert reconstructor.engine == (name if engine == "numba" else "numpy")
 
@@ -158,7 +160,9 @@ def test_the_compiled_engine_gives_the_same_voxels_to_the_last_bit(
     weights = rng.integers(0, 4, frames[0].image.shape).astype(np.float32) / 3 if weighted and method == "average" else None
     results = []
     for engine in ("numpy", "numba"):
-        wanted = ReconstructionSettings(method=method, interpolation="linear", engine=engine, output_type="float32", speed_of_sound=speed)
+        wanted = ReconstructionSettings(
+            hole_limit=0.0, method=method, interpolation="linear", engine=engine, output_type="float32", speed_of_sound=speed
+        )
         reconstructor = Reconstructor(grid, wanted, region=REGION, probe=probe, importance=weights, threads=threads)
         assert reconstructor.engine == engine
         reconstructor.insert(frames)
@@ -268,7 +272,7 @@ def test_the_best_cosine_refuses_linear_interpolation():
 
 def test_a_snapshot_does_not_change_with_later_frames():
     frames, grid = oblique_frames(seed=3, count=2), turned_grid()
-    reconstructor = Reconstructor(grid, ReconstructionSettings(method="average", interpolation="linear"))
+    reconstructor = Reconstructor(grid, ReconstructionSettings(hole_limit=0.0, method="average", interpolation="linear"))
     reconstructor.insert(frames[0])
     snapshot = reconstructor.reconstruction()
     before = snapshot.intensity.array.copy(), snapshot.score.array.copy()

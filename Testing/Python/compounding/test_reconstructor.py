@@ -31,7 +31,7 @@ EVERYTHING = ImageRegion()
 
 def reconstruct_both(method, frames, grid, bone=None, probe=SECTOR, region=EVERYTHING, double=False, **options):
     """The library's result and the plain loop's, on the same frames."""
-    wanted = ReconstructionSettings(method=method, output_type="float32", best_cosine=bone is not None, **options)
+    wanted = ReconstructionSettings(hole_limit=0.0, method=method, output_type="float32", best_cosine=bone is not None, **options)
     reconstructor = Reconstructor(grid, wanted, bone, probe=probe, region=region)
     reconstructor.insert(frames)
     ours = reconstructor.finish()
@@ -139,7 +139,8 @@ def test_order_free_methods_do_not_depend_on_the_order_of_frames(method):
     frames, grid = oblique_frames(count=8), turned_grid()
     bone = sphere_bone() if method in BONE_METHODS else None
     forward, backward = (
-        Reconstructor(grid, ReconstructionSettings(method=method, output_type="float32"), bone, probe=SECTOR) for _ in range(2)
+        Reconstructor(grid, ReconstructionSettings(hole_limit=0.0, method=method, output_type="float32"), bone, probe=SECTOR)
+        for _ in range(2)
     )
     forward.insert(frames)
     backward.insert(frames[::-1])
@@ -161,10 +162,10 @@ def test_moving_poses_bone_and_grid_together_changes_nothing(method):
     move = rigid((0.0, 0.0, 90.0), (64.0, -32.0, 16.0))
     moved_frames = [TrackedFrame(f.image, move @ f.image_to_reference) for f in frames]
     moved_bone = None if bone is None else type(bone)(bone.probability.placed_by(move), bone.inside.placed_by(move))
-    here = Reconstructor(grid, ReconstructionSettings(method=method, output_type="float32"), bone, probe=SECTOR)
+    here = Reconstructor(grid, ReconstructionSettings(hole_limit=0.0, method=method, output_type="float32"), bone, probe=SECTOR)
     there = Reconstructor(
         VoxelGrid(grid.size, move @ grid.ijk_to_reference),
-        ReconstructionSettings(method=method, output_type="float32"),
+        ReconstructionSettings(hole_limit=0.0, method=method, output_type="float32"),
         moved_bone,
         probe=SECTOR,
     )
@@ -186,9 +187,11 @@ def test_equal_pixels_stay_what_they_are(method):
 def test_no_voxel_is_brighter_than_its_brightest_pixel_allows(method):
     """The bound of the method page: 1 for plain methods, 1 + alpha, 1 + alpha / beta, 1 + 3 gain for the others."""
     frames, grid, bone = oblique_frames(), turned_grid(), sphere_bone()
-    brightest = Reconstructor(grid, ReconstructionSettings(method="maximum", output_type="float32"))
+    brightest = Reconstructor(grid, ReconstructionSettings(hole_limit=0.0, method="maximum", output_type="float32"))
     brightest.insert(frames)
-    wanted = ReconstructionSettings(method=method, alpha=0.3, beta=0.2, bone_gain=1.5, output_type="float32", intensity_maximum=1e9)
+    wanted = ReconstructionSettings(
+        hole_limit=0.0, method=method, alpha=0.3, beta=0.2, bone_gain=1.5, output_type="float32", intensity_maximum=1e9
+    )
     reconstructor = Reconstructor(grid, wanted, bone, probe=SECTOR)
     reconstructor.insert(frames)
     bound = {"aif": 1.3, "aif-compensated": 1 + 0.3 / 0.2, "weighted": 1 + 3 * 1.5}.get(method, 1.0)
@@ -214,7 +217,7 @@ def test_a_point_seen_in_a_frame_ends_within_half_a_voxel_of_where_it_is():
         image = np.zeros((12, 12), np.uint8)
         image[pixel[1], pixel[0]] = 200
         point = pose @ (*pixel, 0.0, 1.0)
-        reconstructor = Reconstructor(grid, ReconstructionSettings(method="maximum"))
+        reconstructor = Reconstructor(grid, ReconstructionSettings(hole_limit=0.0, method="maximum"))
         reconstructor.insert(TrackedFrame(image, pose))
         ((k, j, i),) = np.argwhere(reconstructor.finish().intensity.array == 200)
         off = np.abs(grid.reference_to_ijk @ point - (i, j, k, 1))[:3]

@@ -29,6 +29,7 @@ ROOMS = (
 
 UPWARD = {
     ("AIFReconLib/geometry/volume.py", "AIFReconLib/io/volume/files.py"): "Volume.write is a convenience; it imports when it is called",
+    ("AIFReconLib/geometry/volume.py", "AIFReconLib/evaluation/preview.py"): "so is Volume.plot",
 }
 """Imports that run up all the same, and why."""
 
@@ -138,8 +139,8 @@ def test_imports_run_down_the_order_of_rooms():
 
 
 def test_no_files_import_each_other_in_a_circle():
-    excepted = {REPOSITORY / one: REPOSITORY / other for one, other in UPWARD}
-    assert circles({file: {other for other in others if excepted.get(file) != other} for file, others in graph().items()}) == []
+    excepted = {(REPOSITORY / one, REPOSITORY / other) for one, other in UPWARD}
+    assert circles({file: {other for other in others if (file, other) not in excepted} for file, others in graph().items()}) == []
 
 
 @pytest.mark.parametrize("folder", sorted({file.parent for file in FILES}), ids=name_of)

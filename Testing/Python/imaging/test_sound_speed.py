@@ -35,7 +35,7 @@ def place_of(pixel, probe, region, **settings):
     image = np.zeros((120, 100), np.uint8)
     image[pixel[1], pixel[0]] = 200
     grid = VoxelGrid.from_spacing((-5, -5, 0), (601, 801, 1), (0.05, 0.05, 1.0))
-    reconstructor = Reconstructor(grid, ReconstructionSettings(method="maximum", **settings), probe=probe, region=region)
+    reconstructor = Reconstructor(grid, ReconstructionSettings(hole_limit=0.0, method="maximum", **settings), probe=probe, region=region)
     reconstructor.insert(TrackedFrame(image, image_pose(SPACING)))
     array = reconstructor.finish().intensity.array[0]
     row, column = np.argwhere(array == 200).mean(axis=0)
@@ -72,7 +72,7 @@ def test_what_is_on_the_face_stays():
 
 
 def volumes(method, frames, bone=None, **settings):
-    settings = ReconstructionSettings(method=method, output_type="float32", intensity_maximum=255, **settings)
+    settings = ReconstructionSettings(hole_limit=0.0, method=method, output_type="float32", intensity_maximum=255, **settings)
     reconstructor = Reconstructor(turned_grid(), settings, bone, probe=LINEAR)
     reconstructor.insert(frames)
     return reconstructor.finish()
@@ -98,7 +98,7 @@ def test_weighted_sees_its_pixels_at_their_true_place_too():
 
 @pytest.mark.parametrize("settings", [{}, {"scanner_speed_of_sound": 1500.0}, {"speed_of_sound": 1540.0}])
 def test_without_another_speed_nothing_moves(settings):
-    assert depth_factor(ReconstructionSettings(**settings)) == 1.0
+    assert depth_factor(ReconstructionSettings(hole_limit=0.0, **settings)) == 1.0
 
 
 def test_moving_there_and_back_changes_nothing():
@@ -119,7 +119,7 @@ def test_the_box_around_the_sweep_holds_every_pixel_at_its_true_place(probe, spe
     known = {"path": Path("made-up.xml"), "transforms": {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}}
     configuration = PlusConfiguration(**known, probe=probe, region=ImageRegion(ClipRectangle((0, 0), (39, 29))))
     sequence = replace(tracked_sequence(), configuration=configuration)
-    result = reconstruct(sequence, ReconstructionSettings(method="average", spacing=0.7, speed_of_sound=speed))
+    result = reconstruct(sequence, ReconstructionSettings(hole_limit=0.0, method="average", spacing=0.7, speed_of_sound=speed))
     assert result.hits.array.sum() == 6 * 30 * 40
     assert all(result.hits.array.any(axis=axes)[end] for axes in ((1, 2), (0, 2), (0, 1)) for end in (0, -1))
 
@@ -132,7 +132,9 @@ def test_engines_give_the_same_voxels(method, probe, engine):
     bone = None if method in ("average", "latest", "maximum") else sphere_bone()
     results = []
     for asked in ("numpy", "numba"):
-        settings = ReconstructionSettings(method=method, output_type="float32", intensity_maximum=255, engine=asked, **WATER)
+        settings = ReconstructionSettings(
+            hole_limit=0.0, method=method, output_type="float32", intensity_maximum=255, engine=asked, **WATER
+        )
         reconstructor = Reconstructor(turned_grid(), settings, bone, probe=probe)
         reconstructor.insert(oblique_frames(seed=6, count=3))
         results.append(reconstructor.finish())
@@ -152,12 +154,12 @@ def test_a_matrix_moves_the_pixels_of_a_linear_probe():
 
 def test_the_beams_must_be_known():
     with pytest.raises(BeamGeometryError, match="speed of sound needs the direction of the beams"):
-        Reconstructor(turned_grid(), ReconstructionSettings(**WATER))
+        Reconstructor(turned_grid(), ReconstructionSettings(hole_limit=0.0, **WATER))
 
 
 def test_a_speed_that_is_none_of_sound_is_refused():
     with pytest.raises(SettingsError, match=r"speed_of_sound must be at least 800 m/s; got 1\.48"):
-        ReconstructionSettings(speed_of_sound=1.48)
+        ReconstructionSettings(hole_limit=0.0, speed_of_sound=1.48)
 
 
 def test_bone_from_the_sweep_itself_is_refused_with_it(tmp_path, capsys):

@@ -102,7 +102,7 @@ def test_info_as_json_holds_the_same(tmp_path, capsys):
 
 def test_info_as_json_of_a_sequence_that_is_not_ready(tmp_path, capsys):
     patient = write_patient(tmp_path)
-    assert main(["info", str(patient.sweep), "--json"]) == 0
+    assert main(["info", str(patient.sweep), "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["tracking"] is None
 
 

@@ -1,0 +1,104 @@
+"""`aifrecon preview`: a look at a volume, as a picture; and what `reconstruct` and `live` need to draw the same."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from ..compounding.reconstructor import Reconstruction
+from ..errors import GeometryError, SettingsError
+from ..evaluation.figures import require_matplotlib
+from ..evaluation.preview import preview
+from ..geometry.volume import Volume
+from ..io.disk.atomic import check_writable
+from ..io.transform.files import read_transform
+from ..io.volume.files import read_labels, read_volume
+from .console import ProgressBar, program, shell_words
+from .options import Commands, refuse_to_overwrite
+
+
+def add_to(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "preview",
+        help="draw a volume: three cuts through its bone and a projection",
+        description="Draw axial, sagittal and coronal cuts through the middle of the bone, the patient's right on the left as in Slicer, "
+        "and a maximum intensity projection.",
+    )
+    parser.add_argument("volume", type=Path, metavar="VOLUME", help="a reconstruction")
+    parser.add_argument("--output", type=Path, required=True, metavar="FILE.png", help="where to draw")
+    parser.add_argument(
+        "--bone-labels", "--labels", type=Path, metavar="LABELS", help="segmentation of the CT: its outline is drawn, and says where to cut"
+    )
+    parser.add_argument("--ct", type=Path, metavar="CT", help="CT to show beside, in the frame of the labels")
+    parser.add_argument("--bone-transform", type=Path, metavar="FILE", help="transform CT -> Reference of both; default: none needed")
+    parser.add_argument("--mask", type=Path, metavar="MASK", help="0 where nothing was scanned (default: where the volume is 0)")
+    parser.set_defaults(run=run)
+
+
+def add_preview_option(group: argparse._ActionsContainer) -> None:
+    """Declare --preview."""
+    group.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw cuts through the bone (needs matplotlib)")
+
+
+def check_preview(path: Path | None) -> None:
+    """Return if a preview can be drawn to `path`; to be asked before a long computation."""
+    if path is None:
+        return
+    if path.suffix.lower() != ".png":
+        raise SettingsError("{path}: a preview is a PNG picture. Choose a name that ends with .png.", path=path)
+    check_writable(path)
+    require_matplotlib()
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Read, draw, write."""
+    inputs = [arguments.volume, arguments.bone_labels, arguments.ct, arguments.bone_transform, arguments.mask]
+    refuse_to_overwrite([arguments.output], inputs)
+    check_preview(arguments.output)
+    if arguments.bone_transform and not (arguments.bone_labels or arguments.ct):
+        raise SettingsError("--bone-transform places labels or a CT, and there are none. Give --bone-labels or --ct.")
+    with ProgressBar() as progress:
+        progress(0.0, f"Reading {arguments.volume.name}")
+        volume = read_volume(arguments.volume)
+        mask = read_volume(arguments.mask) if arguments.mask else None
+        if mask is not None and not mask.grid.matches(volume.grid):
+            raise GeometryError(
+                "{mask}: must have the voxels of {volume}. Give its own mask.", mask=arguments.mask, volume=arguments.volume
+            )
+        labels = placed_labels_of(arguments)
+        ct = _placed(read_volume(arguments.ct), arguments) if arguments.ct else None
+        progress(0.5, "Drawing")
+        preview(volume, mask, labels, ct, arguments.volume.name).write(arguments.output)
+    print(f"wrote {arguments.output}")
+
+
+def placed_labels_of(arguments: argparse.Namespace) -> Volume | None:
+    """The labels that --bone-labels names, in Reference."""
+    return _placed(read_labels(arguments.bone_labels), arguments) if arguments.bone_labels else None
+
+
+def _placed(volume: Volume, arguments: argparse.Namespace) -> Volume:
+    return volume.placed_by(read_transform(arguments.bone_transform)) if arguments.bone_transform else volume
+
+
+def write_preview(result: Reconstruction, arguments: argparse.Namespace) -> list[Path]:
+    """Draw what --preview asks for; the answer is the file, if any."""
+    if not arguments.preview:
+        return []
+    title = f"{arguments.output.name}: {result.method}, {result.frames_inserted} frames"
+    preview(result.intensity, result.mask, placed_labels_of(arguments), title=title).write(arguments.preview)
+    return [arguments.preview]
+
+
+def how_to_look(arguments: argparse.Namespace) -> list[str]:
+    """The line that says how to see what was written; none where no one reads it, or where it was drawn already."""
+    if arguments.preview or not sys.stdout.isatty():
+        return []
+    words = ["preview", str(arguments.output)]
+    for option in ("bone_labels", "bone_transform"):
+        if arguments.bone_labels and getattr(arguments, option):
+            words += [f"--{option.replace('_', '-')}", str(getattr(arguments, option))]
+    words += ["--output", str(arguments.output.with_name(arguments.output.name.partition(".")[0] + ".png"))]
+    return [f"to look at it: {program()} {shell_words(words)}"]

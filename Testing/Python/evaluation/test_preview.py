@@ -1,0 +1,159 @@
+"""The picture of a volume: where its cuts go, which way they lie, and what it marks."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.errors import OutputError
+from AIFReconLib.evaluation import preview as room
+from AIFReconLib.evaluation.preview import AXIAL, CORONAL, SAGITTAL, preview
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
+
+pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+
+GRID = VoxelGrid.from_spacing((-20.0, -15.0, -10.0), (41, 31, 21), 1.0)
+RIGHT, ANTERIOR, SUPERIOR = (30, 15, 10), (20, 25, 10), (20, 15, 17)
+
+
+def volume_with(*bright, background=40) -> Volume:
+    """Gray, with these voxels (i, j, k) white."""
+    array = np.full(GRID.shape, background, np.uint8)
+    for i, j, k in bright:
+        array[k, j, i] = 255
+    return Volume(array, GRID.ijk_to_reference)
+
+
+def panel_of(plane, volume, labels=None):
+    center = room._center(volume, volume.array != 0, labels)
+    return room._cut_panel(volume, plane, center, (0.0, 255.0), None, labels)
+
+
+def where_brightest(picture) -> tuple[float, float]:
+    """Share of the way from left to right, and from top to bottom, of the brightest pixels."""
+    rows, columns = np.nonzero(picture >= np.nanmax(picture))
+    return columns.mean() / picture.shape[1], rows.mean() / picture.shape[0]
+
+
+@pytest.mark.parametrize(
+    ("plane", "voxel", "left", "up"),
+    [
+        (AXIAL, RIGHT, True, None),
+        (AXIAL, ANTERIOR, None, True),
+        (CORONAL, RIGHT, True, None),
+        (CORONAL, SUPERIOR, None, True),
+        (SAGITTAL, ANTERIOR, True, None),
+        (SAGITTAL, SUPERIOR, None, True),
+    ],
+)
+def test_cuts_lie_as_radiologists_look_at_them(plane, voxel, left, up):
+    across, down = where_brightest(panel_of(plane, volume_with(voxel)).picture)
+    assert left is None or (across < 0.4) == left
+    assert up is None or (down < 0.4) == up
+
+
+@pytest.mark.parametrize("turned", [np.eye(4), np.diag([-1.0, 1.0, 1.0, 1.0]), np.diag([1.0, 1.0, -1.0, 1.0]), np.eye(4)[[1, 2, 0, 3]]])
+def test_the_projection_shows_what_lies_right_and_high_at_the_top_left_however_the_grid_runs(turned):
+    place = GRID.ijk_to_reference @ (30, 5, 17, 1)
+    matrix = GRID.ijk_to_reference @ turned
+    grid = VoxelGrid(
+        (45, 45, 45), np.block([[matrix[:3, :3], -matrix[:3, :3] @ np.full((3, 1), 22.0)], [np.zeros((1, 3)), np.ones((1, 1))]])
+    )
+    array = np.full(grid.shape, 10, np.uint8)
+    i, j, k = np.rint(grid.reference_to_ijk @ place).astype(int)[:3]
+    array[k, j, i] = 200
+    volume = Volume(array, grid.ijk_to_reference)
+    across, down = where_brightest(room._projection(volume, array > 0, (0.0, 255.0)).picture)
+    assert (across, down) == pytest.approx((0.5 - place[0] / 45, 0.5 - place[2] / 45), abs=0.03)
+
+
+def test_cuts_go_through_the_middle_of_bone_that_shows():
+    labels = np.zeros(GRID.shape, np.uint8)
+    labels[5:16, 20:29, 5:14] = 1
+    volume = volume_with(background=10)
+    volume.array[labels > 0] = 200
+    center = room._center(volume, volume.array > 0, Volume(labels, GRID.ijk_to_reference))
+    np.testing.assert_allclose(center, np.add(GRID.origin, (9, 24, 10)), atol=0.51)
+
+
+def test_bone_in_the_dark_does_not_draw_the_cuts_to_it():
+    labels = np.zeros(GRID.shape, np.uint8)
+    labels[:, 2:20, :] = labels[:, 28, :] = 1
+    volume = volume_with(background=3)
+    volume.array[:, 28, :] = 250
+    center = room._center(volume, volume.array > 0, Volume(labels, GRID.ijk_to_reference))
+    assert center[1] == pytest.approx(GRID.origin[1] + 28)
+
+
+def test_without_labels_cuts_meet_in_the_middle_of_what_was_scanned():
+    array = np.zeros(GRID.shape, np.uint8)
+    array[4:9, 10:21, 20:31] = 7
+    center = room._center(Volume(array, GRID.ijk_to_reference), array > 0, None)
+    np.testing.assert_allclose(center, np.add(GRID.origin, (25, 15, 6)))
+
+
+def test_nothing_is_cut_off():
+    panel = panel_of(CORONAL, volume_with())
+    assert panel.size == (40.0, 20.0)
+    assert np.isfinite(panel.picture).all()
+
+
+def pixels_of(picture) -> np.ndarray:
+    from matplotlib.image import imread
+
+    return imread(io.BytesIO(picture.png), format="png")[..., :3]
+
+
+def has_color(pixels, color, tolerance=0.05) -> bool:
+    from matplotlib.colors import to_rgb
+
+    return bool((np.abs(pixels - to_rgb(color)).max(axis=-1) < tolerance).sum() > 20)
+
+
+def test_what_was_not_scanned_is_tinted_and_what_was_is_not():
+    scanned, partly = volume_with(), volume_with()
+    partly.array[:, :10] = 0
+    assert has_color(pixels_of(preview(partly)), room.NOT_SCANNED)
+    mask = Volume(np.ones(GRID.shape, np.uint8), GRID.ijk_to_reference)
+    assert not has_color(pixels_of(preview(partly, mask)), room.NOT_SCANNED)
+    assert not has_color(pixels_of(preview(scanned)), room.NOT_SCANNED)
+
+
+def test_the_outline_of_bone_is_drawn():
+    labels = np.zeros(GRID.shape, np.uint8)
+    labels[5:16, 8:20, 8:20] = 1
+    assert has_color(pixels_of(preview(volume_with(), labels=Volume(labels, GRID.ijk_to_reference))), room.BONE_COLOR, tolerance=0.35)
+
+
+@pytest.mark.parametrize("array", [np.zeros(GRID.shape, np.uint8), np.full(GRID.shape, np.nan, np.float32), np.ones((1, 1, 1), np.float32)])
+def test_volumes_with_nothing_to_see_are_drawn_all_the_same(array):
+    assert preview(Volume(array, GRID.ijk_to_reference)).png.startswith(b"\x89PNG")
+
+
+def test_a_ct_is_shown_beside():
+    plain, beside = preview(volume_with()), preview(volume_with(), ct=Volume(np.zeros(GRID.shape, np.int16), GRID.ijk_to_reference))
+    assert pixels_of(beside).shape[1] > pixels_of(plain).shape[1]
+
+
+def test_a_volume_plots_itself_for_a_notebook(tmp_path):
+    picture = volume_with().plot(title="a volume")
+    picture.write(tmp_path / "v.png")
+    assert picture._repr_png_() == (tmp_path / "v.png").read_bytes()
+
+
+def test_without_matplotlib_one_sentence_says_what_to_install(monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(OutputError, match="pip install matplotlib"):
+        volume_with().plot()
+
+
+def test_a_volume_and_a_bone_map_show_themselves_in_a_line_and_as_a_table():
+    volume = volume_with()
+    assert repr(volume) == "<Volume: voxels 41 x 31 x 21, spacing 1 x 1 x 1 mm, origin -20, -15, -10 mm, values uint8, 40 to 40>"
+    bone = BoneMap.from_probability(Volume(np.ones(GRID.shape, np.float32), GRID.ijk_to_reference))
+    assert repr(bone).startswith("<BoneMap: holds probability")
+    for each in (volume, bone):
+        assert "<td style='text-align:left'>41 x 31 x 21</td>" in each._repr_html_()
