@@ -216,6 +216,10 @@ class LiveSession:
             else:
                 self._begin(grid)
 
+    def use_bone(self, bone: BoneMap) -> None:
+        """Take another bone map, the CT having been placed anew, from `use_grid` or `reset` on; a volume that grows keeps its own."""
+        self._inserter.use_bone(bone)
+
     def stop(self, progress: Progress | None = None) -> None:
         """Receive no more, insert and record what was received, and finish the recording. Can be called again.
 
