@@ -76,6 +76,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._parameterNodeGuiTag = None
         self._work = None
         self._live = None
+        self._registration = None
         self._report = ""
         self._followers = ()
         self._watch = None
@@ -90,6 +91,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         from AIFReconGui.panel.boxChooser import BoxChooser
         from AIFReconGui.panel.livePanel import LivePanel
         from AIFReconGui.panel.pathField import PATHS, PathField
+        from AIFReconGui.panel.registrationPanel import RegistrationPanel
         from AIFReconGui.panel.reportPanel import ReportPanel
         from AIFReconGui.panel.segmentsChooser import SegmentsChooser
         from AIFReconScene.display.boneOutlines import BoneOutlines
@@ -110,6 +112,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._work = LongWork(uiWidget)
         self._libraryLog = LibraryLog()
         self._live = LivePanel(self.ui, self._work, self._onParametersModified)
+        self._registration = RegistrationPanel(self.ui, self._work, self._live, self._onParametersModified)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
 
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
@@ -127,6 +130,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             return  # the .ui file could not be loaded
         self._work.close()
         self._live.close(sceneStays=True)
+        self._registration.close()
         self.setParameterNode(None)
         self.removeObservers()
         self.logic.cleanup()
@@ -151,6 +155,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._report = ""
         self._work.cancel()
         self._live.close()
+        self._registration.close()
         self.setParameterNode(None)
         self.logic.cleanup()
 
@@ -174,6 +179,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         for follower in self._followers:
             follower.setParameterNode(parameterNode)
         self._live.setParameterNode(parameterNode)
+        self._registration.setParameterNode(parameterNode)
         if self._parameterNode:
             self._parameterNodeGuiTag = self._parameterNode.connectGui(self.ui)
             self.addObserver(self._parameterNode, vtk.vtkCommand.ModifiedEvent, self._onParametersModified)
@@ -192,6 +198,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         updateDependentWidgets(self.ui, parameters, self.logic.describeSweep(parameters))
         self._live.update(readiness.whyNotLive(parameters))
         updateButtons(self.ui, self.logic, parameters, self._live.whyNotNow(), self._report)
+        self._registration.update(self.logic.whyNotRegister(parameters, self._live.isRunning), self._live.whyNotNow())
         self.logic.display.update(parameters)
 
     # ---- buttons
@@ -315,6 +322,10 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         """What is missing before the methods can be compared; empty: nothing."""
         return readiness.whyNotCompare(parameters, self._sweep.summary(parameters))
 
+    def whyNotRegister(self, parameters, isScanning: bool = False) -> str:
+        """What is missing before the CT can be placed on the sweep, or on what a scan has shown so far; empty: nothing."""
+        return readiness.whyNotRegister(parameters, self._sweep.summary(parameters), isScanning)
+
     def trackingReport(self, parameters) -> tuple:
         """Title and `TrackingReport` of the chosen sweep, with the coverage where it was reconstructed last."""
         return self._tracking.of(parameters)
@@ -338,7 +349,8 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
-        nodes, report = self._reconstruct(Inputs.fromParameters(parameters), settingsFrom(parameters), parameters.output, keep, progress)
+        inputs = Inputs.fromParameters(parameters)
+        nodes, report = self._reconstruct(inputs, settingsFrom(parameters), parameters.output, keep, progress, compared=True)
         parameters.output = nodes["intensity"]
         self.display.showOutput(parameters, part(progress, 0.95, 1.0))
         return report
@@ -352,19 +364,23 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         self.display.showComparison(comparison, parameters)
         return comparison.report
 
-    def _reconstruct(self, inputs, settings, output, keep, progress):
+    def _reconstruct(self, inputs, settings, output, keep, progress, compared=False):
         from AIFReconScene.inputs.inputs import reconstructed
         from AIFReconScene.volumes.volumeNodes import outputNodes
 
         from AIFReconLib.inspection.summary import summary_lines
         from AIFReconLib.message import listed
         from AIFReconLib.progress import part
+        from AIFReconLib.settings import BONE_METHODS
 
-        result, sequence = reconstructed(inputs, settings, part(progress, 0.0, 0.95))
-        self._tracking.remember(inputs, sequence, result)
+        result, prepared = reconstructed(inputs, settings, part(progress, 0.0, 0.9 if compared else 0.95))
+        lines = summary_lines(result, len(prepared.sequence))
+        if compared and result.method in BONE_METHODS:
+            lines += prepared.comparedLines(part(progress, 0.9, 0.95))
+        self._tracking.remember(inputs, prepared.sequence, result)
         slicer.mrmlScene.SaveStateForUndo()
         nodes = outputNodes(result, inputs.sweep.GetName(), ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())
-        return nodes, listed(summary_lines(result, len(sequence)), "\n")
+        return nodes, listed(lines, "\n")
 
 
 class AIFReconTest(ScriptedLoadableModuleTest):

@@ -9,6 +9,7 @@ from AIFReconLib.imaging.region import ClipRectangle, chosen_region
 from AIFReconLib.progress import part
 
 from ..sceneNodes import proxiesOf
+from ..transforms import matrixToWorld
 from .imagingChoices import imageRegionFrom, probeFrom
 from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom
 
@@ -96,18 +97,31 @@ class Inputs:
             raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
         sequence = sequenceFromBrowser(self.sweep, self.imageSequence)
         region, grid = self.imageRegion(sequence.configuration), self.grid(settings)
-        bone = self._boneOf(sequence, region, progress) if self.bone is None and self.boneFromSweep else self.boneMap(progress)
-        return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance())
+        if self.bone is None and self.boneFromSweep:
+            return PreparedInputs(sequence, self._boneOf(sequence, region, progress), grid, region, self.probe, self.importance())
+        labels = self.labels()
+        bone, place = self.boneMap(progress, labels), None if labels is None else matrixToWorld(self.bone)
+        return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), labels, place)
 
-    def boneMap(self, progress=None):
-        """The `BoneMap` of the chosen bone in RAS, or None without."""
+    def labels(self):
+        """The `Volume` of the chosen bone's labels in its own coordinates; None without bone, or where it is a probability."""
+        from .boneNodes import isLabeled, ownLabels
+
+        if self.bone is None or not isLabeled(self.bone):
+            return None
+        return ownLabels(self.bone, list(self.boneSegments) or None, referenceVolumeNode=self.ct, **self._sigma())
+
+    def boneMap(self, progress=None, labels=None):
+        """The `BoneMap` of the chosen bone in RAS, or None without; of its `labels()` where these are there already."""
         from .boneNodes import boneMapFromNode
 
         if self.bone is None:
             return None
-        sigma = {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": self.boneSigmaMm}
-        given = {name: value for name, value in sigma.items() if value is not None}
-        return boneMapFromNode(self.bone, list(self.boneSegments) or None, referenceVolumeNode=self.ct, progress=progress, **given)
+        chosen = list(self.boneSegments) or None
+        return boneMapFromNode(self.bone, chosen, referenceVolumeNode=self.ct, labels=labels, progress=progress, **self._sigma())
+
+    def _sigma(self) -> dict:
+        return {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": self.boneSigmaMm}
 
     def imageRegion(self, configuration):
         """The `ImageRegion` that is asked for, completed by the sweep's `PlusConfiguration`; None where nothing is asked for."""
@@ -145,7 +159,10 @@ class Inputs:
 
 @dataclass(frozen=True)
 class PreparedInputs:
-    """The library's inputs; `reconstruct` may be called with any settings that have the same spacing."""
+    """The library's inputs; `reconstruct` may be called with any settings that have the same spacing.
+
+    The labels are those that `bone` was made of, if any, and `labelsToReference` is where they lay when they were read.
+    """
 
     sequence: object
     bone: object = None
@@ -153,6 +170,18 @@ class PreparedInputs:
     imageRegion: object = None
     probe: object = None
     importance: object = None
+    labels: object = None
+    labelsToReference: object = None
+
+    def comparedLines(self, progress=None) -> list:
+        """What the sweep's own bone says of the place of the labels, a line each; nothing without labels. See `compared_lines`."""
+        from AIFReconLib.registration.comparison import compared_lines
+
+        if self.labels is None:
+            return []
+        return compared_lines(
+            self.sequence, self.labels, self.labelsToReference, region=self.imageRegion, probe=self.probe, progress=progress
+        )
 
     def reconstruct(self, settings, progress=None):
         """One call of the library: `settings` to a `Reconstruction` in RAS."""
@@ -169,9 +198,9 @@ class PreparedInputs:
 
 
 def reconstructed(inputs: Inputs, settings, progress=None):
-    """A `Reconstruction` and the sequence it was made from."""
+    """A `Reconstruction` and the `PreparedInputs` it was made from."""
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
-    return prepared.reconstruct(settings, part(progress, 0.1, 1.0)), prepared.sequence
+    return prepared.reconstruct(settings, part(progress, 0.1, 1.0)), prepared
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:

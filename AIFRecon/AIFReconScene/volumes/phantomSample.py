@@ -74,19 +74,29 @@ def loadPhantom(
     OperationCanceled
         The scene is then as it was.
     """
+    phantom, sweep = simulatedPatient(part(progress, 0.0, 0.95), seed=seed, frames=frames, spacing=spacing)
+    return addPatient(phantom, sweep, part(progress, 0.95, 1.0), scene)
+
+
+def simulatedPatient(progress: Progress | None = None, *, seed: int = 0, frames: int = FRAMES, spacing: float = CT_SPACING) -> tuple:
+    """The `LumbarPhantom` and the `TrackedSequence` of a patient; arguments as for `loadPhantom`."""
     from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
     from AIFReconLib.simulation.phased_array import PhasedArray
     from AIFReconLib.simulation.scan import multi_angle_sweep, random_rigid, simulate_sweep
 
-    scene = scene or slicer.mrmlScene
     ctToReference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
     anatomy = LumbarAnatomy.from_seed(seed, vertebrae=len(LEVELS))
-    phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=ctToReference, progress=part(progress, 0.0, 0.5))
+    phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=ctToReference, progress=part(progress, 0.0, 0.55))
     probe = PhasedArray()
-    sweep = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, progress=part(progress, 0.5, 0.95))
-    sweep = replace(sweep, configuration=_configuration(probe), path=Path("lumbar phantom"))
+    sweep = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, progress=part(progress, 0.55, 1.0))
+    return phantom, replace(sweep, configuration=_configuration(probe), path=Path("lumbar phantom"))
+
+
+def addPatient(phantom, sweep, progress: Progress | None = None, scene=None) -> PhantomNodes:
+    """Add a simulated patient to a scene; arguments as for `loadPhantom`."""
+    scene = scene or slicer.mrmlScene
     # The sweep first: it alone can still be canceled, and it leaves nothing behind then
-    browser = browserFromSequence(sweep, "Lumbar sweep", part(progress, 0.95, 1.0), scene)
+    browser = browserFromSequence(sweep, "Lumbar sweep", progress, scene)
     transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
     transform.SetMatrixTransformToParent(vtkMatrixOf(phantom.ct_to_reference))
     ct = _ctNode(phantom.ct, scene)
