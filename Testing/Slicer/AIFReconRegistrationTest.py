@@ -358,6 +358,13 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.assertEqual(self.echoModels(), [])
         self.assertFalse(self.ui.placeButton.enabled)
 
+    def test_another_module_that_is_opened_meanwhile_does_not_end_it(self):
+        self.displace()
+        self.pressAnd(self.widget.exit)
+        self.assertLess(self.error(), 1.0)
+        self.widget.enter()
+        self.assertIn("CT and sweep agree", self.ui.registrationLabel.text)
+
     def test_a_parent_that_is_taken_off_meanwhile_is_told_and_nothing_moves(self):
         before = self.displace()
         said = self.messageOf(lambda: self.pressAnd(lambda: self.nodes.ct.SetAndObserveTransformNodeID(None)))

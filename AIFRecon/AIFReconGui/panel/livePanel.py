@@ -63,7 +63,7 @@ class LivePanel:
         """The bone echoes of the scan under way, to place the CT by; a GeometryError where there are too few."""
         return self._live.echoes()
 
-    def followBone(self, parameters, progress) -> str:
+    def followBone(self, progress) -> str:
         """Weight by the CT where it lies now; what that means for the volume, in a sentence."""
         if self._live.followBone(progress):
             return _("The volume so far was weighted with the CT where it was before: Reset begins it anew.")

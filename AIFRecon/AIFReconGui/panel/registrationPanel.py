@@ -63,7 +63,7 @@ class RegistrationPanel:
     def update(self, missing: str, waits: str) -> None:
         """Enable what can be done; `missing` says why the CT cannot be placed, `waits` why the chosen sweep has to wait."""
         ui, parameters = self._ui, self._parameterNode
-        if self._about is not None and self._about != self._subject():
+        if self._about is not None and self._about != self._subject(parameters):
             self.forget()
         for button, reason, does in (
             (ui.checkButton, waits or missing, _("Say how well CT and sweep agree; nothing is moved")),
@@ -80,6 +80,7 @@ class RegistrationPanel:
     def forget(self) -> None:
         """Take the echoes out of the scene, and the words with them."""
         self._finding = self._about = None
+        self._moved.stop()
         self._follow(None)
         self._echoes.clear()
         if not self._ui.registrationLabel:  # destroyed: the application is being closed
@@ -108,7 +109,7 @@ class RegistrationPanel:
         number = self._ui.alternativesComboBox.currentIndex
         if 0 <= number < len(self._places):
             with errorsShown(_("The CT could not be placed. It is where it was.")):
-                self._moveTo(self._finding.at(self._places[number]))
+                self._moveTo(self._parameterNode, self._finding.at(self._places[number]))
                 self._say(self._words(_("Placed there because you chose it.")))
                 self._offer([])
         self._refresh()
@@ -137,7 +138,7 @@ class RegistrationPanel:
             self._refresh()
 
     def _check(self, parameters, progress) -> str:
-        self._show(self._registration.check(parameters, progress))
+        self._show(parameters, self._registration.check(parameters, progress))
         self._offer([])
         return self._words()
 
@@ -151,33 +152,35 @@ class RegistrationPanel:
         finding = self._registration.register(parameters, part(progress, 0.0, 0.7 if scan else 1.0), echoes)
         found = finding.registration
         if not found.accepted:
-            self._show(finding.at(rigidPlace(bone)))
+            self._show(parameters, finding.at(rigidPlace(bone)))
             self._offer(_places(found))
             return self._words(_("Not moved. {reason}").format(reason=inPanelWords(found.refusal)), verdict=False)
         moved = "" if found.moved is None else _("Moved by {mm:.1f} mm.").format(mm=found.moved)
-        self._moveTo(finding)
+        self._moveTo(parameters, finding)
         self._offer([])
-        followed = self._live.followBone(parameters, part(progress, 0.7, 1.0)) if scan else ""
-        return self._words(moved, *_uncertainties(found), followed)
+        said = self._words(moved, *_uncertainties(found))
+        if not scan:
+            return said
+        # The CT is moved by now: a cancel would come too late
+        followed = self._live.followBone(lambda share, message: progress(0.7 + 0.3 * share, message) or True)
+        return "\n".join(line for line in (said, followed) if line)
 
-    def _moveTo(self, finding) -> None:
-        parameters = self._parameterNode
+    def _moveTo(self, parameters, finding) -> None:
         self._placement.place(parameters.bone, parameters.ctVolume, parameters.sweep, finding.labelsToWorld)
-        self._show(finding)
+        self._show(parameters, finding)
 
     # ---- what is shown
 
-    def _subject(self) -> tuple:
+    def _subject(self, parameters) -> tuple:
         """What a finding is about: it is forgotten when another is chosen."""
-        parameters = self._parameterNode
         chosen = (parameters.sweep if not self._live.isRunning else None, parameters.bone)
         return (*(node.GetID() if node is not None else "" for node in chosen), tuple(parameters.boneSegments))
 
-    def _show(self, finding) -> None:
-        self._finding, self._about = finding, self._subject()
-        self._follow(self._parameterNode.bone)
+    def _show(self, parameters, finding) -> None:
+        self._finding, self._about = finding, self._subject(parameters)
+        self._follow(parameters.bone)
         self._gauge(finding.agreement)
-        self._echoes.show(finding.points, finding.distances, self._parameterNode.showEchoes)
+        self._echoes.show(finding.points, finding.distances, parameters.showEchoes)
 
     def _follow(self, bone) -> None:
         """Observe where the bone lies, or observe nothing."""
@@ -201,7 +204,7 @@ class RegistrationPanel:
             self.forget()
             return
         if not np.allclose(place, self._finding.labelsToWorld, rtol=0.0, atol=1e-6):
-            self._show(self._finding.at(place))
+            self._show(self._parameterNode, self._finding.at(place))
             self._say("\n".join(line for line in (said, self._words()) if line))
 
     def _words(self, *more: str, verdict: bool = True) -> str:

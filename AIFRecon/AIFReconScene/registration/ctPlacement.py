@@ -8,7 +8,7 @@ import slicer
 from AIFReconLib.errors import TransformError
 from AIFReconLib.geometry.transforms import invert
 
-from ..sceneNodes import freeName, proxiesOf
+from ..sceneNodes import freeName, nodesOfClass, proxiesOf
 from ..transforms import matrixToParent, matrixToWorld, parentTransforms, vtkMatrixOf
 
 NAME = "CTToReference"
@@ -126,9 +126,7 @@ def _takeOut(mover, parents, scene) -> None:
         node = scene.GetNodeByID(nodeID)
         if node is not None and node.GetTransformNodeID() == mover.GetID():
             node.SetAndObserveTransformNodeID(parentID if parentID and scene.GetNodeByID(parentID) else None)
-    count = scene.GetNumberOfNodesByClass("vtkMRMLTransformableNode")
-    below = [scene.GetNthNodeByClass(number, "vtkMRMLTransformableNode") for number in range(count)]
-    if not any(node.GetTransformNodeID() == mover.GetID() for node in below):
+    if not any(node.GetTransformNodeID() == mover.GetID() for node in nodesOfClass("vtkMRMLTransformableNode", scene)):
         scene.RemoveNode(mover)
     else:
         mover.SetMatrixTransformToParent(vtkMatrixOf(np.eye(4)))
