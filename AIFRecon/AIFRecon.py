@@ -32,6 +32,7 @@ from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus
 
+from AIFReconLib.progress import part
 from AIFReconLib.sweep.pose_tracks import LONGEST_GAP
 
 
@@ -76,7 +77,6 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._parameterNodeGuiTag = None
         self._work = None
         self._live = None
-        self._registration = None
         self._report = ""
         self._followers = ()
         self._watch = None
@@ -102,17 +102,18 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui = slicer.util.childWidgetVariables(uiWidget)
         uiWidget.setMRMLScene(slicer.mrmlScene)
         self.logic = AIFReconLogic()
+        self._work = LongWork(uiWidget)
+        self._libraryLog = LibraryLog()
+        self._live = LivePanel(self.ui, self._work, self._onParametersModified)
+        self._registration = RegistrationPanel(self.ui, self._work, self._live, self.logic.whyNotRegister, self._onParametersModified)
         self._followers = (
             SegmentsChooser(self.ui.segmentsComboBox, self.ui.segmentsLabel),
             *(PathField(getattr(self.ui, f"{name}LineEdit"), name) for name in PATHS),
             BoxChooser(),
             BoneOutlines(),
             ReportPanel(self.ui, self.logic.trackingReport),
+            self._registration,
         )
-        self._work = LongWork(uiWidget)
-        self._libraryLog = LibraryLog()
-        self._live = LivePanel(self.ui, self._work, self._onParametersModified)
-        self._registration = RegistrationPanel(self.ui, self._work, self._live, self._onParametersModified)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
 
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
@@ -179,7 +180,6 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         for follower in self._followers:
             follower.setParameterNode(parameterNode)
         self._live.setParameterNode(parameterNode)
-        self._registration.setParameterNode(parameterNode)
         if self._parameterNode:
             self._parameterNodeGuiTag = self._parameterNode.connectGui(self.ui)
             self.addObserver(self._parameterNode, vtk.vtkCommand.ModifiedEvent, self._onParametersModified)
@@ -198,7 +198,6 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         updateDependentWidgets(self.ui, parameters, self.logic.describeSweep(parameters))
         self._live.update(readiness.whyNotLive(parameters))
         updateButtons(self.ui, self.logic, parameters, self._live.whyNotNow(), self._report)
-        self._registration.update(self.logic.whyNotRegister(parameters, self._live.isRunning), self._live.whyNotNow())
         self.logic.display.update(parameters)
 
     # ---- buttons
@@ -345,8 +344,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         """Reconstruct what the parameters ask for, show it over the CT, and return what was done in a few lines."""
         from AIFReconScene.inputs.inputs import Inputs
 
-        from AIFReconLib.progress import part
-
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
         inputs = Inputs.fromParameters(parameters)
@@ -368,19 +365,11 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         from AIFReconScene.inputs.inputs import reconstructed
         from AIFReconScene.volumes.volumeNodes import outputNodes
 
-        from AIFReconLib.inspection.summary import summary_lines
-        from AIFReconLib.message import listed
-        from AIFReconLib.progress import part
-        from AIFReconLib.settings import BONE_METHODS
-
-        result, prepared = reconstructed(inputs, settings, part(progress, 0.0, 0.9 if compared else 0.95))
-        lines = summary_lines(result, len(prepared.sequence))
-        if compared and result.method in BONE_METHODS:
-            lines += prepared.comparedLines(part(progress, 0.9, 0.95))
-        self._tracking.remember(inputs, prepared.sequence, result)
+        result, sequence, report = reconstructed(inputs, settings, part(progress, 0.0, 0.95), compared)
+        self._tracking.remember(inputs, sequence, result)
         slicer.mrmlScene.SaveStateForUndo()
         nodes = outputNodes(result, inputs.sweep.GetName(), ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())
-        return nodes, listed(lines, "\n")
+        return nodes, report
 
 
 class AIFReconTest(ScriptedLoadableModuleTest):

@@ -211,6 +211,17 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.assertEqual(len(shown), 1)
         return shown[0]
 
+    def test_a_choice_is_seen_only_where_there_is_one(self):
+        section = self.ui.registrationCollapsibleButton
+        for collapsed in (True, False, True, False):
+            section.collapsed = collapsed
+        hidden = (self.ui.alternativesLabel, self.ui.alternativesComboBox, self.ui.takePlaceButton, self.ui.registrationLabel)
+        self.assertEqual([widget.isVisibleTo(section) for widget in hidden], [False] * len(hidden))
+        self.widget._registration._offer([(self.true, "Best")])
+        section.collapsed = True
+        section.collapsed = False
+        self.assertTrue(self.ui.takePlaceButton.isVisibleTo(section))
+
     # ---- checking
 
     def test_a_check_tells_the_agreement_and_moves_nothing(self):
@@ -219,6 +230,7 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.assertIn("CT and sweep agree", self.ui.registrationLabel.text)
         self.assertGreater(self.ui.agreementProgressBar.value, 80)
         self.assertIn("%", self.ui.agreementProgressBar.format)
+        self.assertIn("Label 2 L3: ", self.ui.agreementProgressBar.toolTip)
         self.assertFalse(self.ui.undoPlaceButton.enabled)
 
     def test_a_check_of_a_wrong_place_warns(self):

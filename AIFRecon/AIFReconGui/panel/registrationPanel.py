@@ -4,6 +4,7 @@ import numpy as np
 import qt
 import slicer
 from AIFReconScene.display.echoPoints import EchoPoints
+from AIFReconScene.inputs.boneNodes import boneNames
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.registration.ctPlacement import CTPlacement, transformAbove
 from AIFReconScene.registration.ctRegistration import CTRegistration, rigidPlace
@@ -14,6 +15,9 @@ from ..errorsShown import errorsShown
 LANDMARK_MODULES = ("LandmarkRegistration", "FiducialRegistration")
 """Slicer's own ways to a start, the more comfortable one first; a build may lack either."""
 
+
+WORTH_OFFERING = 0.5
+"""Share of what the best place explains that makes another one worth a line in the choice."""
 
 JUDGED_AFTER = 200
 """ms after the CT was moved by whatever means that gauge and colors follow: while it is dragged they would follow in vain."""
@@ -28,6 +32,8 @@ class RegistrationPanel:
     work : LongWork
     live : LivePanel
         While it scans, what the scan has shown so far takes the place of the chosen sweep.
+    whyNot : callable
+        ``whyNot(parameters, isScanning)``: what is missing before the CT can be placed, in a sentence; empty: nothing.
     refresh : callable
         Called without arguments when what can be pressed in the panel has changed.
 
@@ -36,8 +42,8 @@ class RegistrationPanel:
     Gauge and colors are those of the place where the CT is now, once they were asked for: they follow it when it is moved.
     """
 
-    def __init__(self, ui, work, live, refresh):
-        self._ui, self._work, self._live, self._refresh = ui, work, live, refresh
+    def __init__(self, ui, work, live, whyNot, refresh):
+        self._ui, self._work, self._live, self._whyNot, self._refresh = ui, work, live, whyNot, refresh
         self._parameterNode = None
         self._registration, self._placement, self._echoes = CTRegistration(), CTPlacement(), EchoPoints()
         self._finding = self._about = self._observed = None
@@ -52,7 +58,7 @@ class RegistrationPanel:
         ui.undoPlaceButton.connect("clicked(bool)", self.onUndo)
         ui.takePlaceButton.connect("clicked(bool)", self.onTake)
         ui.landmarksButton.connect("clicked(bool)", self.onLandmarks)
-        ui.landmarksButton.visible = bool(_landmarkModule())
+        ui.registrationCollapsibleButton.connect("contentsCollapsed(bool)", lambda collapsed: self._arrange())
         self._say("")
         self._offer([])
 
@@ -60,9 +66,10 @@ class RegistrationPanel:
         """Follow these parameters, or none."""
         self._parameterNode = parameterNode
 
-    def update(self, missing: str, waits: str) -> None:
-        """Enable what can be done; `missing` says why the CT cannot be placed, `waits` why the chosen sweep has to wait."""
+    def update(self) -> None:
+        """Enable what can be done; follow what is chosen."""
         ui, parameters = self._ui, self._parameterNode
+        missing, waits = self._whyNot(parameters, self._live.isRunning), self._live.whyNotNow()
         if self._about is not None and self._about != self._subject(parameters):
             self.forget()
         for button, reason, does in (
@@ -154,7 +161,8 @@ class RegistrationPanel:
         if not found.accepted:
             self._show(parameters, finding.at(rigidPlace(bone)))
             self._offer(_places(found))
-            return self._words(_("Not moved. {reason}").format(reason=inPanelWords(found.refusal)), verdict=False)
+            refused = _("Not moved. Of the best place that was found: {reason}").format(reason=inPanelWords(found.refusal))
+            return self._words(refused, verdict=False)
         moved = "" if found.moved is None else _("Moved by {mm:.1f} mm.").format(mm=found.moved)
         self._moveTo(parameters, finding)
         self._offer([])
@@ -179,7 +187,7 @@ class RegistrationPanel:
     def _show(self, parameters, finding) -> None:
         self._finding, self._about = finding, self._subject(parameters)
         self._follow(parameters.bone)
-        self._gauge(finding.agreement)
+        self._gauge(finding.agreement, boneNames(parameters.bone, list(parameters.boneSegments)))
         self._echoes.show(finding.points, finding.distances, parameters.showEchoes)
 
     def _follow(self, bone) -> None:
@@ -215,15 +223,17 @@ class RegistrationPanel:
 
     def _say(self, text: str) -> None:
         self._ui.registrationLabel.text = text
-        self._ui.registrationLabel.visible = bool(text)
+        self._arrange()
 
-    def _gauge(self, agreement) -> None:
+    def _gauge(self, agreement, names=None) -> None:
         bar = self._ui.agreementProgressBar
         bar.value = 0 if agreement is None else round(100 * agreement.share)
         bar.format = "" if agreement is None else _("{share:.0%} of the echoes agree").format(share=agreement.share)
         labels = {} if agreement is None else agreement.per_label
         lines = [
-            _("Bone {number}: {share:.0%} of {count:,} echoes agree").format(number=label, share=own.agreement, count=own.echoes)
+            _("Label {number} {name}: {share:.0%} of {count:,} echoes agree").format(
+                number=label, name=(names or {}).get(label, ""), share=own.agreement, count=own.echoes
+            )
             for label, own in sorted(labels.items())
         ]
         bar.toolTip = "\n".join(lines) or _("How many of the bone echoes lie on bone of the CT that their beams could reach")
@@ -235,17 +245,28 @@ class RegistrationPanel:
         ui.alternativesComboBox.clear()
         for _place, words in places:
             ui.alternativesComboBox.addItem(words)
+        self._arrange()
+
+    def _arrange(self) -> None:
+        """Hide what has nothing to say. A section that is opened shows all that it holds, also what was hidden while it was closed."""
+        ui = self._ui
+        if ui.registrationCollapsibleButton.collapsed:
+            return
+        ui.registrationLabel.visible = bool(ui.registrationLabel.text)
+        ui.landmarksButton.visible = bool(_landmarkModule())
         for widget in (ui.alternativesLabel, ui.alternativesComboBox, ui.takePlaceButton):
-            widget.visible = bool(places)
+            widget.visible = bool(self._places)
 
 
 def _places(found) -> list:
-    """The places that an answer leaves open, the best first, each with what speaks for it."""
+    """The places that an answer leaves open, the best first, each with what speaks for it: the share of all echoes that agree."""
+    best = found.agreement.explained
     places = [(found.transform, found.agreement, _("Best"))]
     for other in found.alternatives:
-        where = _("{levels:+d} level(s)").format(levels=other.levels) if other.levels else _("Elsewhere")
-        places.append((other.transform, other.agreement, where))
-    words = _("{where}: {share:.0%} of all echoes, median {median:.1f} mm")
+        if other.agreement.explained >= WORTH_OFFERING * best:
+            where = _("{levels:+d} level(s)").format(levels=other.levels) if other.levels else _("Elsewhere")
+            places.append((other.transform, other.agreement, where))
+    words = _("{where}: {share:.0%}, median {median:.1f} mm")
     return [(place, words.format(where=where, share=own.explained, median=own.median_distance)) for place, own, where in places]
 
 

@@ -114,6 +114,16 @@ def labelsFromNode(
         return labels.placed_by(matrixToWorld(node))
 
 
+def boneNames(node, segmentIDs: list[str] | None = None) -> dict[int, str]:
+    """What the labels of `labelsFromNode` stand for, where that is known: the names of the segments."""
+    if not node.IsA("vtkMRMLSegmentationNode"):
+        return {}
+    segmentation = node.GetSegmentation()
+    chosen = segmentIDs or [segmentation.GetNthSegmentID(index) for index in range(segmentation.GetNumberOfSegments())]
+    segments = [segmentation.GetSegment(segmentID) for segmentID in chosen]
+    return {number: segment.GetName() for number, segment in enumerate(segments, start=1) if segment is not None}
+
+
 def _reach(sigmaVoxels: float, sigmaMm: float | None):
     def voxels(spacing) -> int:
         sigma = sigmaVoxels if sigmaMm is None else sigmaMm / min(spacing)

@@ -197,10 +197,18 @@ class PreparedInputs:
         )
 
 
-def reconstructed(inputs: Inputs, settings, progress=None):
-    """A `Reconstruction` and the `PreparedInputs` it was made from."""
+def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False) -> tuple:
+    """A `Reconstruction`, the sequence it was made from, and what was done, a line each: where `compared`, also how well the CT agrees."""
+    from AIFReconLib.inspection.summary import summary_lines
+    from AIFReconLib.message import listed
+    from AIFReconLib.settings import BONE_METHODS
+
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
-    return prepared.reconstruct(settings, part(progress, 0.1, 1.0)), prepared
+    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95))
+    lines = summary_lines(result, len(prepared.sequence))
+    if compared and result.method in BONE_METHODS:
+        lines += prepared.comparedLines(part(progress, 0.95, 1.0))
+    return result, prepared.sequence, listed(lines, "\n")
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:

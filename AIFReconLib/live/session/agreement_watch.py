@@ -138,23 +138,23 @@ class AgreementWatch:
         if frame is None or frame is self._last or frame.status != "OK" or frame.image is None:
             return
         self._last = frame
-        if self._imaging is None and not self._recognized(frame):
+        if self._imaging is None:
+            self._imaging = self._recognized(frame)
+        if self._imaging is None:
             return
         if self._live is None:
-            assert self._imaging is not None
             self._live = LiveAgreement(self._bone, self._place, self._imaging)
         self._keep(self._live.add(frame))
         self._judge()
 
-    def _recognized(self, frame: LiveFrame) -> bool:
-        """Whether region and probe are known now, with this frame among the first."""
+    def _recognized(self, frame: LiveFrame) -> Imaging | None:
+        """Region and probe, as the first frames show them, with this one among them; None while they are too few."""
         self._first.add(frame, 0)
         if self._first.usable < FRAMES_LOOKED_AT:
-            return False
+            return None
         kept, self._first = self._first, ScoutedFrames()
         sequence, poses = kept.sequence()
-        self._imaging = recognized_imaging(sequence.images, poses, self._configuration, True, self._region, self._probe)
-        return True
+        return recognized_imaging(sequence.images, poses, self._configuration, True, self._region, self._probe)
 
     def _keep(self, echoes: SweepEchoes) -> None:
         with self._lock:

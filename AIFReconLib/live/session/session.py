@@ -84,7 +84,6 @@ class LiveSession:
     Two threads: one takes messages, makes frames of them and records them; the other inserts. Frames are inserted in the order in which
     their images arrive, so with images in the order of their times the volume is, to the bit, that of `reconstruct` on the recording with
     the same grid, region and probe.
-
     Frames in are accounted for: ``frames_received = inserted + skipped + waiting`` in `statistics`.
     """
 
