@@ -97,6 +97,11 @@ def _sentences() -> dict:
             "UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it. "
             "Look which side of the images is marked and choose it as “Stored pixels”: a wrong code mirrors the anatomy."
         ),
+        "{path}: its suffix must be one of {suffixes}. Give a MetaImage or NRRD file; aifrecon import makes one of pictures, DICOM "
+        "or video.": _(
+            "{path}: its suffix must be one of {suffixes}. Choose a MetaImage or NRRD file; the command line makes one of pictures, "
+            "DICOM or video."
+        ),
         "WARNING: {warning} See aifrecon register.": _("WARNING: {warning} Place the CT in the section Registration."),
         "{sentence} {warning} Start nearer with --bone-transform, give --per-segment if the spine has bent, or take it as it is "
         "with --accept.": _(
