@@ -27,12 +27,14 @@ except ImportError:
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
 from AIFReconGui.panel.dependentWidgets import updateButtons, updateDependentWidgets
+from AIFReconScene.background import inBackground
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.parameters import readingFrom, settingsFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus
 
+from AIFReconLib.progress import part
 from AIFReconLib.sweep.pose_tracks import LONGEST_GAP
 
 
@@ -87,6 +89,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         from AIFReconGui.panel.boxChooser import BoxChooser
         from AIFReconGui.panel.livePanel import LivePanel
         from AIFReconGui.panel.pathField import PATHS, PathField
+        from AIFReconGui.panel.registrationPanel import RegistrationPanel
         from AIFReconGui.panel.reportPanel import ReportPanel
         from AIFReconGui.panel.segmentsChooser import SegmentsChooser
         from AIFReconScene.display.boneOutlines import BoneOutlines
@@ -97,16 +100,18 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui = slicer.util.childWidgetVariables(uiWidget)
         uiWidget.setMRMLScene(slicer.mrmlScene)
         self.logic = AIFReconLogic()
+        self._work = LongWork(uiWidget)
+        self._libraryLog = LibraryLog()
+        self._live = LivePanel(self.ui, self._work, self._onParametersModified)
+        self._registration = RegistrationPanel(self.ui, self._work, self._live, self.logic.whyNotRegister, self._onParametersModified)
         self._followers: tuple[Any, ...] = (
             SegmentsChooser(self.ui.segmentsComboBox, self.ui.segmentsLabel),
             *(PathField(getattr(self.ui, f"{name}LineEdit"), name) for name in PATHS),
             BoxChooser(),
             BoneOutlines(),
             ReportPanel(self.ui, self.logic.trackingReport),
+            self._registration,
         )
-        self._work = LongWork(uiWidget)
-        self._libraryLog = LibraryLog()
-        self._live = LivePanel(self.ui, self._work, self._onParametersModified)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
         self._isSetUp = True
 
@@ -125,6 +130,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             return  # the .ui file could not be loaded
         self._work.close()
         self._live.close(sceneStays=True)
+        self._registration.close()
         self.setParameterNode(None)
         self.removeObservers()
         self.logic.cleanup()
@@ -149,6 +155,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._report = ""
         self._work.cancel()
         self._live.close()
+        self._registration.close()
         self.setParameterNode(None)
         self.logic.cleanup()
 
@@ -259,11 +266,9 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         or missing one, `timeOffset` (s) and `longestGap` (s) are those of `with_time_offset`. Returns the browser node. An AIFReconError
         says what is wrong, where, and what to do; the scene is then as before.
         """
-        from AIFReconScene.background import inBackground
         from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
         from AIFReconLib import read_sequence, with_time_offset
-        from AIFReconLib.progress import part
 
         def work(progress):
             return with_time_offset(read_sequence(recording, config=configuration, orientation=orientation), timeOffset, longestGap)
@@ -318,6 +323,10 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         """What is missing before the methods can be compared; empty: nothing."""
         return readiness.whyNotCompare(parameters, self._sweep.summary(parameters))
 
+    def whyNotRegister(self, parameters, isScanning: bool = False) -> str:
+        """What is missing before the CT can be placed on the sweep, or on what a scan has shown so far; empty: nothing."""
+        return readiness.whyNotRegister(parameters, self._sweep.summary(parameters), isScanning)
+
     def trackingReport(self, parameters) -> tuple:
         """Title and `TrackingReport` of the chosen sweep, with the coverage where it was reconstructed last."""
         return self._tracking.of(parameters)
@@ -337,11 +346,10 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         """Reconstruct what the parameters ask for, show it over the CT, and return what was done in a few lines."""
         from AIFReconScene.inputs.inputs import Inputs
 
-        from AIFReconLib.progress import part
-
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
-        nodes, report = self._reconstruct(Inputs.fromParameters(parameters), settingsFrom(parameters), parameters.output, keep, progress)
+        inputs = Inputs.fromParameters(parameters)
+        nodes, report = self._reconstruct(inputs, settingsFrom(parameters), parameters.output, keep, progress, compared=True)
         parameters.output = nodes["intensity"]
         self.display.showOutput(parameters, part(progress, 0.95, 1.0))
         return report
@@ -355,19 +363,15 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         self.display.showComparison(comparison, parameters)
         return comparison.report
 
-    def _reconstruct(self, inputs, settings, output, keep, progress):
+    def _reconstruct(self, inputs, settings, output, keep, progress, compared=False):
         from AIFReconScene.inputs.inputs import reconstructed
         from AIFReconScene.volumes.volumeNodes import outputNodes
 
-        from AIFReconLib.inspection.summary import summary_lines
-        from AIFReconLib.message import listed
-        from AIFReconLib.progress import part
-
-        result, sequence = reconstructed(inputs, settings, part(progress, 0.0, 0.95))
+        result, sequence, report = reconstructed(inputs, settings, part(progress, 0.0, 0.95), compared)
         self._tracking.remember(inputs, sequence, result)
         slicer.mrmlScene.SaveStateForUndo()
         nodes = outputNodes(result, inputs.sweep.GetName(), ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())
-        return nodes, listed(summary_lines(result, len(sequence)), "\n")
+        return nodes, report
 
 
 class AIFReconTest(ScriptedLoadableModuleTest):

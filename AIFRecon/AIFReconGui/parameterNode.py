@@ -16,6 +16,7 @@ from AIFReconScene.inputs.parameters import (
     OutputType,
     ProbeShape,
     Region,
+    RegistrationStart,
     SigmaUnit,
 )
 from slicer import (
@@ -65,6 +66,9 @@ class AIFReconParameterNode:
     boneFromSweep: bool = False
     boneSigma: Annotated[float, WithinRange(0.1, 100.0)] = 10.0
     boneSigmaUnit: SigmaUnit = SigmaUnit.VOXELS
+
+    registrationStart: RegistrationStart = RegistrationStart.WHERE_IT_IS
+    showEchoes: bool = True
 
     region: Region = Region.AROUND_SWEEP
     roi: vtkMRMLMarkupsROINode | None

@@ -97,6 +97,26 @@ def _sentences() -> dict:
             "UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it. "
             "Look which side of the images is marked and choose it as “Stored pixels”: a wrong code mirrors the anatomy."
         ),
+        "{path}: its suffix must be one of {suffixes}. Give a MetaImage or NRRD file; aifrecon import makes one of pictures, DICOM "
+        "or video.": _(
+            "{path}: its suffix must be one of {suffixes}. Choose a MetaImage or NRRD file; the command line makes one of pictures, "
+            "DICOM or video."
+        ),
+        "WARNING: {warning} See aifrecon register.": _("WARNING: {warning} Place the CT in the section Registration."),
+        "{sentence} {warning} Start nearer with --bone-transform, give --per-segment if the spine has bent, or take it as it is "
+        "with --accept.": _(
+            "{sentence} {warning} Move the CT nearer, by hand or by landmarks, and try again; or take one of the places below as it is."
+        ),
+        "Only {best:.0%} of all echoes agree in the place that fits most closely, and {most:.0%} in one that fits too roughly. "
+        "Check that CT and sweep are of one patient, start nearer with --bone-transform, or take it as it is with --accept.": _(
+            "Only {best:.0%} of all echoes agree in the place that fits most closely, and {most:.0%} in one that fits too roughly. "
+            "Check that CT and sweep are of one patient, and move the CT nearer; or take one of the places below."
+        ),
+        "The CT fits nearly as well {where}: {other:.0%} of all echoes agree there, {best:.0%} here. "
+        "Compare the alternatives in --report, then choose one with --level N, or take the best with --accept.": _(
+            "The CT fits nearly as well {where}: {other:.0%} of all echoes agree there, {best:.0%} in the best place. "
+            "Take one of the places below, and compare."
+        ),
         "{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, give them as --bone-probability.": _(
             "{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, choose them as a scalar volume."
         ),

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 
 from ..compounding.reconstructor import Reconstruction
-from ..errors import AIFReconError
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..inspection.summary import summary_lines
@@ -21,9 +20,7 @@ from ..io.transform.files import read_transform
 from ..io.volume.files import check_volume_path, read_labels, read_volume
 from ..progress import part
 from ..reconstruction import reconstruct
-from ..registration.agreement import check
-from ..registration.bone_field import BoneField
-from ..registration.echoes import sweep_echoes
+from ..registration.comparison import compared_lines
 from ..settings import BONE_METHODS
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
@@ -49,9 +46,6 @@ EXAMPLE = """examples:
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
       --bone-transform CTToReference.tfm --output volume.nrrd
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
-
-CHECKED_FRAMES = 90
-"""Frames of the sweep in which bone is looked for, to say how well it agrees with the CT's."""
 
 SIDE_OUTPUTS = ("score", "hits", "mask", "cosine")
 
@@ -163,29 +157,20 @@ def run(arguments: argparse.Namespace) -> None:
 def _agreement(
     arguments: argparse.Namespace, sequence: TrackedSequence, region: ImageRegion | None, probe: ProbeGeometry | None, method: str
 ) -> list[str]:
-    """What the sweep's own bone says of the CT's registration, a line each; nothing where no labels were used.
-
-    Notes
-    -----
-    It follows the reconstruction and cannot spoil it: a sweep that cannot be compared is said to be so.
-    """
+    """What the sweep's own bone says of the CT's registration, a line each; nothing where no labels were used."""
     if not arguments.bone_labels or method not in BONE_METHODS:
         return []
     to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else np.eye(4)
-    try:
-        echoes = sweep_echoes(
-            sequence,
-            region=region,
-            probe=probe,
-            image_to_reference=arguments.image_to_reference,
-            reference=arguments.reference,
-            most_frames=CHECKED_FRAMES,
-        )
-        agreement = check(echoes, BoneField.from_labels(read_labels(arguments.bone_labels)), to_reference)
-    except AIFReconError as error:
-        return [f"CT and sweep were not compared. {error}"]
-    warning = agreement.warning()
-    return [str(agreement.sentence()), *([f"WARNING: {warning} See aifrecon register."] if warning else [])]
+    lines = compared_lines(
+        sequence,
+        read_labels(arguments.bone_labels),
+        to_reference,
+        region=region,
+        probe=probe,
+        image_to_reference=arguments.image_to_reference,
+        reference=arguments.reference,
+    )
+    return [str(line) for line in lines]
 
 
 def report_of(result: Reconstruction, tracking: TrackingReport, outputs: dict[str, Path | None]) -> dict[str, object]:

@@ -10,7 +10,7 @@ from ..arrays import Floats, Integers
 from ..geometry.transforms import invert, pixel_spacing, transform_points
 from ..resolve import Imaging
 from ..sweep.frames import TrackedFrame
-from .agreement import ENOUGH, Agreement, EchoFit, agreement_of, fit_echoes
+from .agreement import ENOUGH, LARGEST_MEDIAN, Agreement, EchoFit, agreement_of, fit_echoes
 from .bone_field import BoneField
 from .echoes import FEWEST, EchoReader, SweepEchoes
 
@@ -49,10 +49,10 @@ class LiveAgreement:
         self._has_agreed = False
         self._recent = deque((time, echoes, *self._judged(echoes)) for time, echoes, *_ in self._recent)
 
-    def add(self, frame: TrackedFrame) -> None:
-        """Take a frame; one without image or pose is passed over."""
+    def add(self, frame: TrackedFrame) -> SweepEchoes:
+        """Take a frame and return its echoes; one without image or pose is passed over."""
         if frame.image is None or frame.image_to_reference is None:
-            return
+            return SweepEchoes.joined(())
         size = frame.image.shape[1], frame.image.shape[0]
         if self._reader is None or size != self._size:
             self._reader, self._size = EchoReader(size, pixel_spacing(frame.image_to_reference), self._imaging), size
@@ -60,6 +60,7 @@ class LiveAgreement:
         self._recent.append((frame.timestamp, echoes, *self._judged(echoes)))
         while self._recent[-1][0] - self._recent[0][0] > self._seconds or self._recent[-1][0] < self._recent[0][0]:
             self._recent.popleft()
+        return echoes
 
     def echoes(self) -> SweepEchoes:
         """The bone echoes of the last seconds, to place the CT by anew."""
@@ -78,7 +79,10 @@ class LiveAgreement:
     def has_fallen(self) -> bool:
         """Whether CT and patient agreed once and do so no longer: the patient moved, or the tracker or its marker was bumped."""
         agreement = self.agreement()
-        return agreement is not None and self._has_agreed and agreement.echoes >= FEWEST and agreement.share < ENOUGH
+        if agreement is None or not self._has_agreed:
+            return False
+        # A label alone may be at the rim of what the last seconds show: that says nothing yet
+        return agreement.share < ENOUGH or not agreement.median_distance <= LARGEST_MEDIAN
 
     def _judged(self, echoes: SweepEchoes) -> tuple[EchoFit, Integers]:
         fit = fit_echoes(echoes, self._bone, self._place)

@@ -8,6 +8,7 @@ to where it belongs.
 import numpy as np
 import slicer
 import vtk
+from vtk.util import numpy_support
 
 FACE = 20.0
 """mm, y of the near face of the bone."""
@@ -122,3 +123,46 @@ def worldOfBrightVoxels(volumeNode, threshold: float) -> np.ndarray:
     k, j, i = np.nonzero(array > threshold)
     points = ijkToRAS(volumeNode) @ np.stack([i, j, k, np.ones_like(i)]).astype(float)
     return points[:3].T
+
+
+def matrixOf(transformNode) -> np.ndarray:
+    """(4, 4) matrix of a linear transform node to its parent."""
+    matrix = vtk.vtkMatrix4x4()
+    transformNode.GetMatrixTransformToParent(matrix)
+    return slicer.util.arrayFromVTKMatrix(matrix)
+
+
+def setMatrix(transformNode, matrix: np.ndarray) -> None:
+    """Sets the (4, 4) matrix of a linear transform node to its parent."""
+    transformNode.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(matrix))
+
+
+def worldOf(node) -> np.ndarray:
+    """(4, 4) matrix of the transforms above a node, to the world."""
+    matrix = vtk.vtkMatrix4x4()
+    if node.GetParentTransformNode() is not None:
+        node.GetParentTransformNode().GetMatrixTransformToWorld(matrix)
+    return slicer.util.arrayFromVTKMatrix(matrix)
+
+
+def putSweepUnder(browser, transformNode) -> None:
+    """Puts the last transforms above everything that a browser replays under another one."""
+    proxies = vtk.vtkCollection()
+    browser.GetAllProxyNodes(proxies)
+    for node in [proxies.GetItemAsObject(number) for number in range(proxies.GetNumberOfItems())]:
+        top = node
+        while top.GetParentTransformNode() is not None:
+            top = top.GetParentTransformNode()
+        if top is not transformNode:
+            top.SetAndObserveTransformNodeID(transformNode.GetID())
+
+
+def makeWarping(transformNode) -> None:
+    """Gives a transform node something that is not linear."""
+    grid = slicer.vtkOrientedGridTransform()
+    image = vtk.vtkImageData()
+    image.SetDimensions(3, 3, 3)
+    image.AllocateScalars(vtk.VTK_DOUBLE, 3)
+    numpy_support.vtk_to_numpy(image.GetPointData().GetScalars())[:] = np.arange(81).reshape(27, 3)
+    grid.SetDisplacementGridData(image)
+    transformNode.SetAndObserveTransformToParent(grid)

@@ -26,8 +26,10 @@ from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.live.replay.server import ReplayServer
+from AIFReconLib.live.session.agreement_watch import AgreementWatch
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.registration.bone_field import BoneField
 from AIFReconLib.settings import METHODS, ReconstructionSettings
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
@@ -57,13 +59,13 @@ def sweep(columns: int, rows: int) -> TrackedSequence:
     return TrackedSequence(images, records)
 
 
-def bone() -> BoneMap:
-    """A plate of bone across the whole sweep."""
+def plate() -> Volume:
+    """The labels of a plate of bone across the whole sweep."""
     labels = np.zeros((40, 60, 70), np.uint8)
     labels[:, 30:34] = 1
     matrix = np.diag([2.0, 2.0, 2.0, 1.0])
     matrix[:3, 3] = (-70.0, 0.0, -40.0)
-    return BoneMap.from_labels(Volume(labels, matrix), sigma_mm=4.0)
+    return Volume(labels, matrix)
 
 
 def serve(columns: int, rows: int, rate: float) -> None:
@@ -98,12 +100,21 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
         port = json.loads(server.stdout.readline())["port"]
         client = OpenIGTLinkClient("127.0.0.1", port)
         session = LiveSession(
-            client, settings, bone(), grid, region=region, probe=ProbeGeometry(LINEAR), record=arguments.record and Path(arguments.record)
+            client,
+            settings,
+            BoneMap.from_labels(plate(), sigma_mm=4.0),
+            grid,
+            region=region,
+            probe=ProbeGeometry(LINEAR),
+            record=arguments.record and Path(arguments.record),
         )
         preparing = time.monotonic()
         session.prepare()
         prepared = time.monotonic() - preparing
         session.start()
+        watch = None
+        if arguments.agreement:
+            watch = AgreementWatch(session, BoneField.from_labels(plate()), np.eye(4), region=region, probe=ProbeGeometry(LINEAR))
         began, samples, p99s, snapshots = time.monotonic(), [], [], []
         computed = time.process_time()
         threads = threading.active_count()
@@ -120,6 +131,8 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
                 print(f"{elapsed:6.1f} s  {statistics}", file=sys.stderr)
         computed = (time.process_time() - computed) / (time.monotonic() - began)
         dropped = client.statistics.dropped
+        if watch is not None:
+            watch.stop()
         session.stop()
         statistics = session.statistics
         server.stdin.close()
@@ -161,6 +174,7 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--engine", default="auto")
     parser.add_argument("--spacing", type=float, default=0.5, metavar="MM")
     parser.add_argument("--snapshots", action="store_true", help="take a snapshot every second, as a display does")
+    parser.add_argument("--agreement", action="store_true", help="watch how well a CT agrees, as the module does")
     parser.add_argument("--record", metavar="SEQUENCE", help="also record")
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--verbose", action="store_true")

@@ -25,6 +25,52 @@ def inputs(module, folder: Path) -> None:
     _write(_panel(module), folder / "step-2-inputs.png")
 
 
+def registration(module, folder: Path) -> None:
+    """step-registration.png: a CT that lies 9 mm off is checked, then placed: the section, and the echoes in a slice and in 3D."""
+    import numpy as np
+    import slicer
+
+    from host import view_frames
+
+    ui, parameters = module.widget.ui, module.parameters
+    transform = parameters.bone.GetParentTransformNode()
+    true = slicer.util.arrayFromTransformMatrix(transform)
+    away = np.eye(4)
+    away[:3, 3] = 4.0, -3.0, 7.0
+    ui.registrationCollapsibleButton.collapsed = False
+    rows = []
+    for button, matrix in ((ui.checkButton, away @ true), (ui.placeButton, None)):
+        if matrix is not None:
+            transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(matrix))
+        module.press(button)
+        top, end = _top(module, ui.registrationCollapsibleButton) - 8, _top(module, ui.volumeCollapsibleButton)
+        section = _panel(module).copy(0, top, PANEL_WIDTH, end - top)
+        rows.append([section, module.slice_view("Yellow", SIZE, field_of_view=110.0), _echoes_in_3d(module)])
+    view_frames.write_png(view_frames.tiled(rows, background=_background(module)), folder / "step-registration.png")
+    module.widget._registration.forget()
+    transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(true))
+    ui.registrationCollapsibleButton.collapsed = True
+
+
+def _echoes_in_3d(module):
+    import numpy as np
+    import slicer
+    from AIFReconScene.display import threeDViews
+
+    from host import view_frames, view_render
+
+    threeDViews.makeSurface(module.parameters.bone)
+    node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
+    node.SetBoxVisible(False)
+    node.SetAxisLabelsVisible(False)
+    bounds = [0.0] * 6
+    module.widget._registration._echoes.node.GetRASBounds(bounds)
+    center = np.reshape(bounds, (3, 2)).mean(axis=1)
+    with view_render.OffscreenThreeDView(node, module.application, SIZE) as view:
+        view.look(center, np.add(center, (-120.0, -300.0, 120.0)), (0.0, 0.0, 1.0), 300.0)
+        return view_frames.framed(view.image(), "1   Bone of the CT, echoes of the sweep", node.GetLayoutColor())
+
+
 def advanced(module, folder: Path) -> None:
     """step-3-advanced.png: the advanced groups, in two columns."""
     from host import view_frames

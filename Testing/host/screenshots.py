@@ -256,7 +256,8 @@ def main(arguments=None) -> int:
         guide = guide_pictures
         guide.empty(module, options.output)
         module.load_sample()
-        for make in (guide.inputs, guide.advanced, guide.progress, panel, slices, guide.result, guide.report, guide.dark):
+        first = (guide.inputs, guide.registration, guide.advanced, guide.progress)
+        for make in (*first, panel, slices, guide.result, guide.report, guide.dark):
             make(module, options.output)
             print(make.__doc__)
         for make in (panel_needs, compare, overlay, live):

@@ -24,8 +24,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from benchmark.live import bone
+from benchmark.live import plate
 
+from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
@@ -218,7 +219,13 @@ def imaging(engine: str = "auto") -> dict:
     region = ImageRegion(ClipRectangle((0.0, 0.0), (stream.COLUMNS - 1.0, stream.ROWS - 1.0)))
     grid = grid_around_sweep(poses, (stream.COLUMNS, stream.ROWS), region, (1.0,) * 3)
     settings = ReconstructionSettings(method="aif-compensated", engine=engine)
-    return {"settings": settings, "bone": bone(), "grid": grid, "region": region, "probe": ProbeGeometry(LINEAR)}
+    return {
+        "settings": settings,
+        "bone": BoneMap.from_labels(plate(), sigma_mm=4.0),
+        "grid": grid,
+        "region": region,
+        "probe": ProbeGeometry(LINEAR),
+    }
 
 
 def _judge(server: Server, client: Tap, session: LiveSession, samples, ledger: Path, record: Path | None, wall: float) -> Outcome:

@@ -59,6 +59,16 @@ class LivePanel:
         """Whether a scan is under way."""
         return self._live is not None
 
+    def echoes(self):
+        """The bone echoes of the scan under way, to place the CT by; a GeometryError where there are too few."""
+        return self._live.echoes()
+
+    def followBone(self, progress) -> str:
+        """Weight by the CT where it lies now; what that means for the volume, in a sentence."""
+        if self._live.followBone(progress):
+            return _("The volume so far was weighted with the CT where it was before: Reset begins it anew.")
+        return ""
+
     def whyNotNow(self) -> str:
         """Why other work has to wait; empty where it need not. A scan would write over what was reconstructed meanwhile."""
         return _("Stop the live scan first.") if self.isRunning else ""
@@ -185,7 +195,7 @@ class LivePanel:
             return
         live.refresh()
         statistics = live.statistics
-        failed = statistics.phase == "failed"
+        failed, fit = statistics.phase == "failed", live.agreement
         tracking = inPanelWords(statistics.tracking)
         tracked = statistics.tracking == "tracked" and not failed
         if failed:
@@ -194,9 +204,12 @@ class LivePanel:
             word = _("Scan once quickly, then use the box") if tracked else tracking
         else:
             word = _("Paused") if statistics.phase == "paused" else tracking
-        self._showState(word, TRACKED_COLOR if tracked else LOST_COLOR)
+        apart = tracked and fit.has_fallen
+        word = _("The CT no longer fits: place it anew") if apart else word
+        self._showState(word, TRACKED_COLOR if tracked and not apart else LOST_COLOR)
         problems = (statistics.trouble, live.snapshotProblem, live.displayProblem, statistics.recording_failure)
         lines = [_counts(statistics)] if failed else [_rate(statistics), _counts(statistics)]
+        lines += _agreementLines(fit)
         lines += [inPanelWords(problem) for problem in problems if problem]
         self._say("\n".join(dict.fromkeys(lines)))
         self._ui.liveUseBoxButton.enabled = live.isScouting and live.session.scouted > 0
@@ -227,6 +240,17 @@ def _rate(statistics) -> str:
     return _("{rate:.0f} frames/s, {latency}; {connection}").format(
         rate=statistics.frame_rate, latency=latency, connection=inPanelWords(statistics.connection)
     )
+
+
+def _agreementLines(fit) -> list:
+    """How well the CT agrees with the last seconds of the scan; nothing while that cannot be told."""
+    if fit.problem is not None:
+        return [inPanelWords(fit.problem)]
+    if fit.agreement is None:
+        return []
+    from AIFReconLib.registration.live import SECONDS
+
+    return [_("Last {seconds:.0f} s: {sentence}").format(seconds=SECONDS, sentence=inPanelWords(fit.agreement.sentence()))]
 
 
 def _counts(statistics) -> str:

@@ -30,6 +30,7 @@ def boneMapFromNode(
     sigmaVoxels: float | None = None,
     sigmaMm: float | None = None,
     referenceVolumeNode=None,
+    labels: Volume | None = None,
     progress: Progress | None = None,
 ):
     """The `BoneMap` of a node, placed in RAS world by its parent transforms.
@@ -44,6 +45,8 @@ def boneMapFromNode(
         Smoothing of labels, see `BoneMap.from_labels`. Default: the library's, in voxels.
     referenceVolumeNode : vtkMRMLVolumeNode or None
         Whose voxels segments are brought to that are surfaces only and know no reference geometry; usually the CT.
+    labels : Volume or None
+        Those of the node, where `ownLabels` has made them already.
     progress : Progress or None
 
     Raises
@@ -55,14 +58,35 @@ def boneMapFromNode(
     """
     from AIFReconLib.bone.map import SIGMA_VOXELS, BoneMap
 
-    if not node.IsA("vtkMRMLSegmentationNode") and not node.IsA("vtkMRMLLabelMapVolumeNode"):
+    if not isLabeled(node):
         with _named(node):
             return BoneMap.from_probability(_volumeOf(node), _worldOrNone(node))
     sigma = SIGMA_VOXELS if sigmaVoxels is None else sigmaVoxels
-    labels = labelsFromNode(node, segmentIDs, referenceVolumeNode=referenceVolumeNode, world=False, reach=_reach(sigma, sigmaMm))
+    if labels is None:
+        labels = ownLabels(node, segmentIDs, sigmaVoxels=sigmaVoxels, sigmaMm=sigmaMm, referenceVolumeNode=referenceVolumeNode)
     with _named(node):
         world = _worldOrNone(node)
         return inBackground(lambda progress: BoneMap.from_labels(labels, sigma, sigmaMm, world, progress), progress)
+
+
+def isLabeled(node) -> bool:
+    """Whether a node says of every voxel which bone it is, if any; a bone probability does not."""
+    return node.IsA("vtkMRMLSegmentationNode") or node.IsA("vtkMRMLLabelMapVolumeNode")
+
+
+def ownLabels(
+    node,
+    segmentIDs: list[str] | None = None,
+    *,
+    sigmaVoxels: float | None = None,
+    sigmaMm: float | None = None,
+    referenceVolumeNode=None,
+) -> Volume:
+    """The labels of a node in its own coordinates, with room for the bone map that is made of them; arguments as for `boneMapFromNode`."""
+    from AIFReconLib.bone.map import SIGMA_VOXELS
+
+    reach = _reach(SIGMA_VOXELS if sigmaVoxels is None else sigmaVoxels, sigmaMm)
+    return labelsFromNode(node, segmentIDs, referenceVolumeNode=referenceVolumeNode, world=False, reach=reach)
 
 
 def labelsFromNode(
@@ -90,6 +114,16 @@ def labelsFromNode(
         return labels
     with _named(node):
         return labels.placed_by(matrixToWorld(node))
+
+
+def boneNames(node, segmentIDs: list[str] | None = None) -> dict[int, str]:
+    """What the labels of `labelsFromNode` stand for, where that is known: the names of the segments."""
+    if not node.IsA("vtkMRMLSegmentationNode"):
+        return {}
+    segmentation = node.GetSegmentation()
+    chosen = segmentIDs or [segmentation.GetNthSegmentID(index) for index in range(segmentation.GetNumberOfSegments())]
+    segments = [segmentation.GetSegment(segmentID) for segmentID in chosen]
+    return {number: segment.GetName() for number, segment in enumerate(segments, start=1) if segment is not None}
 
 
 def _reach(sigmaVoxels: float, sigmaMm: float | None):

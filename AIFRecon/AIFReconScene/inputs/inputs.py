@@ -2,14 +2,19 @@
 
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
-from AIFReconLib import reconstruct
+import numpy as np
+
+from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence, Volume, reconstruct
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.imaging.region import ClipRectangle, chosen_region
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion, chosen_region
 from AIFReconLib.progress import part
 
 from ..background import inBackground
 from ..sceneNodes import proxiesOf
+from ..transforms import matrixToWorld
 from .imagingChoices import imageRegionFrom, probeFrom
 from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom
 
@@ -43,15 +48,15 @@ class Inputs:
         Whether bone is looked for in the sweep itself where no `bone` is given.
     """
 
-    sweep: object
-    imageSequence: object = None
-    bone: object = None
-    ct: object = None
+    sweep: Any
+    imageSequence: Any = None
+    bone: Any = None
+    ct: Any = None
     boneSegments: tuple = ()
     boneSigmaVoxels: float | None = None
     boneSigmaMm: float | None = None
-    region: object = None
-    probe: object = None
+    region: Any = None
+    probe: ProbeGeometry | None = None
     clip: ClipRectangle | None = None
     fanAngles: tuple | None = None
     fanRadii: tuple | None = None
@@ -97,18 +102,31 @@ class Inputs:
             raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
         sequence = sequenceFromBrowser(self.sweep, self.imageSequence)
         region, grid = self.imageRegion(sequence.configuration), self.grid(settings)
-        bone = self._boneOf(sequence, region, progress) if self.bone is None and self.boneFromSweep else self.boneMap(progress)
-        return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance())
+        if self.bone is None and self.boneFromSweep:
+            return PreparedInputs(sequence, self._boneOf(sequence, region, progress), grid, region, self.probe, self.importance())
+        labels = self.labels()
+        bone, place = self.boneMap(progress, labels), None if labels is None else matrixToWorld(self.bone)
+        return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), labels, place)
 
-    def boneMap(self, progress=None):
-        """The `BoneMap` of the chosen bone in RAS, or None without."""
+    def labels(self):
+        """The `Volume` of the chosen bone's labels in its own coordinates; None without bone, or where it is a probability."""
+        from .boneNodes import isLabeled, ownLabels
+
+        if self.bone is None or not isLabeled(self.bone):
+            return None
+        return ownLabels(self.bone, list(self.boneSegments) or None, referenceVolumeNode=self.ct, **self._sigma())
+
+    def boneMap(self, progress=None, labels=None):
+        """The `BoneMap` of the chosen bone in RAS, or None without; of its `labels()` where these are there already."""
         from .boneNodes import boneMapFromNode
 
         if self.bone is None:
             return None
-        sigma = {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": self.boneSigmaMm}
-        given = {name: value for name, value in sigma.items() if value is not None}
-        return boneMapFromNode(self.bone, list(self.boneSegments) or None, referenceVolumeNode=self.ct, progress=progress, **given)
+        chosen = list(self.boneSegments) or None
+        return boneMapFromNode(self.bone, chosen, referenceVolumeNode=self.ct, labels=labels, progress=progress, **self._sigma())
+
+    def _sigma(self) -> dict:
+        return {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": self.boneSigmaMm}
 
     def imageRegion(self, configuration):
         """The `ImageRegion` that is asked for, completed by the sweep's `PlusConfiguration`; None where nothing is asked for."""
@@ -149,14 +167,29 @@ class Inputs:
 
 @dataclass(frozen=True)
 class PreparedInputs:
-    """The library's inputs; `reconstruct` may be called with any settings that have the same spacing."""
+    """The library's inputs; `reconstruct` may be called with any settings that have the same spacing.
 
-    sequence: object
-    bone: object = None
-    grid: object = None
-    imageRegion: object = None
-    probe: object = None
-    importance: object = None
+    The labels are those that `bone` was made of, if any, and `labelsToReference` is where they lay when they were read.
+    """
+
+    sequence: TrackedSequence
+    bone: BoneMap | None = None
+    grid: VoxelGrid | None = None
+    imageRegion: ImageRegion | None = None
+    probe: ProbeGeometry | None = None
+    importance: np.ndarray | None = None
+    labels: Volume | None = None
+    labelsToReference: np.ndarray | None = None
+
+    def comparedLines(self, progress=None) -> list:
+        """What the sweep's own bone says of the place of the labels, a line each; nothing without labels. See `compared_lines`."""
+        from AIFReconLib.registration.comparison import compared_lines
+
+        def work(progress):
+            imaging = {"region": self.imageRegion, "probe": self.probe}
+            return compared_lines(self.sequence, self.labels, self.labelsToReference, progress=progress, **imaging)
+
+        return [] if self.labels is None else inBackground(work, progress)
 
     def reconstruct(self, settings, progress=None):
         """One call of the library: `settings` to a `Reconstruction` in RAS."""
@@ -168,10 +201,18 @@ class PreparedInputs:
         return inBackground(work, progress)
 
 
-def reconstructed(inputs: Inputs, settings, progress=None):
-    """A `Reconstruction` and the sequence it was made from."""
+def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False) -> tuple:
+    """A `Reconstruction`, the sequence it was made from, and what was done, a line each: where `compared`, also how well the CT agrees."""
+    from AIFReconLib.inspection.summary import summary_lines
+    from AIFReconLib.message import listed
+    from AIFReconLib.settings import BONE_METHODS
+
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
-    return prepared.reconstruct(settings, part(progress, 0.1, 1.0)), prepared.sequence
+    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95))
+    lines = summary_lines(result, len(prepared.sequence))
+    if compared and result.method in BONE_METHODS:
+        lines += prepared.comparedLines(part(progress, 0.95, 1.0))
+    return result, prepared.sequence, listed(lines, "\n")
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:

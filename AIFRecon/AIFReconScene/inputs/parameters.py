@@ -100,6 +100,20 @@ class LiveSource(enum.Enum):
         }[self]
 
 
+class RegistrationStart(enum.Enum):
+    """Where the search for the CT's place begins."""
+
+    WHERE_IT_IS = "where it is"
+    ANYWHERE = "anywhere"
+
+    def label(self) -> str:
+        """What the panel shows."""
+        return {
+            RegistrationStart.WHERE_IT_IS: _("Where the CT is now"),
+            RegistrationStart.ANYWHERE: _("Find it, without a start"),
+        }[self]
+
+
 class SigmaUnit(enum.Enum):
     """Unit of the width of the bone map."""
 

@@ -7,6 +7,7 @@ from AIFReconLib.settings import BONE_METHODS
 
 from ..panelWords import inPanelWords
 from ..sceneNodes import proxiesOf
+from .boneNodes import isLabeled
 from .boxes import isEmpty
 from .contradictions import comparisonContradiction, contradiction
 from .parameters import LiveSource, Region, fileFrom
@@ -77,6 +78,22 @@ def whyNotCompare(parameters, sweep=None) -> str:
     if parameters.sweep is not None and parameters.bone is None and not parameters.boneFromSweep:
         return _("Select bone: the methods differ in what they make of it.")
     return whyNotReconstruct(parameters, sweep) or comparisonContradiction(parameters)
+
+
+def whyNotRegister(parameters, sweep=None, isScanning: bool = False) -> str:
+    """What is missing before the CT can be placed on the sweep, or on what a scan has shown so far."""
+    bone = parameters.bone
+    if bone is None:
+        return _("Select the bone of the CT: a segmentation, or a labelmap.")
+    if not isLabeled(bone):
+        return _("{name} is a probability, which has no surface: select a segmentation or a labelmap.").format(name=bone.GetName())
+    if _holdsNothing(bone):
+        return _("{name} holds no bone: segment the CT, or select another.").format(name=bone.GetName())
+    if isScanning:
+        return ""
+    if parameters.sweep is None:
+        return _("Select a tracked sweep, or load a recording.")
+    return inPanelWords(sweep.problem) if sweep is not None and sweep.problem else ""
 
 
 def withoutRepeating(missing: str, sweepText: str) -> str:

@@ -4,17 +4,19 @@ import logging
 
 import slicer
 
-from AIFReconLib.errors import OperationCanceled, SettingsError
+from AIFReconLib.errors import GeometryError, OperationCanceled, SettingsError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
+from AIFReconLib.live.session.agreement_watch import AgreementWatch, LiveState
 from AIFReconLib.live.session.session import SCOUTING, LiveSession
 from AIFReconLib.live.session.snapshots import SnapshotMaker
+from AIFReconLib.registration.echoes import FEWEST, SweepEchoes
 
 from ..background import inBackground
 from ..inputs.inputs import Inputs
 from ..inputs.parameters import LiveSource, fileFrom, settingsFrom
 from ..sceneNodes import removeNodes
-from ..transforms import atRightAngles
+from ..transforms import atRightAngles, matrixToWorld
 from ..volumes.volumeNodes import followIntensity, outputNodes, showGrayLevels, updateVolumeNode
 from .liveViews import LiveViews
 from .nodeSource import NodeSource
@@ -58,14 +60,17 @@ class LiveReconstruction:
         self._outputs = {"intensity": parameters.output} if empty else {}
         inputs = Inputs.fromParameters(parameters)
         settings = settingsFrom(parameters)
-        grid, bone, configuration = inputs.grid(settings), inputs.boneMap(progress), _configurationFrom(parameters)
+        labels, configuration = inputs.labels(), _configurationFrom(parameters)
+        grid, bone = inputs.grid(settings), inputs.boneMap(progress, labels)
+        self._bone, self._inputs = parameters.bone, inputs
+        field, region = _fieldOf(labels), inputs.imageRegion(configuration)
         self._source = _sourceFrom(parameters)
         self.session = LiveSession(
             self._source,
             settings,
             bone,
             grid,
-            region=inputs.imageRegion(configuration),
+            region=region,
             probe=inputs.probe,
             importance=inputs.importance(),
             configuration=configuration,
@@ -73,6 +78,8 @@ class LiveReconstruction:
             record=fileFrom(parameters.liveRecordPath),
         )
         self._snapshots = SnapshotMaker(self.session)
+        self._boneAt = None if field is None else matrixToWorld(parameters.bone)
+        self._watch = None if field is None else AgreementWatch(self.session, field, self._boneAt, configuration, region, inputs.probe)
         self.session.start()
 
     @property
@@ -84,6 +91,33 @@ class LiveReconstruction:
     def snapshotProblem(self):
         """The error that keeps the volume that is shown from growing; None while it grows."""
         return self._snapshots.error
+
+    @property
+    def agreement(self) -> LiveState:
+        """How well the CT agrees with the last seconds of the scan."""
+        return self._watch.state if self._watch is not None else LiveState()
+
+    def echoes(self):
+        """The `SweepEchoes` of the scan so far, to place the CT by.
+
+        Raises
+        ------
+        GeometryError
+            When it has shown too little bone.
+        """
+        echoes = self._watch.echoes() if self._watch is not None else SweepEchoes.joined(())
+        if len(echoes) < FEWEST:
+            raise GeometryError(
+                "The scan has shown {count} bone echoes so far; {fewest} are needed to place a CT by. Scan the bone, then place the CT.",
+                count=len(echoes),
+                fewest=FEWEST,
+            )
+        return echoes
+
+    def followBone(self, progress=None) -> bool:
+        """Weight by the bone where it lies now; True where a volume is growing already, which keeps the weights that it began with."""
+        self.session.use_bone(self._inputs.boneMap(progress))
+        return not self.isScouting
 
     @property
     def isScouting(self) -> bool:
@@ -101,6 +135,7 @@ class LiveReconstruction:
 
     def refresh(self) -> None:
         """Bring nodes and views up to date with what is ready, and ask for the next snapshot; `displayProblem` says what failed."""
+        self._attempt(self._followPlace)
         self._attempt(self._showFrame)
         result = self._snapshots.take()
         if result is not None:
@@ -112,7 +147,7 @@ class LiveReconstruction:
 
         A cancel, which may come while holes are filled, leaves the volume as it was shown last; `wasCanceled` is True then.
         """
-        self._snapshots.stop()
+        self._endThreads()
         try:
             result = inBackground(self.session.finish, progress)
             if result is not None and result.frames_inserted:
@@ -126,7 +161,7 @@ class LiveReconstruction:
 
     def abandon(self) -> None:
         """End the scan without a word to the scene, which is being closed."""
-        self._snapshots.stop()
+        self._endThreads()
         self.session.stop()
 
     @property
@@ -155,6 +190,20 @@ class LiveReconstruction:
             self._displayProblems[show.__name__] = error
         else:
             self._displayProblems.pop(show.__name__, None)
+
+    def _endThreads(self) -> None:
+        self._snapshots.stop()
+        if self._watch is not None:
+            self._watch.stop()
+
+    def _followPlace(self) -> None:
+        """Let the agreement be judged where the bone lies now, whoever has moved it."""
+        if self._watch is None or self._bone.GetScene() is None:
+            return
+        place = matrixToWorld(self._bone)
+        if (place != self._boneAt).any():
+            self._boneAt = place
+            self._watch.place(place)
 
     def _showVolume(self, result) -> None:
         self._fillVolume(result)
@@ -190,6 +239,14 @@ class LiveReconstruction:
         if self._frameNode is not None and self._frameNode.GetScene() is not None:
             removeNodes([self._frameNode], self._frameNode.GetScene())
         self._frameNode = None
+
+
+def _fieldOf(labels):
+    if labels is None:
+        return None
+    from AIFReconLib.registration.bone_field import BoneField
+
+    return BoneField.from_labels(labels)
 
 
 def _sourceFrom(parameters):

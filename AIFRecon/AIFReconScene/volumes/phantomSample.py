@@ -75,10 +75,31 @@ def loadPhantom(
     OperationCanceled
         The scene is then as it was.
     """
+    phantom, sweep = inBackground(
+        lambda progress: simulatedPatient(progress, seed=seed, frames=frames, spacing=spacing), part(progress, 0.0, 0.95)
+    )
+    return addPatient(phantom, sweep, part(progress, 0.95, 1.0), scene)
+
+
+def simulatedPatient(progress: Progress | None = None, *, seed: int = 0, frames: int = FRAMES, spacing: float = CT_SPACING) -> tuple:
+    """The `LumbarPhantom` and the `TrackedSequence` of a patient; arguments as for `loadPhantom`."""
+    from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
+    from AIFReconLib.simulation.phased_array import PhasedArray
+    from AIFReconLib.simulation.scan import multi_angle_sweep, random_rigid, simulate_sweep
+
+    ctToReference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
+    anatomy = LumbarAnatomy.from_seed(seed, vertebrae=len(LEVELS))
+    phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=ctToReference, progress=part(progress, 0.0, 0.55))
+    probe = PhasedArray()
+    sweep = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, progress=part(progress, 0.55, 1.0))
+    return phantom, replace(sweep, configuration=_configuration(probe), path=Path("lumbar phantom"))
+
+
+def addPatient(phantom, sweep, progress: Progress | None = None, scene=None) -> PhantomNodes:
+    """Add a simulated patient to a scene; arguments as for `loadPhantom`."""
     scene = scene or slicer.mrmlScene
-    phantom, sweep = inBackground(lambda progress: _simulated(seed, frames, spacing, progress), part(progress, 0.0, 0.95))
     # The sweep first: it alone can still be canceled, and it leaves nothing behind then
-    browser = browserFromSequence(sweep, "Lumbar sweep", part(progress, 0.95, 1.0), scene)
+    browser = browserFromSequence(sweep, "Lumbar sweep", progress, scene)
     transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
     transform.SetMatrixTransformToParent(vtkMatrixOf(phantom.ct_to_reference))
     ct = _ctNode(phantom.ct, scene)
@@ -86,19 +107,6 @@ def loadPhantom(
     for node in (ct, segmentation):
         node.SetAndObserveTransformNodeID(transform.GetID())
     return PhantomNodes(ct, segmentation, transform, browser)
-
-
-def _simulated(seed: int, frames: int, spacing: float, progress) -> tuple:
-    """The `LumbarPhantom` and its `TrackedSequence`."""
-    from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
-    from AIFReconLib.simulation.phased_array import PhasedArray
-    from AIFReconLib.simulation.scan import multi_angle_sweep, random_rigid, simulate_sweep
-
-    ctToReference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
-    anatomy, probe = LumbarAnatomy.from_seed(seed, vertebrae=len(LEVELS)), PhasedArray()
-    phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=ctToReference, progress=part(progress, 0.0, 0.5))
-    sweep = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, progress=part(progress, 0.5, 1.0))
-    return phantom, replace(sweep, configuration=_configuration(probe), path=Path("lumbar phantom"))
 
 
 def _configuration(probe):

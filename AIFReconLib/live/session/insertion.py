@@ -137,6 +137,10 @@ class Inserter:
             self._tasks.append(make)
             self._changed.notify_all()
 
+    def use_bone(self, bone: BoneMap | None) -> None:
+        """The bone map of the next volume that is begun."""
+        self._bone = bone
+
     def restart(self) -> None:
         """Empty the volume, and forget the frames that wait."""
         with self._changed:

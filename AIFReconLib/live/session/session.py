@@ -84,7 +84,6 @@ class LiveSession:
     Two threads: one takes messages, makes frames of them and records them; the other inserts. Frames are inserted in the order in which
     their images arrive, so with images in the order of their times the volume is, to the bit, that of `reconstruct` on the recording with
     the same grid, region and probe.
-
     Frames in are accounted for: ``frames_received = inserted + skipped + waiting`` in `statistics`.
     """
 
@@ -215,6 +214,10 @@ class LiveSession:
                 self._phase = LOOKING
             else:
                 self._begin(grid)
+
+    def use_bone(self, bone: BoneMap) -> None:
+        """Take another bone map, the CT having been placed anew, from `use_grid` or `reset` on; a volume that grows keeps its own."""
+        self._inserter.use_bone(bone)
 
     def stop(self, progress: Progress | None = None) -> None:
         """Receive no more, insert and record what was received, and finish the recording. Can be called again.

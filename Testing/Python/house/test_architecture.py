@@ -16,7 +16,8 @@ DRAWING = ElementTree.parse(REPOSITORY / "docs" / "images" / "architecture.svg")
 
 ROOMS = (
     *("AIFRecon.py", "AIFReconGui/panel", "AIFReconGui"),
-    *("AIFReconScene/live", "AIFReconScene/display", "AIFReconScene/volumes", "AIFReconScene/inputs", "AIFReconScene/sweep"),
+    *("AIFReconScene/live", "AIFReconScene/registration", "AIFReconScene/display"),
+    *("AIFReconScene/volumes", "AIFReconScene/inputs", "AIFReconScene/sweep"),
     "AIFReconScene",
     "commands",
     *("live/replay", "live/session", "live/pairing", "live/wire"),

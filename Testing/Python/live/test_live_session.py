@@ -255,6 +255,28 @@ def test_after_a_reset_the_volume_grows_anew(session_of, configuration):
     np.testing.assert_array_equal(session.finish().intensity.array, reconstruct(sequence, grid=GRID).intensity.array)
 
 
+def test_a_ct_that_was_placed_anew_weights_the_next_volume_and_not_the_one_that_grows(session_of, configuration):
+    sequence = replace(tracked_sequence(), configuration=configuration)
+    settings = ReconstructionSettings(method="aif", output_type="float32")
+    earlier, placed = sphere_bone(center=(0.0, 0.0, 0.0)), sphere_bone(center=(2.0, 1.0, -1.0))
+    imaging = {"region": WHOLE, "probe": ProbeGeometry(LINEAR)}
+    session = session_of(streamed(sequence), settings, earlier, **imaging)
+    session.prepare(LONG)
+    session.use_bone(placed)
+    session.start()
+    session.queue.put(image(9.0, "Image"))
+    wait_for(lambda: session.statistics.inserted == 6)
+    np.testing.assert_array_equal(session.snapshot().score.array, reconstruct(sequence, settings, earlier, GRID, **imaging).score.array)
+    session.reset()
+    session.queue.put(StreamEvent("connected", "Connected.", 0.0))
+    later = replace(sequence, records=[replace(record, timestamp=record.timestamp + 50) for record in sequence.records])
+    for message in streamed(later):
+        session.queue.put(message)
+    expected = reconstruct(sequence, settings, placed, GRID, **imaging).score.array
+    np.testing.assert_array_equal(session.finish().score.array, expected)
+    assert expected.any()
+
+
 def test_a_frame_from_before_a_reset_is_not_counted_after_it():
     meter = Meter()
     before = meter.receive(0.0)

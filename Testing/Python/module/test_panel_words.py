@@ -24,7 +24,6 @@ OF_COMMANDS_ALONE = (
     "io/foreign",  # aifrecon import and convert
     "io/sequence/transforms",
     "live/replay",  # aifrecon replay
-    "registration",  # aifrecon register
     "sweep/edits",  # aifrecon convert
 )
 """Files and rooms whose sentences never reach the panel."""
@@ -42,7 +41,7 @@ def sentences() -> list[str]:
             continue
         for _, template in write_translations.template_calls(ast.parse(path.read_text(encoding="utf-8")), errors):
             found.append(write_translations.literal(template) or "")
-    return [text for text in dict.fromkeys(found) if re.search(r"--[a-z]", text)]
+    return [text for text in dict.fromkeys(found) if re.search(r"--[a-z]|aifrecon [a-z]", text)]
 
 
 def test_sentences_that_name_options_are_found():

@@ -1,0 +1,281 @@
+"""The Registration section of the panel: places the CT on the sweep, says how well the two agree, and draws the echoes on the bone."""
+
+import numpy as np
+import qt
+import slicer
+from AIFReconScene.display.echoPoints import EchoPoints
+from AIFReconScene.inputs.boneNodes import boneNames
+from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.registration.ctPlacement import CTPlacement, transformAbove
+from AIFReconScene.registration.ctRegistration import CTRegistration, rigidPlace
+from slicer.i18n import tr as _
+
+from ..errorsShown import errorsShown
+
+LANDMARK_MODULES = ("LandmarkRegistration", "FiducialRegistration")
+"""Slicer's own ways to a start, the more comfortable one first; a build may lack either."""
+
+
+WORTH_OFFERING = 0.5
+"""Share of what the best place explains that makes another one worth a line in the choice."""
+
+JUDGED_AFTER = 200
+"""ms after the CT was moved by whatever means that gauge and colors follow: while it is dragged they would follow in vain."""
+
+
+class RegistrationPanel:
+    """Connects the widgets of the section to a `CTRegistration` and a `CTPlacement`.
+
+    Parameters
+    ----------
+    ui : namespace of the widgets in AIFRecon.ui
+    work : LongWork
+    live : LivePanel
+        While it scans, what the scan has shown so far takes the place of the chosen sweep.
+    whyNot : callable
+        ``whyNot(parameters, isScanning)``: what is missing before the CT can be placed, in a sentence; empty: nothing.
+    refresh : callable
+        Called without arguments when what can be pressed in the panel has changed.
+
+    Notes
+    -----
+    Gauge and colors are those of the place where the CT is now, once they were asked for: they follow it when it is moved.
+    """
+
+    def __init__(self, ui, work, live, whyNot, refresh):
+        self._ui, self._work, self._live, self._whyNot, self._refresh = ui, work, live, whyNot, refresh
+        self._parameterNode = None
+        self._registration, self._placement, self._echoes = CTRegistration(), CTPlacement(), EchoPoints()
+        self._finding = self._about = self._observed = None
+        self._places = []
+        self._moved = qt.QTimer()
+        self._moved.setSingleShot(True)
+        self._moved.setInterval(JUDGED_AFTER)
+        self._moved.connect("timeout()", self._judgeAgain)
+        ui.checkButton.connect("clicked(bool)", self.onCheck)
+        ui.placeButton.connect("clicked(bool)", self.onPlace)
+        ui.livePlaceButton.connect("clicked(bool)", self.onPlace)
+        ui.undoPlaceButton.connect("clicked(bool)", self.onUndo)
+        ui.takePlaceButton.connect("clicked(bool)", self.onTake)
+        ui.landmarksButton.connect("clicked(bool)", self.onLandmarks)
+        ui.registrationCollapsibleButton.connect("contentsCollapsed(bool)", lambda collapsed: self._arrange())
+        self._say("")
+        self._offer([])
+
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none."""
+        self._parameterNode = parameterNode
+
+    def update(self) -> None:
+        """Enable what can be done; follow what is chosen."""
+        ui, parameters = self._ui, self._parameterNode
+        missing, waits = self._whyNot(parameters, self._live.isRunning), self._live.whyNotNow()
+        if self._about is not None and self._about != self._subject(parameters):
+            self.forget()
+        for button, reason, does in (
+            (ui.checkButton, waits or missing, _("Say how well CT and sweep agree; nothing is moved")),
+            (ui.placeButton, missing, _("Move the transform above CT and bone so that the bone lies on its echoes; nothing is resampled")),
+        ):
+            button.enabled = not reason
+            button.toolTip = reason or does
+        ui.livePlaceButton.enabled = self._live.isRunning and not missing
+        ui.livePlaceButton.toolTip = missing or _("Lay the CT on the bone that this scan has shown so far")
+        ui.undoPlaceButton.enabled = self._placement.canUndo
+        self._echoes.setVisible(parameters.showEchoes)
+        self._judgeAgain()
+
+    def forget(self) -> None:
+        """Take the echoes out of the scene, and the words with them."""
+        self._finding = self._about = None
+        self._moved.stop()
+        self._follow(None)
+        self._echoes.clear()
+        if not self._ui.registrationLabel:  # destroyed: the application is being closed
+            return
+        self._say("")
+        self._gauge(None)
+        self._offer([])
+
+    def close(self) -> None:
+        """The scene or the panel is being closed."""
+        self.forget()
+        self._registration, self._placement = CTRegistration(), CTPlacement()
+
+    # ---- buttons
+
+    def onCheck(self) -> None:
+        """Say how well CT and sweep agree."""
+        self._run(_("Checking the CT's place"), _("CT and sweep could not be compared."), self._check)
+
+    def onPlace(self) -> None:
+        """Move the CT to where it belongs."""
+        self._run(_("Placing the CT"), _("The CT could not be placed. It is where it was."), self._place)
+
+    def onTake(self) -> None:
+        """Move the CT to the place that the user has chosen."""
+        number = self._ui.alternativesComboBox.currentIndex
+        if 0 <= number < len(self._places):
+            with errorsShown(_("The CT could not be placed. It is where it was.")):
+                self._moveTo(self._parameterNode, self._finding.at(self._places[number]))
+                self._say(self._words(_("Placed there because you chose it.")))
+                self._offer([])
+        self._refresh()
+
+    def onUndo(self) -> None:
+        """Bring the CT back to where it was before it was moved last."""
+        back = _("The CT is back where it was.")
+        if self._placement.undo():
+            self._offer([])
+            self._say(back)
+            self._judgeAgain(back)
+        self._refresh()
+
+    def onLandmarks(self) -> None:
+        """Open Slicer's own registration by landmarks."""
+        slicer.util.selectModule(_landmarkModule())
+
+    # ---- work
+
+    def _run(self, title: str, failure: str, work) -> None:
+        try:
+            said = self._work.run(title, failure, work, self._parameterNode)
+            if said:
+                self._say(said)
+        finally:
+            self._refresh()
+
+    def _check(self, parameters, progress) -> str:
+        self._show(parameters, self._registration.check(parameters, progress))
+        self._offer([])
+        return self._words()
+
+    def _place(self, parameters, progress) -> str:
+        from AIFReconLib.progress import part
+
+        ct, bone, sweep = parameters.ctVolume, parameters.bone, parameters.sweep
+        transformAbove(bone, ct, sweep)  # what cannot be moved is said before any work
+        scan = self._live.isRunning
+        echoes = self._live.echoes() if scan else None
+        finding = self._registration.register(parameters, part(progress, 0.0, 0.7 if scan else 1.0), echoes)
+        found = finding.registration
+        if not found.accepted:
+            self._show(parameters, finding.at(rigidPlace(bone)))
+            self._offer(_places(found))
+            refused = _("Not moved. Of the best place that was found: {reason}").format(reason=inPanelWords(found.refusal))
+            return self._words(refused, verdict=False)
+        moved = "" if found.moved is None else _("Moved by {mm:.1f} mm.").format(mm=found.moved)
+        self._moveTo(parameters, finding)
+        self._offer([])
+        said = self._words(moved, *_uncertainties(found))
+        if not scan:
+            return said
+        # The CT is moved by now: a cancel would come too late
+        followed = self._live.followBone(lambda share, message: progress(0.7 + 0.3 * share, message) or True)
+        return "\n".join(line for line in (said, followed) if line)
+
+    def _moveTo(self, parameters, finding) -> None:
+        self._placement.place(parameters.bone, parameters.ctVolume, parameters.sweep, finding.labelsToWorld)
+        self._show(parameters, finding)
+
+    # ---- what is shown
+
+    def _subject(self, parameters) -> tuple:
+        """What a finding is about: it is forgotten when another is chosen."""
+        chosen = (parameters.sweep if not self._live.isRunning else None, parameters.bone)
+        return (*(node.GetID() if node is not None else "" for node in chosen), tuple(parameters.boneSegments))
+
+    def _show(self, parameters, finding) -> None:
+        self._finding, self._about = finding, self._subject(parameters)
+        self._follow(parameters.bone)
+        self._gauge(finding.agreement, boneNames(parameters.bone, list(parameters.boneSegments)))
+        self._echoes.show(finding.points, finding.distances, parameters.showEchoes)
+
+    def _follow(self, bone) -> None:
+        """Observe where the bone lies, or observe nothing."""
+        if self._observed is not None:
+            node, tag = self._observed
+            node.RemoveObserver(tag)
+        self._observed = None
+        if bone is not None:
+            event = slicer.vtkMRMLTransformableNode.TransformModifiedEvent
+            self._observed = bone, bone.AddObserver(event, lambda caller, event: self._moved.start())
+
+    def _judgeAgain(self, said: str = "") -> None:
+        """Let gauge, colors and words follow the CT, where it was moved since they were made."""
+        from AIFReconLib.errors import AIFReconError
+
+        if self._finding is None or self._parameterNode is None or self._parameterNode.bone is None or self._work.isRunning:
+            return
+        try:
+            place = rigidPlace(self._parameterNode.bone)
+        except AIFReconError:
+            self.forget()
+            return
+        if not np.allclose(place, self._finding.labelsToWorld, rtol=0.0, atol=1e-6):
+            self._show(self._parameterNode, self._finding.at(place))
+            self._say("\n".join(line for line in (said, self._words()) if line))
+
+    def _words(self, *more: str, verdict: bool = True) -> str:
+        agreement = self._finding.agreement
+        warning = agreement.warning()
+        lines = [inPanelWords(agreement.sentence()), inPanelWords(warning) if warning is not None else ""] if verdict else []
+        return "\n".join(line for line in (*lines, *more) if line)
+
+    def _say(self, text: str) -> None:
+        self._ui.registrationLabel.text = text
+        self._arrange()
+
+    def _gauge(self, agreement, names=None) -> None:
+        bar = self._ui.agreementProgressBar
+        bar.value = 0 if agreement is None else round(100 * agreement.share)
+        bar.format = "" if agreement is None else _("{share:.0%} of the echoes agree").format(share=agreement.share)
+        labels = {} if agreement is None else agreement.per_label
+        lines = [
+            _("Label {number} {name}: {share:.0%} of {count:,} echoes agree").format(
+                number=label, name=(names or {}).get(label, ""), share=own.agreement, count=own.echoes
+            )
+            for label, own in sorted(labels.items())
+        ]
+        bar.toolTip = "\n".join(lines) or _("How many of the bone echoes lie on bone of the CT that their beams could reach")
+
+    def _offer(self, places: list) -> None:
+        """Let the user choose among places, each with its words; none hides the choice."""
+        ui = self._ui
+        self._places = [place for place, _words in places]
+        ui.alternativesComboBox.clear()
+        for _place, words in places:
+            ui.alternativesComboBox.addItem(words)
+        self._arrange()
+
+    def _arrange(self) -> None:
+        """Hide what has nothing to say. A section that is opened shows all that it holds, also what was hidden while it was closed."""
+        ui = self._ui
+        if ui.registrationCollapsibleButton.collapsed:
+            return
+        ui.registrationLabel.visible = bool(ui.registrationLabel.text)
+        ui.landmarksButton.visible = bool(_landmarkModule())
+        for widget in (ui.alternativesLabel, ui.alternativesComboBox, ui.takePlaceButton):
+            widget.visible = bool(self._places)
+
+
+def _places(found) -> list:
+    """The places that an answer leaves open, the best first, each with what speaks for it: the share of all echoes that agree."""
+    best = found.agreement.explained
+    places = [(found.transform, found.agreement, _("Best"))]
+    for other in found.alternatives:
+        if other.agreement.explained >= WORTH_OFFERING * best:
+            where = _("{levels:+d} level(s)").format(levels=other.levels) if other.levels else _("Elsewhere")
+            places.append((other.transform, other.agreement, where))
+    words = _("{where}: {share:.0%}, median {median:.1f} mm")
+    return [(place, words.format(where=where, share=own.explained, median=own.median_distance)) for place, own, where in places]
+
+
+def _uncertainties(found) -> list:
+    """What the sweep does not hold, in a sentence."""
+    if not found.uncertain:
+        return []
+    return [_("Not held by this sweep: {motions}.").format(motions="; ".join(inPanelWords(each) for each in found.uncertain))]
+
+
+def _landmarkModule() -> str:
+    return next((name for name in LANDMARK_MODULES if hasattr(slicer.modules, name.lower())), "")

@@ -1,0 +1,255 @@
+"""Whether CT and patient agree while a scan goes on: over the last seconds, after the patient has moved, and beside the session."""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from sweeps import rigid
+
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.live.pairing.synchronizer import LiveFrame
+from AIFReconLib.live.session.agreement_watch import AgreementWatch
+from AIFReconLib.registration.bone_field import BoneField
+from AIFReconLib.registration.live import LiveAgreement
+from AIFReconLib.registration.registration import register_echoes
+from AIFReconLib.resolve import resolve_imaging
+from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
+from AIFReconLib.simulation.phased_array import PhasedArray
+from AIFReconLib.simulation.scan import multi_angle_sweep, plus_configuration_xml, simulate_sweep
+from AIFReconLib.sweep.poses import sweep_poses, tracked_frames
+
+FRAMES, RATE = 27, 10.0
+"""Of the simulated sweep, and how many come in a second: all of them lie within the seconds that are looked back upon."""
+
+MOVED = rigid((0.0, 0.0, 0.0), (9.0, 4.0, 6.0))
+"""Of a patient who shifts."""
+
+
+@dataclass(frozen=True)
+class Scan:
+    """A patient: the bone of the CT, its true place, the frames in time order, and how their images are to be read."""
+
+    bone: BoneField
+    place: np.ndarray
+    frames: list
+    imaging: object
+
+    def at(self, start: float, motion=None) -> list:
+        """The frames as they come from `start` s on, of a patient who has moved."""
+        placed = np.eye(4) if motion is None else motion
+        return [
+            LiveFrame(
+                frame.image,
+                placed @ frame.image_to_reference,
+                timestamp=start + number / RATE,
+                number=number,
+            )
+            for number, frame in enumerate(self.frames)
+        ]
+
+
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory) -> Scan:
+    phantom, probe = make_lumbar_phantom(LumbarAnatomy.from_seed(0, vertebrae=2), spacing=1.5), PhasedArray()
+    path = tmp_path_factory.mktemp("scan") / "PlusDeviceSet.xml"
+    path.write_text(plus_configuration_xml(probe), encoding="utf-8")
+    sequence = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, FRAMES), seed=0)
+    sequence = replace(sequence, configuration=read_plus_configuration(path))
+    poses = sweep_poses(sequence)
+    frames = list(tracked_frames(sequence, poses, range(len(sequence))))
+    bone = BoneField.from_labels(phantom.labels)
+    return Scan(bone, phantom.ct_to_reference, frames, resolve_imaging(sequence, poses, True))
+
+
+@pytest.fixture
+def live(scan) -> LiveAgreement:
+    return LiveAgreement(scan.bone, scan.place, scan.imaging)
+
+
+def feed(live: LiveAgreement, frames) -> None:
+    for frame in frames:
+        live.add(frame)
+
+
+# The last seconds
+
+
+def test_nothing_is_told_before_bone_was_seen(live):
+    assert live.agreement() is None
+    assert not live.has_fallen()
+
+
+def test_a_ct_in_its_place_agrees(live, scan):
+    feed(live, scan.at(0.0))
+    assert live.agreement().enough
+    assert not live.has_fallen()
+
+
+def test_a_ct_that_never_agreed_has_not_fallen(live, scan):
+    feed(live, scan.at(0.0, MOVED))
+    assert not live.agreement().enough
+    assert not live.has_fallen()
+
+
+def test_a_patient_who_moves_is_noticed(live, scan):
+    feed(live, scan.at(0.0))
+    live.agreement()
+    feed(live, scan.at(10.0, MOVED))
+    assert live.has_fallen()
+
+
+def test_a_shift_of_five_millimeters_is_noticed(live, scan):
+    feed(live, scan.at(0.0))
+    live.agreement()
+    feed(live, scan.at(10.0, rigid(translation=(0.0, 0.0, 5.0))))
+    assert live.has_fallen()
+
+
+def test_what_is_older_than_the_last_seconds_is_forgotten(live, scan):
+    feed(live, scan.at(0.0, MOVED))
+    feed(live, scan.at(10.0))
+    fresh = LiveAgreement(scan.bone, scan.place, scan.imaging)
+    feed(fresh, scan.at(10.0))
+    assert live.agreement() == fresh.agreement()
+    assert len(live.echoes()) == len(fresh.echoes())
+
+
+def test_a_recording_that_begins_anew_forgets_what_came_before(live, scan):
+    feed(live, scan.at(100.0, MOVED))
+    feed(live, scan.at(0.0))
+    assert live.agreement().enough
+
+
+def test_a_ct_that_is_placed_anew_by_the_last_seconds_agrees_again(live, scan):
+    feed(live, scan.at(0.0))
+    live.agreement()
+    feed(live, scan.at(10.0, MOVED))
+    found = register_echoes(live.echoes(), scan.bone, scan.place)
+    live.place(found.transform)
+    assert live.agreement().enough
+    assert not live.has_fallen()
+    points = live.echoes().points
+    back = transform_points(found.transform @ np.linalg.inv(MOVED @ scan.place), points)
+    assert np.linalg.norm(back - points, axis=1).mean() < 1.0
+
+
+def test_a_frame_without_a_pose_says_nothing(live, scan):
+    frames = [replace(frame, image_to_reference=None) for frame in scan.at(0.0)]
+    feed(live, frames)
+    assert live.agreement() is None
+
+
+def test_images_of_another_size_do_not_end_it(live, scan):
+    feed(live, scan.at(0.0))
+    cut = [replace(frame, image=frame.image[: frame.image.shape[0] // 2]) for frame in scan.at(3.0)]
+    feed(live, cut[:3])
+    assert live.agreement() is not None
+
+
+# Beside a session
+
+
+class Session:
+    """What a watch reads of a session: the newest frame."""
+
+    latest = None
+
+
+def until(condition, seconds=60.0) -> bool:
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.01)
+    return condition()
+
+
+@pytest.fixture
+def watching(scan, monkeypatch):
+    """A session and its watch, which looks without a rest."""
+    monkeypatch.setattr("AIFReconLib.live.session.agreement_watch.PERIOD", 0.001)
+    session = Session()
+    watch = AgreementWatch(session, scan.bone, scan.place, region=scan.imaging.region, probe=scan.imaging.probe)
+    yield session, watch
+    watch.stop()
+
+
+def show(session, watch, frames) -> None:
+    """Let a watch see every frame."""
+    for frame in frames:
+        session.latest = frame
+        assert until(lambda frame=frame: watch._last is frame)
+    assert until(lambda: watch.state.agreement is not None)
+
+
+def test_a_watch_tells_what_the_last_seconds_tell(watching, scan, live):
+    session, watch = watching
+    show(session, watch, scan.at(0.0))
+    feed(live, scan.at(0.0))
+    assert until(lambda: watch.state.agreement == live.agreement())
+
+
+def test_frames_that_come_while_one_is_looked_at_are_passed_over(watching, scan):
+    session, watch = watching
+    for frame in scan.at(0.0):
+        session.latest = frame
+    assert until(lambda: watch._last is session.latest)
+    assert watch.state.agreement is None
+
+
+def test_a_watch_without_region_and_probe_recognizes_them(scan, monkeypatch):
+    monkeypatch.setattr("AIFReconLib.live.session.agreement_watch.PERIOD", 0.001)
+    session = Session()
+    watch = AgreementWatch(session, scan.bone, scan.place)
+    try:
+        for frame in [*scan.at(0.0), *scan.at(2.7)]:
+            session.latest = frame
+            assert until(lambda frame=frame: watch._last is frame)
+        assert until(lambda: watch.state.agreement is not None)
+        assert watch.state.problem is None
+    finally:
+        watch.stop()
+
+
+def test_a_ct_is_placed_by_the_whole_scan_while_all_is_well(watching, scan):
+    session, watch = watching
+    show(session, watch, [*scan.at(0.0), *scan.at(20.0)])
+    assert until(lambda: len(watch.echoes()) > 1.8 * len(watch._recent))
+
+
+def test_a_ct_is_placed_by_the_last_seconds_after_the_patient_has_moved(watching, scan):
+    session, watch = watching
+    show(session, watch, [*scan.at(0.0), *scan.at(20.0, MOVED)])
+    assert until(lambda: watch.state.has_fallen)
+    found = register_echoes(watch.echoes(), scan.bone, scan.place)
+    assert found.accepted
+    watch.place(found.transform)
+    assert until(lambda: not watch.state.has_fallen)
+    assert watch.state.agreement.enough
+
+
+def test_echoes_of_a_long_scan_do_not_pile_up(watching, scan, monkeypatch):
+    monkeypatch.setattr("AIFReconLib.live.session.agreement_watch.MOST_SEEN", 400)
+    session, watch = watching
+    for start in (0.0, 20.0, 40.0):
+        show(session, watch, scan.at(start))
+    assert len(watch.echoes()) <= 3 * 400
+
+
+def test_what_goes_wrong_is_told_and_the_watch_goes_on(watching, scan, monkeypatch):
+    session, watch = watching
+    frames = scan.at(0.0)
+    broken = replace(frames[0], image=np.zeros((0, 0), np.uint8))
+    session.latest = broken
+    assert until(lambda: watch.state.problem is not None)
+    show(session, watch, frames[1:])
+    assert watch.state.problem is None
+
+
+def test_a_watch_that_is_stopped_leaves_no_thread(scan):
+    watch = AgreementWatch(Session(), scan.bone, scan.place, region=scan.imaging.region, probe=scan.imaging.probe)
+    watch.stop()
+    assert "aifrecon live agreement" not in [thread.name for thread in threading.enumerate()]

@@ -1,0 +1,122 @@
+"""Self tests of the CT during a scan: placed after the scouting pass, watched, placed anew when the patient moves."""
+
+import pathlib
+import sys
+import unittest
+
+import numpy as np
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+from AIFReconLiveTest import waitFor
+from simulatedPatient import FRAMES, addPatient
+
+
+class AIFReconLiveRegistrationTest(unittest.TestCase):
+    """A scan of a simulated patient, played frame by frame into the image that the scan follows."""
+
+    def setUp(self):
+        from AIFReconScene.inputs.parameters import LiveSource
+
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters, self.live = self.widget.ui, self.widget._parameterNode, self.widget._live
+        self.nodes = addPatient()
+        self.widget.initializeParameterNode()
+        sweep = self.nodes.browser
+        # What a tracker's Reference lies under: moving it moves the patient from beneath the CT
+        self.patient = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ReferenceToRAS")
+        tinyScene.putSweepUnder(sweep, self.patient)
+        self.parameters.liveSource = LiveSource.SCENE
+        self.parameters.liveImage = sweep.GetProxyNode(sweep.GetMasterSequenceNode())
+        self.parameters.spacing = 2.0
+        self.transform = self.nodes.ctToReference
+        self.true = tinyScene.matrixOf(self.transform)
+
+    def tearDown(self):
+        self.live.close()
+        slicer.mrmlScene.Clear()
+
+    def play(self, frames=range(FRAMES)):
+        """Show frames of the sweep, each until the scan has received it and its bone was looked for."""
+        sweep, live = self.nodes.browser, self.live._live
+        for number in frames:
+            seen = live.statistics.frames_received
+            sweep.SetSelectedItemNumber(number)
+            slicer.modules.sequences.logic().UpdateProxyNodesFromSequences(sweep)
+            self.assertTrue(waitFor(lambda seen=seen: live.statistics.frames_received > seen))
+            self.assertTrue(waitFor(lambda: live._watch._last is live.session.latest))
+
+    def start(self):
+        """Begin a scan; the frame that is shown already would not be a new one."""
+        self.nodes.browser.SetSelectedItemNumber(FRAMES - 1)
+        slicer.modules.sequences.logic().UpdateProxyNodesFromSequences(self.nodes.browser)
+        self.ui.liveStartButton.click()
+
+    def off(self, place: np.ndarray) -> float:
+        """By how many mm the middle of the bone is away from where `place` has it."""
+        bounds = np.zeros(6)
+        self.nodes.ct.GetImageData().GetBounds(bounds)
+        middle = tinyScene.ijkToRAS(self.nodes.ct) @ [*bounds.reshape(3, 2).mean(axis=1), 1.0]
+        return float(np.linalg.norm((tinyScene.matrixOf(self.transform) - place) @ middle))
+
+    def test_after_the_scouting_pass_the_ct_is_placed_and_the_box_is_used_with_it(self):
+        tinyScene.setMatrix(self.transform, self.true @ tinyScene.moved(5.0, -4.0, 3.0))
+        self.start()
+        self.assertTrue(self.live._live.isScouting)
+        self.play()
+        self.ui.livePlaceButton.click()
+        self.assertLess(self.off(self.true), 1.0)
+        self.ui.liveUseBoxButton.click()
+        self.play(range(3))
+        self.assertTrue(waitFor(lambda: self.live._live.statistics.inserted >= FRAMES))
+        self.assertFalse(self.live._live.statistics.trouble)
+
+    def test_a_patient_who_moves_is_told_in_large_letters_and_the_ct_can_be_placed_anew(self):
+        self.start()
+        self.play()
+        self.assertTrue(waitFor(lambda: "CT and sweep agree" in self.ui.liveStatisticsLabel.text))
+        motion = tinyScene.moved(9.0, 4.0, 6.0)
+        tinyScene.setMatrix(self.patient, motion)
+        self.assertTrue(waitFor(lambda: self.live._live.agreement.agreement is not None))
+        self.play()
+        self.assertTrue(waitFor(lambda: self.live._live.agreement.has_fallen))
+        self.assertTrue(waitFor(lambda: "no longer fits" in self.ui.liveStateLabel.text))
+        self.assertIn("26px", self.ui.liveStateLabel.styleSheet)
+        self.play()
+        self.assertTrue(self.ui.livePlaceButton.enabled)
+        self.ui.livePlaceButton.click()
+        self.assertLess(self.off(motion @ self.true), 1.5)
+        self.assertTrue(waitFor(lambda: "no longer fits" not in self.ui.liveStateLabel.text))
+        self.ui.undoPlaceButton.click()
+        np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), self.true)
+
+    def test_too_little_bone_is_told_in_a_sentence(self):
+        shown, display = [], slicer.util.infoDisplay
+        slicer.util.infoDisplay = lambda text, **options: shown.append(text)
+        self.addCleanup(setattr, slicer.util, "infoDisplay", display)
+        self.start()
+        self.ui.livePlaceButton.click()
+        self.assertIn("bone echoes so far", shown[0])
+        np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), self.true)
+
+    def test_without_bone_a_scan_says_nothing_of_a_ct(self):
+        self.parameters.bone = None
+        self.start()
+        self.assertFalse(self.ui.livePlaceButton.enabled)
+        self.assertIsNone(self.live._live.agreement.agreement)
+        self.ui.liveStopButton.click()
+
+    def test_no_thread_outlives_the_scan(self):
+        import threading
+
+        self.start()
+        self.ui.liveStopButton.click()
+        names = [thread.name for thread in threading.enumerate() if thread.name.startswith("aifrecon live")]
+        self.assertEqual(names, [])
+
+    def test_the_button_waits_for_a_scan(self):
+        self.assertFalse(self.ui.livePlaceButton.enabled)

@@ -1,0 +1,384 @@
+"""Self tests of the Registration section: the CT of a simulated patient is displaced, placed on the sweep, and brought back."""
+
+import pathlib
+import sys
+import unittest
+
+import numpy as np
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+from simulatedPatient import addPatient
+
+
+class AIFReconRegistrationTest(unittest.TestCase):
+    """The section, as a user works with it, on a patient whose true place is known."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        self.nodes = addPatient()
+        self.widget.initializeParameterNode()
+        self.parameters.spacing = 2.0
+        self.transform = self.nodes.ctToReference
+        self.true = tinyScene.matrixOf(self.transform)
+
+    def tearDown(self):
+        slicer.mrmlScene.Clear()
+
+    def displace(self, motion=None):
+        """Move the CT from its true place; where it is then."""
+        motion = tinyScene.moved(5.0, -4.0, 3.0) @ tinyScene.rotation(0, 4.0) if motion is None else motion
+        tinyScene.setMatrix(self.transform, self.true @ motion)
+        return tinyScene.matrixOf(self.transform)
+
+    def error(self) -> float:
+        """Mean distance in mm by which the bone is off its true place."""
+        points = self.bonePoints()
+        toWorld = tinyScene.worldOf(self.nodes.segmentation)
+        return float(np.linalg.norm((points @ (toWorld - self.true).T)[:, :3], axis=1).mean())
+
+    def bonePoints(self) -> np.ndarray:
+        """Some voxels of bone in the segmentation's own coordinates, (n, 4)."""
+        from AIFReconScene.inputs.boneNodes import labelsFromNode
+
+        labels = labelsFromNode(self.nodes.segmentation, world=False)
+        k, j, i = np.nonzero(labels.array)
+        ijk = np.stack([i, j, k, np.ones_like(i)])[:, :: max(len(i) // 500, 1)].astype(float)
+        return (labels.ijk_to_reference @ ijk).T
+
+    def echoModels(self) -> list:
+        """Model nodes with echoes."""
+        return [node for node in slicer.util.getNodesByClass("vtkMRMLModelNode") if node.GetName().startswith("Bone echoes")]
+
+    # ---- placing
+
+    def test_a_displaced_ct_comes_back_to_within_a_millimeter(self):
+        self.displace()
+        self.assertGreater(self.error(), 5.0)
+        self.ui.placeButton.click()
+        self.assertLess(self.error(), 1.0)
+        self.assertIn("CT and sweep agree", self.ui.registrationLabel.text)
+
+    def test_the_ct_moves_with_its_bone_and_no_voxel_changes(self):
+        self.displace()
+        voxels = slicer.util.arrayFromVolume(self.nodes.ct).copy()
+        before = tinyScene.ijkToRAS(self.nodes.ct)
+        self.ui.placeButton.click()
+        np.testing.assert_array_equal(tinyScene.worldOf(self.nodes.ct), tinyScene.worldOf(self.nodes.segmentation))
+        np.testing.assert_array_equal(tinyScene.ijkToRAS(self.nodes.ct), before)
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(self.nodes.ct), voxels)
+
+    def test_a_ct_that_lies_anywhere_is_found(self):
+        from AIFReconScene.inputs.parameters import RegistrationStart
+
+        self.displace(tinyScene.moved(300.0, 200.0, -150.0) @ tinyScene.rotation(1, 100.0))
+        self.parameters.registrationStart = RegistrationStart.ANYWHERE
+        self.ui.placeButton.click()
+        self.assertLess(self.error(), 1.0)
+
+    def test_a_transform_is_made_where_there_is_none(self):
+        tinyScene.setMatrix(self.transform, np.eye(4))
+        true, motion = self.true, tinyScene.moved(4.0, -3.0, 2.0)
+        bone, ct = self.nodes.segmentation, self.nodes.ct
+        for node in (bone, ct):
+            node.SetAndObserveTransformNodeID(None)
+        # The sweep is moved instead, to where the CT nearly lies: a CT in its own coordinates
+        above = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ReferenceToRAS")
+        tinyScene.setMatrix(above, np.linalg.inv(true) @ motion)
+        tinyScene.putSweepUnder(self.nodes.browser, above)
+        count = slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLLinearTransformNode")
+        self.ui.placeButton.click()
+        self.assertEqual(slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLLinearTransformNode"), count + 1)
+        self.assertIs(bone.GetParentTransformNode(), ct.GetParentTransformNode())
+        points = self.bonePoints()
+        expected = np.linalg.inv(true) @ motion @ true
+        off = np.linalg.norm((points @ (tinyScene.worldOf(bone) - expected).T)[:, :3], axis=1).mean()
+        self.assertLess(off, 1.0)
+        self.ui.undoPlaceButton.click()
+        self.assertIsNone(bone.GetParentTransformNode())
+        self.assertIsNone(ct.GetParentTransformNode())
+        self.assertEqual(slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLLinearTransformNode"), count)
+
+    def test_a_transform_above_sweep_and_ct_is_left_alone(self):
+        above = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ReferenceToRAS")
+        place = tinyScene.moved(10.0, 20.0, 30.0) @ tinyScene.rotation(2, 30.0)
+        tinyScene.setMatrix(above, place)
+        tinyScene.putSweepUnder(self.nodes.browser, above)
+        self.transform.SetAndObserveTransformNodeID(above.GetID())
+        self.displace()
+        self.ui.placeButton.click()
+        np.testing.assert_array_equal(tinyScene.matrixOf(above), place)
+        off = np.linalg.norm((self.bonePoints() @ (tinyScene.matrixOf(self.transform) - self.true).T)[:, :3], axis=1).mean()
+        self.assertLess(off, 1.0)
+
+    def test_a_transform_is_put_between_where_the_sweep_is_under_the_same(self):
+        from AIFReconScene.registration.ctPlacement import transformAbove
+
+        above = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ReferenceToRAS")
+        tinyScene.putSweepUnder(self.nodes.browser, above)
+        for node in (self.nodes.segmentation, self.nodes.ct):
+            node.SetAndObserveTransformNodeID(above.GetID())
+        self.assertIsNone(transformAbove(self.nodes.segmentation, self.nodes.ct, self.nodes.browser))
+
+    # ---- undo
+
+    def test_undo_brings_every_bit_back(self):
+        before = self.displace()
+        self.assertFalse(self.ui.undoPlaceButton.enabled)
+        self.ui.placeButton.click()
+        self.assertFalse((tinyScene.matrixOf(self.transform) == before).all())
+        self.ui.undoPlaceButton.click()
+        np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)
+        self.assertFalse(self.ui.undoPlaceButton.enabled)
+        self.assertIn("do not agree", self.ui.registrationLabel.text)
+
+    def test_slicer_s_own_undo_brings_every_bit_back_where_it_is_on(self):
+        before = self.displace()
+        scene = slicer.mrmlScene
+        self.transform.SetUndoEnabled(True)
+        scene.SetUndoOn()
+        try:
+            self.ui.placeButton.click()
+            self.assertFalse((tinyScene.matrixOf(self.transform) == before).all())
+            scene.Undo()
+        finally:
+            scene.SetUndoFlag(False)
+        np.testing.assert_array_equal(tinyScene.matrixOf(scene.GetFirstNodeByName(self.transform.GetName())), before)
+
+    def test_undo_after_the_transform_was_deleted_does_nothing(self):
+        self.displace()
+        self.ui.placeButton.click()
+        slicer.mrmlScene.RemoveNode(self.transform)
+        self.widget._onParametersModified()
+        self.assertFalse(self.ui.undoPlaceButton.enabled)
+
+    # ---- refused
+
+    def test_the_ct_of_another_patient_is_not_moved_and_can_be_taken_all_the_same(self):
+        stranger = addPatient(seed=3, frames=9)
+        self.parameters.ctVolume, self.parameters.bone = stranger.ct, stranger.segmentation
+        self.parameters.sweep = self.nodes.browser
+        tinyScene.setMatrix(stranger.ctToReference, self.true)
+        self.ui.placeButton.click()
+        np.testing.assert_array_equal(tinyScene.matrixOf(stranger.ctToReference), self.true)
+        self.assertIn("Not moved.", self.ui.registrationLabel.text)
+        self.assertNotIn("--", self.ui.registrationLabel.text)
+        self.assertGreaterEqual(self.ui.alternativesComboBox.count, 1)
+        self.ui.takePlaceButton.click()
+        self.assertFalse((tinyScene.matrixOf(stranger.ctToReference) == self.true).all())
+        self.ui.undoPlaceButton.click()
+        np.testing.assert_array_equal(tinyScene.matrixOf(stranger.ctToReference), self.true)
+
+    def test_different_transforms_above_ct_and_bone_are_refused_in_a_sentence(self):
+        before = self.displace()
+        self.nodes.ct.SetAndObserveTransformNodeID(None)
+        said = self.messageOf(self.ui.placeButton.click)
+        self.assertIn("must be under the same transform", said)
+        np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)
+
+    def test_a_warping_transform_is_refused_in_a_sentence(self):
+        warping = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLGridTransformNode", "Warp")
+        tinyScene.makeWarping(warping)
+        for node in (self.nodes.ct, self.nodes.segmentation):
+            node.SetAndObserveTransformNodeID(warping.GetID())
+        self.assertIn("must be linear", self.messageOf(self.ui.placeButton.click))
+
+    def test_a_scaling_transform_is_refused_in_a_sentence(self):
+        scaled = self.true @ np.diag([1.1, 1.1, 1.1, 1.0])
+        tinyScene.setMatrix(self.transform, scaled)
+        self.assertIn("must be rigid", self.messageOf(self.ui.placeButton.click))
+        np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), scaled)
+
+    def test_a_probability_cannot_be_placed(self):
+        self.parameters.bone = tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Probability", np.ones((4, 4, 4), np.float32), np.eye(4))
+        self.assertFalse(self.ui.placeButton.enabled)
+        self.assertIn("probability", self.ui.placeButton.toolTip)
+
+    def messageOf(self, act) -> str:
+        """What the message box says that comes up."""
+        shown = []
+        display = slicer.util.infoDisplay
+        slicer.util.infoDisplay = lambda text, **options: shown.append(text)
+        try:
+            act()
+        finally:
+            slicer.util.infoDisplay = display
+        self.assertEqual(len(shown), 1)
+        return shown[0]
+
+    def test_a_choice_is_seen_only_where_there_is_one(self):
+        section = self.ui.registrationCollapsibleButton
+        for collapsed in (True, False, True, False):
+            section.collapsed = collapsed
+        hidden = (self.ui.alternativesLabel, self.ui.alternativesComboBox, self.ui.takePlaceButton, self.ui.registrationLabel)
+        self.assertEqual([widget.isVisibleTo(section) for widget in hidden], [False] * len(hidden))
+        self.widget._registration._offer([(self.true, "Best")])
+        section.collapsed = True
+        section.collapsed = False
+        self.assertTrue(self.ui.takePlaceButton.isVisibleTo(section))
+
+    # ---- checking
+
+    def test_a_check_tells_the_agreement_and_moves_nothing(self):
+        self.ui.checkButton.click()
+        np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), self.true)
+        self.assertIn("CT and sweep agree", self.ui.registrationLabel.text)
+        self.assertGreater(self.ui.agreementProgressBar.value, 80)
+        self.assertIn("%", self.ui.agreementProgressBar.format)
+        self.assertIn("Label 2 L3: ", self.ui.agreementProgressBar.toolTip)
+        self.assertFalse(self.ui.undoPlaceButton.enabled)
+
+    def test_a_check_of_a_wrong_place_warns(self):
+        self.displace(tinyScene.moved(0.0, 0.0, 12.0))
+        self.ui.checkButton.click()
+        self.assertIn("do not agree", self.ui.registrationLabel.text)
+
+    def test_the_gauge_follows_a_ct_that_is_moved_by_hand(self):
+        from AIFReconLiveTest import waitFor
+
+        self.ui.checkButton.click()
+        high = self.ui.agreementProgressBar.value
+        self.displace(tinyScene.moved(0.0, 0.0, 12.0))
+        self.assertTrue(waitFor(lambda: self.ui.agreementProgressBar.value < high - 20))
+        self.assertIn("do not agree", self.ui.registrationLabel.text)
+        self.assertEqual(len(self.echoModels()), 1)
+        tinyScene.setMatrix(self.transform, self.true)
+        self.assertTrue(waitFor(lambda: self.ui.agreementProgressBar.value == high))
+
+    def test_what_is_shown_of_a_refused_answer_is_of_the_place_where_the_ct_is(self):
+        stranger = addPatient(seed=3, frames=9)
+        self.parameters.ctVolume, self.parameters.bone = stranger.ct, stranger.segmentation
+        self.parameters.sweep = self.nodes.browser
+        tinyScene.setMatrix(stranger.ctToReference, self.true @ tinyScene.moved(0.0, 40.0, 0.0))
+        self.ui.checkButton.click()
+        value = self.ui.agreementProgressBar.value
+        self.ui.placeButton.click()
+        self.assertIn("Not moved.", self.ui.registrationLabel.text)
+        self.assertEqual(self.ui.agreementProgressBar.value, value)
+
+    def test_apply_says_whether_ct_and_sweep_agree(self):
+        self.ui.applyButton.click()
+        self.assertIn("CT and sweep agree: ", self.ui.statusLabel.text)
+
+    def test_apply_warns_where_they_do_not(self):
+        self.displace(tinyScene.moved(0.0, 0.0, 12.0))
+        self.ui.applyButton.click()
+        self.assertIn("WARNING", self.ui.statusLabel.text)
+        self.assertIn("Registration", self.ui.statusLabel.text)
+
+    # ---- echoes
+
+    def test_echoes_are_drawn_once_and_colored_by_their_distance(self):
+        from AIFReconScene.display.echoPoints import DISTANCE
+
+        self.ui.checkButton.click()
+        self.ui.checkButton.click()
+        (model,) = self.echoModels()
+        (display,) = [model.GetNthDisplayNode(number) for number in range(model.GetNumberOfDisplayNodes())]
+        scalars = slicer.util.arrayFromModelPointData(model, DISTANCE)
+        self.assertLess(np.median(scalars), 0.5)
+        self.assertEqual(display.GetActiveScalarName(), DISTANCE)
+        self.assertEqual(tuple(display.GetScalarRange()), (0.0, 5.0))
+        self.assertTrue(display.GetScalarVisibility() and display.GetVisibility2D() and display.GetVisibility())
+        self.assertIsNone(model.GetParentTransformNode())
+
+    def test_echoes_lie_on_the_true_surface_whatever_the_place_of_the_ct(self):
+        self.displace(tinyScene.moved(0.0, 0.0, 12.0))
+        self.ui.checkButton.click()
+        (model,) = self.echoModels()
+        points = slicer.util.arrayFromModelPoints(model).copy()
+        tinyScene.setMatrix(self.transform, self.true)
+        self.ui.checkButton.click()
+        np.testing.assert_array_equal(slicer.util.arrayFromModelPoints(model), points)
+
+    def test_echoes_are_hidden_and_shown_again(self):
+        self.ui.checkButton.click()
+        (model,) = self.echoModels()
+        self.ui.showEchoesCheckBox.checked = False
+        self.assertFalse(model.GetDisplayNode().GetVisibility())
+        self.ui.showEchoesCheckBox.checked = True
+        self.assertTrue(model.GetDisplayNode().GetVisibility())
+
+    def test_echoes_go_with_their_sweep(self):
+        self.ui.checkButton.click()
+        self.parameters.sweep = tinyScene.addSweep()
+        self.assertEqual(self.echoModels(), [])
+        self.assertEqual(self.ui.registrationLabel.text, "")
+
+    def test_a_saved_scene_has_no_echoes_in_it(self):
+        self.ui.checkButton.click()
+        (model,) = self.echoModels()
+        self.assertFalse(model.GetSaveWithScene())
+
+    def test_the_deletion_of_the_echoes_is_survived(self):
+        self.ui.checkButton.click()
+        slicer.mrmlScene.RemoveNode(self.echoModels()[0])
+        self.ui.checkButton.click()
+        self.assertEqual(len(self.echoModels()), 1)
+
+    # ---- meanwhile
+
+    def pressAnd(self, act, fraction=0.3):
+        """Press Place, and do something else at one of its reports."""
+        work, done = self.widget._registration._registration, []
+        register = work.register
+
+        def disturbed(parameters, progress, echoes=None):
+            def report(share, message):
+                if share >= fraction and not done:
+                    done.append(act())
+                return progress(share, message)
+
+            return register(parameters, report, echoes)
+
+        work.register = disturbed
+        try:
+            self.ui.placeButton.click()
+        finally:
+            del work.register
+        self.assertEqual(len(done), 1)
+
+    def test_a_cancel_leaves_the_ct_where_it_was(self):
+        before = self.displace()
+        self.pressAnd(lambda: self.widget._work.cancel())
+        np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)
+        self.assertIn("Canceled.", self.ui.registrationLabel.text)
+        self.assertTrue(self.ui.placeButton.enabled)
+
+    def test_a_node_that_is_deleted_meanwhile_ends_it_with_a_sentence(self):
+        before = self.displace()
+        for name in ("ct", "browser"):
+            with self.subTest(name=name):
+                node = getattr(self.nodes, name)
+                called = node.GetName()
+                self.pressAnd(lambda node=node: slicer.mrmlScene.RemoveNode(node))
+                np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)
+                self.assertEqual(self.ui.registrationLabel.text, f"{called} was deleted meanwhile. Nothing was changed.")
+                if name == "ct":
+                    continue
+                self.assertFalse(self.ui.placeButton.enabled)
+
+    def test_a_scene_that_is_closed_meanwhile_ends_it(self):
+        self.displace()
+        self.pressAnd(lambda: slicer.mrmlScene.Clear())
+        self.assertFalse(self.widget._work.isRunning)
+        self.assertEqual(self.echoModels(), [])
+        self.assertFalse(self.ui.placeButton.enabled)
+
+    def test_another_module_that_is_opened_meanwhile_does_not_end_it(self):
+        self.displace()
+        self.pressAnd(self.widget.exit)
+        self.assertLess(self.error(), 1.0)
+        self.widget.enter()
+        self.assertIn("CT and sweep agree", self.ui.registrationLabel.text)
+
+    def test_a_parent_that_is_taken_off_meanwhile_is_told_and_nothing_moves(self):
+        before = self.displace()
+        said = self.messageOf(lambda: self.pressAnd(lambda: self.nodes.ct.SetAndObserveTransformNodeID(None)))
+        self.assertIn("must be under the same transform", said)
+        np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)

@@ -1,0 +1,21 @@
+"""A simulated patient as nodes, for self tests that need a spine: simulated once in a process, for that takes seconds, and added anew."""
+
+from functools import lru_cache
+
+FRAMES = 27
+"""Of the sweep: three at each of nine angles."""
+
+
+@lru_cache
+def simulated(seed: int, frames: int) -> tuple:
+    """The phantom and the sweep of a patient."""
+    from AIFReconScene.volumes.phantomSample import simulatedPatient
+
+    return simulatedPatient(seed=seed, frames=frames, spacing=1.6)
+
+
+def addPatient(seed: int = 0, frames: int = FRAMES):
+    """The `PhantomNodes` of a patient, added to the scene."""
+    from AIFReconScene.volumes import phantomSample
+
+    return phantomSample.addPatient(*simulated(seed, frames))
