@@ -50,6 +50,14 @@ class AIFReconLiveRegistrationTest(unittest.TestCase):
             self.assertTrue(waitFor(lambda seen=seen: live.statistics.frames_received > seen))
             self.assertTrue(waitFor(lambda: live._watch._last is live.session.latest))
 
+    def playUntil(self, condition):
+        """Show the sweep again and again: how much of it the last seconds hold depends on how busy this machine is."""
+        for number in 5 * list(range(FRAMES)):
+            if waitFor(condition, 0.0 if number % 3 else 0.5):
+                return
+            self.play([number])
+        self.assertTrue(waitFor(condition))
+
     def start(self):
         """Begin a scan; the frame that is shown already would not be a new one."""
         self.nodes.browser.SetSelectedItemNumber(FRAMES - 1)
@@ -77,14 +85,10 @@ class AIFReconLiveRegistrationTest(unittest.TestCase):
 
     def test_a_patient_who_moves_is_told_in_large_letters_and_the_ct_can_be_placed_anew(self):
         self.start()
-        self.play()
-        self.assertTrue(waitFor(lambda: "CT and sweep agree" in self.ui.liveStatisticsLabel.text))
+        self.playUntil(lambda: "CT and sweep agree" in self.ui.liveStatisticsLabel.text)
         motion = tinyScene.moved(9.0, 4.0, 6.0)
         tinyScene.setMatrix(self.patient, motion)
-        self.assertTrue(waitFor(lambda: self.live._live.agreement.agreement is not None))
-        self.play()
-        self.assertTrue(waitFor(lambda: self.live._live.agreement.has_fallen))
-        self.assertTrue(waitFor(lambda: "no longer fits" in self.ui.liveStateLabel.text))
+        self.playUntil(lambda: "no longer fits" in self.ui.liveStateLabel.text)
         self.assertIn("26px", self.ui.liveStateLabel.styleSheet)
         self.play()
         self.assertTrue(self.ui.livePlaceButton.enabled)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from dataclasses import dataclass
 
 from ...arrays import Floats
@@ -23,8 +24,9 @@ from .session import FRAMES_LOOKED_AT, LiveSession
 
 logger = logging.getLogger(__name__)
 
-PERIOD = 0.1
-"""s between two frames that are looked at; those in between are not, so that a fraction of one core is taken however fast they come."""
+PERIOD, REST = 0.2, 4.0
+"""s between two looks at the newest frame, and by how many times longer it rests than a look took: at most a fifth of one core is taken,
+however fast frames come, and less where the insertion needs it."""
 
 MOST_SEEN = 6000
 """Echoes of the scan so far that are kept, evenly in space; a few times as many between two sortings."""
@@ -113,13 +115,16 @@ class AgreementWatch:
         self._thread.join()
 
     def _watch(self) -> None:
-        while not self._closing.wait(PERIOD):
+        rest = PERIOD
+        while not self._closing.wait(rest):
+            began = time.monotonic()
             try:
                 self._look()
             except AIFReconError as error:
                 self._tell(LiveState(problem=said(error)))
             except Exception as error:  # kept and told: the scan goes on
                 self._tell(LiveState(problem=said(error)))
+            rest = max(PERIOD, REST * (time.monotonic() - began))
 
     def _tell(self, state: LiveState) -> None:
         if state.problem is not None and state.problem != self._state.problem:  # it may come again with every frame
