@@ -133,7 +133,7 @@ def distances_between_frames(poses: Matrix, shown: Mask, grid: VoxelGrid) -> Flo
     part = 1 - (upto[which] - steps) / gaps.reshape(-1)[which]
     frame, pixel = np.divmod(which, len(pixels))
     places = start[frame, :, pixel] + part[:, None] * way[frame, :, pixel]
-    nearest = np.minimum(part, 1 - part) * gaps[frame, pixel]
+    nearest: Floats = np.minimum(part, 1 - part) * gaps[frame, pixel]
     ijk = places @ grid.reference_to_ijk[:3, :3].T + grid.reference_to_ijk[:3, 3]
     inside = ((ijk > -0.5) & (ijk < np.array(grid.size) - 0.5)).all(axis=1)
     places, nearest = places[inside], nearest[inside]
