@@ -270,10 +270,9 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
         from AIFReconLib import read_sequence, with_time_offset
 
-        def work(progress):
-            return with_time_offset(read_sequence(recording, config=configuration, orientation=orientation), timeOffset, longestGap)
-
-        sequence = inBackground(work, part(progress, 0.0, 0.1))
+        reading = {"config": configuration, "orientation": orientation}
+        recorded = inBackground(lambda _progress: read_sequence(recording, **reading), part(progress, 0.0, 0.1))
+        sequence = with_time_offset(recorded, timeOffset, longestGap)
         return browserFromSequence(sequence, pathlib.Path(recording).name.split(".")[0], part(progress, 0.1, 1.0))
 
     def reconstruct(self, sweep, bone=None, *, output=None, keep=(), progress=None, inputs=None, **choices):

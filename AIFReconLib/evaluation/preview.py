@@ -137,7 +137,7 @@ def _center(volume: Volume, scanned: Mask, labels: Volume | None) -> Floats:
         if len(met):
             # Bone in the shadow of other bone is not worth a look
             bright = np.clip(np.nan_to_num(volume.array[k, j, i][scanned[k, j, i]].astype(np.float64)), 0, None) ** 2
-            return np.array([_middle(along, bright) for along in met.T])
+            return np.array([_middle(along, bright) for along in met.T], dtype=np.float64)
     middle = [
         np.average(np.arange(n), weights=along) if (along := np.count_nonzero(scanned, axis=axes)).any() else (n - 1) / 2
         for n, axes in zip(grid.size, ((0, 1), (0, 2), (1, 2)), strict=True)
@@ -185,7 +185,7 @@ def _projection(volume: Volume, scanned: Mask, window: tuple[float, float]) -> _
     right, down = (axis for axis in range(3) if axis != through)
     if abs(to_reference[0, right]) < abs(to_reference[0, down]):
         right, down = down, right
-    brightest: Floats = np.asarray(np.where(scanned, volume.array, 0).max(axis=2 - through), dtype=np.float64)
+    brightest: Floats = np.where(scanned, volume.array, 0).max(axis=2 - through).astype(np.float64)
     brightest[~scanned.any(axis=2 - through)] = np.nan
     # Arrays are [k, j, i]: of the two axes left the one with the higher number comes first
     brightest = brightest if down > right else brightest.T
