@@ -158,7 +158,13 @@ class AIFReconAdvancedTest(unittest.TestCase):
 
     def test_a_way_to_fill_holes_is_refused_without_a_limit(self):
         self.choose(self.ui.holesComboBox, "gaussian")
+        self.ui.holeLimitSpinBox.value = 0.0
         self.assertRefused("hole limit")
+
+    def test_the_hole_limit_is_automatic_until_it_is_set(self):
+        self.assertEqual(self.ui.holeLimitSpinBox.text, "automatic")
+        self.ui.holeLimitSpinBox.value = 0.0
+        self.assertNotEqual(self.ui.holeLimitSpinBox.text, "automatic")
 
     def test_an_impossible_speed_of_sound_is_refused(self):
         self.ui.speedOfSoundSpinBox.value = 300.0
@@ -206,7 +212,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
     def test_what_the_panel_refuses_the_library_refuses_too(self):
         from AIFReconLib.errors import SettingsError
 
-        for settings in ({"holes": "gaussian"}, {"speed_of_sound": 300.0}):
+        for settings in ({"holes": "gaussian", "hole_limit": 0.0}, {"speed_of_sound": 300.0}):
             with self.subTest(settings=settings), self.assertRaises(SettingsError):
                 self.expected(settings)
 
