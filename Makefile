@@ -55,7 +55,7 @@ demo: $(DEMO_STAMP)
 	@$(BIN)/python -m AIFReconLib demo --output "$(DEMO_OUTPUT)"
 
 test: lint
-	@$(BIN)/python -m pytest --quiet --cov --cov-report=term:skip-covered --cov-fail-under=90
+	@$(BIN)/python -m pytest --quiet --numprocesses=auto --dist=worksteal --cov --cov-report=term:skip-covered --cov-fail-under=90
 
 slicer-test: setup
 	@QT_QPA_PLATFORM=offscreen $(BIN)/python Testing/host/run_self_tests.py

@@ -62,6 +62,7 @@ class AIFReconBoxTest(unittest.TestCase):
         self.parameters.sweep = tinyScene.addSweep()
         display = self.create().GetDisplayNode()
         self.assertTrue(display.GetVisibility() and display.GetOutlineVisibility() and display.GetHandlesInteractive())
+        self.assertFalse(display.GetPropertiesLabelVisibility())
         self.assertFalse(display.GetFillVisibility())
 
     def test_a_box_without_a_size_cannot_be_reconstructed_in(self):

@@ -17,7 +17,7 @@ def layAround(roiNode, parameters) -> bool:
     Parameters
     ----------
     roiNode : vtkMRMLMarkupsROINode
-        It is shown as its edges, with handles: filled, which is Slicer's default, it would hide the images.
+        It is shown as its edges, with handles: filled and with its name across, which is Slicer's default, it would hide the images.
     parameters : AIFReconParameterNode
     """
     found = _aroundSweep(parameters)
@@ -34,6 +34,7 @@ def layAround(roiNode, parameters) -> bool:
     with slicer.util.NodeModify(display):
         display.SetFillVisibility(False)
         display.SetOutlineVisibility(True)
+        display.SetPropertiesLabelVisibility(False)
         display.SetHandlesInteractive(True)
     return True
 
