@@ -37,6 +37,9 @@ PANEL_WIDTH = 400
 LONGEST_IN_A_RUN, LONGEST_WHILE_LIVE = 0.25, 0.1
 """s for which the GUI may stand still."""
 
+PUSHED, NEAR = (4.0, -6.0, 3.0), 1.5
+"""mm: how far the CT is pushed off its place, and how near the bone's box comes back to it."""
+
 FRAMES_SCOUTED, FRAMES_INSERTED = 60, 200
 RATE = 20.0
 """Frames per second of the replayed recording."""
@@ -172,6 +175,24 @@ def single(walk: Walk) -> None:
     walk.press(walk.ui.singleViewButton)
 
 
+def register(walk: Walk) -> None:
+    """The CT is pushed off its place, and finds it again."""
+    mover = walk.parameters.bone.GetParentTransformNode()
+    right = slicer.util.arrayFromTransformMatrix(mover)
+    off = right.copy()
+    off[:3, 3] += PUSHED
+    slicer.util.updateTransformMatrixFromArray(mover, off)
+    walk.ui.registrationCollapsibleButton.collapsed = False
+    walk.settle()
+    walk.press(walk.ui.placeButton)
+    bounds = [0.0] * 6
+    walk.parameters.bone.GetBounds(bounds)
+    corners = np.array([[x, y, z, 1.0] for x in bounds[:2] for y in bounds[2:4] for z in bounds[4:]])
+    missed = np.linalg.norm((corners @ (slicer.util.arrayFromTransformMatrix(mover) - right).T)[:, :3], axis=1).max()
+    if missed > NEAR:
+        raise RuntimeError(f"the CT lies {missed:.1f} mm off: {walk.ui.registrationLabel.text}")
+
+
 def box(walk: Walk) -> None:
     """A new box lies around the sweep, and is reconstructed."""
     from AIFReconScene.inputs.parameters import Region
@@ -250,7 +271,7 @@ def live(walk: Walk) -> None:
         raise RuntimeError(f"the scan left no volume: {walk.ui.liveStatisticsLabel.text}")
 
 
-STEPS = (sampleData, apply, compare, single, box, saveAndLoad, recording, live)
+STEPS = (sampleData, apply, compare, single, register, box, saveAndLoad, recording, live)
 
 
 def logged() -> list[str]:
