@@ -1,14 +1,14 @@
 """The nodes that a reconstruction starts from, and what the library makes of them."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence, Volume, reconstruct
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion, chosen_region
 from AIFReconLib.progress import part
 
@@ -17,6 +17,10 @@ from ..sceneNodes import proxiesOf
 from ..transforms import matrixToWorld
 from .imagingChoices import imageRegionFrom, probeFrom
 from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom
+
+if TYPE_CHECKING:
+    from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence, Volume
+    from AIFReconLib.geometry.volume import VoxelGrid
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,7 @@ class Inputs:
     boneFromSweep: bool = False
 
     @classmethod
-    def fromParameters(cls, parameters) -> "Inputs":
+    def fromParameters(cls, parameters) -> Inputs:
         """What the panel's parameters name."""
         inVoxels = parameters.boneSigmaUnit == SigmaUnit.VOXELS
         return cls(
@@ -86,7 +90,7 @@ class Inputs:
         """The nodes that an output must not overwrite: among them those that the sweep is replayed into."""
         return tuple(node for node in (self.bone, self.ct, self.region, *proxiesOf(self.sweep)) if node is not None)
 
-    def prepared(self, settings, progress=None) -> "PreparedInputs":
+    def prepared(self, settings, progress=None) -> PreparedInputs:
         """Turn the nodes into the library's inputs, once for any number of reconstructions; nodes that change later change nothing.
 
         `settings` give the spacing of the voxels.
@@ -193,6 +197,8 @@ class PreparedInputs:
 
     def reconstruct(self, settings, progress=None):
         """One call of the library: `settings` to a `Reconstruction` in RAS."""
+
+        from AIFReconLib import reconstruct
 
         def work(progress):
             imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}

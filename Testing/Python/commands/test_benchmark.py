@@ -44,7 +44,7 @@ RESULT = BenchmarkResult(
 def test_the_yardstick_gives_the_voxels_of_the_engines(method):
     frames, grid, bone = oblique_frames(), turned_grid(), sphere_bone()
     probe = ProbeGeometry("sector", (16.0, -6.0))
-    reconstructor = Reconstructor(grid, ReconstructionSettings(method=method, output_type="float32"), bone, probe=probe)
+    reconstructor = Reconstructor(grid, ReconstructionSettings(method=method, output_type="float32", hole_limit=0.0), bone, probe=probe)
     reconstructor.insert(frames)
     placed = bone.on_grid(grid)
     value, weight, hits = np.zeros(grid.shape, np.float32), np.zeros(grid.shape, np.float32), np.zeros(grid.shape, np.uint32)
