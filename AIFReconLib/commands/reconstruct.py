@@ -25,9 +25,9 @@ from ..settings import BONE_METHODS
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
 from .console import ProgressBar
+from .one_line_parser import NumbersAction, numbers
 from .options import (
     Commands,
-    SpacingAction,
     add_bone_options,
     add_imaging_options,
     add_importance_option,
@@ -47,6 +47,9 @@ EXAMPLE = """examples:
       --bone-transform CTToReference.tfm --output volume.nrrd
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
 
+FIRST_OPTIONS = ("config", "bone_labels", "bone_transform", "bone_from_sweep", "method", "spacing", "grid_like", "hole_limit", "preview")
+"""What most need, here and in a live scan."""
+
 SIDE_OUTPUTS = ("score", "hits", "mask", "cosine")
 
 
@@ -60,7 +63,9 @@ def add_to(commands: Commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("sequence", type=Path, metavar="SEQUENCE", help="tracked frames, e.g. sweep.igs.mha")
-    parser.add_argument("--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)")
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)"
+    )
     add_setting(parser, "method")
     add_tracking_options(parser)
     add_sequence_options(parser)
@@ -70,6 +75,7 @@ def add_to(commands: Commands) -> None:
     add_preview_option(volume)
     volume.add_argument("--report", type=Path, metavar="FILE", help="also write a report of the tracking and of what was done, as JSON")
     add_tuning_options(parser)
+    parser.show_first(*FIRST_OPTIONS, "report", "quiet")
     parser.set_defaults(run=run)
 
 
@@ -90,7 +96,7 @@ def add_volume_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGro
     volume = parser.add_argument_group("volume")
     where = volume.add_mutually_exclusive_group()
     where.add_argument("--grid-like", type=Path, metavar="VOLUME", help="use the voxels of this volume (any orientation)")
-    where.add_argument("--spacing", type=float, nargs="+", action=SpacingAction, metavar="MM", help="voxel size, one number or x y z")
+    where.add_argument("--spacing", action=NumbersAction, type=numbers, metavar="MM", help="voxel size, one number or x y z")
     add_setting(volume, "hole_limit", metavar="MM")
     add_setting(volume, "holes")
     add_setting(volume, "output_type")

@@ -41,6 +41,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, one or more sweeps in one Reference")
     parser.add_argument("--bone-labels", type=Path, required=True, metavar="LABELS", help="segmentation of the CT, one label per vertebra")
     parser.add_argument(
+        "-o",
         "--output",
         type=Path,
         required=True,
