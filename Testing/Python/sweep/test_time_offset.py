@@ -165,7 +165,7 @@ def test_reconstruct_takes_the_offset(tmp_path, results, capsys):
 
 def test_info_takes_the_offset_and_the_longest_gap(tmp_path, capsys):
     patient = write_patient(tmp_path, sweep(times=np.arange(12) * 0.2))
-    assert main(["info", str(patient.sweep), "--time-offset", "0.1", "--longest-gap", "0.1", "--config", str(patient.config)]) == 0
+    assert main(["info", str(patient.sweep), "--time-offset", "0.1", "--longest-gap", "0.1", "--config", str(patient.config)]) == 1
     out = capsys.readouterr().out
     assert "ProbeToTracker MISSING: 12 frames (0-11)" in out
     assert "12 frames have no pose then" in out
