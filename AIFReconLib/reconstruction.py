@@ -6,6 +6,8 @@ import logging
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from .arrays import Integers, Reals
 from .bone.map import BoneMap
 from .compounding.reconstructor import Reconstruction, Reconstructor, needs_beams
@@ -24,6 +26,7 @@ from .progress import Progress, part, report
 from .resolve import Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
 from .settings import ReconstructionSettings
 from .sweep.frames import TrackedFrame, TrackedSequence
+from .sweep.joined import joined, shares
 from .sweep.poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames
 
 logger = logging.getLogger(__name__)
@@ -110,7 +113,7 @@ class Plan:
 
 
 def plan(
-    sequence: TrackedSequence,
+    sequence: TrackedSequence | Iterable[TrackedSequence],
     settings: ReconstructionSettings | None = None,
     *,
     has_bone: bool = False,
@@ -118,6 +121,7 @@ def plan(
     reference: str | None = None,
 ) -> Plan:
     """What `reconstruct` with these arguments would choose, without reconstructing; it raises the same errors."""
+    sequence = joined(sequence)
     prepared = _prepare(sequence, settings, has_bone, None, None, None, None, image_to_reference, reference)
     shown = prepared.imaging.region.mask(*sequence.frame_size)
     poses = prepared.poses.image_to_reference[prepared.chosen][:, :3]
@@ -127,7 +131,7 @@ def plan(
 
 
 def reconstruct(
-    sequence: TrackedSequence,
+    sequence: TrackedSequence | Iterable[TrackedSequence],
     settings: ReconstructionSettings | None = None,
     bone: BoneMap | None = None,
     grid: VoxelGrid | None = None,
@@ -139,12 +143,13 @@ def reconstruct(
     reference: str | None = None,
     progress: Progress | None = None,
 ) -> Reconstruction:
-    """Reconstruct a volume from a recorded sequence.
+    """Reconstruct a volume from one or more recorded sequences.
 
     Parameters
     ----------
-    sequence : TrackedSequence
-        As `read_sequence` returns it; its configuration gives what the other arguments leave open.
+    sequence : TrackedSequence or several in one Reference
+        As `read_sequence` returns it; its configuration gives what the other arguments leave open. Several enter in the order given, each
+        placed by its own configuration's transforms; the first one's says how the volume is made.
     settings : ReconstructionSettings
     bone : BoneMap or None
         Needed by methods that weight by incidence.
@@ -167,6 +172,7 @@ def reconstruct(
     AIFReconError
         One of its kinds, with a message that says what is wrong, where, and what to do. Inputs are untouched.
     """
+    sequence = joined(sequence)
     report(progress, 0.0, "Looking at the sweep")
     prepared = _prepare(sequence, settings, bone is not None, grid, region, probe, importance, image_to_reference, reference)
     settings, parts, poses, order, imaging = prepared.settings, prepared.parts, prepared.poses, prepared.order, prepared.imaging
@@ -195,13 +201,18 @@ def reconstruct(
             sequence=sequence.name,
             reasons=describe_skipped(reconstructor.counts.skipped),
         )
-    last = len(sequence) - 1
-    if last not in order or poses.problems[last] is not None:
-        # Nobody has looked at the end of the file yet: one that is cut short or of another size must not pass unnoticed
-        sequence.images[last]
+    for last in np.cumsum([len(each) for each in sequence.parts]) - 1:
+        if last not in order or poses.problems[last] is not None:
+            # Nobody has looked at the end of the file yet: one that is cut short or of another size must not pass unnoticed
+            sequence.images[int(last)]
     result = reconstructor.finish(part(progress, 0.95, 1.0))
     report(progress, 1.0, "Reconstructed")
     logger.info(
         "%s: %d of %d frames by %s into %s voxels", sequence.name, result.frames_inserted, len(sequence), settings.method, grid.size
     )
-    return replace(result, notes=(*sequence.configuration.warnings, *parts.notes, *poses.notes, *imaging.notes, *result.notes))
+    warnings = dict.fromkeys(warning for each in sequence.parts for warning in each.configuration.warnings)
+    return replace(
+        result,
+        notes=(*warnings, *parts.notes, *poses.notes, *imaging.notes, *result.notes),
+        sweeps=shares(sequence, order, result.skipped),
+    )

@@ -20,6 +20,7 @@ from .io.plus.importance_mask import configured_importance
 from .message import Message
 from .settings import LINEAR_METHODS, ReconstructionSettings
 from .sweep.frames import TrackedSequence
+from .sweep.joined import names_of
 from .sweep.poses import SweepPoses
 
 if TYPE_CHECKING:
@@ -193,9 +194,10 @@ def resolve_imaging(
     Raises
     ------
     BeamGeometryError
-        When the probe is needed and cannot be told.
+        When the probe is needed and cannot be told, or sweeps that were joined have configurations that contradict each other.
     """
     configuration = sequence.configuration
+    _require_one_imaging(sequence, need_probe and probe is None, region is None)
     known = known_imaging(configuration, need_probe, region, probe)
     if known is not None:
         return replace(known, notes=_about_black_surround(sequence, known.region)) if region is None else known
@@ -203,6 +205,25 @@ def resolve_imaging(
         return recognized_imaging(sequence.images, poses, configuration, need_probe, region, probe)
     except BeamGeometryError as error:
         raise BeamGeometryError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
+
+
+def _require_one_imaging(sequence: TrackedSequence, about_probe: bool, about_region: bool) -> None:
+    """Return if sweeps that were joined show the same part of the image alike, as far as that is left to their configurations."""
+    first, names = sequence.configuration, names_of(sequence.parts)
+    for other, name in zip(sequence.parts, names, strict=True):
+        if about_region and other.configuration.imaged_region != first.imaged_region:
+            raise BeamGeometryError(
+                "The configurations of {first} and {other} name different parts of the image. Give --clip-px X Y W H for all, or "
+                "reconstruct them one by one.",
+                first=names[0],
+                other=name,
+            )
+        if about_probe and other.configuration.probe != first.probe:
+            raise BeamGeometryError(
+                "The configurations of {first} and {other} name different probes. Give --probe for all, or reconstruct them one by one.",
+                first=names[0],
+                other=name,
+            )
 
 
 def _about_black_surround(sequence: TrackedSequence, region: ImageRegion) -> tuple[str, ...]:

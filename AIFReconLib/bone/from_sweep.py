@@ -220,11 +220,15 @@ def bone_from_sweep(
     best = np.zeros(grid.voxels, dtype=np.float32)
     weight, distance = np.zeros(grid.voxels), np.zeros(grid.voxels)
     offsets = np.arange(-SLAB, SLAB + 0.25 * spacing, 0.5 * spacing)
-    finder = BoneEchoFinder(sequence.frame_size, pixel_spacing(matrices[0]), imaging)
+    # Sweeps that were joined may differ in depth
+    ends, finders = np.cumsum([len(each) for each in sequence.parts]), {}
     for done, frame in enumerate(tracked_frames(sequence, poses, usable)):
         report(progress, done / len(usable), "Looking for bone in the sweep")
         image, image_to_reference = frame.placed()
-        echoes = finder.find(image)
+        sweep = int(np.searchsorted(ends, frame.number, side="right"))
+        if sweep not in finders:
+            finders[sweep] = BoneEchoFinder(sequence.frame_size, pixel_spacing(image_to_reference), imaging)
+        echoes = finders[sweep].find(image)
         image_to_ijk = grid.reference_to_ijk @ image_to_reference
         np.maximum.at(best, _voxels(echoes.pixels, image_to_ijk, grid), echoes.scores)
         along = echoes.pixels[:, None, :] + offsets[None, :, None] * echoes.beams[:, None, :]

@@ -19,7 +19,9 @@ def add_to(commands: Commands) -> None:
         description="Make the bone probability map that the reconstruction would use, to look at or to reuse with --bone-probability.",
     )
     parser.add_argument("labels", type=Path, metavar="LABELS", help="segmentation of the CT; any label above 0 is bone")
-    parser.add_argument("--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)")
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)"
+    )
     add_sigma_options(parser)
     parser.set_defaults(run=run)
 

@@ -63,7 +63,7 @@ def add_to(commands: Commands) -> None:
         "method, draw the results beside the CT, and measure how well each shows bone.",
     )
     parser.add_argument(
-        "--output", type=Path, default=Path("demo-output"), metavar="DIR", help="folder to write into (default: %(default)s)"
+        "-o", "--output", type=Path, default=Path("demo-output"), metavar="DIR", help="folder to write into (default: %(default)s)"
     )
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="which patient (default: 0)")
     parser.set_defaults(run=run)

@@ -22,9 +22,11 @@ from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels, read_volume
 from ..message import columns
 from ..progress import part
+from ..sweep.joined import joined
 from .console import ProgressBar
 from .options import Commands, add_imaging_options, imaging_from, real_path, refuse_to_overwrite
 from .reconstruct import add_tracking_options
+from .sequence_options import of_each
 
 EXAMPLE = """examples:
   aifrecon evaluate average.nrrd weighted.nrrd --bone lumbar.nrrd --bone-transform CTToReference.tfm \\
@@ -62,7 +64,14 @@ def add_to(commands: Commands) -> None:
         "--ct", type=Path, metavar="VOLUME", help="CT in the frame of the labels, for the report to show beside the volumes"
     )
     sweep = parser.add_argument_group("sweep", "decides which bone the beams could reach; without one all bone in the volume counts")
-    sweep.add_argument("--sweep", type=Path, metavar="SEQUENCE", help="tracked frames that the volumes were made from")
+    sweep.add_argument(
+        "--sweep",
+        type=Path,
+        nargs="+",
+        default=[],
+        metavar="SEQUENCE",
+        help="frames that the volumes were made from, one or more sweeps",
+    )
     sweep.add_argument(
         "--beam-thickness",
         type=float,
@@ -70,14 +79,15 @@ def add_to(commands: Commands) -> None:
         metavar="MM",
         help="width of the beam across the image plane (default: %(default)g)",
     )
-    add_tracking_options(parser)
+    add_tracking_options(parser, several=True)
     add_imaging_options(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Read, measure, print, write."""
-    inputs = [*arguments.volumes, arguments.bone, arguments.bone_transform, arguments.ct, arguments.mask, arguments.sweep, arguments.config]
+    of_sweep = [*arguments.sweep, *(arguments.config or [])]
+    inputs = [*arguments.volumes, arguments.bone, arguments.bone_transform, arguments.ct, arguments.mask, *of_sweep]
     outputs = [path for path in (arguments.csv, arguments.report) if path]
     refuse_to_overwrite(outputs, inputs)
     for path in outputs:
@@ -146,7 +156,7 @@ def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
 
 
 def _beams(arguments: argparse.Namespace) -> SweepBeams:
-    sequence = read_sequence(arguments.sweep, config=arguments.config)
+    sequence = joined(read_sequence(one.sequence, config=one.config) for one in of_each(arguments, arguments.sweep))
     region, probe = imaging_from(arguments, sequence.configuration, sequence.images)
     return SweepBeams.of_sequence(
         sequence,
@@ -168,7 +178,7 @@ def _report(
     facts = {"Bone": arguments.bone.name, "Registration": arguments.bone_transform.name if arguments.bone_transform else "none needed"}
     facts["Measured"] = f"where {arguments.mask.name} is not 0" if arguments.mask else "where a volume is not 0"
     if frames is not None:
-        facts["Sweep"] = f"{arguments.sweep.name}, {frames} frames with a pose"
+        facts["Sweep"] = f"{', '.join(path.name for path in arguments.sweep)}, {frames} frames with a pose"
         facts["Beam"] = f"{arguments.beam_thickness:g} mm across the image plane"
     return Report(
         title="How well volumes show bone",

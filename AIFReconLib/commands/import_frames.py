@@ -42,7 +42,7 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument("images", type=Path, nargs="+", metavar="IMAGES", help="files or a folder, in natural order (2 before 10)")
     parser.add_argument("--poses", type=Path, required=True, metavar="FILE", help="one pose per image, or with times or names of images")
-    parser.add_argument("--output", type=Path, required=True, metavar="SEQUENCE", help=f"where to write ({', '.join(SUFFIXES)})")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="SEQUENCE", help=f"where to write ({', '.join(SUFFIXES)})")
     parser.add_argument(
         "--transform",
         required=True,

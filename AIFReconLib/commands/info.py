@@ -17,7 +17,7 @@ from ..sweep.pose_tracks import LONGEST_GAP
 from .console import ProgressBar, program, shell_words
 from .options import Commands
 from .reconstruct import add_tracking_options
-from .sequence_options import add_sequence_options, sequence_from
+from .sequence_options import add_sequence_options, of_each, sequence_from
 
 NOT_READY = 1
 """Exit code where a sequence cannot be reconstructed."""
@@ -34,14 +34,14 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, e.g. sweep.igs.mha; one or more")
     parser.add_argument("--json", action="store_true", help="print JSON instead of text (of several sequences: a list)")
-    add_tracking_options(parser)
+    add_tracking_options(parser, several=True)
     add_sequence_options(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Read and report; the answer is the exit code."""
-    each = [argparse.Namespace(**{**vars(arguments), "sequence": path}) for path in arguments.sequences]
+    each = of_each(arguments, arguments.sequences)
     texts, dicts, ready = [], [], True
     with ProgressBar() as progress:
         for number, one in enumerate(each):

@@ -38,7 +38,7 @@ from .options import (
     settings_from,
 )
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
-from .reconstruct import SIDE_OUTPUTS, add_tracking_options, add_tuning_options, add_volume_options, describe
+from .reconstruct import FIRST_OPTIONS, SIDE_OUTPUTS, add_tracking_options, add_tuning_options, add_volume_options, describe
 
 EXAMPLE = """examples:
   aifrecon live --host 192.168.0.12 --output volume.nrrd
@@ -95,7 +95,9 @@ def add_to(commands: Commands) -> None:
         help="do not interpolate between poses farther apart than this [s] (default: %(default)g)",
     )
     scan = parser.add_argument_group("scan")
-    scan.add_argument("--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)")
+    scan.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)"
+    )
     scan.add_argument(
         "--record",
         type=Path,
@@ -117,6 +119,7 @@ def add_to(commands: Commands) -> None:
     add_importance_option(add_imaging_options(parser))
     add_preview_option(add_volume_options(parser))
     add_tuning_options(parser)
+    parser.show_first("host", "port", "record", "seconds", *(name for name in FIRST_OPTIONS if name != "bone_from_sweep"), "quiet")
     parser.set_defaults(run=run)
 
 

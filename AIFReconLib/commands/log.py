@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import logging
+import os
 import shlex
 import shutil
 import sys
@@ -30,8 +31,20 @@ _LINE = logging.Formatter("%(asctime)s %(levelname)s [%(threadName)s] %(name)s: 
 def add_log_options(parser: argparse.ArgumentParser) -> None:
     """The options that every command has."""
     group = parser.add_argument_group("what happens meanwhile")
-    group.add_argument("--verbose", action="store_true", help="tell what happens, on standard error")
+    loudness = group.add_mutually_exclusive_group()
+    loudness.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    loudness.add_argument("--verbose", action="store_true", help="tell what happens, on standard error")
     group.add_argument("--log", type=Path, metavar="FILE", help="append what happens to this file, with the details of errors")
+
+
+@contextlib.contextmanager
+def quiet_as_asked(arguments: argparse.Namespace) -> Iterator[None]:
+    """Within the block nothing is printed where --quiet asks for that; what ends the block is said outside it."""
+    if not arguments.quiet:
+        yield
+        return
+    with open(os.devnull, "w", encoding="utf-8") as nowhere, contextlib.redirect_stdout(nowhere), contextlib.redirect_stderr(nowhere):
+        yield
 
 
 @contextlib.contextmanager

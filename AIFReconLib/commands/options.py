@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import TypeAlias
@@ -27,8 +27,9 @@ from ..settings import ReconstructionSettings, rule_of
 from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
+from .one_line_parser import OneLineParser
 
-Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+Commands: TypeAlias = "argparse._SubParsersAction[OneLineParser]"
 """What a command adds itself to."""
 
 PARAMETERS = {spec.name: rule_of(spec.metadata) for spec in fields(ReconstructionSettings)}
@@ -67,23 +68,6 @@ def settings_from(arguments: argparse.Namespace) -> ReconstructionSettings:
     """The settings that the given options ask for; options that were not given keep their defaults."""
     given = {name: value for name in PARAMETERS if (value := getattr(arguments, name, None)) is not None}
     return replace(ReconstructionSettings(), **given)
-
-
-class SpacingAction(argparse.Action):
-    """One number, or three."""
-
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: str | Sequence[object] | None,
-        option_string: str | None = None,
-    ) -> None:
-        """Take the number, or the three."""
-        numbers = tuple(values or ())
-        if len(numbers) not in (1, 3):
-            parser.error(f"argument {option_string}: takes one number or three (x y z), got {len(numbers)}")
-        setattr(namespace, self.dest, numbers[0] if len(numbers) == 1 else numbers)
 
 
 def add_bone_options(parser: argparse.ArgumentParser) -> None:

@@ -10,25 +10,22 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import difflib
 import errno
-import itertools
 import os
 import sys
-from collections.abc import Sequence
-from typing import Any, NoReturn
 
 from .. import __version__
 from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
-from ..message import LONGEST_QUOTE, one_line, shorten
+from ..message import one_line
 from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, preview, reconstruct, register, replay, simulate
 from .console import prepare_streams
-from .log import add_log_options, logging_as_asked
+from .log import add_log_options, logging_as_asked, quiet_as_asked
+from .one_line_parser import BAD_INPUT, OneLineParser
 from .signals import OrderlyEnd, orderly_end
 
 COMMANDS = (demo, reconstruct, preview, register, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
 
-SUCCESS, REFUSED, BAD_INPUT = 0, 1, 2
+SUCCESS, REFUSED = 0, 1
 
 _OF_PRINTING = (errno.ENOSPC, errno.EIO)
 """Errors of a full disk or a terminal that is gone. Those of our files come as `OutputError`, and commands print last."""
@@ -38,49 +35,6 @@ _INTERRUPTED = "Interrupted. No file is left half-written."
 _NO_MEMORY = (
     "There is not enough memory. End other programs, or use a larger --spacing, a smaller part of the image (--clip-px) or of the sweep."
 )
-
-
-class OneLineParser(argparse.ArgumentParser):
-    """Reports wrong arguments in one line, like every other error, and says what may have been meant."""
-
-    def __init__(self, *arguments: Any, **options: Any):
-        super().__init__(*arguments, **options)
-        self.register("type", float, _number)
-        self.register("type", int, _whole_number)
-
-    def parse_known_args(  # type: ignore[override]  # argparse calls it with these; its overloads are of namespaces of other kinds
-        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
-    ) -> tuple[argparse.Namespace, list[str]]:
-        """Look for mistyped options first; otherwise what is missing without them would be named instead."""
-        if args is not None and self._subparsers is None:
-            self._refuse_unknown(args)
-        return super().parse_known_args(args, namespace)
-
-    def _refuse_unknown(self, given: Sequence[str]) -> None:
-        known = list(self._option_string_actions)
-        for word in itertools.takewhile(lambda word: word != "--", given):
-            name = word.partition("=")[0]
-            if name.startswith("--") and " " not in name and not any(option.startswith(name) for option in known):
-                near = difflib.get_close_matches(name, known, n=1)
-                self.error(f"there is no option {name}{f', perhaps {near[0]} is meant' if near else ''}")
-
-    def error(self, message: str) -> NoReturn:
-        """Say what is wrong and where help is, and exit."""
-        self.exit(BAD_INPUT, f"{self.prog}: {one_line(shorten(message, LONGEST_QUOTE))}. See {self.prog} --help.\n")
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be a number such as 0.5, without a unit; got {text!r}") from None
-
-
-def _whole_number(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be a whole number; got {text!r}") from None
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -114,13 +68,14 @@ def main(argv: list[str] | None = None) -> int:
         0, 1, 2, or 128 and the number of the signal that ended it.
     """
     prepare_streams()
+    words = sys.argv[1:] if argv is None else argv
     try:
-        arguments = build_parser().parse_args(argv)
+        arguments = build_parser().parse_args(words or ["--help"])
     except SystemExit as stop:  # argparse has printed help, the version or its one line
         return int(stop.code or 0)
     end, code = OrderlyEnd(), SUCCESS
     try:
-        with orderly_end(end), logging_as_asked(arguments, sys.argv[1:] if argv is None else argv):
+        with orderly_end(end), quiet_as_asked(arguments), logging_as_asked(arguments, words):
             code = arguments.run(arguments)
     except (KeyboardInterrupt, OperationCanceled):
         return _fail(_INTERRUPTED, end.exit_code)

@@ -27,7 +27,7 @@ def add_to(commands: Commands) -> None:
         "and a maximum intensity projection.",
     )
     parser.add_argument("volume", type=Path, metavar="VOLUME", help="a reconstruction")
-    parser.add_argument("--output", type=Path, required=True, metavar="FILE.png", help="where to draw")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE.png", help="where to draw")
     parser.add_argument(
         "--bone-labels", "--labels", type=Path, metavar="LABELS", help="segmentation of the CT: its outline is drawn, and says where to cut"
     )

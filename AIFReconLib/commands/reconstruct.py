@@ -23,11 +23,12 @@ from ..reconstruction import reconstruct
 from ..registration.comparison import compared_lines
 from ..settings import BONE_METHODS
 from ..sweep.frames import TrackedSequence
+from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
 from .console import ProgressBar
+from .one_line_parser import NumbersAction, numbers
 from .options import (
     Commands,
-    SpacingAction,
     add_bone_options,
     add_imaging_options,
     add_importance_option,
@@ -39,13 +40,16 @@ from .options import (
     settings_from,
 )
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
-from .sequence_options import add_sequence_options, sequence_from, sequence_inputs
+from .sequence_options import add_sequence_options, of_each, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
       --bone-transform CTToReference.tfm --output volume.nrrd
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
+
+FIRST_OPTIONS = ("config", "bone_labels", "bone_transform", "bone_from_sweep", "method", "spacing", "grid_like", "hole_limit", "preview")
+"""What most need, here and in a live scan."""
 
 SIDE_OUTPUTS = ("score", "hits", "mask", "cosine")
 
@@ -59,10 +63,18 @@ def add_to(commands: Commands) -> None:
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("sequence", type=Path, metavar="SEQUENCE", help="tracked frames, e.g. sweep.igs.mha")
-    parser.add_argument("--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)")
+    parser.add_argument(
+        "sequences",
+        type=Path,
+        nargs="+",
+        metavar="SEQUENCE",
+        help="tracked frames, e.g. sweep.igs.mha; one or more sweeps",
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)"
+    )
     add_setting(parser, "method")
-    add_tracking_options(parser)
+    add_tracking_options(parser, several=True)
     add_sequence_options(parser)
     add_bone_options(parser)
     add_importance_option(add_imaging_options(parser))
@@ -70,13 +82,17 @@ def add_to(commands: Commands) -> None:
     add_preview_option(volume)
     volume.add_argument("--report", type=Path, metavar="FILE", help="also write a report of the tracking and of what was done, as JSON")
     add_tuning_options(parser)
+    parser.show_first(*FIRST_OPTIONS, "report", "quiet")
     parser.set_defaults(run=run)
 
 
-def add_tracking_options(parser: argparse.ArgumentParser) -> None:
-    """Configuration and frames of reference."""
+def add_tracking_options(parser: argparse.ArgumentParser, several: bool = False) -> None:
+    """Configuration, or one for each of several sequences, and frames of reference."""
     tracking = parser.add_argument_group("tracking")
-    tracking.add_argument("--config", type=Path, metavar="PLUS.xml", help="Plus configuration: calibration, region, spacing")
+    meaning = "Plus configuration: calibration, region, spacing"
+    if several:
+        meaning += "; of several sequences once, or once for each"
+    tracking.add_argument("--config", type=Path, action="append" if several else "store", metavar="PLUS.xml", help=meaning)
     tracking.add_argument(
         "--image-to-reference",
         metavar="NAME",
@@ -90,7 +106,7 @@ def add_volume_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGro
     volume = parser.add_argument_group("volume")
     where = volume.add_mutually_exclusive_group()
     where.add_argument("--grid-like", type=Path, metavar="VOLUME", help="use the voxels of this volume (any orientation)")
-    where.add_argument("--spacing", type=float, nargs="+", action=SpacingAction, metavar="MM", help="voxel size, one number or x y z")
+    where.add_argument("--spacing", action=NumbersAction, type=numbers, metavar="MM", help="voxel size, one number or x y z")
     add_setting(volume, "hole_limit", metavar="MM")
     add_setting(volume, "holes")
     add_setting(volume, "output_type")
@@ -114,7 +130,13 @@ def run(arguments: argparse.Namespace) -> None:
     """Read, reconstruct, write, and say what was done."""
     started = time.perf_counter()
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
-    inputs = [*sequence_inputs(arguments), arguments.bone_labels, arguments.bone_probability, arguments.grid_like]
+    each = of_each(arguments, arguments.sequences)
+    inputs = [
+        *(path for one in each for path in sequence_inputs(one)),
+        arguments.bone_labels,
+        arguments.bone_probability,
+        arguments.grid_like,
+    ]
     refuse_to_overwrite(
         [*outputs.values(), arguments.preview, arguments.report], [*inputs, arguments.bone_transform, arguments.importance_mask]
     )
@@ -125,7 +147,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.report:
         check_writable(arguments.report)
     with ProgressBar() as progress:
-        sequence = sequence_from(arguments)
+        sequence = joined(sequence_from(one) for one in each)
         region, probe = imaging_from(arguments, sequence.configuration, sequence.images)
         bone = bone_from(arguments, sequence, region, probe, part(progress, 0.0, 0.1))
         grid = read_volume(arguments.grid_like).grid if arguments.grid_like else None
@@ -146,7 +168,10 @@ def run(arguments: argparse.Namespace) -> None:
             getattr(result, name).write(path)
         drawn = write_preview(result, arguments)
     agreement = _agreement(arguments, sequence, region, probe, result.method)
-    tracking = tracking_report(sequence, sweep_poses(sequence, arguments.image_to_reference, arguments.reference), result)
+    tracking = {
+        share.name: tracking_report(part_of_it, sweep_poses(part_of_it, arguments.image_to_reference, arguments.reference), result, number)
+        for number, (share, part_of_it) in enumerate(zip(result.sweeps, sequence.parts, strict=True))
+    }
     if arguments.report:
         write_text(arguments.report, json.dumps({**report_of(result, tracking, outputs), "agreement": agreement}, indent=2) + "\n")
     files = [path for path in (*outputs.values(), *drawn, arguments.report) if path]
@@ -173,8 +198,9 @@ def _agreement(
     return [str(line) for line in lines]
 
 
-def report_of(result: Reconstruction, tracking: TrackingReport, outputs: dict[str, Path | None]) -> dict[str, object]:
-    """What was done, for JSON."""
+def report_of(result: Reconstruction, tracking: dict[str, TrackingReport], outputs: dict[str, Path | None]) -> dict[str, object]:
+    """What was done, for JSON; of several sweeps a list of what each gave."""
+    sweeps = [{"sequence": name, **report.to_dict()} for name, report in tracking.items()]
     return {
         "method": result.method,
         "grid": {
@@ -182,7 +208,7 @@ def report_of(result: Reconstruction, tracking: TrackingReport, outputs: dict[st
             "spacing_mm": [round(float(value), 6) for value in result.grid.spacing],
             "ijk_to_reference": result.grid.ijk_to_reference.tolist(),
         },
-        "tracking": tracking.to_dict(),
+        "tracking": sweeps if len(sweeps) > 1 else next(iter(tracking.values())).to_dict(),
         "notes": list(result.notes),
         "files": {name: str(path) for name, path in outputs.items() if path},
     }
@@ -193,10 +219,13 @@ def describe(
     frames: int,
     seconds: float,
     files: list[Path],
-    tracking: TrackingReport | None = None,
+    tracking: dict[str, TrackingReport] | None = None,
     agreement: list[str] | None = None,
 ) -> str:
-    """What was done, in a few lines."""
+    """What was done, in a few lines; `tracking` by the names of the sweeps."""
     first, *others = summary_lines(result, frames, seconds)
-    findings = tracking.findings_on_poses() if tracking else []
+    tracking = tracking or {}
+    findings = [
+        f"{name}: {line}" if len(tracking) > 1 else line for name, report in tracking.items() for line in report.findings_on_poses()
+    ]
     return "\n  ".join([first, *others, *(agreement or []), *findings, *(f"wrote {path}" for path in files)])

@@ -18,7 +18,7 @@ from ..registration.segments import placed_labels
 from .console import ProgressBar
 from .options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
 from .reconstruct import add_tracking_options
-from .sequence_options import add_sequence_options, sequence_from, sequence_inputs
+from .sequence_options import add_sequence_options, of_each, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
   aifrecon register sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output CTToReference.tfm
@@ -41,6 +41,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, one or more sweeps in one Reference")
     parser.add_argument("--bone-labels", type=Path, required=True, metavar="LABELS", help="segmentation of the CT, one label per vertebra")
     parser.add_argument(
+        "-o",
         "--output",
         type=Path,
         required=True,
@@ -55,7 +56,7 @@ def add_to(commands: Commands) -> None:
     result.add_argument("--accept", action="store_true", help="write the best place even if it is ambiguous or does not agree")
     result.add_argument("--report", type=Path, metavar="FILE.json", help="also write numbers, alternatives and what is not held")
     result.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes on the bone (needs matplotlib)")
-    add_tracking_options(parser)
+    add_tracking_options(parser, several=True)
     add_sequence_options(parser)
     add_imaging_options(parser)
     parser.set_defaults(run=run)
@@ -64,8 +65,8 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Read, register, write, and say how sure it is."""
     outputs = [arguments.output, arguments.labels_output, arguments.report, arguments.preview]
-    of_each = [argparse.Namespace(**{**vars(arguments), "sequence": path}) for path in arguments.sequences]
-    inputs = [path for one in of_each for path in sequence_inputs(one)]
+    each = of_each(arguments, arguments.sequences)
+    inputs = [path for one in each for path in sequence_inputs(one)]
     refuse_to_overwrite(outputs, [*inputs, arguments.bone_labels, arguments.bone_transform])
     for path in (arguments.output, arguments.report, arguments.preview):
         if path:
@@ -79,7 +80,7 @@ def run(arguments: argparse.Namespace) -> None:
     with ProgressBar() as progress:
         labels = read_labels(arguments.bone_labels)
         start = read_transform(arguments.bone_transform) if arguments.bone_transform else None
-        sequences = [sequence_from(one) for one in of_each]
+        sequences = [sequence_from(one) for one in each]
         region, probe = imaging_from(arguments, sequences[0].configuration, sequences[0].images)
         found = register(
             sequences,

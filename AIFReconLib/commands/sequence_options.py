@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from ..errors import SettingsError
 from ..io.sequence.files import read_sequence
 from ..sweep.frames import TrackedSequence
 from ..sweep.pose_tracks import LONGEST_GAP
@@ -59,6 +60,32 @@ def add_sequence_options(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="do not interpolate between poses farther apart than this [s] (default: %(default)g)",
     )
+
+
+def of_each(arguments: argparse.Namespace, paths: Sequence[Path]) -> list[argparse.Namespace]:
+    """The arguments for each of several sequences, with the sequence's own configuration where there is one for each.
+
+    Raises
+    ------
+    SettingsError
+        When configurations are neither one nor one for each, or transforms of one sequence are given for several.
+    """
+    configs = arguments.config or [None]
+    if len(configs) not in (1, len(paths)):
+        raise SettingsError(
+            "--config is given {configs} times for {sequences} sequence(s). Give it once, or once for each in their order.",
+            configs=len(configs),
+            sequences=len(paths),
+        )
+    if len(paths) > 1 and getattr(arguments, "transform_sequence", None):
+        raise SettingsError(
+            "--transform-sequence belongs to one sequence, and {sequences} are given. Make one file of each pair with aifrecon convert.",
+            sequences=len(paths),
+        )
+    configs = configs * len(paths) if len(configs) == 1 else configs
+    return [
+        argparse.Namespace(**{**vars(arguments), "sequence": path, "config": config}) for path, config in zip(paths, configs, strict=True)
+    ]
 
 
 def sequence_from(arguments: argparse.Namespace) -> TrackedSequence:

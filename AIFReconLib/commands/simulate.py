@@ -58,7 +58,7 @@ def add_to(commands: Commands) -> None:
         description="Write a simulated patient: CT and segmentation, their registration, and a tracked ultrasound sweep with its "
         "configuration. The same seed gives the same patient.",
     )
-    parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder to write into; made if it is not there")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder to write into; made if it is not there")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="which patient (default: 0)")
     parser.add_argument("--path", choices=tuple(PATHS), default="multi-angle", help="how the probe moves (default: multi-angle)")
     parser.add_argument("--frames", type=int, default=144, metavar="N", help="frames of the sweep (default: %(default)s)")

@@ -36,6 +36,7 @@ from .splat_engine import SplatEngine, check_shares, splat_engine, uses_shares
 from .state import VoxelState, bytes_per_voxel
 
 if TYPE_CHECKING:
+    from ..sweep.joined import SweepShare
     from .compiled.numba_engine import NumbaEngine
 
 
@@ -58,11 +59,13 @@ class Reconstruction(Described):
     method : str
     frames_inserted : int
     skipped : dict of str to list of int
-        Numbers of the frames that were not inserted, by reason.
+        Numbers of the frames that were not inserted, by reason; of several sweeps numbered through.
     notes : tuple of str
         What a user should know about how this result came about.
     hole_limit : float, mm
         Up to which holes were filled, as given or as chosen; 0 where they were not, or in the configuration's own way.
+    sweeps : tuple of SweepShare
+        What each recorded sweep gave; none where frames came one by one.
     """
 
     intensity: Volume
@@ -75,6 +78,7 @@ class Reconstruction(Described):
     skipped: dict[str, list[int]]
     notes: tuple[str, ...] = ()
     hole_limit: float = 0.0
+    sweeps: tuple[SweepShare, ...] = ()
 
     def _facts(self) -> list[tuple[str, str]]:
         skipped = sum(map(len, self.skipped.values()))
@@ -207,8 +211,7 @@ class Reconstructor:
             self._engine_class = NumpyEngine
             self._notes.append(Message("A sector's speed of sound is corrected for by the slower numpy engine. The voxels are the same."))
         self._threads = threads
-        cost = bytes_per_voxel(self.method, self._needs_beams, self.settings.best_cosine, self._shares)
-        require_memory(grid.size, grid.spacing, cost)
+        require_memory(grid.size, grid.spacing, bytes_per_voxel(self.method, self._needs_beams, self.settings.best_cosine, self._shares))
         self._bone = self._place_bone(bone, progress) if bone is not None and self._needs_beams else None
         self._state: VoxelState | None = VoxelState.empty(grid, self.method, self.settings.best_cosine, self._shares)
         self._layout: PixelLayout | None = None

@@ -6,6 +6,7 @@ This is geometry alone: fan, thickness of the beam and occlusion by bone. How st
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,7 @@ from ..imaging.region import ImageRegion
 from ..progress import Progress, part, report
 from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
+from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
 from .surface import BoneSurface, bone_surface, centers_of_mass, distance_from_labels, interspinous_border
 
@@ -76,7 +78,7 @@ class SweepBeams:
     @classmethod
     def of_sequence(
         cls,
-        sequence: TrackedSequence,
+        sequence: TrackedSequence | Iterable[TrackedSequence],
         *,
         image_to_reference: str | None = None,
         reference: str | None = None,
@@ -84,7 +86,8 @@ class SweepBeams:
         probe: ProbeGeometry | None = None,
         thickness: float = BEAM_THICKNESS,
     ) -> SweepBeams:
-        """The beams of a recorded sequence, from the same arguments as `reconstruct`; `thickness` in mm across the image plane."""
+        """The beams of one or more sequences, from the same arguments as `reconstruct`; `thickness` in mm across the image plane."""
+        sequence = joined(sequence)
         poses = sweep_poses(sequence, image_to_reference, reference)
         usable = poses.require_usable(sequence.name)
         imaging = resolve_imaging(sequence, poses, True, region, probe)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..holes.nearest import FILLED, MEASURED
 from ..message import Message
-from ..sweep.poses import describe_frames
+from ..sweep.poses import describe_frames, describe_skipped
 
 if TYPE_CHECKING:
     from ..compounding.reconstructor import Reconstruction
@@ -39,9 +39,21 @@ def summary_lines(result: Reconstruction, frames: int, seconds: float | None = N
     return [
         done if seconds is None else Message("{done}, in {seconds:.1f} s", done=done, seconds=seconds),
         describe_coverage(measured / grid.voxels, filled / grid.voxels if filled else None),
-        *(Message("skipped: {frames}: {reason}", frames=describe_frames(n), reason=reason) for reason, n in result.skipped.items()),
+        *_skipped(result),
         *result.notes,
     ]
+
+
+def _skipped(result: Reconstruction) -> list[Message]:
+    """Which frames did not enter; of several sweeps, what each gave, with its own numbers."""
+    if len(result.sweeps) < 2:
+        return [Message("skipped: {frames}: {reason}", frames=describe_frames(n), reason=reason) for reason, n in result.skipped.items()]
+    lines = []
+    for sweep in result.sweeps:
+        done = Message("{sweep}: {used} of {frames} frames", sweep=sweep.name, used=sweep.inserted, frames=sweep.frames)
+        why = describe_skipped(sweep.skipped)
+        lines.append(Message("{done}; skipped: {reasons}", done=done, reasons=why) if sweep.skipped else done)
+    return lines
 
 
 def describe_coverage(measured: float, filled: float | None = None) -> Message:

@@ -144,7 +144,7 @@ class TrackingReport:
         }
 
 
-def tracking_report(sequence: TrackedSequence, poses: SweepPoses, result: Reconstruction | None = None) -> TrackingReport:
+def tracking_report(sequence: TrackedSequence, poses: SweepPoses, result: Reconstruction | None = None, number: int = 0) -> TrackingReport:
     """The report of a sweep.
 
     Parameters
@@ -155,10 +155,14 @@ def tracking_report(sequence: TrackedSequence, poses: SweepPoses, result: Recons
         As `sweep_poses` finds them.
     result : Reconstruction or None
         What became of it: then frames count as used when they were inserted, and coverage is known.
+    number : int
+        Which of the result's sweeps it is.
     """
     used, skipped, coverage = len(poses.usable), poses.skipped(), None
     if result is not None:
         used, skipped = result.frames_inserted, dict(result.skipped)
+        if len(result.sweeps) > 1:
+            used, skipped = result.sweeps[number].inserted, result.sweeps[number].skipped
         mask = result.mask.array
         coverage = Coverage(int(mask.size), int((mask == MEASURED).sum()), int((mask == FILLED).sum()))
     numbers = np.array([n for n in time_order(sequence) if poses.problems[n] is None], dtype=np.int64)

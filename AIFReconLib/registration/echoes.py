@@ -20,7 +20,7 @@ from ..message import listed
 from ..progress import Progress, part, report
 from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
-from ..sweep.poses import sweep_poses, time_order, tracked_frames
+from ..sweep.poses import poses_of_each, time_order, tracked_frames
 
 MOST_FRAMES = 240
 """Frames of all sweeps together that are looked at, evenly among them: time and memory do not grow with a recording's length."""
@@ -132,11 +132,11 @@ def sweep_echoes(
     GeometryError
         When fewer than `FEWEST` echoes are found.
     """
-    sequences = [sequences] if isinstance(sequences, TrackedSequence) else list(sequences)
+    given = [sequences] if isinstance(sequences, TrackedSequence) else list(sequences)
+    sequences = [each for sequence in given for each in sequence.parts]
     placed = []
-    for sequence in sequences:
-        poses = sweep_poses(sequence, image_to_reference, reference)
-        usable = poses.require_usable(sequence.name)
+    for sequence, poses in zip(sequences, poses_of_each(sequences, image_to_reference, reference), strict=True):
+        usable = poses.usable
         order = time_order(sequence)
         placed.append((sequence, poses, order[np.isin(order, usable)]))
     every = max(sum(len(order) for *_, order in placed) / most_frames, 1.0)

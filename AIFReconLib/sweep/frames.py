@@ -128,6 +128,11 @@ class TrackedSequence(Described):
         """The file's name, or "sequence" for one made in memory."""
         return self.path.name if self.path else "sequence"
 
+    @property
+    def parts(self) -> tuple[TrackedSequence, ...]:
+        """The sweeps that it is made of: itself, or those that were joined."""
+        return (self,)
+
     def transform_names(self) -> list[TransformName]:
         """Every transform that occurs in any frame or in the header, in order of appearance."""
         names = dict.fromkeys(self.transforms)

@@ -18,6 +18,10 @@ from ..geometry.transforms import invert, why_not_affine, why_not_an_image_pose,
 from ..message import Message, listed
 from .configuration import PlusConfiguration
 from .frames import TrackedFrame, TrackedSequence
+from .joined import JoinedSequence, names_of
+
+FARTHEST_APART = 1000.0
+"""mm between two sweeps that no patient's spine spans."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +97,11 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     ------
     TransformError
         When no chain, or more than one, leads from image to reference.
+    GeometryError, NoUsableFramesError
+        When sweeps that were joined are plainly not in one frame, or one of them has no frame that can be placed.
     """
+    if isinstance(sequence, JoinedSequence):
+        return _joined_poses(sequence, image_to_reference, reference)
     wanted, named = chain_ends(sequence.configuration, image_to_reference, reference)
     recorded = sequence.transform_names()
     configured = sequence.configuration.transforms
@@ -118,6 +126,57 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     return SweepPoses(matrices, tuple(problems), path, tuple(notes))
 
 
+def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str | None, reference: str | None) -> list[SweepPoses]:
+    """The poses of each of several sweeps in one frame; the arguments are those of `sweep_poses`.
+
+    Raises
+    ------
+    GeometryError, NoUsableFramesError
+        When they are plainly not in one frame, or one of them has no frame that can be placed.
+    """
+    found: list[SweepPoses] = []
+    boxes: list[tuple[Matrix, Matrix]] = []
+    names = names_of(sequences)
+    targets = [chain_ends(sequence.configuration, image_to_reference, reference)[0].target for sequence in sequences]
+    for sequence, name, target in zip(sequences, names, targets, strict=True):
+        if target != targets[0]:
+            raise GeometryError(
+                "{first} would be placed in {one}, and {other} in {two}. Name a frame that both know with --reference.",
+                first=names[0],
+                other=name,
+                one=targets[0],
+                two=target,
+            )
+        poses = sweep_poses(sequence, image_to_reference, reference)
+        columns, rows = sequence.frame_size
+        middles = poses.image_to_reference[poses.require_usable(name), :3] @ (columns / 2, rows / 2, 0.0, 1.0)
+        low, high = middles.min(axis=0), middles.max(axis=0)
+        gaps = [float(np.linalg.norm(np.maximum(0, np.maximum(below - high, low - above)))) for below, above in boxes]
+        if gaps and min(gaps) > FARTHEST_APART:
+            raise GeometryError(
+                "{first} and {other} lie {gap:.0f} mm apart, so they are not in one {reference}: was its marker moved, or is it another "
+                "patient? Take them one by one.",
+                first=names[int(np.argmin(gaps))],
+                other=name,
+                gap=min(gaps),
+                reference=target,
+            )
+        found.append(poses)
+        boxes.append((low, high))
+    return found
+
+
+def _joined_poses(sequence: JoinedSequence, image_to_reference: str | None, reference: str | None) -> SweepPoses:
+    """Those of every sweep by its own transforms, one after the other."""
+    of_each = poses_of_each(sequence.parts, image_to_reference, reference)
+    return SweepPoses(
+        np.concatenate([poses.image_to_reference for poses in of_each]),
+        tuple(problem for poses in of_each for problem in poses.problems),
+        of_each[0].path,
+        tuple(dict.fromkeys([*sequence.notes, *(note for poses in of_each for note in poses.notes)])),
+    )
+
+
 def tracked_frames(sequence: TrackedSequence, poses: SweepPoses, numbers: Iterable[int]) -> Iterable[TrackedFrame]:
     """The frames with these numbers, one after the other, images read when asked for."""
     for number in numbers:
@@ -132,7 +191,13 @@ def tracked_frames(sequence: TrackedSequence, poses: SweepPoses, numbers: Iterab
 
 
 def time_order(sequence: TrackedSequence) -> Integers:
-    """Frame numbers in order of their timestamps; in file order where a timestamp is missing, and among equal ones."""
+    """Frame numbers in order of their timestamps; in file order where a timestamp is missing, and among equal ones.
+
+    Sweeps that were joined follow each other as they were given, whatever their clocks say.
+    """
+    if len(sequence.parts) > 1:
+        starts = np.cumsum([0, *map(len, sequence.parts[:-1])])
+        return np.concatenate([start + time_order(part) for start, part in zip(starts, sequence.parts, strict=True)])
     timestamps = [record.timestamp for record in sequence.records]
     if any(t is None or not np.isfinite(t) for t in timestamps):
         return np.arange(len(sequence))

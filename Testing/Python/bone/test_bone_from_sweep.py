@@ -23,6 +23,7 @@ from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import Imaging
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.joined import joined
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses
 
 COLUMNS, ROWS, SPACING = 120, 160, (0.25, 0.25)
@@ -311,3 +312,18 @@ def test_the_surface_of_a_real_bone_is_found_as_one_line(real_data):
     depth = echoes.pixels[:, 1] * spacing[1]
     assert len(depth) > 0.5 * looking.lines
     assert np.abs(np.diff(depth)).max() < 1.5
+
+
+def test_the_bone_of_two_sweeps_of_other_depth_does_not_depend_on_which_comes_first():
+    pose = image_pose(SPACING, (25.0, -35.0, 50.0), (12.0, -40.0, 75.0))
+    shallow, near = sweep_of([bone_image(seed) for seed in range(4)], [pose] * 4)
+    deep, far = sweep_of([bone_image(seed) for seed in range(4, 8)], [pose @ np.diag([1.6, 1.6, 1.0, 1.0])] * 4)
+    there, back = (
+        bone_from_sweep(
+            joined(sequence for sequence, _ in order),
+            SweepPoses(np.concatenate([poses.image_to_reference for _, poses in order]), (None,) * 8, ()),
+            REGIONS[LINEAR],
+        )
+        for order in (((shallow, near), (deep, far)), ((deep, far), (shallow, near)))
+    )
+    np.testing.assert_array_equal(there.probability.array, back.probability.array)

@@ -44,10 +44,6 @@ def test_the_data_file_beside_an_output_header_never_overwrites_that_of_an_input
     assert (tmp_path / "frames.zraw").read_bytes() == before
 
 
-def test_without_a_command_it_says_so_in_one_line(capsys, results):
-    assert "See aifrecon --help" in refused([], capsys, results)
-
-
 def test_a_missing_sequence_is_named(patient, results, capsys):
     line = refused(["reconstruct", results / "no.mha", "--output", results / "v.nrrd"], capsys, results)
     assert "no.mha" in line
@@ -230,6 +226,10 @@ def test_wrong_options_are_one_line(options, patient, results, capsys):
     [
         (["--ouput", "v.nrrd"], "there is no option --ouput, perhaps --output is meant"),
         (["--spacin=2", "--output", "v.nrrd", "--hole-limt", "2"], "there is no option --hole-limt, perhaps --hole-limit is meant"),
+        (["--out", "v.nrrd"], "there is no option --out, perhaps --output or --output-type is meant"),
+        (["-output", "v.nrrd"], "there is no option -output, perhaps --output is meant"),
+        (["--spacing", "1", "2", "--output", "v.nrrd"], "--spacing: takes one number or three (x y z), got 2"),
+        (["--quiet", "--verbose", "--output", "v.nrrd"], "not allowed with"),
         (["--qwxz", "--output", "v.nrrd"], "there is no option --qwxz. See"),
         (["--spacing", "0,5", "--output", "v.nrrd"], "--spacing: must be a number such as 0.5, without a unit; got '0,5'"),
         (["--skip", "1.5", "--output", "v.nrrd"], "--skip: must be a whole number; got '1.5'"),

@@ -1,0 +1,173 @@
+"""Several sweeps of one patient as one: frame after frame in the order given, each sweep with its own transforms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import accumulate
+
+import numpy as np
+
+from ..arrays import Integers, Numbers, NumberType
+from ..errors import GeometryError
+from ..imaging.images import ImageStack
+from ..message import Message
+from .configuration import PlusConfiguration
+from .frames import TrackedSequence
+
+OF_THE_VOLUME = (
+    "spacing",
+    "origin",
+    "extent",
+    "method",
+    "interpolation",
+    "uses_importance_mask",
+    "importance_mask",
+    "pixel_rejection",
+    "holes",
+    "skip",
+    "fixed_point",
+    "fits_spacing",
+)
+"""What a configuration says of the volume, of which there is one."""
+
+
+class JoinedImages:
+    """The images of several stacks, one after the other, read when asked for: an `ImageStack`."""
+
+    def __init__(self, stacks: Sequence[ImageStack]):
+        self._stacks = stacks
+        self._ends = list(accumulate(map(len, stacks)))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(frames, rows, columns)."""
+        return (self._ends[-1], *self._stacks[0].shape[1:])
+
+    @property
+    def dtype(self) -> NumberType:
+        """Type of a pixel."""
+        return self._stacks[0].dtype
+
+    def __len__(self) -> int:
+        return self._ends[-1]
+
+    def __getitem__(self, index: int, /) -> Numbers:
+        number = range(len(self))[index]
+        stack = int(np.searchsorted(self._ends, number, side="right"))
+        return self._stacks[stack][number - self._ends[stack] + len(self._stacks[stack])]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JoinedSequence(TrackedSequence):
+    """What `joined` makes of several: their frames, numbered through; the first one's configuration says how the volume is made.
+
+    Parameters
+    ----------
+    of : tuple of TrackedSequence
+        The sweeps, each with its own transforms and configuration, by which its frames are placed.
+    """
+
+    of: tuple[TrackedSequence, ...] = ()
+
+    @property
+    def parts(self) -> tuple[TrackedSequence, ...]:
+        """The sweeps."""
+        return self.of
+
+    @property
+    def name(self) -> str:
+        """The names of all."""
+        return ", ".join(names_of(self.of))
+
+
+def names_of(sequences: Iterable[TrackedSequence]) -> list[str]:
+    """Names that tell sweeps apart: the files', with their folders where two have one name, and a number where that is not enough."""
+    sequences = list(sequences)
+    names = [sequence.name for sequence in sequences]
+    long = [str(each.path) if names.count(name) > 1 and each.path else name for name, each in zip(names, sequences, strict=True)]
+    return [f"{name} ({long[:n].count(name) + 1})" if name in long[:n] else name for n, name in enumerate(long)]
+
+
+def joined(sequences: TrackedSequence | Iterable[TrackedSequence]) -> TrackedSequence:
+    """One or more sweeps as one, in the order given.
+
+    Raises
+    ------
+    GeometryError
+        When there is none, or their images differ in size or type.
+    """
+    if isinstance(sequences, TrackedSequence):
+        return sequences
+    parts = tuple(part for sequence in sequences for part in sequence.parts)
+    if not parts:
+        raise GeometryError("Input sequence must be one or more sweeps; got none.")
+    if len(parts) == 1:
+        return parts[0]
+    first, names = parts[0], names_of(parts)
+    notes = []
+    for other, name in zip(parts[1:], names[1:], strict=True):
+        if (first.frame_size, np.dtype(first.images.dtype)) != (other.frame_size, np.dtype(other.images.dtype)):
+            raise GeometryError(
+                "{first} and {other} cannot enter one volume: images of {one} and of {two}. Reconstruct them one by one.",
+                first=names[0],
+                other=name,
+                one=_kind(first),
+                two=_kind(other),
+            )
+        if other.configuration is not first.configuration and _volume_of(other.configuration) != _volume_of(first.configuration):
+            notes.append(
+                Message(
+                    "What the configuration of {other} says of the volume is not used: that of {first} is.",
+                    other=name,
+                    first=names[0],
+                )
+            )
+    return JoinedSequence(
+        JoinedImages([part.images for part in parts]),
+        [record for part in parts for record in part.records],
+        configuration=first.configuration,
+        notes=tuple(notes),
+        of=parts,
+    )
+
+
+def _kind(sequence: TrackedSequence) -> str:
+    columns, rows = sequence.frame_size
+    return f"{columns} x {rows} pixels, {np.dtype(sequence.images.dtype).name}"
+
+
+def _volume_of(configuration: PlusConfiguration) -> list[object]:
+    return [getattr(configuration, name) for name in OF_THE_VOLUME]
+
+
+@dataclass(frozen=True)
+class SweepShare:
+    """What one of several sweeps gave to a volume.
+
+    Parameters
+    ----------
+    name : str
+    frames, inserted : int
+        How many it has, and how many of them entered.
+    skipped : dict of str to list of int
+        The sweep's own numbers of those that did not, by reason.
+    """
+
+    name: str
+    frames: int
+    inserted: int
+    skipped: dict[str, list[int]]
+
+
+def shares(sequence: TrackedSequence, taken: Integers, skipped: Mapping[str, Sequence[int]]) -> tuple[SweepShare, ...]:
+    """What each sweep gave, of the frames `taken` in turn and those of them that were `skipped`, both numbered through."""
+    found, start = [], 0
+    for part, name in zip(sequence.parts, names_of(sequence.parts), strict=True):
+        end = start + len(part)
+        own = {reason: [int(n) - start for n in numbers if start <= n < end] for reason, numbers in skipped.items()}
+        own = {reason: numbers for reason, numbers in own.items() if numbers}
+        entered = int(((taken >= start) & (taken < end)).sum()) - sum(map(len, own.values()))
+        found.append(SweepShare(name, len(part), entered, own))
+        start = end
+    return tuple(found)

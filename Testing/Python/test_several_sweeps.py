@@ -1,0 +1,242 @@
+"""Several sweeps are one: the voxels of the recording that holds all frames, each placed by its own transforms."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from files import CONFIGURATION, IMAGE_TO_PROBE, refused, tracked_sequence
+from sweeps import rigid, sphere_bone
+
+from AIFReconLib.commands.parser import main
+from AIFReconLib.errors import BeamGeometryError, GeometryError, NoUsableFramesError
+from AIFReconLib.evaluation.visibility import SweepBeams
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
+from AIFReconLib.inspection.summary import summary_lines
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.machine.threads import optional_module
+from AIFReconLib.reconstruction import plan, reconstruct
+from AIFReconLib.registration.echoes import sweep_echoes
+from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.sweep.configuration import PlusConfiguration
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.joined import joined
+from AIFReconLib.sweep.poses import sweep_poses, time_order
+
+HAS_NUMBA = optional_module("AIFReconLib.compounding.compiled.numba_engine") is not None
+ENGINES = ["numpy", pytest.param("numba", marks=pytest.mark.skipif(not HAS_NUMBA, reason="numba is not installed"))]
+CONFIGURED = PlusConfiguration(
+    path=Path("made-up.xml"),
+    transforms={TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)},
+    region=ImageRegion(ClipRectangle((0, 0), (39, 29))),
+    probe=ProbeGeometry("linear"),
+    spacing=(0.9, 1.1, 1.3),
+)
+
+
+def sweep(seed=0, name=None, configuration=CONFIGURED, **options) -> TrackedSequence:
+    return replace(tracked_sequence(seed=seed, **options), configuration=configuration, path=name and Path(name))
+
+
+def three() -> list[TrackedSequence]:
+    """Oblique sweeps of different length; of the second a frame was not tracked."""
+    return [sweep(1, "a.mha", count=5), sweep(2, "b.mha", statuses={2: TransformStatus.OUT_OF_VIEW}), sweep(3, "c.mha", count=7)]
+
+
+def concatenated(sequences) -> TrackedSequence:
+    """One recording of all frames, as if one clock had run on."""
+    records = [record for sequence in sequences for record in sequence.records]
+    records = [replace(record, timestamp=0.1 * number) for number, record in enumerate(records)]
+    return TrackedSequence(np.concatenate([sequence.images for sequence in sequences]), records, configuration=CONFIGURED)
+
+
+def assert_same(ours, theirs):
+    for name in ("intensity", "score", "hits", "mask", "cosine"):
+        one, other = getattr(ours, name), getattr(theirs, name)
+        assert (one is None) == (other is None)
+        if one is not None:
+            np.testing.assert_array_equal(one.array, other.array)
+            np.testing.assert_array_equal(one.ijk_to_reference, other.ijk_to_reference)
+    assert (ours.hole_limit, ours.skipped, ours.frames_inserted) == (theirs.hole_limit, theirs.skipped, theirs.frames_inserted)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("method", METHODS)
+def test_several_sweeps_are_the_concatenated_one_to_the_last_bit(method, engine):
+    settings = ReconstructionSettings(method=method, engine=engine, output_type="float32", best_cosine=True)
+    bone = sphere_bone()
+    assert_same(reconstruct(three(), settings, bone), reconstruct(concatenated(three()), settings, bone))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_with_shares_and_every_second_frame_too(engine):
+    settings = ReconstructionSettings(method="average", interpolation="linear", skip=2, engine=engine, output_type="float32")
+    assert_same(reconstruct(three(), settings), reconstruct(concatenated(three()), settings))
+
+
+def test_what_is_recognized_in_the_images_is_recognized_in_all():
+    bare = replace(CONFIGURED, region=ImageRegion(), probe=None)
+    images = np.zeros((6, 30, 40), np.uint8)
+    images[:, 3:27, 5:35] = 90
+    sweeps = [sweep(seed, configuration=bare, images=images) for seed in (1, 2)]
+    assert_same(reconstruct(sweeps), reconstruct(replace(concatenated(sweeps), configuration=bare)))
+
+
+def test_the_order_in_which_they_are_given_counts_where_order_counts():
+    settings = ReconstructionSettings(method="latest")
+    first, second = sweep(1), sweep(2)
+    there, back = reconstruct([first, second], settings), reconstruct([second, first], settings)
+    assert (there.intensity.array != back.intensity.array).any()
+    np.testing.assert_array_equal(there.hits.array, back.hits.array)
+
+
+def test_a_clock_that_began_again_does_not_mix_them():
+    assert list(time_order(joined([sweep(1, count=3), sweep(2, count=2)]))) == [0, 1, 2, 3, 4]
+
+
+def test_each_is_placed_by_its_own_configuration():
+    """A second probe, calibrated otherwise and held so that its images lie where the first one's do, gives the same voxels."""
+    turn = rigid((10.0, 20.0, 30.0), (5.0, -4.0, 3.0))
+    other = replace(CONFIGURED, transforms={TransformName("Image", "Probe"): TransformSample(turn @ IMAGE_TO_PROBE)})
+    first, second = sweep(1), sweep(2)
+    name = TransformName("Probe", "Tracker")
+    held = [
+        replace(record, transforms={**record.transforms, name: TransformSample(record.transforms[name].matrix @ np.linalg.inv(turn))})
+        for record in second.records
+    ]
+    poses = sweep_poses(joined([first, replace(second, records=held, configuration=other)])).image_to_reference
+    np.testing.assert_allclose(poses, sweep_poses(joined([first, second])).image_to_reference, atol=1e-9)
+
+
+def test_the_report_counts_each_with_its_own_frame_numbers():
+    result = reconstruct(three())
+    assert [(share.name, share.frames, share.inserted) for share in result.sweeps] == [("a.mha", 5, 5), ("b.mha", 6, 5), ("c.mha", 7, 7)]
+    assert result.skipped == {"ProbeToTracker OUT_OF_VIEW": [7]}
+    lines = summary_lines(result, 18)
+    assert "a.mha: 5 of 5 frames" in lines
+    assert "b.mha: 5 of 6 frames; skipped: ProbeToTracker OUT_OF_VIEW: 1 frame (2)" in lines
+
+
+def test_a_plan_of_several_is_what_is_made_of_them():
+    planned, made = plan(three()), reconstruct(three())
+    assert planned.grid.size == made.grid.size
+    assert planned.hole_limit == made.hole_limit
+
+
+def test_beams_of_several_sweeps_are_those_of_all():
+    beams = SweepBeams.of_sequence(three())
+    np.testing.assert_array_equal(beams.image_to_reference, SweepBeams.of_sequence(concatenated(three())).image_to_reference)
+
+
+# ---- what cannot be joined
+
+
+def test_references_of_other_names_are_refused_with_both_names():
+    second = sweep(2, "b.mha", configuration=replace(CONFIGURED, reference_frame="Tracker"))
+    with pytest.raises(GeometryError, match=r"a\.mha would be placed in Reference, and b\.mha in Tracker"):
+        reconstruct([sweep(1, "a.mha"), second])
+
+
+def far_away(name) -> TrackedSequence:
+    """A sweep of which the reference marker was put elsewhere."""
+    moved = sweep(2, name)
+    key = TransformName("Reference", "Tracker")
+    marker = moved.records[0].transforms[key].matrix @ rigid(translation=(0.0, 3000.0, 0.0))
+    records = [replace(record, transforms={**record.transforms, key: TransformSample(marker)}) for record in moved.records]
+    return replace(moved, records=records)
+
+
+@pytest.mark.parametrize("use", [reconstruct, sweep_echoes], ids=lambda use: use.__name__)
+def test_sweeps_that_no_patient_spans_are_refused_with_both_names(use):
+    with pytest.raises(GeometryError, match=r"a\.mha and b\.mha lie (29|30)\d\d mm apart, so they are not in one Reference"):
+        use([sweep(1, "a.mha"), far_away("b.mha")])
+
+
+def test_images_of_another_size_are_refused_with_both_names():
+    small = sweep(2, "b.mha", images=np.ones((6, 20, 40), np.uint8))
+    with pytest.raises(GeometryError, match=r"a\.mha and b\.mha cannot enter one volume: images of 40 x 30 pixels, uint8 and of 40 x 20"):
+        reconstruct([sweep(1, "a.mha"), small])
+
+
+def test_configurations_that_show_other_parts_of_the_image_are_refused_unless_one_is_named():
+    region = ImageRegion(ClipRectangle((5, 5), (20, 20)))
+    sweeps = [sweep(1, "a.mha"), sweep(2, "b.mha", configuration=replace(CONFIGURED, region=region))]
+    with pytest.raises(BeamGeometryError, match=r"a\.mha and b\.mha name different parts"):
+        reconstruct(sweeps)
+    assert reconstruct(sweeps, region=region).frames_inserted == 12
+
+
+def test_a_sweep_without_any_pose_is_named():
+    lost = sweep(2, "b.mha", statuses=dict.fromkeys(range(6), TransformStatus.OUT_OF_VIEW))
+    with pytest.raises(NoUsableFramesError, match=r"b\.mha: no frame can be placed"):
+        reconstruct([sweep(1, "a.mha"), lost])
+
+
+def test_a_second_configuration_that_asks_for_another_volume_is_named():
+    second = sweep(2, "b.mha", configuration=replace(CONFIGURED, spacing=(2.0, 2.0, 2.0)))
+    result = reconstruct([sweep(1, "a.mha"), second])
+    assert result.grid.spacing == pytest.approx((0.9, 1.1, 1.3))
+    assert "What the configuration of b.mha says of the volume is not used: that of a.mha is." in result.notes
+
+
+def test_none_is_refused():
+    with pytest.raises(GeometryError, match="one or more sweeps; got none"):
+        reconstruct([])
+
+
+# ---- from the command line
+
+
+@pytest.fixture
+def recordings(tmp_path, patient):
+    """The patient's sweep, and a second one with a configuration of its own."""
+    second, config = tmp_path / "second.igs.mha", tmp_path / "second.xml"
+    write_sequence(tracked_sequence(seed=5), second)
+    config.write_text(CONFIGURATION.format(matrix=" ".join(map(repr, IMAGE_TO_PROBE.ravel().tolist())), spacing="1 1 1"))
+    return [str(patient.sweep), str(second)], [str(patient.config), str(config)]
+
+
+def test_the_command_line_joins_them_and_reports_on_each(recordings, results, capsys):
+    (first, second), (config, other) = recordings
+    output, report = results / "v.nrrd", results / "r.json"
+    words = ["reconstruct", first, "--config", config, second, "--config", other, "-o", str(output), "--report", str(report)]
+    assert main(words) == 0
+    out = capsys.readouterr().out
+    assert "average: 12 of 12 frames" in out
+    assert "second.igs.mha: 6 of 6 frames" in out
+    of_each = json.loads(report.read_text())["tracking"]
+    assert [(one["sequence"], one["frames_used"]) for one in of_each] == [("sweep.igs.mha", 6), ("second.igs.mha", 6)]
+    assert main(["reconstruct", second, first, "--config", config, "-q", "-o", str(results / "w.nrrd")]) == 0
+    np.testing.assert_array_equal(read_volume(output).array, read_volume(results / "w.nrrd").array)
+
+
+def test_configurations_are_one_or_as_many(recordings, results, capsys):
+    sweeps, (config, other) = recordings
+    options = ["--config", config, "--config", other, "-o", results / "v.nrrd"]
+    assert "given 2 times for 3 sequence(s)" in refused(["reconstruct", *sweeps, sweeps[0], *options], capsys, results)
+
+
+def test_transforms_of_one_sequence_are_not_taken_for_several(recordings, results, capsys):
+    sweeps, (config, _) = recordings
+    options = ["--config", config, "--transform-sequence", "ImageToReference=t.mha", "-o", results / "v.nrrd"]
+    assert "belongs to one sequence" in refused(["reconstruct", *sweeps, *options], capsys, results)
+
+
+def test_no_output_overwrites_the_second_sweep(recordings, results, capsys):
+    sweeps, (config, _) = recordings
+    assert "overwrite an input" in refused(["reconstruct", *sweeps, "--config", config, "-o", sweeps[1]], capsys, results)
+
+
+def test_a_volume_of_several_sweeps_is_measured_under_all_of_them(recordings, results, patient, capsys):
+    sweeps, (config, _) = recordings
+    output = str(results / "v.nrrd")
+    assert main(["reconstruct", *sweeps, "--config", config, *patient.bone, "-o", output]) == 0
+    labels = ["--bone", str(patient.labels), "--bone-transform", str(patient.transform)]
+    assert main(["evaluate", output, *labels, "--sweep", *sweeps, "--config", config]) == 0
+    assert "the 12 frames could reach" in capsys.readouterr().out
