@@ -8,7 +8,8 @@ from functools import partial
 from pathlib import Path
 
 from AIFReconLib.commands.info import NOT_READY
-from AIFReconLib.commands.parser import BAD_INPUT, SUCCESS, main
+from AIFReconLib.commands.one_line_parser import BAD_INPUT
+from AIFReconLib.commands.parser import SUCCESS, main
 
 from . import seeds
 from .file_targets import METAIMAGE_WORDS
