@@ -75,6 +75,8 @@ class Walk:
         self.folder = folder
         self.heart = Heart()
         self.stalls: dict[str, float] = {}
+        self.drawn: dict[str, float] = {}
+        """ms until Slicer had drawn what a step has changed; that is its own work."""
         slicer.util.mainWindow().resize(*WINDOW)
         slicer.util.mainWindow().move(0, 0)
         slicer.util.selectModule("AIFRecon")
@@ -135,6 +137,9 @@ class Walk:
             function(self)
         finally:
             self.stalls[name] = round(self.heart.longest * 1000.0)
+            self.heart.start()
+            self.settle()
+            self.drawn[name] = round(self.heart.longest * 1000.0)
         if self.dock.width != self.width:
             self.widened.append(f"{name}: from {self.width} to {self.dock.width} pixels")
             self.width = self.dock.width
@@ -266,6 +271,7 @@ def live(walk: Walk) -> None:
         walk.wait(lambda: shown("Red") is scan.frameNode, what="the frame in the red view")
         walk.stalls["whileLive"] = round(walk.heart.longest * 1000.0)
         walk.picture("liveScan")
+        walk.heart.start()
         walk.press(walk.ui.liveStopButton)
     if walk.parameters.output is None or not slicer.util.arrayFromVolume(walk.parameters.output).any():
         raise RuntimeError(f"the scan left no volume: {walk.ui.liveStatisticsLabel.text}")
@@ -278,6 +284,8 @@ def logged() -> list[str]:
     """Lines of the application's log that tell of a traceback or an error."""
     path = pathlib.Path(slicer.app.errorLogModel().filePath)
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
+    # An empty line on standard error is logged as a critical one without a word
+    lines = [line for line in lines if not line.rstrip().endswith("-")]
     return [line for line in lines if "Traceback" in line or "[CRITICAL]" in line or "[ERROR]" in line]
 
 
@@ -316,7 +324,7 @@ def main(arguments: list[str]) -> int:
     slow = [name for name, stall in walk.stalls.items() if stall > 1000.0 * limits[name]]
     told = logged()
     trouble = {"failed": failed, "widened": walk.widened, "slow": slow, "log": told}
-    found = {"version": slicer.app.applicationVersion, "stalls_ms": walk.stalls, **trouble}
+    found = {"version": slicer.app.applicationVersion, "stalls_ms": walk.stalls, "drawn_ms": walk.drawn, **trouble}
     (folder / "walk.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
     print(json.dumps(found, indent=2), flush=True)
     return 1 if any(trouble.values()) else 0

@@ -147,9 +147,14 @@ class LiveReconstruction:
 
         A cancel, which may come while holes are filled, leaves the volume as it was shown last; `wasCanceled` is True then.
         """
-        self._endThreads()
+
+        def work(progress):
+            # It waits for the snapshot that is being made, whose holes may take seconds
+            self._endThreads()
+            return self.session.finish(progress)
+
         try:
-            result = inBackground(self.session.finish, progress)
+            result = inBackground(work, progress)
             if result is not None and result.frames_inserted:
                 self._fillVolume(result)
                 self._attempt(self._views.showVolume, self.volumeNode)
