@@ -38,6 +38,7 @@ from .options import (
     settings_from,
 )
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
+from .provenance import provenance
 from .reconstruct import FIRST_OPTIONS, SIDE_OUTPUTS, add_tracking_options, add_tuning_options, add_volume_options, describe
 
 EXAMPLE = """examples:
@@ -147,9 +148,10 @@ def run(arguments: argparse.Namespace) -> None:
             raise NoUsableFramesError("{why}", why=why)
         raise NoUsableFramesError("{why} {recording}", why=why, recording=recording)
     with ProgressBar() as progress:
+        fields = provenance(arguments, result, inputs)
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.1 * number, f"Writing {path.name}")
-            getattr(result, name).write(path)
+            getattr(result, name).write(path, fields)
         drawn = write_preview(result, arguments)
     files = [path for path in (*outputs.values(), *drawn) if path]
     print(describe(result, statistics.frames_received, time.perf_counter() - started, files))

@@ -40,6 +40,7 @@ from .options import (
     settings_from,
 )
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
+from .provenance import provenance
 from .sequence_options import add_sequence_options, of_each, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
@@ -136,10 +137,10 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.bone_labels,
         arguments.bone_probability,
         arguments.grid_like,
+        arguments.bone_transform,
+        arguments.importance_mask,
     ]
-    refuse_to_overwrite(
-        [*outputs.values(), arguments.preview, arguments.report], [*inputs, arguments.bone_transform, arguments.importance_mask]
-    )
+    refuse_to_overwrite([*outputs.values(), arguments.preview, arguments.report], inputs)
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     for path in filter(None, outputs.values()):
         check_volume_path(path)
@@ -163,9 +164,10 @@ def run(arguments: argparse.Namespace) -> None:
             reference=arguments.reference,
             progress=part(progress, 0.1, 0.95),
         )
+        fields = provenance(arguments, result, inputs)
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
-            getattr(result, name).write(path)
+            getattr(result, name).write(path, fields)
         drawn = write_preview(result, arguments)
     agreement = _agreement(arguments, sequence, region, probe, result.method)
     tracking = {

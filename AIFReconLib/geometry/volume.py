@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -160,8 +160,10 @@ class Volume(Described):
 
         return preview(self, mask, labels, ct, title)
 
-    def write(self, path: str | Path) -> None:
+    def write(self, path: str | Path, fields: Mapping[str, str] | None = None) -> None:
         """Write to a volume file (.nrrd, .mha, .mhd, .nii, .nii.gz): LPS in the file, so that it opens in Slicer where it belongs.
+
+        `fields` go into the header, as lines of their own, where the format has room for them (not NIfTI).
 
         Raises
         ------
@@ -170,4 +172,4 @@ class Volume(Described):
         """
         from ..io.volume.files import write_volume
 
-        write_volume(self, path)
+        write_volume(self, path, fields)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -81,7 +82,7 @@ def read_labels(path: str | Path) -> Volume:
     return _as_volume(stored, _as_labels(stored.path, array))
 
 
-def write_volume(volume: Volume, path: str | Path) -> None:
+def write_volume(volume: Volume, path: str | Path, fields: Mapping[str, str] | None = None) -> None:
     """Write a volume, completely or not at all.
 
     Parameters
@@ -90,6 +91,8 @@ def write_volume(volume: Volume, path: str | Path) -> None:
         Truth values are written as 0 and 1, 8 bit.
     path : str or Path
         .nrrd, .mha, .mhd (with .zraw beside it), .nii or .nii.gz; compressed, except .nii.
+    fields : mapping of str to str or None
+        Fields of the header besides, a line each; NIfTI has no room for them.
 
     Raises
     ------
@@ -100,6 +103,8 @@ def write_volume(volume: Volume, path: str | Path) -> None:
     suffix = _writable_suffix(path)
     array = volume.array.astype(np.uint8) if volume.array.dtype == bool else volume.array
     image = _as_image(path, array, volume.ijk_to_reference)
+    for key, text in (fields or {}).items():
+        image.SetMetaData(key, text)
     companions = (path.with_suffix(".zraw"),) if suffix == ".mhd" else ()
     with atomic_outputs(*companions, path) as temporaries:
         one_file = temporaries[-1].with_suffix(".mha") if companions else temporaries[-1]

@@ -1,0 +1,62 @@
+"""A volume says in its header where it comes from."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from AIFReconLib import __version__
+from AIFReconLib.commands.parser import main
+from AIFReconLib.errors import VolumeFormatError
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.metafile.opening import read_metafile
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.settings import ReconstructionSettings
+
+SUFFIXES = [".nrrd", ".mha", ".mhd"]
+
+
+def fields_of(path) -> dict[str, str]:
+    return {key: value for key, value in read_metafile(path, VolumeFormatError).fields.items() if key.startswith("AIFRecon")}
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_volume_names_version_method_settings_and_inputs(suffix, patient, results):
+    sweep = patient.sweep.rename(patient.sweep.with_name("pass \u00fc %s {0}.igs.mha"))
+    output, hits = results / f"v{suffix}", results / f"h{suffix}"
+    words = ["reconstruct", str(sweep), "--config", str(patient.config), *patient.bone, "--method", "aif", "--alpha", "1.5"]
+    assert main([*words, "-q", "-o", str(output), "--hits", str(hits)]) == 0
+    fields = fields_of(output)
+    assert fields["AIFRecon_version"] == __version__
+    assert (fields["AIFRecon_method"], fields["AIFRecon_frames"]) == ("aif", "6")
+    settings = json.loads(fields["AIFRecon_settings"])
+    assert (settings["method"], settings["alpha"], settings["bone_sigma_mm"]) == ("aif", 1.5, 1.6)
+    assert settings["beta"] == ReconstructionSettings().beta
+    assert "output" not in settings
+    files = [sweep, patient.config, patient.labels, patient.transform]
+    assert json.loads(fields["AIFRecon_inputs"]) == [{"name": path.name, "bytes": path.stat().st_size} for path in files]
+    assert fields_of(hits) == fields
+
+
+def test_no_header_names_a_folder(patient, results):
+    output = results / "v.nrrd"
+    assert main([*patient.reconstruct, "-q", "-o", str(output)]) == 0
+    assert str(patient.sweep.parent) not in "".join(fields_of(output).values())
+
+
+def test_a_method_that_nobody_named_is_named(patient, results):
+    output = results / "v.nrrd"
+    assert main([*patient.reconstruct, "-q", "-o", str(output)]) == 0
+    assert fields_of(output)["AIFRecon_method"] == "average"
+    assert float(fields_of(output)["AIFRecon_hole_limit_mm"]) > 0
+
+
+@pytest.mark.parametrize("suffix", [*SUFFIXES, ".nii", ".nii.gz"])
+def test_fields_leave_voxels_and_place_alone(suffix, tmp_path):
+    volume = Volume(np.arange(24, dtype=np.uint8).reshape(2, 3, 4), np.diag([0.5, 0.6, 0.7, 1.0]))
+    volume.write(tmp_path / f"v{suffix}", {"AIFRecon_method": "average"})
+    back = read_volume(tmp_path / f"v{suffix}")
+    np.testing.assert_array_equal(back.array, volume.array)
+    np.testing.assert_allclose(back.ijk_to_reference, volume.ijk_to_reference, atol=1e-6)
