@@ -65,6 +65,19 @@ class AIFReconWindowTest(unittest.TestCase):
         self.ui.applyButton.click()
         self.assertEqual(self.width(), before)
 
+    def test_a_text_of_many_lines_squeezes_nothing(self):
+        from AIFReconGui.panel.wrappedText import say
+
+        self.parameters.sweep = tinyScene.addSweep()
+        self.settle()
+        for label in (self.ui.statusLabel, self.ui.sweepStatusLabel):
+            label.visible = True
+            say(label, "\n".join([LONG] * 3))
+        self.settle()
+        for section in (self.ui.loadGroupBox, self.ui.sweepCollapsibleButton, self.ui.volumeCollapsibleButton):
+            with self.subTest(section=section.objectName):
+                self.assertGreaterEqual(section.height, section.minimumSizeHint.height())
+
     def test_names_of_segments_do_not_widen_a_panel_that_is_made_anew(self):
         before = self.width()
         self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()

@@ -4,11 +4,13 @@ from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.parameters import ProbeShape, Region
 from slicer.i18n import tr as _
 
+from .wrappedText import say
+
 
 def updateDependentWidgets(ui, parameters, sweepText: str) -> None:
     """Show `sweepText` and what the bone is taken for, and the fields that count with these parameters."""
-    ui.sweepStatusLabel.text = sweepText
-    ui.boneStatusLabel.text = readiness.describeBone(parameters)
+    say(ui.sweepStatusLabel, sweepText)
+    say(ui.boneStatusLabel, readiness.describeBone(parameters))
     for label in (ui.sweepStatusLabel, ui.boneStatusLabel):
         label.visible = bool(label.text)
     ui.roiLabel.visible = ui.roiSelector.visible = parameters.region == Region.BOX
@@ -44,5 +46,6 @@ def updateButtons(ui, logic, parameters, waits: str, report: str) -> None:
         button.enabled = not missing
         button.toolTip = missing or does
     missing = readiness.withoutRepeating(cannot, ui.sweepStatusLabel.text)
-    ui.statusLabel.text = "\n".join(line for line in (report, missing) if line)
-    ui.statusLabel.visible = bool(ui.statusLabel.text)
+    text = "\n".join(line for line in (report, missing) if line)
+    ui.statusLabel.visible = bool(text)
+    say(ui.statusLabel, text)

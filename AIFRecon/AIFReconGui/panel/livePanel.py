@@ -8,6 +8,7 @@ from slicer.i18n import tr as _
 
 from ..errorsShown import errorsShown
 from .scrolling import reveal
+from .wrappedText import say
 
 COLLECTED_EVERY, SHOWN_EVERY = 10, 200
 """ms between two looks at the scene's image, and between two updates of what is shown."""
@@ -218,7 +219,7 @@ class LivePanel:
 
     def _say(self, text: str) -> None:
         if self._ui.liveStatisticsLabel:  # false once it is destroyed: a scan that is being ended hears of the application's end last
-            self._ui.liveStatisticsLabel.text = text
+            say(self._ui.liveStatisticsLabel, text)
 
     def _showState(self, word: str, color: str) -> None:
         if not self._ui.liveStateLabel:

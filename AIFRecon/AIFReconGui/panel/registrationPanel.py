@@ -11,6 +11,7 @@ from AIFReconScene.registration.ctRegistration import CTRegistration, rigidPlace
 from slicer.i18n import tr as _
 
 from ..errorsShown import errorsShown
+from .wrappedText import say
 
 LANDMARK_MODULES = ("LandmarkRegistration", "FiducialRegistration")
 """Slicer's own ways to a start, the more comfortable one first; a build may lack either."""
@@ -224,6 +225,7 @@ class RegistrationPanel:
     def _say(self, text: str) -> None:
         self._ui.registrationLabel.text = text
         self._arrange()
+        say(self._ui.registrationLabel, text)
 
     def _gauge(self, agreement, names=None) -> None:
         bar = self._ui.agreementProgressBar

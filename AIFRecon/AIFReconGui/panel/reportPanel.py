@@ -6,6 +6,8 @@ import qt
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
+from .wrappedText import say
+
 
 class ReportPanel:
     """Shows the report while its section is open; nothing is computed for a closed one.
@@ -45,9 +47,9 @@ class ReportPanel:
                 said = inPanelWords(error)
         self._ui.copyReportButton.enabled = shown is not None
         if shown is None:
-            self._ui.reportLabel.text = html.escape(said)
+            say(self._ui.reportLabel, html.escape(said))
         elif shown != self._shown:
-            self._ui.reportLabel.text = _asTable(*shown)
+            say(self._ui.reportLabel, _asTable(*shown))
         self._shown = shown
 
     def onCopy(self) -> None:
