@@ -141,7 +141,7 @@ def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str 
     for sequence, name, target in zip(sequences, names, targets, strict=True):
         if target != targets[0]:
             raise GeometryError(
-                "{first} would be placed in {one}, and {other} in {two}. Name a frame that both know with --reference.",
+                "{first} would be placed in {one}, and {other} in {two}. Choose another reference frame, one that both know.",
                 first=names[0],
                 other=name,
                 one=targets[0],
