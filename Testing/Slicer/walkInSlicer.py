@@ -330,4 +330,8 @@ def main(arguments: list[str]) -> int:
     return 1 if any(trouble.values()) else 0
 
 
-slicer.util.exit(main(sys.argv[1:]))
+if "--close" in sys.argv:
+    # In the application's own event loop, whose end is what the work must hear
+    qt.QTimer.singleShot(1000, lambda: main(sys.argv[1:]))
+else:
+    slicer.util.exit(main(sys.argv[1:]))
