@@ -52,7 +52,7 @@ SNAPSHOT_EVERY = 1.0
 """s on the wall."""
 
 DEADLINE = 300.0
-"""s in which the last frames must be worked on."""
+"""s in which the last frames must arrive and be worked on."""
 
 
 class Tap(OpenIGTLinkClient):
@@ -70,6 +70,10 @@ class Tap(OpenIGTLinkClient):
         if isinstance(message, ImageMessage):
             self._look_at(message)
         return message
+
+    def has_seen(self, number: int) -> bool:
+        """Whether the image of this number was handed on."""
+        return number < len(self.seen) and bool(self.seen[number])
 
     def _look_at(self, message: ImageMessage) -> None:
         self.taken += 1
@@ -202,8 +206,9 @@ def soak(
                 looked = time.monotonic()
                 snapshots.take()
                 snapshots.request()
-        end = time.monotonic() + DEADLINE
-        while under_way(client, session) and time.monotonic() < end:
+        # What the server has sent may still lie with the operating system, of which no count of the client knows
+        last, end = server.told.get("last", 0), time.monotonic() + DEADLINE
+        while (not client.has_seen(last) or under_way(client, session)) and session.error is None and time.monotonic() < end:
             time.sleep(LOOKED)
     finally:
         ready.set()

@@ -135,8 +135,9 @@ class FaultyServer:
             say({"minute": self._minute})
 
     def told(self) -> dict:
-        """What was sent: image messages by fate, and by fault and fate; faults; connections."""
+        """What was sent: image messages by fate, and by fault and fate; the number of the last; faults; connections."""
         return {
+            "last": self._frames - 1,
             "fates": {fate: self.ledger.total(fate) for fate in FATES},
             "by_fault": [[*key, count] for key, count in sorted(self.ledger.fates.items())],
             "faults": dict(self.ledger.faults),
