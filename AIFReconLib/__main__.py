@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 
-from .commands.signals import OrderlyEnd, orderly_end
+from .terminal.signals import OrderlyEnd, orderly_end
 
 LEAST_ADDRESS_SPACE = 800 * 2**20
 """Bytes that loading the libraries takes. With less, some of them end the program in words of their own, or wait forever."""

@@ -33,8 +33,8 @@ from ..message import columns
 from ..progress import Progress, part, report
 from ..settings import BONE_METHODS, DEFAULT_SPACING, METHODS, ReconstructionSettings
 from ..sweep.frames import TrackedFrame
-from .console import ProgressBar
-from .options import Commands
+from ..terminal.console import ProgressBar
+from ..terminal.options import Commands
 
 DEPTH, APEX, FAN_DEG = 96.0, 20.0, 30.0
 """mm that an image is deep and that its beams' apex lies above it, and the angle that the sweep is turned through."""

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from ..bone.map import BoneMap
 from ..io.volume.files import check_volume_path, read_labels
-from .console import ProgressBar
-from .options import Commands, add_sigma_options, refuse_to_overwrite
+from ..terminal.console import ProgressBar
+from ..terminal.options import Commands, add_sigma_options, refuse_to_overwrite
 
 
 def add_to(commands: Commands) -> None:

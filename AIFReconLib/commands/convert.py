@@ -12,9 +12,9 @@ from ..io.foreign.calibration import read_calibration
 from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
 from ..sweep.edits import crop, recalibrate, rename, select_frames, with_configured_transforms
 from ..sweep.frames import TrackedSequence
-from .console import ProgressBar
-from .options import Commands, refuse_to_overwrite
-from .sequence_options import add_sequence_options, sequence_from, sequence_inputs
+from ..terminal.console import ProgressBar
+from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.sequence_options import add_sequence_options, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
   aifrecon convert sweep.igs.mha sweep.nrrd

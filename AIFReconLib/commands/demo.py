@@ -24,8 +24,8 @@ from ..progress import part
 from ..reconstruction import reconstruct
 from ..resolve import resolve_settings
 from ..settings import METHODS, ReconstructionSettings
-from .console import ProgressBar, program
-from .options import Commands
+from ..terminal.console import ProgressBar, program
+from ..terminal.options import Commands
 from .simulate import SimulatedFiles, write_simulated_patient
 
 SPACING = 1.0

@@ -23,10 +23,10 @@ from ..io.volume.files import read_labels, read_volume
 from ..message import columns
 from ..progress import part
 from ..sweep.joined import joined
-from .console import ProgressBar
-from .options import Commands, add_imaging_options, imaging_from, real_path, refuse_to_overwrite
+from ..terminal.console import ProgressBar
+from ..terminal.options import Commands, add_imaging_options, imaging_from, real_path, refuse_to_overwrite
+from ..terminal.sequence_options import of_each
 from .reconstruct import add_tracking_options
-from .sequence_options import of_each
 
 EXAMPLE = """examples:
   aifrecon evaluate average.nrrd weighted.nrrd --bone lumbar.nrrd --bone-transform CTToReference.tfm \\

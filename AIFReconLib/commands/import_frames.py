@@ -20,8 +20,8 @@ from ..io.foreign.pose_rows import ANGLE_UNITS, LENGTH_UNITS, QUATERNION_ORDERS,
 from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
-from .console import ProgressBar, program
-from .options import Commands, refuse_to_overwrite
+from ..terminal.console import ProgressBar, program
+from ..terminal.options import Commands, refuse_to_overwrite
 
 EXAMPLE = """examples:
   aifrecon import frames/ --poses poses.csv --transform ImageToTracker --spacing 0.1 0.1 --output sweep.igs.mha

@@ -14,10 +14,10 @@ from ..message import columns
 from ..progress import Progress, part
 from ..reconstruction import Plan, plan
 from ..sweep.pose_tracks import LONGEST_GAP
-from .console import ProgressBar, program, shell_words
-from .options import Commands
+from ..terminal.console import ProgressBar, program, shell_words
+from ..terminal.options import Commands
+from ..terminal.sequence_options import add_sequence_options, of_each, sequence_from
 from .reconstruct import add_tracking_options
-from .sequence_options import add_sequence_options, of_each, sequence_from
 
 NOT_READY = 1
 """Exit code where a sequence cannot be reconstructed."""

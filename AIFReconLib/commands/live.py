@@ -24,8 +24,8 @@ from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
 from ..machine.threads import pause
 from ..sweep.configuration import NO_CONFIGURATION
-from .console import ProgressBar, show
-from .options import (
+from ..terminal.console import ProgressBar, show
+from ..terminal.options import (
     Commands,
     add_bone_options,
     add_imaging_options,

@@ -17,11 +17,11 @@ import sys
 from .. import __version__
 from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
 from ..message import one_line
+from ..terminal.console import prepare_streams
+from ..terminal.log import add_log_options, logging_as_asked, quiet_as_asked
+from ..terminal.one_line_parser import BAD_INPUT, OneLineParser
+from ..terminal.signals import OrderlyEnd, orderly_end
 from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, preview, reconstruct, register, replay, simulate
-from .console import prepare_streams
-from .log import add_log_options, logging_as_asked, quiet_as_asked
-from .one_line_parser import BAD_INPUT, OneLineParser
-from .signals import OrderlyEnd, orderly_end
 
 COMMANDS = (demo, reconstruct, preview, register, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
 

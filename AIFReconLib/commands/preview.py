@@ -14,8 +14,8 @@ from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable
 from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels, read_volume
-from .console import ProgressBar, program, shell_words
-from .options import Commands, refuse_to_overwrite
+from ..terminal.console import ProgressBar, program, shell_words
+from ..terminal.options import Commands, refuse_to_overwrite
 
 
 def add_to(commands: Commands) -> None:

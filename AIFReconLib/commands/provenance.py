@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .. import __version__
 from ..compounding.reconstructor import Reconstruction
-from .options import settings_from
+from ..terminal.options import settings_from
 
 OF_THE_RUN = {
     *("run", "log", "quiet", "verbose", "host", "port"),

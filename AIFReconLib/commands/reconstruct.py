@@ -25,9 +25,9 @@ from ..settings import BONE_METHODS
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
-from .console import ProgressBar
-from .one_line_parser import NumbersAction, numbers
-from .options import (
+from ..terminal.console import ProgressBar
+from ..terminal.one_line_parser import NumbersAction, numbers
+from ..terminal.options import (
     Commands,
     add_bone_options,
     add_imaging_options,
@@ -39,9 +39,9 @@ from .options import (
     refuse_to_overwrite,
     settings_from,
 )
+from ..terminal.sequence_options import add_sequence_options, of_each, sequence_from, sequence_inputs
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 from .provenance import provenance
-from .sequence_options import add_sequence_options, of_each, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd

@@ -15,10 +15,10 @@ from ..io.volume.files import check_volume_path, read_labels
 from ..progress import part
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
-from .console import ProgressBar
-from .options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
+from ..terminal.console import ProgressBar
+from ..terminal.options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
+from ..terminal.sequence_options import add_sequence_options, of_each, sequence_from, sequence_inputs
 from .reconstruct import add_tracking_options
-from .sequence_options import add_sequence_options, of_each, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
   aifrecon register sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output CTToReference.tfm

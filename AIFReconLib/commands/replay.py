@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..io.sequence.files import read_sequence
 from ..live.replay.server import PLUS_PORT, ReplayServer
-from .options import Commands
+from ..terminal.options import Commands
 from .reconstruct import add_tracking_options
 
 EXAMPLE = """examples:

@@ -27,8 +27,8 @@ from ..simulation.scan import (
     simulate_sweep,
     single_angle_sweep,
 )
-from .console import ProgressBar
-from .options import Commands
+from ..terminal.console import ProgressBar
+from ..terminal.options import Commands
 
 PATHS: dict[str, Callable[[ScannedBack, int], ProbePath]] = {
     "multi-angle": multi_angle_sweep,

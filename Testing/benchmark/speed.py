@@ -22,7 +22,6 @@ import numpy as np
 from AIFReconLib import __version__
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.commands.benchmark import busy_share, fan_sweep, machine, slab_of_bone
-from AIFReconLib.commands.console import ProgressBar
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import bytes_per_voxel
 from AIFReconLib.geometry.volume import VoxelGrid
@@ -38,6 +37,7 @@ from AIFReconLib.progress import Progress, report
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
+from AIFReconLib.terminal.console import ProgressBar
 
 from .cases import COLUMNS, PROBE, ROWS, TURN_DEG, half_empty, labels_of_size, recorded, turned
 from .first_result import seconds_to_first_result

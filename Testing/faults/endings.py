@@ -78,7 +78,7 @@ def _told_to_end(command: Command, inputs: Path, place: Path, number: int, after
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
             from AIFReconLib.__main__ import main as entry
             from AIFReconLib.commands import parser as cli
-            from AIFReconLib.commands.signals import orderly_end
+            from AIFReconLib.terminal.signals import orderly_end
 
             arguments = command.arguments(inputs, place, 1)
 

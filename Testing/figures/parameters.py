@@ -14,7 +14,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.commands.console import ProgressBar
 from AIFReconLib.evaluation.figures import BACKGROUND, BONE_COLOR, INK, NOT_SCANNED, within_spinous_process
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, Plane, cut
@@ -25,6 +24,7 @@ from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import ct_misregistration, multi_angle_sweep
+from AIFReconLib.terminal.console import ProgressBar
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 

@@ -11,10 +11,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from AIFReconLib.commands.console import ProgressBar
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.evaluation.figures import require_matplotlib
 from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.terminal.console import ProgressBar
 
 from .method_cases import Row, patient_rows
 from .method_figure import study_figure

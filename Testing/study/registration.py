@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from AIFReconLib.commands.console import ProgressBar
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.terminal.console import ProgressBar
 
 from .patients import run_study
 from .registration_cases import Row, patient_rows

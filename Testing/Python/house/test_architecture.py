@@ -19,7 +19,7 @@ ROOMS = (
     *("AIFReconScene/live", "AIFReconScene/registration", "AIFReconScene/display"),
     *("AIFReconScene/volumes", "AIFReconScene/inputs", "AIFReconScene/sweep"),
     "AIFReconScene",
-    "commands",
+    *("commands", "terminal"),
     *("live/replay", "live/session", "live/pairing", "live/wire"),
     *("evaluation", "simulation", "reconstruction", "inspection", "compounding", "registration", "bone", "resolve"),
     *("io/foreign", "io/sequence", "io/plus", "io/volume", "io/transform", "io/metafile", "io/disk"),

@@ -20,10 +20,8 @@ from files import refused, tracked_sequence
 from AIFReconLib import __main__ as entry
 from AIFReconLib.commands import evaluate as evaluate_command
 from AIFReconLib.commands import parser as cli
-from AIFReconLib.commands.console import ProgressBar
 from AIFReconLib.commands.live import StatusLine
 from AIFReconLib.commands.parser import main
-from AIFReconLib.commands.signals import orderly_end
 from AIFReconLib.errors import OutputError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.writer import write_sequence
@@ -31,6 +29,8 @@ from AIFReconLib.io.volume.files import check_volume_path, read_volume
 from AIFReconLib.live.session.recording import Recorder
 from AIFReconLib.machine.read_ahead import read_ahead
 from AIFReconLib.machine.threads import in_parts, pause
+from AIFReconLib.terminal.console import ProgressBar
+from AIFReconLib.terminal.signals import orderly_end
 
 posix = pytest.mark.skipif(os.name == "nt", reason="POSIX")
 

@@ -11,7 +11,6 @@ import time
 import pytest
 from files import write_patient
 
-from AIFReconLib.commands.log import FIRST_WORDS
 from AIFReconLib.commands.parser import COMMANDS, build_parser, main
 from AIFReconLib.compounding import engines
 from AIFReconLib.live.session.insertion import Inserter
@@ -19,6 +18,7 @@ from AIFReconLib.live.session.statistics import Meter
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.machine import threads
 from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.terminal.log import FIRST_WORDS
 
 LIBRARY = logging.getLogger("AIFReconLib")
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from AIFReconLib.commands import console
-from AIFReconLib.commands.console import ProgressBar, program
 from AIFReconLib.message import columns
+from AIFReconLib.terminal import console
+from AIFReconLib.terminal.console import ProgressBar, program
 
 
 class Terminal(io.StringIO):
