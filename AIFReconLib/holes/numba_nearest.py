@@ -61,9 +61,8 @@ def fill_slab(values: Numbers, mask: Bytes, offsets: Integers, rows_kj: Integers
                 found = -1
                 if inner_row and reach <= i < columns - reach:
                     for n in range(tried):
-                        there = np.uint64(here + flat_steps[n])
-                        if flat_mask[there] == MEASURED:
-                            found = np.int64(there)
+                        if flat_mask[np.uint64(here + flat_steps[n])] == MEASURED:
+                            found = here + flat_steps[n]
                             break
                 else:
                     for n in range(tried):
