@@ -31,6 +31,7 @@ from . import (
     import_frames,
     info,
     live,
+    plan,
     preview,
     reconstruct,
     register,
@@ -39,7 +40,7 @@ from . import (
 )
 
 COMMANDS = (
-    *(demo, reconstruct, preview, register, coverage, bone_map, info, import_frames),
+    *(demo, reconstruct, preview, register, coverage, plan, bone_map, info, import_frames),
     *(convert, live, replay, evaluate, simulate, benchmark),
 )
 

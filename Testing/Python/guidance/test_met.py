@@ -6,10 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from sweeps import image_pose, rigid
+from sweeps import image_pose, rigid, two_vertebrae
 
 from AIFReconLib.errors import GeometryError
-from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.expectation import expected_visibility
 from AIFReconLib.guidance.met import DARK, MET, SHADOWED, BoneMet, FrameGeometry
@@ -21,15 +20,6 @@ KINDS = {
     "linear": (ProbeGeometry(LINEAR), ImageRegion()),
     "sector": (ProbeGeometry(SECTOR, (45.0, -4.0)), ImageRegion(fan=Fan((45.0, -4.0), (-40.0, 40.0), (6.0, 84.0)))),
 }
-
-
-def two_vertebrae() -> Volume:
-    """Two blocks with spines toward the back (-y), labels 1 and 2, 8 mm apart along z; voxels of 1 mm, x and y from -30."""
-    labels = np.zeros((80, 61, 61), dtype=np.uint8)
-    for label, k in ((1, 10), (2, 44)):
-        labels[k : k + 22, 34:50, 18:43] = label
-        labels[k + 4 : k + 26, 12:36, 27:34] = label
-    return Volume(labels, rigid(translation=(-30.0, -30.0, -40.0)))
 
 
 @pytest.fixture(scope="module")
