@@ -15,7 +15,7 @@ from ..evaluation.quantities import metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
 from ..geometry.volume import Volume
-from ..guidance.coverage import Coverage, coverage
+from ..guidance.coverage import Coverage, Share, coverage
 from ..io.disk.atomic import write_text
 from ..io.sequence.files import read_sequence
 from ..io.transform.files import read_transform
@@ -107,8 +107,8 @@ def run(arguments: argparse.Namespace) -> None:
     seconds = time.perf_counter() - started
     print(f"reconstructed {len(sequence)} frames of a simulated lumbar spine with {len(METHODS)} methods, {seconds:.0f} s\n")
     print(columns(zip(*table(metrics, PRINTED), strict=True)))
-    print("\nwhat the sweep met of the bone that a probe on the back can reach\n")
-    print("\n".join(met.lines()))
+    print(f"\n  met       {met_of(met.all)} of all bone within reach")
+    print(f"            {met_of(met.interspinous)} of interspinous borders")
     print(f"\n  look at   {figure}")
     print(f"  read      {folder / 'report.html'} (all numbers and what they mean), metrics.csv")
     print(f"  volumes   {folder / 'reconstruction-*.nrrd'}")
@@ -123,6 +123,11 @@ def run(arguments: argparse.Namespace) -> None:
     )
 
 
+def met_of(share: Share) -> str:
+    """How much of a part of the bone was met, in a few words."""
+    return f"{share.met:.0%}, below 45 degrees {share.below_45_deg:.0%}, expected to show {share.expected_visibility:.0%}"
+
+
 def _report(
     seed: int,
     files: SimulatedFiles,
@@ -132,7 +137,6 @@ def _report(
     size: str,
     met: Coverage,
 ) -> Report:
-    borders = met.interspinous
     return Report(
         title="A simulated lumbar spine, reconstructed with every method",
         date=date.today().isoformat(),
@@ -145,8 +149,7 @@ def _report(
             "Volumes": f"{size} voxels of {SPACING:g} mm",
             "Bone map": f"from the CT's segmentation, smoothed by {BONE_SIGMA:g} mm",
             "Registration and tracking": "exact",
-            "Interspinous borders": f"{borders.met:.0%} met, {borders.below_45_deg:.0%} below 45 degrees; "
-            f"{borders.expected_visibility:.0%} expected to show",
+            "Interspinous borders": f"met {met_of(met.interspinous)}",
         },
         settings=settings,
         versions=software_versions(),

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arrays import Floats
 from ..errors import SettingsError
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.plan_figure import plan_figure
@@ -20,7 +21,7 @@ from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels
 from ..message import columns
-from ..progress import Progress, part
+from ..progress import Progress, part, report
 from ..resolve import resolve_imaging
 from ..sweep.poses import sweep_poses
 from ..terminal.console import ProgressBar
@@ -100,15 +101,15 @@ def run(arguments: argparse.Namespace) -> None:
     )
 
 
-def _patient(arguments: argparse.Namespace, progress: Progress) -> tuple[GuidedBone, ProbeOnBack, tuple[str, ...]]:
+def _patient(arguments: argparse.Namespace, progress: Progress | None) -> tuple[GuidedBone, ProbeOnBack, tuple[str, ...]]:
     """The bone, the probe on its back, and what was assumed."""
-    progress(0.0, "Finding the bone surface")
+    report(progress, 0.0, "Finding the bone surface")
     labels = read_labels(arguments.bone_labels)
     placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
     if not arguments.probe_like:
         bone = guided_bone(labels, placed)
-        notes = ("the probe is taken for a phased array of 84 degrees and 88 mm, and the skin to lie 15 mm behind the spinous processes",)
-        return bone, ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), notes
+        assumed = ("the probe is taken for a phased array of 84 degrees and 88 mm, and the skin to lie 15 mm behind the spinous processes",)
+        return bone, ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), assumed
     sequence = sequence_from(arguments)
     region, kind = imaging_from(arguments, sequence.configuration, sequence.images)
     poses = sweep_poses(sequence, arguments.image_to_reference, arguments.reference)
@@ -125,7 +126,7 @@ FAR = 80.0
 """mm from the estimated skin beyond which a face was on something else."""
 
 
-def _skin(bone: GuidedBone, faces_patient: np.ndarray) -> tuple[Skin, tuple[str, ...]]:
+def _skin(bone: GuidedBone, faces_patient: Floats) -> tuple[Skin, tuple[str, ...]]:
     """The skin that faces were on, where that is this patient's."""
     estimate = Skin.over(bone)
     off = np.abs(estimate.at(faces_patient[:, 0], faces_patient[:, 2]) - faces_patient[:, 1])

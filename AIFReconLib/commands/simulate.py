@@ -150,7 +150,8 @@ def write_simulated_patient(
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError("{folder}: cannot be made ({reason}). Choose another folder.", folder=folder, reason=error.strerror) from None
-    files = SimulatedFiles(*(folder / name for name in FILES), np.zeros(3))
+    sequence, configuration, ct, labels, placed = (folder / name for name in FILES)
+    files = SimulatedFiles(sequence, configuration, ct, labels, placed, np.zeros(3))
     ct_to_reference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
     phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(seed), ct_to_reference=ct_to_reference, progress=part(progress, 0.0, 0.2))
     trajectory = planned or PATHS[path](phantom, frames)

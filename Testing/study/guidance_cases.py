@@ -116,7 +116,9 @@ class _Case:
         """The frames of an operator who does, again and again, what `next` says, and misses."""
         met = BoneMet(geometry_of(self.bone, self.probe))
         advisor = NextMove(self.bone, self.probe)
-        taken, here, last = [], self._start, None
+        taken: list[np.ndarray] = []
+        here: np.ndarray = self._start
+        last: Pass | None = None
         while len(taken) < frames:
             move = advisor.advise(met, here)
             planned: Pass | None = move.planned if move else last
