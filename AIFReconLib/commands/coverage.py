@@ -12,7 +12,7 @@ from ..guidance.mesh import bone_mesh, met_on_mesh
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels
-from ..io.volume.polydata import check_surface_path, write_surface
+from ..io.volume.surfaces import check_surface_path, write_surface
 from ..progress import part
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
@@ -72,9 +72,8 @@ def run(arguments: argparse.Namespace) -> None:
     refuse_to_overwrite([arguments.surface, arguments.report], [*inputs, arguments.bone_labels, arguments.bone_transform])
     if arguments.surface:
         check_surface_path(arguments.surface)
-    for path in (arguments.surface, arguments.report):
-        if path:
-            check_writable(path)
+    if arguments.report:
+        check_writable(arguments.report)
     with ProgressBar() as progress:
         labels = read_labels(arguments.bone_labels)
         placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
@@ -99,7 +98,7 @@ def _write(arguments: argparse.Namespace, found: Coverage) -> list[Path]:
     written = []
     if arguments.surface:
         mesh = bone_mesh(found.met.bone.distance)
-        write_surface(mesh.points_reference, mesh.triangles, met_on_mesh(mesh, found.met), arguments.surface)
+        write_surface(arguments.surface, mesh.points_reference, mesh.triangles, **met_on_mesh(mesh, found.met))
         written.append(arguments.surface)
     if arguments.report:
         write_text(arguments.report, json.dumps(found.to_dict(), indent=2) + "\n")
