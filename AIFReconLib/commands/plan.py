@@ -138,7 +138,10 @@ def _skin(bone: GuidedBone, faces_patient: Floats) -> tuple[Skin, tuple[str, ...
 def _lines(plan: ScanPlan) -> list[str]:
     rows = [("pass", "frames", "adds", "")]
     rows += [(str(n), str(len(one.image_to_reference)), f"{one.adds_cm2:.2f} cm2", one.name) for n, one in enumerate(plan.passes, start=1)]
-    head = f"{plan.frames} frames in {len(plan.passes)} passes are expected to show {plan.predicted_visibility:.0%} of {plan.target}"
+    head = (
+        f"{plan.frames} frames in {len(plan.passes)} passes are expected to show {plan.predicted_visibility:.0%} of {plan.target} where "
+        f"they meet it, {plan.predicted_of_reachable:.0%} of what can be reached"
+    )
     return [head, *columns(rows).split("\n")]
 
 
@@ -146,5 +149,5 @@ def _draw(path: Path, plan: ScanPlan, bone: GuidedBone, probe: ProbeOnBack) -> N
     to_patient = invert(bone.patient_to_reference)
     poses = to_patient @ np.concatenate([one.image_to_reference for one in plan.passes])
     surface = transform_points(to_patient, bone.surface.points_reference)
-    title = f"{plan.frames} frames for {plan.target}: {plan.predicted_visibility:.0%} expected to show"
+    title = f"{plan.frames} frames for {plan.target}: {plan.predicted_of_reachable:.0%} of what can be reached is expected to show"
     plan_figure(path, surface, plan.met.best_cosine, probe.images.faces(poses), poses[:, :3, 1], title)

@@ -48,7 +48,10 @@ class ScanPlan:
     target : str
     passes : tuple of PlannedPass
     predicted_visibility : float, 0 to 1
-        Share of the target's reachable area that `weighted` is expected to show.
+        Share that `weighted` is expected to show of the part of the target that the plan meets: what `aifrecon evaluate` measures of the
+        reconstruction, whose coverage is of what the sweep could reach.
+    predicted_of_reachable : float, 0 to 1
+        The same as a share of all of the target that any probe on the back can reach.
     met : BoneMet
         What the whole plan meets, point by point.
     """
@@ -56,6 +59,7 @@ class ScanPlan:
     target: str
     passes: tuple[PlannedPass, ...]
     predicted_visibility: float
+    predicted_of_reachable: float
     met: BoneMet
 
     @property
@@ -73,6 +77,7 @@ class ScanPlan:
             "target": self.target,
             "frames": self.frames,
             "predicted_visibility": round(self.predicted_visibility, 4),
+            "predicted_of_reachable": round(self.predicted_of_reachable, 4),
             "passes": passes,
         }
 
@@ -183,7 +188,8 @@ def _planned(
         after = float(areas @ np.maximum(expected_visibility(met.best_cosine), shown))
         passes.append(PlannedPass(one.planned.name, poses, (after - before) / 100.0))
         before = after
-    return ScanPlan(target, tuple(passes), before / float(areas.sum()), met)
+    reached = float(areas[np.isfinite(met.best_cosine) | (shown > 0)].sum())
+    return ScanPlan(target, tuple(passes), before / reached if reached else 0.0, before / float(areas.sum()), met)
 
 
 def passes_of(document: object) -> list[tuple[str, Matrix]]:

@@ -40,7 +40,7 @@ class Row:
     """One scan of one patient, and what `weighted` shows of it.
 
     `best` is the share of the borders that all candidate passes together are expected to show; `predicted` the plan's; `expected` what the
-    frames as they were taken are expected to show; `below_45` the share of the borders met below 45 degrees.
+    frames as they were taken are expected to show of all reachable borders; `below_45` the share of these that was met below 45 degrees.
     """
 
     patient: int

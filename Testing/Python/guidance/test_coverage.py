@@ -95,9 +95,7 @@ def test_the_surface_opens_in_vtk_where_the_bone_is(patient, results):
     np.testing.assert_allclose((low + high) / 2, center, atol=0.5)
 
 
-@pytest.mark.parametrize(
-    ("option", "name", "expected"), [("--surface", "met.stl", "must be .vtp"), ("--report", "none/r.json", "folder")]
-)
+@pytest.mark.parametrize(("option", "name", "expected"), [("--surface", "met.stl", "must be .vtp"), ("--report", "none/r.json", "folder")])
 def test_what_cannot_be_written_is_refused_before_work(patient, results, capsys, option, name, expected):
     bone = ["--bone-labels", str(patient.labels), "--bone-transform", str(patient.transform)]
     assert main(["coverage", str(patient.sweep), "--config", str(patient.config), *bone, option, str(results / name)]) == 2
