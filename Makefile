@@ -25,7 +25,7 @@ help:
 	@echo "make lint         only lint, format check and types"
 	@echo "make format       reformat the code"
 	@echo "make bench        measure the speed of this machine"
-	@echo "make study        compare all methods, and register CTs, on simulated patients, into $(STUDY_OUTPUT)/ (an hour)"
+	@echo "make study        compare all methods, register CTs and scan by guidance, on simulated patients, into $(STUDY_OUTPUT)/ (two hours)"
 	@echo "make soak         an hour of live reconstruction from a server that fails at random, in simulated time (half an hour)"
 	@echo "make faults       kill, fill and cut whatever can be for FAULTS_SECONDS ($(FAULTS_SECONDS)); nothing may be lost (Linux, best as root)"
 	@echo "make fuzz         damage input on purpose for FUZZ_SECONDS ($(FUZZ_SECONDS)); only clear refusals may come out"
@@ -85,6 +85,7 @@ bench: setup
 study: setup
 	@$(BIN)/python Testing/study methods --output "$(STUDY_OUTPUT)"
 	@$(BIN)/python Testing/study registration --output "$(STUDY_OUTPUT)/registration"
+	@$(BIN)/python Testing/study guidance --output "$(STUDY_OUTPUT)/guidance"
 
 # Shorter, or with other faults: make soak SOAK="--minutes 5 --seed 7"
 soak: setup

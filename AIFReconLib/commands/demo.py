@@ -15,6 +15,7 @@ from ..evaluation.quantities import metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
 from ..geometry.volume import Volume
+from ..guidance.coverage import Coverage, Share, coverage
 from ..io.disk.atomic import write_text
 from ..io.sequence.files import read_sequence
 from ..io.transform.files import read_transform
@@ -80,7 +81,8 @@ def run(arguments: argparse.Namespace) -> None:
         ct_to_reference = read_transform(files.ct_to_reference)
         labels = read_labels(files.labels).placed_by(ct_to_reference)
         bone = BoneMap.from_labels(labels, sigma_mm=BONE_SIGMA)
-        truth = bone_truth(labels, SweepBeams.of_sequence(sequence), progress=part(progress, 0.5, 0.6))
+        truth = bone_truth(labels, SweepBeams.of_sequence(sequence), progress=part(progress, 0.5, 0.57))
+        met = coverage(sequence, labels, progress=part(progress, 0.57, 0.6))
         metrics: dict[str, BoneMetrics] = {}
         settings: dict[str, ReconstructionSettings] = {}
         shown: dict[str, Volume] = {}
@@ -99,11 +101,14 @@ def run(arguments: argparse.Namespace) -> None:
         title = f"Simulated lumbar spine, {len(sequence)} tracked frames"
         compare_figure(figure, ct, shown, files.center_ras, bone=labels, mask=result.mask, title=title)
         write_text(folder / "metrics.csv", metrics_csv(metrics, result.frames_inserted))
-        report = _report(arguments.seed, files, metrics, settings, result.frames_inserted, " x ".join(str(n) for n in result.grid.size))
+        size = " x ".join(str(n) for n in result.grid.size)
+        report = _report(arguments.seed, files, metrics, settings, result.frames_inserted, size, met)
         write_report(folder / "report.html", replace(report, figure_png=figure.read_bytes()))
     seconds = time.perf_counter() - started
     print(f"reconstructed {len(sequence)} frames of a simulated lumbar spine with {len(METHODS)} methods, {seconds:.0f} s\n")
     print(columns(zip(*table(metrics, PRINTED), strict=True)))
+    print(f"\n  met       {met_of(met.all)} of all bone within reach")
+    print(f"            {met_of(met.interspinous)} of interspinous borders")
     print(f"\n  look at   {figure}")
     print(f"  read      {folder / 'report.html'} (all numbers and what they mean), metrics.csv")
     print(f"  volumes   {folder / 'reconstruction-*.nrrd'}")
@@ -118,8 +123,19 @@ def run(arguments: argparse.Namespace) -> None:
     )
 
 
+def met_of(share: Share) -> str:
+    """How much of a part of the bone was met, in a few words."""
+    return f"{share.met:.0%}, below 45 degrees {share.below_45_deg:.0%}, expected to show {share.expected_visibility:.0%}"
+
+
 def _report(
-    seed: int, files: SimulatedFiles, metrics: dict[str, BoneMetrics], settings: dict[str, ReconstructionSettings], frames: int, size: str
+    seed: int,
+    files: SimulatedFiles,
+    metrics: dict[str, BoneMetrics],
+    settings: dict[str, ReconstructionSettings],
+    frames: int,
+    size: str,
+    met: Coverage,
 ) -> Report:
     return Report(
         title="A simulated lumbar spine, reconstructed with every method",
@@ -133,6 +149,7 @@ def _report(
             "Volumes": f"{size} voxels of {SPACING:g} mm",
             "Bone map": f"from the CT's segmentation, smoothed by {BONE_SIGMA:g} mm",
             "Registration and tracking": "exact",
+            "Interspinous borders": f"met {met_of(met.interspinous)}",
         },
         settings=settings,
         versions=software_versions(),

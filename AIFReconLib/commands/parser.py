@@ -21,9 +21,28 @@ from ..terminal.console import prepare_streams
 from ..terminal.log import add_log_options, logging_as_asked, quiet_as_asked
 from ..terminal.one_line_parser import BAD_INPUT, OneLineParser
 from ..terminal.signals import OrderlyEnd, orderly_end
-from . import benchmark, bone_map, convert, demo, evaluate, import_frames, info, live, preview, reconstruct, register, replay, simulate
+from . import (
+    benchmark,
+    bone_map,
+    convert,
+    coverage,
+    demo,
+    evaluate,
+    import_frames,
+    info,
+    live,
+    plan,
+    preview,
+    reconstruct,
+    register,
+    replay,
+    simulate,
+)
 
-COMMANDS = (demo, reconstruct, preview, register, bone_map, info, import_frames, convert, live, replay, evaluate, simulate, benchmark)
+COMMANDS = (
+    *(demo, reconstruct, preview, register, coverage, plan, bone_map, info, import_frames),
+    *(convert, live, replay, evaluate, simulate, benchmark),
+)
 
 SUCCESS, REFUSED = 0, 1
 

@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from ..compounding.reconstructor import Reconstruction
+from ..errors import BeamGeometryError, GeometryError
+from ..guidance.coverage import coverage
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..inspection.summary import summary_lines
@@ -175,7 +177,8 @@ def run(arguments: argparse.Namespace) -> None:
         for number, (share, part_of_it) in enumerate(zip(result.sweeps, sequence.parts, strict=True))
     }
     if arguments.report:
-        write_text(arguments.report, json.dumps({**report_of(result, tracking, outputs), "agreement": agreement}, indent=2) + "\n")
+        said = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(arguments, sequence, region, probe)}
+        write_text(arguments.report, json.dumps(said, indent=2) + "\n")
     files = [path for path in (*outputs.values(), *drawn, arguments.report) if path]
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
     print(*(f"  {line}\n" for line in how_to_look(arguments)), sep="", end="")
@@ -198,6 +201,28 @@ def _agreement(
         reference=arguments.reference,
     )
     return [str(line) for line in lines]
+
+
+def _met(
+    arguments: argparse.Namespace, sequence: TrackedSequence, region: ImageRegion | None, probe: ProbeGeometry | None
+) -> dict[str, object]:
+    """What the sweep met of the labeled bone, for the report; nothing without labels, or where the beams are not known."""
+    if not arguments.bone_labels:
+        return {}
+    placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+    try:
+        found = coverage(
+            sequence,
+            read_labels(arguments.bone_labels),
+            placed,
+            region=region,
+            probe=probe,
+            image_to_reference=arguments.image_to_reference,
+            reference=arguments.reference,
+        )
+    except (BeamGeometryError, GeometryError) as problem:
+        return {"coverage": None, "coverage_problem": str(problem)}
+    return {"coverage": found.to_dict()}
 
 
 def report_of(result: Reconstruction, tracking: dict[str, TrackingReport], outputs: dict[str, Path | None]) -> dict[str, object]:

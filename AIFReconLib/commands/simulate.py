@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from ..arrays import Floats
-from ..errors import OutputError, SettingsError
+from ..arrays import Floats, Matrix
+from ..errors import AIFReconError, FileFormatError, OutputError, SettingsError
+from ..geometry.transforms import invert, pixel_spacing
+from ..guidance.plan import passes_of
 from ..io.disk.atomic import write_text
 from ..io.sequence.writer import write_sequence
 from ..io.transform.files import write_transform
@@ -18,6 +21,7 @@ from ..progress import Progress, part
 from ..simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from ..simulation.phased_array import PhasedArray
 from ..simulation.scan import (
+    FRAME_RATE,
     ProbePath,
     ScannedBack,
     freehand_sweep,
@@ -28,13 +32,19 @@ from ..simulation.scan import (
     single_angle_sweep,
 )
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands
+from ..terminal.options import Commands, refuse_to_overwrite
 
 PATHS: dict[str, Callable[[ScannedBack, int], ProbePath]] = {
     "multi-angle": multi_angle_sweep,
     "single-angle": single_angle_sweep,
     "freehand": freehand_sweep,
 }
+
+
+FILES = ("sweep.igs.mha", "PlusDeviceSet.xml", "ct.nrrd", "lumbar-segmentation.nrrd", "CTToReference.tfm")
+
+BETWEEN_PASSES = 2.0
+"""s in which the probe is taken to the next pass of a plan."""
 
 
 @dataclass(frozen=True)
@@ -62,20 +72,60 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="which patient (default: 0)")
     parser.add_argument("--path", choices=tuple(PATHS), default="multi-angle", help="how the probe moves (default: multi-angle)")
     parser.add_argument("--frames", type=int, default=144, metavar="N", help="frames of the sweep (default: %(default)s)")
+    parser.add_argument("--plan", type=Path, metavar="PLAN.json", help="scan by this plan of aifrecon plan instead, with all its frames")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Simulate and write."""
+    planned = None
+    if arguments.plan:
+        refuse_to_overwrite([arguments.output / name for name in FILES], [arguments.plan])
+        planned = planned_path(arguments.plan)
+    name, frames = ("planned", len(planned)) if planned else (arguments.path, arguments.frames)
     with ProgressBar() as progress:
-        files = write_simulated_patient(arguments.output, arguments.seed, arguments.path, arguments.frames, progress)
-    print(f"simulated patient {arguments.seed}, {arguments.path} sweep of {arguments.frames} frames")
+        files = write_simulated_patient(arguments.output, arguments.seed, arguments.path, arguments.frames, progress, planned)
+    print(f"simulated patient {arguments.seed}, {name} sweep of {frames} frames")
     for path in (files.sequence, files.configuration, files.ct, files.labels, files.ct_to_reference):
         print(f"  wrote {path}")
 
 
+def planned_path(path: Path) -> ProbePath:
+    """The way of the simulated probe through all passes of a plan file, two seconds between passes.
+
+    Raises
+    ------
+    FileFormatError
+        When the file is no plan, or one for another probe.
+    """
+    try:
+        passes = passes_of(json.loads(path.read_text("utf-8")))
+    except (ValueError, AIFReconError) as error:
+        raise FileFormatError("{path}: it is no plan ({problem}). Make one with aifrecon plan.", path=path, problem=error) from None
+    probe = PhasedArray()
+    poses: Matrix = np.concatenate([image_to_reference for _, image_to_reference in passes])
+    spacing = pixel_spacing(poses[0])
+    if not np.allclose(spacing, probe.pixel_spacing, rtol=0.01):
+        raise FileFormatError(
+            "{path}: it is for images of {x:.3f} x {y:.3f} mm per pixel, and the simulated probe's have {own:.3f}. Plan without "
+            "--probe-like, or with a simulated sweep.",
+            path=path,
+            x=spacing[0],
+            y=spacing[1],
+            own=probe.pixel_spacing,
+        )
+    to_transducer = poses @ invert(probe.image_to_transducer)
+    number = np.concatenate([np.full(len(image_to_reference), n) for n, (_, image_to_reference) in enumerate(passes)])
+    return ProbePath(to_transducer, np.arange(len(poses)) / FRAME_RATE + BETWEEN_PASSES * number)
+
+
 def write_simulated_patient(
-    folder: Path, seed: int = 0, path: str = "multi-angle", frames: int = 144, progress: Progress | None = None
+    folder: Path,
+    seed: int = 0,
+    path: str = "multi-angle",
+    frames: int = 144,
+    progress: Progress | None = None,
+    planned: ProbePath | None = None,
 ) -> SimulatedFiles:
     """Simulate a patient and a sweep, and write them as a user would have them.
 
@@ -86,6 +136,8 @@ def write_simulated_patient(
     path : "multi-angle", "single-angle" or "freehand"
     frames : int
     progress : Progress or None
+    planned : ProbePath or None
+        Instead of `path` and `frames`.
 
     Notes
     -----
@@ -98,17 +150,11 @@ def write_simulated_patient(
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError("{folder}: cannot be made ({reason}). Choose another folder.", folder=folder, reason=error.strerror) from None
-    files = SimulatedFiles(
-        folder / "sweep.igs.mha",
-        folder / "PlusDeviceSet.xml",
-        folder / "ct.nrrd",
-        folder / "lumbar-segmentation.nrrd",
-        folder / "CTToReference.tfm",
-        np.zeros(3),
-    )
+    sequence, configuration, ct, labels, placed = (folder / name for name in FILES)
+    files = SimulatedFiles(sequence, configuration, ct, labels, placed, np.zeros(3))
     ct_to_reference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
     phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(seed), ct_to_reference=ct_to_reference, progress=part(progress, 0.0, 0.2))
-    trajectory = PATHS[path](phantom, frames)
+    trajectory = planned or PATHS[path](phantom, frames)
     phantom.ct.write(files.ct)
     phantom.labels.write(files.labels)
     write_transform(phantom.ct_to_reference, files.ct_to_reference)

@@ -50,3 +50,12 @@ def sphere_bone(radius=4.0, center=(0.5, -0.3, 0.8), sigma_mm=1.5) -> BoneMap:
     k, j, i = np.indices((size,) * 3)
     distance = np.sqrt(((np.stack([i, j, k]) - (size - 1) / 2) ** 2).sum(axis=0)) * spacing
     return BoneMap.from_labels(Volume((distance < radius).astype(np.uint8), matrix), sigma_mm=sigma_mm)
+
+
+def two_vertebrae() -> Volume:
+    """Two blocks with spines toward the back (-y), labels 1 and 2, 8 mm apart along z; voxels of 1 mm, x and y from -30."""
+    labels = np.zeros((80, 61, 61), dtype=np.uint8)
+    for label, k in ((1, 10), (2, 44)):
+        labels[k : k + 22, 34:50, 18:43] = label
+        labels[k + 4 : k + 26, 12:36, 27:34] = label
+    return Volume(labels, rigid(translation=(-30.0, -30.0, -40.0)))

@@ -1,7 +1,9 @@
-"""Surfaces written as VTK's XML files (.vtp), which Slicer loads as models."""
+"""Surfaces written as VTK's XML files (.vtp), which Slicer loads as models; writing them needs no VTK."""
 
 from __future__ import annotations
 
+import base64
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -62,38 +64,34 @@ def write_surface(path: str | Path, points: ArrayLike, triangles: ArrayLike = ()
     OutputError
         When the file cannot be written; nothing is left then.
     """
-    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
-    from vtkmodules.vtkCommonCore import vtkPoints, vtkStringArray
-    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
-
     check_surface_path(path)
     places = np.ascontiguousarray(points, np.float32).reshape(-1, 3)
     corners = np.array(triangles, np.int64).reshape(-1, 3)
-    surface, vertices, cells, space = vtkPolyData(), vtkPoints(), vtkCellArray(), vtkStringArray()
-    vertices.SetData(numpy_to_vtk(places, deep=True))
-    surface.SetPoints(vertices)
-    alone = np.arange(len(places), dtype=np.int64)[:, None]
-    members = corners if len(corners) else alone
-    cells.SetData(
-        numpy_to_vtkIdTypeArray(np.arange(len(members) + 1, dtype=np.int64) * members.shape[1], deep=True),
-        numpy_to_vtkIdTypeArray(members.ravel(), deep=True),
+    members = corners if len(corners) else np.arange(len(places), dtype=np.int64)[:, None]
+    ends = np.arange(1, len(members) + 1, dtype=np.int64) * members.shape[1]
+    cells = _array("connectivity", members.reshape(-1)) + _array("offsets", ends)
+    verts, polys = ("", cells) if len(corners) else (cells, "")
+    data = "".join(_array(name, np.asarray(values)) for name, values in point_data.items())
+    letters = " ".join(str(ord(letter)) for letter in "RAS") + " 0"
+    text = (
+        '<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n<PolyData>\n'
+        f'<FieldData><Array type="String" Name="{SPACE}" NumberOfTuples="1" format="ascii">{letters}</Array></FieldData>\n'
+        f'<Piece NumberOfPoints="{len(places)}" NumberOfVerts="{len(members) if verts else 0}" NumberOfLines="0" NumberOfStrips="0" '
+        f'NumberOfPolys="{len(members) if polys else 0}">\n'
+        f"<PointData>\n{data}</PointData>\n<Points>\n{_array('Points', places)}</Points>\n"
+        f"<Verts>\n{verts}</Verts>\n<Polys>\n{polys}</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n"
     )
-    (surface.SetPolys if len(corners) else surface.SetVerts)(cells)
-    for name, values in point_data.items():
-        column = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
-        column.SetName(name)
-        surface.GetPointData().AddArray(column)
-    space.SetName(SPACE)
-    space.InsertNextValue("RAS")
-    surface.GetFieldData().AddArray(space)
-    writer = vtkXMLPolyDataWriter()
-    writer.SetInputData(surface)
-    writer.SetDataModeToBinary()
-    writer.WriteToOutputStringOn()
-    writer.Write()
     with atomic_output(path) as temporary:
-        temporary.write_text(writer.GetOutputString(), "ascii")
+        temporary.write_text(text, "ascii")
+
+
+def _array(name: str, values: Numbers) -> str:
+    """An array as VTK's XML has it: its length in bytes, then its numbers, in base64."""
+    kind = {"f": "Float", "i": "Int", "u": "UInt", "b": "UInt"}[values.dtype.kind] + str(8 * values.dtype.itemsize)
+    content = np.ascontiguousarray(values).astype(values.dtype.newbyteorder("<")).tobytes()
+    shown = base64.b64encode(struct.pack("<Q", len(content)) + content).decode("ascii")
+    parts = values.shape[1] if values.ndim == 2 else 1
+    return f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{parts}" format="binary">{shown}</DataArray>\n'
 
 
 def write_labels_surface(labels: Volume, path: str | Path) -> None:

@@ -22,6 +22,7 @@ LONG_RUNNING = {
     "benchmark": "commands/test_benchmark.py",
     "simulate": "commands/test_demo.py",
     "register": "commands/test_register_command.py",
+    "plan": "guidance/test_plan.py",
 }
 """Commands that are only parsed here, for they take long or more than the workplace's made-up images, and where they are run."""
 

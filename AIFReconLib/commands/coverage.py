@@ -1,0 +1,106 @@
+"""`aifrecon coverage`: which bone a sweep has met, and how squarely."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from ..evaluation.visibility import BEAM_THICKNESS
+from ..guidance.coverage import Coverage, coverage
+from ..guidance.mesh import bone_mesh, met_on_mesh
+from ..io.disk.atomic import check_writable, write_text
+from ..io.transform.files import read_transform
+from ..io.volume.files import read_labels
+from ..io.volume.surfaces import check_surface_path, write_surface
+from ..progress import part
+from ..terminal.console import ProgressBar
+from ..terminal.options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
+from ..terminal.sequence_options import add_sequence_options, of_each, sequence_from, sequence_inputs
+from .reconstruct import add_tracking_options
+
+EXAMPLE = """examples:
+  aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm
+  aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm \\
+      --surface met.vtp --report coverage.json
+
+Shares are of the bone that a probe on the back can reach at all. 'aifrecon plan' says which passes would show more."""
+
+
+def add_to(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "coverage",
+        help="say which bone a sweep has met, and how squarely",
+        description="Tell from poses, images and a registered CT's segmentation how much of each bone the sweep met, at which angles, and "
+        "what a reconstruction will show of it.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, one or more sweeps in one Reference")
+    add_labels_options(parser)
+    result = parser.add_argument_group("result")
+    result.add_argument(
+        "--surface", type=Path, metavar="FILE.vtp", help="also write the bone's surface, with best cosine and frames at its points"
+    )
+    result.add_argument("--report", type=Path, metavar="FILE.json", help="also write the table as JSON")
+    result.add_argument(
+        "--beam-thickness",
+        type=float,
+        default=BEAM_THICKNESS,
+        metavar="MM",
+        help="width of the beams across the image plane (default: %(default)g)",
+    )
+    add_tracking_options(parser, several=True)
+    add_sequence_options(parser)
+    add_imaging_options(parser)
+    parser.set_defaults(run=run)
+
+
+def add_labels_options(parser: argparse.ArgumentParser) -> None:
+    """Labels, and where they belong."""
+    parser.add_argument("--bone-labels", type=Path, required=True, metavar="LABELS", help="segmentation of the CT, one label per vertebra")
+    parser.add_argument(
+        "--bone-transform", type=Path, metavar="FILE", help="transform CT -> Reference as Slicer saves it; default: none needed"
+    )
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Read, follow the beams, say what was met."""
+    each = of_each(arguments, arguments.sequences)
+    inputs = [path for one in each for path in sequence_inputs(one)]
+    refuse_to_overwrite([arguments.surface, arguments.report], [*inputs, arguments.bone_labels, arguments.bone_transform])
+    if arguments.surface:
+        check_surface_path(arguments.surface)
+    if arguments.report:
+        check_writable(arguments.report)
+    with ProgressBar() as progress:
+        labels = read_labels(arguments.bone_labels)
+        placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+        sequences = [sequence_from(one) for one in each]
+        region, probe = imaging_from(arguments, sequences[0].configuration, sequences[0].images)
+        found = coverage(
+            sequences,
+            labels,
+            placed,
+            region=region,
+            probe=probe,
+            image_to_reference=arguments.image_to_reference,
+            reference=arguments.reference,
+            thickness=arguments.beam_thickness,
+            progress=part(progress, 0.05, 0.95),
+        )
+        written = _write(arguments, found)
+    print("\n".join([*found.lines(), *(f"  {note}" for note in found.notes), *(f"  wrote {path}" for path in written)]))
+
+
+def _write(arguments: argparse.Namespace, found: Coverage) -> list[Path]:
+    written = []
+    if arguments.surface:
+        mesh = bone_mesh(found.met.bone.distance)
+        write_surface(arguments.surface, mesh.points_reference, mesh.triangles, **met_on_mesh(mesh, found.met))
+        written.append(arguments.surface)
+    if arguments.report:
+        write_text(arguments.report, json.dumps(found.to_dict(), indent=2) + "\n")
+        written.append(arguments.report)
+    return written

@@ -1,0 +1,153 @@
+"""`aifrecon plan`: the passes that will show a target."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+import numpy as np
+
+from ..arrays import Floats
+from ..errors import SettingsError
+from ..evaluation.figures import require_matplotlib
+from ..evaluation.plan_figure import plan_figure
+from ..geometry.transforms import invert, transform_points
+from ..guidance.bone import GuidedBone, guided_bone
+from ..guidance.coverage import bone_before, covered
+from ..guidance.plan import CANDIDATES, FREEHAND, ScanPlan, plan_scan
+from ..guidance.probe import ProbeImages, ProbeOnBack, Skin, images_like
+from ..io.disk.atomic import check_writable, write_text
+from ..io.transform.files import read_transform
+from ..io.volume.files import read_labels
+from ..message import columns
+from ..progress import Progress, part, report
+from ..resolve import resolve_imaging
+from ..sweep.poses import sweep_poses
+from ..terminal.console import ProgressBar
+from ..terminal.options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
+from ..terminal.sequence_options import add_sequence_options, sequence_from, sequence_inputs
+from .coverage import add_labels_options
+from .preview import check_preview
+from .reconstruct import add_tracking_options
+
+EXAMPLE = """examples:
+  aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --output plan.json
+  aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --target all --frames 360 \\
+      --probe-like sweep.igs.mha --config PlusDeviceSet.xml --output plan.json --preview plan.png
+
+--probe-like: size and pixels of its images, its probe, and the skin that its face was on; else a phased array, and the skin 15 mm
+behind the spinous processes."""
+
+FRAMES = 180
+
+
+def add_to(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "plan",
+        help="say which passes will show the borders of the interspinous gaps, or other bone",
+        description="Choose the passes of a scan that show most of a target with a number of frames, from a registered CT's segmentation, "
+        "and say how much of it a reconstruction will show.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add_labels_options(parser)
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="PLAN.json", help="where to write the passes and their poses")
+    parser.add_argument(
+        "--target",
+        default="interspinous",
+        metavar="NAME",
+        help="interspinous (borders of the gaps), posterior (bone that faces the back), all, or a label's number (default: %(default)s)",
+    )
+    parser.add_argument("--frames", type=int, default=FRAMES, metavar="N", help="of all passes together (default: %(default)s)")
+    parser.add_argument(
+        "--candidates",
+        choices=CANDIDATES,
+        default=FREEHAND,
+        help="what the probe can do: freehand slides and tilts; a wearable device tilts by 35 degrees where it is strapped on "
+        "(default: %(default)s)",
+    )
+    parser.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the passes over the bone (needs matplotlib)")
+    like = parser.add_argument_group("probe", "what the images will be like")
+    like.add_argument("--probe-like", type=Path, metavar="SEQUENCE", help="a recording of the probe, on this patient best of all")
+    add_tracking_options(parser)
+    add_sequence_options(parser)
+    add_imaging_options(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Read, plan, write, and say what each pass adds."""
+    arguments.sequence = arguments.probe_like
+    inputs = sequence_inputs(arguments) if arguments.probe_like else [arguments.config]
+    refuse_to_overwrite([arguments.output, arguments.preview], [*inputs, arguments.bone_labels, arguments.bone_transform])
+    if arguments.frames < 1:
+        raise SettingsError("Input frames must be 1 or more; got {frames!r}. Give --frames N.", frames=arguments.frames)
+    check_writable(arguments.output)
+    check_preview(arguments.preview)
+    if arguments.preview:
+        require_matplotlib()
+    with ProgressBar() as progress:
+        bone, probe, notes = _patient(arguments, part(progress, 0.0, 0.1))
+        plan = plan_scan(bone, probe, arguments.target, arguments.frames, arguments.candidates, progress=part(progress, 0.1, 0.95))
+        write_text(arguments.output, json.dumps(plan.to_dict()) + "\n")
+        written = [arguments.output]
+        if arguments.preview:
+            _draw(arguments.preview, plan, bone, probe)
+            written.append(arguments.preview)
+    print(
+        "\n".join([*_lines(plan), *covered(plan.met).lines(), *(f"  {note}" for note in [*notes, *(f"wrote {path}" for path in written)])])
+    )
+
+
+def _patient(arguments: argparse.Namespace, progress: Progress | None) -> tuple[GuidedBone, ProbeOnBack, tuple[str, ...]]:
+    """The bone, the probe on its back, and what was assumed."""
+    report(progress, 0.0, "Finding the bone surface")
+    labels = read_labels(arguments.bone_labels)
+    placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+    if not arguments.probe_like:
+        bone = guided_bone(labels, placed)
+        assumed = ("the probe is taken for a phased array of 84 degrees and 88 mm, and the skin to lie 15 mm behind the spinous processes",)
+        return bone, ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), assumed
+    sequence = sequence_from(arguments)
+    region, kind = imaging_from(arguments, sequence.configuration, sequence.images)
+    poses = sweep_poses(sequence, arguments.image_to_reference, arguments.reference)
+    usable = poses.image_to_reference[poses.require_usable(sequence.name)]
+    imaging = resolve_imaging(sequence, poses, True, region, kind)
+    looks = usable[:, :3, 1] / np.linalg.norm(usable[:, :3, 1], axis=1)[:, None]
+    bone, notes = bone_before(labels, placed, looks.mean(axis=0))
+    images = images_like(usable[0], sequence.frame_size, imaging.known_probe(), imaging.region)
+    skin, more = _skin(bone, transform_points(invert(bone.patient_to_reference), images.faces(usable)))
+    return bone, ProbeOnBack(images, skin, bone.patient_to_reference), (*notes, *more)
+
+
+FAR = 80.0
+"""mm from the estimated skin beyond which a face was on something else."""
+
+
+def _skin(bone: GuidedBone, faces_patient: Floats) -> tuple[Skin, tuple[str, ...]]:
+    """The skin that faces were on, where that is this patient's."""
+    estimate = Skin.over(bone)
+    off = np.abs(estimate.at(faces_patient[:, 0], faces_patient[:, 2]) - faces_patient[:, 1])
+    if np.median(off) > FAR or np.abs(np.median(faces_patient[:, [0, 2]], axis=0)).max() > 2 * FAR:
+        return estimate, ("the recording is of another place: the skin is taken to lie 15 mm behind the spinous processes",)
+    return Skin.through(faces_patient), ()
+
+
+def _lines(plan: ScanPlan) -> list[str]:
+    rows = [("pass", "frames", "adds", "")]
+    rows += [(str(n), str(len(one.image_to_reference)), f"{one.adds_cm2:.2f} cm2", one.name) for n, one in enumerate(plan.passes, start=1)]
+    head = (
+        f"{plan.frames} frames in {len(plan.passes)} passes are expected to show {plan.predicted_visibility:.0%} of {plan.target} where "
+        f"they meet it, {plan.predicted_of_reachable:.0%} of what can be reached"
+    )
+    return [head, *columns(rows).split("\n")]
+
+
+def _draw(path: Path, plan: ScanPlan, bone: GuidedBone, probe: ProbeOnBack) -> None:
+    to_patient = invert(bone.patient_to_reference)
+    poses = to_patient @ np.concatenate([one.image_to_reference for one in plan.passes])
+    surface = transform_points(to_patient, bone.surface.points_reference)
+    title = f"{plan.frames} frames for {plan.target}: {plan.predicted_of_reachable:.0%} of what can be reached is expected to show"
+    plan_figure(path, surface, plan.met.best_cosine, probe.images.faces(poses), poses[:, :3, 1], title)

@@ -1,0 +1,169 @@
+"""The bone that a probe on the back can meet: points on the surface of placed labels, and the patient's axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Floats, Mask, Matrix
+from ..errors import GeometryError
+from ..evaluation.surface import BoneSurface, bone_surface, centers_of_mass, interspinous_border
+from ..evaluation.visibility import GRAZING_DEG, LIFT, BoneRays
+from ..geometry.transforms import as_matrix
+from ..geometry.volume import Volume
+from ..registration.bone_field import VOXEL, BoneField
+
+PITCH = 1.0
+"""mm. About one point per square of this side; coarser where there would be more than `MOST_POINTS`."""
+
+MOST_POINTS = 20_000
+"""Points that are looked at in every frame of a live scan."""
+
+OUTSIDE_DEG = 60.0
+"""Beams of a probe on the back run within this angle of straight ahead: it tilts by some 40 degrees, and a sector opens by as much, but
+steeper than this the skin ends or the bone is too deep."""
+
+DIRECTIONS = 61
+"""Of such beams, spread evenly, by which it is told what can be reached at all."""
+
+
+@dataclass(frozen=True, eq=False)
+class GuidedBone:
+    """What guidance looks at.
+
+    Parameters
+    ----------
+    surface : BoneSurface
+        Only the part that some beam from the back reaches, past all other bone; in Reference.
+    border : (n,) bool array
+        Points that bound an interspinous gap.
+    distance : Volume of float32, mm
+        Signed distance to bone, placed in Reference.
+    centers : dict of int to (3,) array, mm
+        Each label's center of mass in Reference.
+    patient_to_reference : (4, 4) float64 array, mm
+        Patient: to the right, to the front, to the head; its origin is the middle of the points.
+    """
+
+    surface: BoneSurface
+    border: Mask
+    distance: Volume
+    centers: dict[int, Floats]
+    patient_to_reference: Matrix
+
+    def __len__(self) -> int:
+        return len(self.surface)
+
+    @property
+    def starts(self) -> Floats:
+        """Where beams to the points must be free of bone, just above the surface, (n, 3) mm in Reference."""
+        lift = max(LIFT, float(self.distance.grid.spacing.max()))
+        return self.surface.points_reference + lift * self.surface.normals_reference
+
+    def part(self, name: str) -> Mask:
+        """The points of `all`, `interspinous` (borders) or `posterior` (facing the back), or of a label by its number.
+
+        Raises
+        ------
+        GeometryError
+            When there is no such part.
+        """
+        if name == "all":
+            return np.ones(len(self), dtype=bool)
+        if name == "interspinous":
+            chosen = self.border
+        elif name == "posterior":
+            chosen = -self.surface.normals_reference @ self.patient_to_reference[:3, 1] >= np.cos(np.radians(60.0))
+        elif name.isdecimal():
+            chosen = self.surface.labels == int(name)
+        else:
+            chosen = np.zeros(len(self), dtype=bool)
+        if not chosen.any():
+            raise GeometryError(
+                "Input target must be all, interspinous, posterior or a label of the segmentation ({labels}) that a probe on the back can "
+                "reach; got {target!r}. Borders of interspinous gaps need one label per vertebra.",
+                labels=", ".join(map(str, np.unique(self.surface.labels))),
+                target=name,
+            )
+        return chosen
+
+
+def guided_bone(labels: Volume, labels_to_reference: Matrix | None = None, anterior_reference: Floats | None = None) -> GuidedBone:
+    """The reachable bone of a segmentation.
+
+    Parameters
+    ----------
+    labels : Volume of integers
+        Any label above 0 is bone; one label per vertebra tells where the interspinous gaps are. Along the axes of the patient, as a CT
+        and its segmentation are.
+    labels_to_reference : (4, 4) array, mm, or None
+        The registration.
+    anterior_reference : (3,) unit vector or None
+        Which way the probe looks, where the labels' own axes do not say: with it the patient's head is where the labels' is, as far as
+        that leaves.
+
+    Raises
+    ------
+    GeometryError
+        When there is no bone, or none that a beam could reach.
+    """
+    placed = np.eye(4) if labels_to_reference is None else as_matrix(labels_to_reference, "labels_to_reference")
+    field = BoneField.from_labels(labels)
+    distance = field.distance.placed_by(placed)
+    labels = labels.placed_by(placed)
+    axes = _axes(placed[:3, :3], anterior_reference)
+    whole = bone_surface(distance, labels, PITCH)
+    reached = _from_outside(whole, distance, axes)
+    if not reached.any():
+        raise GeometryError("Input labels must have bone that a probe on the back can reach; got none. Was the right segmentation chosen?")
+    if reached.sum() > MOST_POINTS:
+        whole = bone_surface(distance, labels, PITCH * float(np.sqrt(reached.sum() / MOST_POINTS)))
+        reached = _from_outside(whole, distance, axes)
+    centers = centers_of_mass(_coarse(labels))
+    border = interspinous_border(whole, centers)
+    surface = BoneSurface(*(getattr(whole, name)[reached] for name in ("points_reference", "normals_reference", "areas", "labels")))
+    patient = np.eye(4)
+    patient[:3, :3] = axes
+    patient[:3, 3] = surface.points_reference.mean(axis=0)
+    return GuidedBone(surface, border[reached], distance, centers, patient)
+
+
+def _axes(rotation: Floats, anterior: Floats | None) -> Floats:
+    """Right, front and head as columns, orthonormal: of the labels' frame turned by `rotation`, or about a given front."""
+    right, ahead, head = rotation.T / np.linalg.norm(rotation, axis=0)[:, None]
+    if anterior is not None:
+        ahead = anterior
+    if abs(head @ ahead) > 0.9:
+        head = np.cross(right, ahead)
+    head = head - (head @ ahead) * ahead
+    head /= np.linalg.norm(head)
+    return np.stack([np.cross(ahead, head), ahead, head], axis=1)
+
+
+def _from_outside(surface: BoneSurface, distance: Volume, axes: Floats) -> Mask:
+    """Which points some beam within `OUTSIDE_DEG` of straight ahead reaches, (n,) bool."""
+    rays = BoneRays(distance)
+    starts = surface.points_reference + max(LIFT, float(distance.grid.spacing.max())) * surface.normals_reference
+    reached = np.zeros(len(surface), dtype=bool)
+    for beam in beams_from_the_back() @ axes.T:
+        open_ = np.flatnonzero(~reached & (-surface.normals_reference @ beam >= np.cos(np.radians(GRAZING_DEG))))
+        beams = np.broadcast_to(beam, (len(open_), 3))
+        reached[open_] = ~rays.blocks(starts[open_], beams, np.full(len(open_), np.inf))
+    return reached
+
+
+def beams_from_the_back() -> Floats:
+    """Unit vectors evenly over the cone about straight ahead, (DIRECTIONS, 3) in the patient's axes; a spiral, the middle first."""
+    n = np.arange(DIRECTIONS)
+    cosine = 1.0 - (1.0 - np.cos(np.radians(OUTSIDE_DEG))) * n / (DIRECTIONS - 1)
+    angle = n * np.pi * (3.0 - np.sqrt(5.0))
+    sine = np.sqrt(1.0 - cosine**2)
+    return np.stack([sine * np.cos(angle), cosine, sine * np.sin(angle)], axis=1)
+
+
+def _coarse(labels: Volume) -> Volume:
+    """Every so many voxels of labels that are finer than guidance needs."""
+    factors = np.maximum(np.floor(VOXEL / labels.grid.spacing + 0.5), 1).astype(int)
+    i, j, k = factors
+    return Volume(labels.array[::k, ::j, ::i], labels.ijk_to_reference @ np.diag([*factors, 1.0]))

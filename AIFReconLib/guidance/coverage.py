@@ -1,0 +1,190 @@
+"""What a recorded sweep met of the bone: per label, at the interspinous borders, and in all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Floats, Mask, Matrix
+from ..evaluation.visibility import BEAM_THICKNESS
+from ..geometry.volume import Volume
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion
+from ..message import columns
+from ..progress import Progress, part, report
+from ..resolve import resolve_imaging
+from ..sweep.frames import TrackedSequence
+from ..sweep.joined import joined
+from ..sweep.poses import sweep_poses, time_order, tracked_frames
+from .bone import GuidedBone, guided_bone
+from .expectation import expected_visibility
+from .met import BoneMet, FrameGeometry
+
+BELOW_60, BELOW_45 = np.cos(np.radians((60.0, 45.0)))
+
+AWRY_DEG = 60.0
+"""A sweep whose middle beams run farther than this from the front of the labels, on the mean, says itself where the front is."""
+
+
+@dataclass(frozen=True)
+class Share:
+    """How much of one part of the bone was met; shares are of the reachable area, and NaN where nothing is reachable.
+
+    Parameters
+    ----------
+    reachable_cm2 : float
+        Area that some beam from the back could reach.
+    met : float, 0 to 1
+        Met by a lit frame past all other bone, within 85 degrees.
+    below_60_deg, below_45_deg : float, 0 to 1
+        Met with a best angle of incidence below this.
+    expected_visibility : float, 0 to 1
+        Share that `weighted` is expected to show; see `expected_visibility`.
+    """
+
+    reachable_cm2: float
+    met: float
+    below_60_deg: float
+    below_45_deg: float
+    expected_visibility: float
+
+    def to_dict(self) -> dict[str, float | None]:
+        """All numbers by name, rounded to what they can mean; None where a share is of nothing."""
+        return {name: None if value != value else round(float(value), 4) for name, value in vars(self).items()}
+
+
+@dataclass(frozen=True, eq=False)
+class Coverage:
+    """What a scan met.
+
+    Parameters
+    ----------
+    met : BoneMet
+        Point by point.
+    all, interspinous : Share
+    by_label : dict of str to Share
+        By the number of the label.
+    notes : tuple of str
+        What was assumed.
+    """
+
+    met: BoneMet
+    all: Share
+    interspinous: Share
+    by_label: dict[str, Share]
+    notes: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, object]:
+        """The report, for JSON."""
+        labels = {name: share.to_dict() for name, share in self.by_label.items()}
+        return {"all": self.all.to_dict(), "interspinous": self.interspinous.to_dict(), "labels": labels}
+
+    def lines(self) -> list[str]:
+        """A table for a terminal, a line each."""
+        rows: list[tuple[str, ...]] = [("bone", "reachable", "met", "below 60 deg", "below 45 deg", "expected to show")]
+        named = [*((f"label {name}", share) for name, share in self.by_label.items()), ("interspinous borders", self.interspinous)]
+        rows += [(name, *_cells(share)) for name, share in [*named, ("all", self.all)]]
+        return columns(rows).split("\n")
+
+
+def _cells(share: Share) -> list[str]:
+    shares = (share.met, share.below_60_deg, share.below_45_deg, share.expected_visibility)
+    return [f"{share.reachable_cm2:.1f} cm2", *("-" if value != value else f"{value:.0%}" for value in shares)]
+
+
+def coverage(
+    sequences: TrackedSequence | Iterable[TrackedSequence],
+    labels: Volume,
+    labels_to_reference: Matrix | None = None,
+    *,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+    image_to_reference: str | None = None,
+    reference: str | None = None,
+    thickness: float = BEAM_THICKNESS,
+    progress: Progress | None = None,
+) -> Coverage:
+    """How much of each bone the frames of one or more sweeps met, and how squarely.
+
+    Parameters
+    ----------
+    sequences : TrackedSequence or several in one Reference
+    labels : Volume of integers
+        Segmentation of the CT, one label per vertebra.
+    labels_to_reference : (4, 4) array, mm, or None
+        The registration, as `register` finds it; None where the labels lie in Reference.
+    region, probe, image_to_reference, reference
+        As in `reconstruct`.
+    thickness : float, mm
+        Full width of the beam across the image plane.
+    progress : Progress or None
+
+    Raises
+    ------
+    AIFReconError
+        When frames cannot be placed, beams not be told, or labels hold no bone.
+    """
+    sequence = joined(sequences)
+    poses = sweep_poses(sequence, image_to_reference, reference)
+    usable = poses.require_usable(sequence.name)
+    imaging = resolve_imaging(sequence, poses, True, region, probe)
+    report(progress, 0.0, "Finding the bone surface")
+    looks = poses.image_to_reference[usable][:, :3, 1]
+    mean = (looks / np.linalg.norm(looks, axis=1)[:, None]).mean(axis=0)
+    bone, notes = bone_before(labels, labels_to_reference, mean)
+    met = BoneMet(FrameGeometry(bone, sequence.frame_size, imaging.known_probe(), imaging.region, thickness))
+    order = time_order(sequence)
+    order = order[np.isin(order, usable)]
+    scale = _full_scale(sequence)
+    following = part(progress, 0.1, 1.0)
+    for done, frame in enumerate(tracked_frames(sequence, poses, order)):
+        report(following, done / len(order), "Following the beams")
+        if frame.image_to_reference is not None:
+            met.insert(frame.image_to_reference, frame.image, scale)
+    report(progress, 1.0, "Followed the beams")
+    return covered(met, notes)
+
+
+def bone_before(labels: Volume, labels_to_reference: Matrix | None, looks: Floats) -> tuple[GuidedBone, tuple[str, ...]]:
+    """The bone that can be reached by a probe that looks that way, (3,) in Reference on the mean; and what was assumed."""
+    front = (np.eye(4) if labels_to_reference is None else np.asarray(labels_to_reference, dtype=np.float64))[:3, 1]
+    length = float(np.linalg.norm(looks))
+    if length < 0.5 or front @ looks >= np.cos(np.radians(AWRY_DEG)) * length * np.linalg.norm(front):
+        return guided_bone(labels, labels_to_reference), ()
+    note = "The labels' axes are not the patient's: the frames do not look toward their front. What can be reached is told from the frames."
+    return guided_bone(labels, labels_to_reference, looks / length), (note,)
+
+
+def covered(met: BoneMet, notes: tuple[str, ...] = ()) -> Coverage:
+    """What was met until now, in shares."""
+    return Coverage(met, *_shares(met), notes)
+
+
+def _shares(met: BoneMet) -> tuple[Share, Share, dict[str, Share]]:
+    bone = met.bone
+    labels = {str(label): share_of(met, bone.surface.labels == label) for label in _labels(bone)}
+    return share_of(met, np.ones(len(bone), dtype=bool)), share_of(met, bone.border), labels
+
+
+def _labels(bone: GuidedBone) -> Iterator[int]:
+    return (int(label) for label in np.unique(bone.surface.labels))
+
+
+def share_of(met: BoneMet, chosen: Mask) -> Share:
+    """How much of the chosen points was met, (n,) bool."""
+    areas, best = met.bone.surface.areas[chosen], met.best_cosine[chosen]
+    total = float(areas.sum())
+    if total == 0:
+        return Share(0.0, *[float("nan")] * 4)
+    with np.errstate(invalid="ignore"):
+        any_angle, below_60, below_45 = (float(areas @ of_it) / total for of_it in (np.isfinite(best), best > BELOW_60, best > BELOW_45))
+    return Share(total / 100.0, any_angle, below_60, below_45, float(areas @ expected_visibility(best)) / total)
+
+
+def _full_scale(sequence: TrackedSequence) -> float:
+    """The brightest gray level there can be: 255 of 8 bits, else the brightest there is in the middle frame."""
+    if np.dtype(sequence.images.dtype) == np.uint8:
+        return 255.0
+    return max(float(np.nanmax(sequence.images[len(sequence) // 2])), 1e-9)

@@ -1,0 +1,174 @@
+"""What the frames of a scan have met of the bone so far: one frame after the other, as they come or as they are recorded."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Bytes, Floats, Integers, Mask, Matrix, Numbers, Singles
+from ..compounding.evidence import REACHED as FULLY_REACHED
+from ..evaluation.visibility import BEAM_THICKNESS, GRAZING_DEG, BoneRays, SweepBeams, in_beam
+from ..geometry.transforms import pixel_spacing
+from ..imaging.beams import LINEAR, ProbeGeometry
+from ..imaging.region import ImageRegion
+from .bone import GuidedBone
+
+BEFORE = 5.0
+"""mm before bone from which on its scan line must be lit somewhere: the tissue that sound passed, the echo, or what lies behind a bone that
+is not where the CT has it."""
+
+BEHIND = 11.0
+"""mm behind bone up to which that is looked for: a CT that is farther off is not placed."""
+
+LOOK_STEP = 1.0
+"""mm between looks along a scan line, and the size of the cells whose mean is looked at, so that speckle counts for little."""
+
+TISSUE_LEVEL = 0.95
+"""Quantile of a frame's cells that stands for its bright tissue: where an image is dim as a whole, less counts as lit."""
+
+DARKEST = 0.04
+"""Part of the gray scale below which nothing counts as lit, however dim the image: noise."""
+
+UNSEEN, SHADOWED, DARK, MET = 0, 1, 2, 3
+"""Of a point in a frame: not in its beams (or grazed), behind other bone, in an image that is dark there, met."""
+
+
+@dataclass(frozen=True, eq=False)
+class FrameView:
+    """What one frame does at the points in its beams.
+
+    Parameters
+    ----------
+    points : (m,) int array
+        Numbers of the points in beams that come within `GRAZING_DEG` of their normals.
+    cosines : (m,) float64 array
+        Of the angles of incidence.
+    status : (m,) uint8 array
+        SHADOWED, DARK or MET.
+    """
+
+    points: Integers
+    cosines: Floats
+    status: Bytes
+
+
+class FrameGeometry:
+    """Tells what a frame meets of the bone, for one kind of image.
+
+    Parameters
+    ----------
+    bone : GuidedBone
+    frame_size : (columns, rows)
+    probe : ProbeGeometry
+    region : ImageRegion
+    thickness : float, mm
+        Full width of the beam across the image plane.
+    """
+
+    def __init__(
+        self, bone: GuidedBone, frame_size: tuple[int, int], probe: ProbeGeometry, region: ImageRegion, thickness: float = BEAM_THICKNESS
+    ):
+        self.bone = bone
+        self.beams = SweepBeams(np.empty((0, 4, 4)), frame_size, probe, region, thickness)
+        self._kept = region.mask(*frame_size)
+        self._rays = BoneRays(bone.distance)
+        self._starts = bone.starts
+
+    def view(self, image_to_reference: Matrix, image: Numbers | None = None, full_scale: float = 255.0) -> FrameView:
+        """What a frame at this pose meets; without an image, as if it were lit everywhere.
+
+        Parameters
+        ----------
+        image_to_reference : (4, 4) float64 array, pixels to mm
+        image : (rows, columns) array or None
+        full_scale : float
+            The brightest gray level there can be.
+        """
+        surface = self.bone.surface
+        seen, pixels, beams, lengths = in_beam(surface.points_reference, image_to_reference, self.beams, self._kept)
+        cosines = -np.einsum("ij,ij->i", beams, surface.normals_reference[seen])
+        facing = cosines >= math.cos(math.radians(GRAZING_DEG))
+        seen, pixels, beams, lengths, cosines = seen[facing], pixels[facing], beams[facing], lengths[facing], cosines[facing]
+        status = np.full(len(seen), MET, dtype=np.uint8)
+        status[self._rays.blocks(self._starts[seen], beams, lengths)] = SHADOWED
+        if image is not None:
+            open_ = np.flatnonzero(status == MET)
+            status[open_[~self._lit(image, pixel_spacing(image_to_reference), pixels[open_], full_scale)]] = DARK
+        return FrameView(seen, cosines, status)
+
+    def _lit(self, image: Numbers, spacing: tuple[float, float], pixels: Floats, full_scale: float) -> Mask:
+        """Whether the scan line through each point is lit somewhere from `BEFORE` mm before it on, (m,) bool."""
+        x, y = spacing
+        wide, high = max(round(LOOK_STEP / x), 1), max(round(LOOK_STEP / y), 1)
+        level = _cells(image, wide, high) / np.float32(full_scale)
+        kept = self._kept[high // 2 :: high, wide // 2 :: wide][: level.shape[0], : level.shape[1]]
+        level = np.where(kept & np.isfinite(level), level, np.float32(0))
+        shown = level[kept]
+        bright = float(np.partition(shown, place)[place]) if (place := int(TISSUE_LEVEL * len(shown))) < len(shown) else 0.0
+        threshold = np.clip(FULLY_REACHED * bright, DARKEST, FULLY_REACHED)
+        if self.beams.probe.kind == LINEAR:
+            way = np.tile([0.0, 1.0 / y], (len(pixels), 1))
+        else:
+            way = (pixels - self.beams.probe.apex) * spacing
+            way /= np.maximum(np.hypot(*way.T), 1e-9)[:, None] * spacing
+        places = pixels[:, None] + np.arange(-BEFORE, BEHIND, LOOK_STEP)[:, None] * way[:, None]
+        # A rim of darkness stands for what lies outside of the image
+        dark = np.pad(level, 1)
+        column, row = (((places[..., n] + 0.5) / cell + 1.0).astype(np.int64) for n, cell in enumerate((wide, high)))
+        lit = dark.take(row.clip(0, dark.shape[0] - 1) * dark.shape[1] + column.clip(0, dark.shape[1] - 1)) >= threshold
+        return np.asarray(lit.any(axis=1))
+
+
+def _cells(image: Numbers, wide: int, high: int) -> Singles:
+    """Means of the image in cells of `wide` columns and `high` rows, (rows // high, columns // wide) float32."""
+    rows, columns = image.shape[0] // high, image.shape[1] // wide
+    rows_summed = np.zeros((rows, columns * wide), dtype=np.float32)
+    for n in range(high):
+        rows_summed += image[n : rows * high : high, : columns * wide]
+    summed = np.zeros((rows, columns), dtype=np.float32)
+    for n in range(wide):
+        summed += rows_summed[:, n::wide]
+    summed /= np.float32(wide * high)
+    return summed
+
+
+class BoneMet:
+    """What was met of each point until now.
+
+    Parameters
+    ----------
+    geometry : FrameGeometry
+
+    Attributes
+    ----------
+    best_cosine : (n,) float64 array
+        Of the smallest angle of incidence so far; NaN where no frame has met the point.
+    frames, shadowed, dark : (n,) int32 arrays
+        Frames that met the point; in whose beams it lay behind other bone; whose images were dark there.
+    """
+
+    def __init__(self, geometry: FrameGeometry):
+        self.geometry = geometry
+        count = len(geometry.bone)
+        self.best_cosine = np.full(count, np.nan)
+        self.frames, self.shadowed, self.dark = (np.zeros(count, dtype=np.int32) for _ in range(3))
+
+    @property
+    def bone(self) -> GuidedBone:
+        """The bone."""
+        return self.geometry.bone
+
+    def insert(self, image_to_reference: Matrix, image: Numbers | None = None, full_scale: float = 255.0) -> None:
+        """Add a frame; the arguments are those of `FrameGeometry.view`."""
+        self.add(self.geometry.view(image_to_reference, image, full_scale))
+
+    def add(self, view: FrameView) -> None:
+        """Add a frame that was looked at."""
+        met = view.status == MET
+        points = view.points[met]
+        self.best_cosine[points] = np.fmax(self.best_cosine[points], view.cosines[met])
+        self.frames[points] += 1
+        self.shadowed[view.points[view.status == SHADOWED]] += 1
+        self.dark[view.points[view.status == DARK]] += 1

@@ -1,0 +1,131 @@
+"""Where to move the probe next, from where it is and from what was met until now."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Floats, Matrix
+from ..message import Message
+from ..progress import Progress
+from .bone import GuidedBone
+from .candidates import LEAST_GAIN, candidates_of, geometry_of, target_weights
+from .expectation import expected_visibility
+from .met import BoneMet
+from .passes import Pass, freehand_passes, name_of_place
+from .probe import Placement, ProbeOnBack
+
+STABLE = 0.25
+"""Part by which another move must be better than the one that was advised before it is advised instead."""
+
+FAR_MM, FAR_DEG = 60.0, 60.0
+"""A slide or a tilt as laborious as one other; moves are weighed by what they add over 1 and half their labor."""
+
+LABOR = 0.5
+
+SMALLEST_MM, SMALLEST_DEG = 4.0, 4.0
+"""What a hand does not notice is not said."""
+
+
+@dataclass(frozen=True, eq=False)
+class Move:
+    """An advice.
+
+    Parameters
+    ----------
+    words : str
+        In a sonographer's words, with what it adds.
+    adds_cm2 : float
+        Area of the target, and 5% of the area beside it, that it is expected to show beyond what is shown already.
+    image_to_reference : (4, 4) float64 array
+        Where the probe is in the middle of that pass: for a ghost.
+    planned : Pass
+        The pass.
+    """
+
+    words: Message
+    adds_cm2: float
+    image_to_reference: Matrix
+    planned: Pass
+
+
+class NextMove:
+    """Advises moves for a target.
+
+    Parameters
+    ----------
+    bone : GuidedBone
+    probe : ProbeOnBack
+    target : str
+        See `GuidedBone.part`.
+    progress : Progress or None
+        Of looking at all candidate passes, which takes some seconds.
+
+    Notes
+    -----
+    Candidates are the passes of a plan by hand: each is a move from where the probe is (turn, slide, tilt), and then a slide of
+    some 18 mm across the image, or 36 mm along the spine. The one that adds most for its labor is advised, and stays advised until
+    another is better by `STABLE` or it has nothing more to add.
+    """
+
+    def __init__(self, bone: GuidedBone, probe: ProbeOnBack, target: str = "interspinous", progress: Progress | None = None):
+        self._bone, self._probe = bone, probe
+        self._weights = target_weights(bone, target)
+        self._candidates = candidates_of(freehand_passes(bone), probe, geometry_of(bone, probe), progress)
+        levels = {label: float(z) for label, z in zip(bone.centers, _patient_z(bone, probe))}
+        self._levels: dict[int, float] = levels
+        self._advised: Pass | None = None
+
+    def advise(self, met: BoneMet, image_to_reference: Matrix) -> Move | None:
+        """What to do next from a pose; None when nothing is worth its labor any more."""
+        shown = expected_visibility(met.best_cosine)
+        now = self._probe.placement(image_to_reference)
+        gains = np.array([one.gain(self._weights, shown) for one in self._candidates])
+        values = gains / np.array([one.planned.least * (1.0 + LABOR * _labor(now, _middle(one.planned))) for one in self._candidates])
+        worth = gains >= LEAST_GAIN * float(self._weights.sum())
+        if not worth.any():
+            self._advised = None
+            return None
+        best = int(np.argmax(np.where(worth, values, -1.0)))
+        held = next((n for n, one in enumerate(self._candidates) if one.planned is self._advised), None)
+        if held is not None and worth[held] and values[best] <= (1.0 + STABLE) * values[held]:
+            best = held
+        planned = self._candidates[best].planned
+        self._advised = planned
+        there, adds = _middle(planned), float(gains[best]) / 100.0
+        return Move(self._words(now, there, adds), adds, self._probe.pose(there), planned)
+
+    def _words(self, now: Placement, there: Placement, adds: float) -> Message:
+        steps = []
+        if abs((there.turn_deg - now.turn_deg + 90.0) % 180.0 - 90.0) > 30.0:
+            steps.append(Message("turn to {plane}", plane=Message("sagittal") if there.turn_deg else Message("transverse")))
+            now = Placement(now.x, now.z, there.turn_deg, 0.0, 0.0)
+        for way, mm in (("head", there.z - now.z), ("feet", now.z - there.z), ("right", there.x - now.x), ("left", now.x - there.x)):
+            if mm >= SMALLEST_MM:
+                steps.append(Message("slide {mm:.0f} mm toward the {way}", mm=mm, way=Message(way)))
+        sagittal = abs(there.turn_deg) > 45.0
+        ways = (("head", "feet"), ("left", "right")) if sagittal else (("right", "left"), ("head", "feet"))
+        for (positive, negative), degrees in zip(ways, (there.in_plane_deg - now.in_plane_deg, there.across_deg - now.across_deg)):
+            if abs(degrees) >= SMALLEST_DEG:
+                way = Message(positive if degrees > 0 else negative)
+                steps.append(Message("tilt {degrees:.0f} degrees toward the {way}", degrees=abs(degrees), way=way))
+        steps = steps or [Message("sweep on here")]
+        where = name_of_place(there.z, self._levels)
+        return Message("{steps} over {where}, adds {adds:.1f} cm2", steps=", ".join(map(str, steps)), where=where, adds=adds)
+
+
+def _patient_z(bone: GuidedBone, probe: ProbeOnBack) -> Floats:
+    to_patient = np.linalg.inv(probe.patient_to_reference)
+    return np.array([(to_patient[:3, :3] @ center + to_patient[:3, 3])[2] for center in bone.centers.values()])
+
+
+def _middle(planned: Pass) -> Placement:
+    return planned.placements(1)[0]
+
+
+def _labor(now: Placement, there: Placement) -> float:
+    """How laborious it is to get there: slides, tilts and turns in units of `FAR_MM` and `FAR_DEG`."""
+    turn = abs((there.turn_deg - now.turn_deg + 90.0) % 180.0 - 90.0)
+    tilt = abs(there.in_plane_deg - now.in_plane_deg) + abs(there.across_deg - now.across_deg)
+    return float(np.hypot(there.x - now.x, there.z - now.z) / FAR_MM + (turn + tilt) / FAR_DEG)

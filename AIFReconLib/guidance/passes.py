@@ -1,0 +1,150 @@
+"""Passes that a probe can make over a back: straight slides at one tilt, and what a wearable device can do without sliding."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..arrays import Floats, Matrix
+from ..geometry.transforms import invert, transform_points
+from .bone import GuidedBone
+from .probe import Placement, ProbeOnBack
+
+STEP = 3.0
+"""mm between the frames of a pass: the thickness of the beam."""
+
+SAGITTAL_TILTS_DEG = (-38.0, -19.0, 0.0, 19.0, 38.0)
+SAGITTAL_ACROSS_DEG = (-40.0, -25.0, 0.0, 25.0, 40.0)
+TRANSVERSE_TILTS_DEG = (-35.0, -18.0, 0.0, 18.0, 35.0)
+"""Within what the skin allows: beyond some 40 degrees a face loses contact."""
+
+STEEPEST_DEG = 45.0
+"""From straight ahead to the middle beam, of both tilts together."""
+
+NARROW, WIDE = 9.0, 27.0
+"""mm to either side of the midline: spinous processes and their gaps; laminae, facets and what can be seen of transverse processes."""
+
+BETWEEN_PLACES = 15.0
+"""mm along the spine between the places of sagittal passes."""
+
+ALONG = 36.0
+"""mm along the spine of one transverse pass: about a level."""
+
+WEARABLE_TILT_DEG = 35.0
+"""How far a wearable device tilts to either side, about two axes."""
+
+WEARABLE_STEP_DEG = 5.0
+
+
+@dataclass(frozen=True)
+class Pass:
+    """The probe goes from one placement to another, evenly.
+
+    Parameters
+    ----------
+    name : str
+        In a sonographer's words.
+    start, stop : Placement
+    least : int
+        Frames below which gaps would open between their beams.
+    """
+
+    name: str
+    start: Placement
+    stop: Placement
+    least: int
+
+    def placements(self, frames: int) -> list[Placement]:
+        """Where each of so many frames is taken: in the middles of as many parts of the way."""
+        parts = (np.arange(frames) + 0.5) / frames
+        return [
+            replace(
+                self.start,
+                **{
+                    name: float(getattr(self.start, name) + part * (getattr(self.stop, name) - getattr(self.start, name)))
+                    for name in ("x", "z", "in_plane_deg", "across_deg")
+                },
+            )
+            for part in parts
+        ]
+
+    def poses(self, probe: ProbeOnBack, frames: int | None = None) -> Matrix:
+        """image_to_reference of its frames, (frames, 4, 4); `least` of them by default."""
+        return np.array([probe.pose(placement) for placement in self.placements(frames or self.least)])
+
+
+def freehand_passes(bone: GuidedBone) -> list[Pass]:
+    """Passes that a hand can make: sagittal ones across the spine, transverse ones along it."""
+    points = _patient(bone, bone.surface.points_reference)
+    low, high = np.quantile(points[:, 2], (0.02, 0.98))
+    levels = {label: _patient(bone, center[None])[0][2] for label, center in bone.centers.items()}
+    passes = []
+    for z in _spread(low + 6.0, high - 6.0, BETWEEN_PLACES):
+        where = name_of_place(z, levels)
+        for tilt in SAGITTAL_TILTS_DEG:
+            for across in SAGITTAL_ACROSS_DEG:
+                # The normal of a sagittal image points to the left
+                words = [_looking(tilt, "head", "feet")] if tilt or not across else []
+                words += [_looking(across, "left", "right")] if across else []
+                passes.append(_sagittal(", ".join([f"sagittal over {where}", *words]), z, tilt, across, -NARROW, NARROW))
+                for side in (-1.0, 1.0):
+                    if across * side >= 0:  # beside the midline, beams away from it meet nothing that others do not
+                        place = f"sagittal {'right' if side > 0 else 'left'} of {where}"
+                        passes.append(_sagittal(", ".join([place, *words]), z, tilt, across, side * NARROW, side * WIDE))
+    for z in _spread(low, high, ALONG):
+        where = name_of_place(z, levels)
+        for across in TRANSVERSE_TILTS_DEG:
+            for in_plane in TRANSVERSE_TILTS_DEG:
+                start = Placement(0.0, z - ALONG / 2, 0.0, in_plane, across)
+                words = [f"transverse along {where}"]
+                words += [_looking(across, "head", "feet")] if across else []
+                words += [f"{abs(in_plane):g} degrees toward the {'right' if in_plane > 0 else 'left'}"] if in_plane else []
+                passes.append(Pass(", ".join(words), start, replace(start, z=z + ALONG / 2), round(ALONG / STEP)))
+    return [one for one in passes if one.start.tilt_deg <= STEEPEST_DEG]
+
+
+def _sagittal(name: str, z: float, tilt: float, across: float, first: float, last: float) -> Pass:
+    start = Placement(first, z, 90.0, tilt, across)
+    return Pass(name, start, replace(start, x=last), round(abs(last - first) / STEP))
+
+
+def wearable_passes(bone: GuidedBone, place: tuple[float, float] = (0.0, 0.0), turn_deg: float = 0.0) -> list[Pass]:
+    """Passes of a device that is strapped on at one place and tilts about two axes, by 35 degrees to either side, without sliding."""
+    tilts = np.arange(-WEARABLE_TILT_DEG, WEARABLE_TILT_DEG + 1.0, WEARABLE_STEP_DEG)
+    passes = []
+    for tilt in tilts:
+        start = Placement(*place, turn_deg, float(tilt), -WEARABLE_TILT_DEG)
+        name = f"{'transverse' if turn_deg == 0 else 'sagittal'}, tilted {tilt:+g} degrees in the plane, swept across it"
+        passes.append(Pass(name, start, replace(start, across_deg=WEARABLE_TILT_DEG), round(2 * WEARABLE_TILT_DEG / 3.0)))
+    return passes
+
+
+def wearable_places(bone: GuidedBone, target: Floats) -> list[tuple[float, float]]:
+    """Where on the midline a device may be strapped on for a target, (n, 3) points in Reference: over its middle, and a step beside."""
+    z = float(np.median(_patient(bone, target)[:, 2]))
+    return [(0.0, z + shift) for shift in (-BETWEEN_PLACES, 0.0, BETWEEN_PLACES)]
+
+
+def name_of_place(z: float, levels: dict[int, float]) -> str:
+    """The level, or the two levels, that a place along the spine (mm to the head) lies over: ``label 2``, ``labels 2 and 3``."""
+    nearest = sorted(levels, key=lambda label: abs(levels[label] - z))[:2]
+    if len(nearest) < 2 or abs(levels[nearest[0]] - z) < 0.25 * abs(levels[nearest[0]] - levels[nearest[1]]):
+        return f"label {nearest[0]}"
+    between = min(levels[nearest[0]], levels[nearest[1]]) <= z <= max(levels[nearest[0]], levels[nearest[1]])
+    return f"labels {min(nearest)} and {max(nearest)}" if between else f"label {nearest[0]}"
+
+
+def _looking(tilt: float, positive: str, negative: str) -> str:
+    return "straight" if tilt == 0 else f"{abs(tilt):g} degrees toward the {positive if tilt > 0 else negative}"
+
+
+def _spread(low: float, high: float, step: float) -> Iterable[float]:
+    """Places from low to high about `step` apart, in the middles of equal parts."""
+    count = max(round((high - low) / step), 1)
+    return [float(low + (high - low) * (n + 0.5) / count) for n in range(count)]
+
+
+def _patient(bone: GuidedBone, points_reference: Floats) -> Floats:
+    return transform_points(invert(bone.patient_to_reference), points_reference)

@@ -1,0 +1,198 @@
+"""The probe on the skin: what its images are like, where its face is in them, and the poses that it can take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..arrays import Floats, Matrix
+from ..geometry.transforms import image_plane_axes, invert, pixel_spacing, transform_points
+from ..imaging.beams import LINEAR, ProbeGeometry
+from ..imaging.region import ImageRegion
+from ..simulation.phased_array import PhasedArray
+from .bone import GuidedBone
+
+AIM_DEPTH = 30.0
+"""mm under the skin of the point about which tilts turn: spinous processes and laminae lie there, and stay in view."""
+
+UNDER_SKIN = 15.0
+"""mm of fat and fascia behind the tips of the spinous processes, where nothing tells the skin."""
+
+BEND = 30.0
+"""mm to the side or along the spine over which the skin may bend; it says how far its shape is trusted beyond where it was felt."""
+
+
+@dataclass(frozen=True, eq=False)
+class ProbeImages:
+    """What the images of a probe are like.
+
+    Parameters
+    ----------
+    frame_size : (columns, rows)
+    spacing : (x, y), mm per pixel
+    geometry : ProbeGeometry
+    region : ImageRegion
+        The pixels that are ultrasound.
+    """
+
+    frame_size: tuple[int, int]
+    spacing: tuple[float, float]
+    geometry: ProbeGeometry
+    region: ImageRegion
+
+    @classmethod
+    def simulated(cls) -> ProbeImages:
+        """Those of the simulated phased array, a probe like the paper's."""
+        probe = PhasedArray()
+        return cls((probe.columns, probe.rows), (probe.pixel_spacing, probe.pixel_spacing), probe.geometry, probe.region)
+
+    @cached_property
+    def face_px(self) -> tuple[float, float]:
+        """The middle of the face, (column, row)."""
+        mask = self.region.mask(*self.frame_size)
+        rows, columns = np.nonzero(mask)
+        if self.geometry.kind == LINEAR:
+            return (float(columns.min()) + float(columns.max())) / 2, float(rows.min())
+        x, y = self.spacing
+        column, row = self.geometry.apex
+        fan = self.region.fan
+        if fan is not None:
+            angle, radius = np.radians(sum(fan.angles_deg) / 2), fan.radii[0] * x
+        else:
+            angles = np.arctan2((columns - column) * x, (rows - row) * y)
+            angle, radius = (angles.min() + angles.max()) / 2, np.hypot((columns - column) * x, (rows - row) * y).min()
+        return float(column + radius * np.sin(angle) / x), float(row + radius * np.cos(angle) / y)
+
+    @property
+    def image_to_face(self) -> Matrix:
+        """(4, 4), pixels to mm: origin in the middle of the face, x along the columns, y down the rows, z = x cross y."""
+        x, y = self.spacing
+        matrix = np.diag([x, y, (x + y) / 2, 1.0])
+        matrix[:2, 3] = -x * self.face_px[0], -y * self.face_px[1]
+        return matrix
+
+    def faces(self, image_to_reference: Matrix) -> Floats:
+        """The middles of the faces of frames, (n, 3) mm in Reference."""
+        column, row = self.face_px
+        return image_to_reference[:, :3, 0] * column + image_to_reference[:, :3, 1] * row + image_to_reference[:, :3, 3]
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """Where the skin of the back is: its place along straight ahead over right and head, in the patient's axes.
+
+    Parameters
+    ----------
+    coefficients : (6,) float64 array, mm
+        Of 1, x, z, x^2, x z, z^2 in units of `BEND`.
+    """
+
+    coefficients: Floats
+
+    @classmethod
+    def through(cls, points_patient: Floats) -> Skin:
+        """The smooth skin through points (n, 3) on it, straight on where there are none."""
+        terms = _terms(points_patient[:, 0], points_patient[:, 2])
+        # A tenth of what a point weighs holds every slope and bend at 0
+        hold = np.diag([0.0, *[np.sqrt(0.1)] * 5])
+        found = np.linalg.lstsq(np.concatenate([terms, hold]), np.concatenate([points_patient[:, 1], np.zeros(6)]), rcond=None)[0]
+        return cls(found)
+
+    @classmethod
+    def over(cls, bone: GuidedBone) -> Skin:
+        """An estimate: `UNDER_SKIN` behind the spinous processes."""
+        points = transform_points(invert(bone.patient_to_reference), bone.surface.points_reference)
+        tips = []
+        for label in np.unique(bone.surface.labels):
+            own = points[bone.surface.labels == label]
+            behind = own[own[:, 1] <= np.quantile(own[:, 1], 0.01)]
+            tips.append((0.0, behind[:, 1].mean() - UNDER_SKIN, behind[:, 2].mean()))
+        return cls.through(np.array(tips))
+
+    def at(self, x: Floats | float, z: Floats | float) -> Floats:
+        """y of the skin, mm."""
+        y: Floats = _terms(np.asarray(x, dtype=np.float64), np.asarray(z, dtype=np.float64)) @ self.coefficients
+        return y
+
+
+def _terms(x: Floats, z: Floats) -> Floats:
+    x, z = x / BEND, z / BEND
+    return np.stack([np.ones_like(x), x, z, x * x, x * z, z * z], axis=-1)
+
+
+@dataclass(frozen=True)
+class Placement:
+    """How a probe stands on the back.
+
+    Parameters
+    ----------
+    x, z : float, mm
+        The point aimed at, to the right and to the head in the patient's axes; it lies `AIM_DEPTH` under the skin.
+    turn_deg : float
+        Of the image plane: 0 transverse (columns to the right), 90 sagittal (columns to the head).
+    in_plane_deg : float
+        Turns the middle beam toward the image's columns.
+    across_deg : float
+        Turns it out of the plane, toward z = columns cross rows: to the head where transverse, to the left where sagittal.
+    """
+
+    x: float
+    z: float
+    turn_deg: float = 0.0
+    in_plane_deg: float = 0.0
+    across_deg: float = 0.0
+
+    @property
+    def tilt_deg(self) -> float:
+        """From straight ahead to the middle beam."""
+        return float(np.degrees(np.arccos(np.cos(np.radians(self.in_plane_deg)) * np.cos(np.radians(self.across_deg)))))
+
+
+@dataclass(frozen=True, eq=False)
+class ProbeOnBack:
+    """Poses of a probe on a patient's back.
+
+    Parameters
+    ----------
+    images : ProbeImages
+    skin : Skin
+    patient_to_reference : (4, 4) array, mm
+    """
+
+    images: ProbeImages
+    skin: Skin
+    patient_to_reference: Matrix
+    _to_face: Matrix = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_to_face", self.images.image_to_face)
+
+    def pose(self, placement: Placement) -> Matrix:
+        """image_to_reference of a probe that stands so, (4, 4)."""
+        turn = Rotation.from_euler("YZX", [-placement.turn_deg, -placement.in_plane_deg, placement.across_deg], degrees=True).as_matrix()
+        beam = turn[:, 1]
+        target = np.array([placement.x, float(self.skin.at(placement.x, placement.z)) + AIM_DEPTH, placement.z])
+        way = AIM_DEPTH
+        for _ in range(20):
+            point = target - way * beam
+            way += (point[1] - float(self.skin.at(point[0], point[2]))) / max(beam[1], 0.3)
+        face = np.eye(4)
+        face[:3, :3], face[:3, 3] = turn, target - way * beam
+        return self.patient_to_reference @ face @ self._to_face
+
+    def placement(self, image_to_reference: Matrix) -> Placement:
+        """How a probe stands whose image is there: the inverse of `pose`, wherever the skin is."""
+        right, down = image_plane_axes(image_to_reference)
+        turn = self.patient_to_reference[:3, :3].T @ np.stack([right, down, np.cross(right, down)], axis=1)
+        a, b, c = Rotation.from_matrix(turn).as_euler("YZX", degrees=True)
+        face = transform_points(invert(self.patient_to_reference), self.images.faces(image_to_reference[None])[0])
+        target = face + AIM_DEPTH / max(turn[1, 1], 0.3) * turn[:, 1]
+        return Placement(float(target[0]), float(target[2]), -float(a), -float(b), float(c))
+
+
+def images_like(image_to_reference: Matrix, frame_size: tuple[int, int], geometry: ProbeGeometry, region: ImageRegion) -> ProbeImages:
+    """The images of a recorded sweep, whose first pose is given."""
+    return ProbeImages(frame_size, pixel_spacing(image_to_reference), geometry, region)

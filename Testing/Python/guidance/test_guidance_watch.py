@@ -1,0 +1,122 @@
+"""Guidance beside a session: it tells what the frames met, follows a CT that is placed anew, and says why it cannot."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from sweeps import rigid, two_vertebrae
+
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.met import BoneMet, FrameGeometry
+from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.live.pairing.synchronizer import LiveFrame
+from AIFReconLib.live.session import guidance_watch
+from AIFReconLib.live.session.guidance_watch import GuidanceWatch
+
+IMAGES = ProbeImages.simulated()
+MOVED = rigid(translation=(0.0, 3.0, 12.0))
+
+
+class Session:
+    """What a watch reads of a session: the newest frame."""
+
+    latest = None
+
+
+def until(condition, seconds=60.0) -> bool:
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.005)
+    return condition()
+
+
+@pytest.fixture(scope="module")
+def frames():
+    bone = guided_bone(two_vertebrae())
+    on = ProbeOnBack(IMAGES, Skin.over(bone), bone.patient_to_reference)
+    poses = [on.pose(Placement(x, 0.0, 90.0, tilt)) for tilt in (-30.0, 30.0) for x in (-6.0, 0.0, 6.0)]
+    image = np.full(IMAGES.frame_size[::-1], 120, np.uint8)
+    return [LiveFrame(image, pose, timestamp=0.1 * n, number=n) for n, pose in enumerate(poses)]
+
+
+@pytest.fixture
+def watching(monkeypatch):
+    """Makes watches that tell everything at once."""
+    for name in ("PERIOD", "TELL_EVERY", "ADVISE_EVERY", "REST"):
+        monkeypatch.setattr(guidance_watch, name, 0.0 if name != "PERIOD" else 0.001)
+    watches = []
+
+    def watch(labels=None, **options):
+        options = options or {"region": IMAGES.region, "probe": IMAGES.geometry}
+        session = Session()
+        watches.append(GuidanceWatch(session, two_vertebrae() if labels is None else labels, np.eye(4), **options))
+        return session, watches[-1]
+
+    yield watch
+    for one in watches:
+        one.stop()
+
+
+def show(session, watch, frames) -> None:
+    assert until(lambda: watch._bone is not None)
+    for frame in frames:
+        session.latest = frame
+        assert until(lambda frame=frame: watch._last is frame)
+
+
+def of(frames, place=None):
+    met = BoneMet(FrameGeometry(guided_bone(two_vertebrae(), place), IMAGES.frame_size, IMAGES.geometry, IMAGES.region))
+    for frame in frames:
+        met.insert(frame.image_to_reference)
+    return met
+
+
+def test_a_watch_tells_what_the_frames_met(watching, frames):
+    session, watch = watching()
+    show(session, watch, frames)
+    expected = of(frames).best_cosine
+    assert until(lambda: watch.state.best_cosine is not None and np.array_equal(watch.state.best_cosine, expected, equal_nan=True))
+    assert watch.state.coverage.interspinous.met > 0.1
+
+
+def test_a_ct_that_is_placed_anew_is_told_from_the_poses_so_far(watching, frames):
+    session, watch = watching()
+    show(session, watch, frames[:-1])
+    watch.place(MOVED)
+    assert until(lambda: watch._met is None)
+    session.latest = frames[-1]
+    expected = of(frames, MOVED).best_cosine
+    assert until(lambda: watch.state.best_cosine is not None and np.array_equal(watch.state.best_cosine, expected, equal_nan=True))
+
+
+def test_a_next_move_comes(watching, frames):
+    session, watch = watching()
+    show(session, watch, frames)
+    assert until(lambda: watch._advisor is not None)
+    session.latest = LiveFrame(frames[0].image, frames[0].image_to_reference, timestamp=9.0, number=9)
+    assert until(lambda: watch.state.move is not None)
+    assert "adds" in str(watch.state.move.words)
+
+
+def test_labels_that_lose_their_bone_in_mid_scan_are_a_sentence_and_come_back(watching, frames):
+    session, watch = watching()
+    show(session, watch, frames[:3])
+    labels = two_vertebrae()
+    watch.place(np.eye(4), Volume(np.zeros_like(labels.array), labels.ijk_to_reference))
+    assert until(lambda: watch.state.problem is not None)
+    assert "voxels above 0" in str(watch.state.problem)
+    watch.place(np.eye(4), labels)
+    assert until(lambda: watch._bone is not None)
+    session.latest = frames[3]
+    assert until(lambda: watch.state.problem is None and watch.state.coverage is not None)
+
+
+def test_an_unknown_probe_is_a_sentence(watching, frames):
+    session, watch = watching(region=ImageRegion())
+    show(session, watch, frames[:1])
+    assert until(lambda: watch.state.problem is not None)
+    assert "probe is not known" in str(watch.state.problem)

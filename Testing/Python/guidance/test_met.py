@@ -1,0 +1,155 @@
+"""What frames meet of the bone: against a brute-force loop that shares no code, and in made-up scenes whose answer is known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from sweeps import image_pose, rigid, two_vertebrae
+
+from AIFReconLib.errors import GeometryError
+from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.expectation import expected_visibility
+from AIFReconLib.guidance.met import DARK, MET, SHADOWED, BoneMet, FrameGeometry
+from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
+from AIFReconLib.imaging.region import Fan, ImageRegion
+
+SIZE, SPACING = (91, 81), (0.9, 0.8)
+KINDS = {
+    "linear": (ProbeGeometry(LINEAR), ImageRegion()),
+    "sector": (ProbeGeometry(SECTOR, (45.0, -4.0)), ImageRegion(fan=Fan((45.0, -4.0), (-40.0, 40.0), (6.0, 84.0)))),
+}
+
+
+@pytest.fixture(scope="module")
+def bone():
+    return guided_bone(two_vertebrae())
+
+
+def poses(count=6, seed=0):
+    """Frames from behind (y = -45), turned at random by up to some 40 degrees."""
+    rng = np.random.default_rng(seed)
+    middle = np.diag([*SPACING, 1.0, 1.0])
+    middle[:3, 3] = (-SPACING[0] * 45, 0.0, 0.0)
+    return [
+        rigid(translation=(rng.uniform(-10, 10), -45.0, rng.uniform(-25, 25))) @ rigid(rng.uniform(-1, 1, 3) * (40, 90, 25)) @ middle
+        for _ in range(count)
+    ]
+
+
+def brute_force(bone, pose, kind, thickness=3.0):
+    """{point: (cosine, shadowed)} of a frame, point by point and millimeter by millimeter."""
+    x, y = pose[:3, 0] / SPACING[0], pose[:3, 1] / SPACING[1]
+    normal = np.cross(x, y)
+    array, matrix = bone.distance.array, bone.distance.ijk_to_reference
+    found = {}
+    for number, (point, out) in enumerate(zip(bone.surface.points_reference, bone.surface.normals_reference)):
+        way = point - pose[:3, 3]
+        if abs(way @ normal) > thickness / 2:
+            continue
+        u, v = way @ x, way @ y
+        column, row = math.floor(u / SPACING[0] + 0.5), math.floor(v / SPACING[1] + 0.5)
+        if not (0 <= column < SIZE[0] and 0 <= row < SIZE[1]):
+            continue
+        if kind == "linear":
+            beam, length = y, v
+        else:
+            a, b = (column - 45.0) * SPACING[0], (row + 4.0) * SPACING[1]
+            radius = math.hypot(a, b) / SPACING[0]
+            if not (6.0 <= radius <= 84.0 and abs(math.degrees(math.atan2(a, b))) <= 40.0):
+                continue
+            a, b = u - 45.0 * SPACING[0], v + 4.0 * SPACING[1]
+            length = math.hypot(a, b)
+            beam = (a * x + b * y) / length
+        cosine = -beam @ out
+        if cosine < math.cos(math.radians(85.0)):
+            continue
+        shadowed, gone = False, 0.0
+        while gone < length and not shadowed:
+            i, j, k = np.linalg.solve(matrix[:3, :3], point + out - gone * beam - matrix[:3, 3]) + 0.5
+            within = 0 <= i < array.shape[2] and 0 <= j < array.shape[1] and 0 <= k < array.shape[0]
+            shadowed = within and array[int(k), int(j), int(i)] <= 0
+            gone += 1.0
+        found[number] = (cosine, shadowed)
+    return found
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_frames_meet_what_a_brute_force_search_finds(bone, kind):
+    geometry = FrameGeometry(bone, SIZE, *KINDS[kind])
+    met, best, frames, shadowed = BoneMet(geometry), {}, {}, {}
+    for pose in poses():
+        for number, (cosine, dark) in brute_force(bone, pose, kind).items():
+            if dark:
+                shadowed[number] = shadowed.get(number, 0) + 1
+            else:
+                best[number] = max(best.get(number, -1.0), cosine)
+                frames[number] = frames.get(number, 0) + 1
+        met.insert(pose)
+    assert len(best) > 100
+    assert len(shadowed) > 20
+    everyone = range(len(bone))
+    np.testing.assert_allclose(met.best_cosine, [best.get(n, np.nan) for n in everyone], atol=1e-9)
+    np.testing.assert_array_equal(met.frames, [frames.get(n, 0) for n in everyone])
+    np.testing.assert_array_equal(met.shadowed, [shadowed.get(n, 0) for n in everyone])
+
+
+def test_a_thicker_beam_meets_more(bone):
+    thin, thick = (len(FrameGeometry(bone, SIZE, *KINDS["linear"], thickness=t).view(poses()[1]).points) for t in (1.0, 6.0))
+    assert thick > 3 * thin > 0
+
+
+def test_an_image_that_is_dark_before_and_behind_the_bone_has_not_met_it(bone):
+    geometry, pose = FrameGeometry(bone, SIZE, *KINDS["linear"]), poses()[1]
+    lit = geometry.view(pose, np.full(SIZE[::-1], 90, np.uint8))
+    unlit = geometry.view(pose, np.zeros(SIZE[::-1], np.uint8))
+    np.testing.assert_array_equal(lit.status, geometry.view(pose).status)
+    assert set(np.unique(unlit.status)) == {DARK, SHADOWED}
+    np.testing.assert_array_equal(unlit.status == DARK, lit.status == MET)
+
+
+def test_half_an_image_without_contact_leaves_the_other_half_met(bone):
+    geometry, pose = FrameGeometry(bone, SIZE, *KINDS["linear"]), image_pose((*SPACING,), translation=(-40.0, -45.0, -20.0))
+    image = np.full(SIZE[::-1], 90, np.uint8)
+    image[:, : SIZE[0] // 2] = 0
+    view = geometry.view(pose, image)
+    columns = (bone.surface.points_reference[view.points, 0] + 40.0) / SPACING[0]
+    np.testing.assert_array_equal(view.status[view.status != SHADOWED] == MET, columns[view.status != SHADOWED] > 45.0)
+
+
+def test_moving_bone_and_frames_together_changes_nothing(bone):
+    motion = rigid((20.0, -35.0, 50.0), (11.0, -7.0, 30.0))
+    moved = guided_bone(two_vertebrae(), motion)
+    first, second = BoneMet(FrameGeometry(bone, SIZE, *KINDS["sector"])), BoneMet(FrameGeometry(moved, SIZE, *KINDS["sector"]))
+    for pose in poses(4, seed=3):
+        first.insert(pose)
+        second.insert(motion @ pose)
+    different = (first.frames > 0) != (second.frames > 0)
+    assert different.mean() < 0.001
+    np.testing.assert_allclose(np.nan_to_num(first.best_cosine)[~different], np.nan_to_num(second.best_cosine)[~different], atol=1e-6)
+
+
+def test_the_front_of_bone_cannot_be_reached_from_the_back(bone):
+    assert (bone.surface.normals_reference[:, 1] < 0.9).all()
+    assert bone.surface.points_reference[:, 1].max() < 20.0
+
+
+def test_the_faces_across_the_gap_are_its_borders(bone):
+    z = bone.surface.points_reference[bone.border, 2]
+    assert set(np.unique(bone.surface.labels[bone.border])) == {1, 2}
+    assert np.abs(bone.surface.normals_reference[bone.border, 2]).min() > 0.4
+    assert -8.0 < z.min() < z.max() < 10.0
+
+
+def test_a_target_that_is_not_there_is_named_with_those_that_are(bone):
+    with pytest.raises(GeometryError, match=r"label of the segmentation \(1, 2\).*got '7'"):
+        bone.part("7")
+
+
+def test_expected_visibility_falls_with_the_angle_and_is_zero_for_what_was_not_met():
+    angles = np.arange(0.0, 86.0, 5.0)
+    expected = expected_visibility(np.cos(np.radians(angles)))
+    assert (np.diff(expected) <= 0).all()
+    assert expected[0] > 0.9
+    assert expected_visibility(np.array([np.nan]))[0] == 0.0

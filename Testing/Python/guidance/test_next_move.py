@@ -1,0 +1,77 @@
+"""The next move: it adds what it says, leads somewhere, stays advised, and ends."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from sweeps import two_vertebrae
+
+from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.candidates import geometry_of, target_weights
+from AIFReconLib.guidance.expectation import expected_visibility
+from AIFReconLib.guidance.met import BoneMet
+from AIFReconLib.guidance.next_move import NextMove
+from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
+
+
+@pytest.fixture(scope="module")
+def probe():
+    bone = guided_bone(two_vertebrae())
+    return ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), bone
+
+
+@pytest.fixture(scope="module")
+def advisor(probe):
+    return NextMove(probe[1], probe[0])
+
+
+@pytest.fixture(scope="module")
+def followed(probe, advisor):
+    """(words, what it said to add, what it added) of moves that were followed, from a transverse image in the middle."""
+    on, bone = probe
+    met, here = BoneMet(geometry_of(bone, on)), on.pose(Placement(0.0, 0.0))
+    weights, moves, shown = target_weights(bone, "interspinous"), [], 0.0
+    for _ in range(8):
+        move = advisor.advise(met, here)
+        for pose in move.planned.poses(on):
+            met.insert(pose)
+            here = pose
+        now = float(weights @ expected_visibility(met.best_cosine)) / 100
+        moves.append((str(move.words), move.adds_cm2, now - shown))
+        shown = now
+    return moves, met
+
+
+def test_a_move_adds_what_it_says(followed):
+    said, added = np.array([(one[1], one[2]) for one in followed[0]]).T
+    np.testing.assert_allclose(added, said, atol=1e-9)
+
+
+def test_moves_that_are_followed_show_most_of_the_borders(followed, probe):
+    border = probe[1].border
+    areas = probe[1].surface.areas[border]
+    assert areas @ expected_visibility(followed[1].best_cosine[border]) / areas.sum() > 0.6
+
+
+def test_moves_are_said_in_a_sonographers_words(followed):
+    steps = r"(turn to (sagittal|transverse)|slide \d+ mm toward the \w+|tilt \d+ degrees toward the \w+|sweep on here)"
+    for words, _, _ in followed[0]:
+        assert re.fullmatch(rf"{steps}(, {steps})* over labels? 1?( and )?2?, adds \d+\.\d cm2", words), words
+    assert any("turn to sagittal" in words for words, _, _ in followed[0])
+
+
+def test_a_small_movement_of_the_hand_does_not_change_the_advice(probe, advisor):
+    on, bone = probe
+    met = BoneMet(geometry_of(bone, on))
+    rng = np.random.default_rng(0)
+    advised = {advisor.advise(met, on.pose(Placement(*rng.normal(0, 3, 2), 0.0, *rng.normal(0, 3, 2)))).planned for _ in range(20)}
+    assert len(advised) == 1
+
+
+def test_when_everything_was_met_squarely_nothing_is_advised(probe, advisor):
+    on, bone = probe
+    met = BoneMet(geometry_of(bone, on))
+    met.best_cosine[:] = 1.0
+    assert advisor.advise(met, on.pose(Placement(0.0, 0.0))) is None

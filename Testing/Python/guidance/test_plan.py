@@ -1,0 +1,157 @@
+"""Plans: poses on the skin, passes that add what they say, and the files that carry them."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from sweeps import rigid, two_vertebrae
+
+from AIFReconLib.commands.parser import main
+from AIFReconLib.commands.simulate import planned_path
+from AIFReconLib.errors import FileFormatError, SettingsError
+from AIFReconLib.evaluation.visibility import SweepBeams, look
+from AIFReconLib.geometry.transforms import invert, transform_points
+from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.expectation import expected_visibility
+from AIFReconLib.guidance.passes import WEARABLE_TILT_DEG
+from AIFReconLib.guidance.plan import WEARABLE, plan_scan
+from AIFReconLib.guidance.probe import AIM_DEPTH, Placement, ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.simulation.phased_array import PhasedArray
+from AIFReconLib.simulation.scan import contact_pose
+
+PLACE = rigid((5.0, -8.0, 12.0), (20.0, 10.0, -5.0))
+FRAMES = 40
+
+
+class Flat:
+    """A back whose skin is a plane, for the simulator's own poses."""
+
+    def skin_y(self, x, z):
+        return np.full(np.broadcast(x, z).shape, -40.0)
+
+
+@pytest.fixture(scope="module")
+def bone():
+    return guided_bone(two_vertebrae(), PLACE)
+
+
+@pytest.fixture(scope="module")
+def probe(bone):
+    return ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference)
+
+
+@pytest.fixture(scope="module")
+def plan(bone, probe):
+    return plan_scan(bone, probe, "interspinous", FRAMES)
+
+
+def test_the_face_is_where_the_simulated_transducer_has_it():
+    np.testing.assert_allclose(ProbeImages.simulated().image_to_face, PhasedArray().image_to_transducer, atol=1e-9)
+
+
+@pytest.mark.parametrize(("orientation", "turn"), [("transverse", 0.0), ("sagittal", 90.0)])
+def test_poses_are_those_of_the_simulator(orientation, turn):
+    flat = ProbeOnBack(ProbeImages.simulated(), Skin.through(np.array([[0.0, -40.0, 0.0]])), np.eye(4))
+    theirs = contact_pose(Flat(), 4.0, -9.0, orientation=orientation, in_plane_tilt_deg=20.0, elevational_tilt_deg=-35.0)
+    ours = flat.pose(Placement(4.0, -9.0, turn, 20.0, -35.0))
+    np.testing.assert_allclose(ours, theirs @ PhasedArray().image_to_transducer, atol=1e-3)
+
+
+def test_the_middle_beam_goes_from_the_skin_through_the_point_aimed_at(probe):
+    placement = Placement(7.0, -12.0, 90.0, 30.0, 20.0)
+    pose = invert(probe.patient_to_reference) @ probe.pose(placement)
+    face = probe.images.faces(pose[None])[0]
+    assert face[1] == pytest.approx(float(probe.skin.at(face[0], face[2])), abs=0.01)
+    target = np.array([placement.x, float(probe.skin.at(placement.x, placement.z)) + AIM_DEPTH, placement.z])
+    way, beam = target - face, pose[:3, 1] / np.linalg.norm(pose[:3, 1])
+    np.testing.assert_allclose(way / np.linalg.norm(way), beam, atol=1e-4)
+
+
+def test_a_placement_is_read_back_from_its_pose(probe):
+    given = Placement(7.0, -12.0, 90.0, 30.0, -20.0)
+    found = probe.placement(probe.pose(given))
+    angles = (found.turn_deg, found.in_plane_deg, found.across_deg)
+    np.testing.assert_allclose(angles, (90.0, 30.0, -20.0), atol=1e-6)
+    np.testing.assert_allclose((found.x, found.z), (7.0, -12.0), atol=3.0)
+
+
+def test_skin_that_was_felt_along_the_midline_goes_straight_on_to_the_sides():
+    z = np.linspace(-50.0, 50.0, 21)
+    skin = Skin.through(np.stack([0 * z, -30.0 + 0.1 * z, z], axis=1))
+    assert float(skin.at(0.0, 20.0)) == pytest.approx(-28.0, abs=0.2)
+    assert float(skin.at(30.0, 0.0)) == pytest.approx(-30.0, abs=0.2)
+
+
+def test_a_plan_has_the_frames_that_were_asked_for(plan):
+    assert plan.frames == FRAMES == sum(len(one.image_to_reference) for one in plan.passes)
+
+
+def test_what_a_plan_predicts_is_what_its_beams_reach(plan, bone, probe):
+    poses = np.concatenate([one.image_to_reference for one in plan.passes])
+    beams = SweepBeams(poses, probe.images.frame_size, probe.images.geometry, probe.images.region)
+    _, best = look(bone.surface.points_reference, beams, bone.distance, bone.surface.normals_reference)
+    areas = np.where(bone.border, bone.surface.areas, 0.0)
+    assert plan.predicted_of_reachable == pytest.approx(areas @ expected_visibility(best) / areas.sum(), abs=1e-9)
+    assert plan.predicted_visibility == pytest.approx(areas @ expected_visibility(best) / areas[np.isfinite(best)].sum(), abs=1e-9)
+    assert sum(one.adds_cm2 for one in plan.passes) == pytest.approx(areas @ expected_visibility(best) / 100, abs=1e-9)
+
+
+def test_a_plan_shows_far_more_of_its_target_than_a_plain_pass(plan, bone, probe):
+    poses = [probe.pose(Placement(0.0, z)) for z in np.linspace(-40, 40, FRAMES)]
+    beams = SweepBeams(np.array(poses), probe.images.frame_size, probe.images.geometry, probe.images.region)
+    _, best = look(bone.surface.points_reference, beams, bone.distance, bone.surface.normals_reference)
+    plain = (bone.surface.areas * expected_visibility(best))[bone.border].sum() / bone.surface.areas[bone.border].sum()
+    assert plan.predicted_of_reachable > max(2 * plain, 0.6)
+
+
+def test_a_wearable_device_does_not_slide_and_tilts_no_farther_than_it_can(bone, probe):
+    worn = plan_scan(bone, probe, "interspinous", FRAMES, WEARABLE)
+    placements = [probe.placement(pose) for one in worn.passes for pose in one.image_to_reference]
+    tilts = np.array([(one.in_plane_deg, one.across_deg) for one in placements])
+    assert np.abs(tilts).max() <= WEARABLE_TILT_DEG + 1e-6
+    faces = transform_points(invert(bone.patient_to_reference), probe.images.faces(worn.passes[0].image_to_reference))
+    assert np.ptp(faces[:, 2]) < 2 * AIM_DEPTH
+
+
+def test_too_few_frames_are_a_sentence(bone, probe):
+    with pytest.raises(SettingsError, match="enough for one pass"):
+        plan_scan(bone, probe, "interspinous", 2)
+
+
+def test_the_command_writes_a_plan_that_the_simulated_probe_can_follow(tmp_path, capsys):
+    labels, written = tmp_path / "labels.nrrd", tmp_path / "plan.json"
+    two_vertebrae().write(labels)
+    assert main(["plan", "--bone-labels", str(labels), "--frames", str(FRAMES), "--output", str(written)]) == 0
+    said = capsys.readouterr().out
+    document = json.loads(written.read_text("utf-8"))
+    assert f"expected to show {document['predicted_visibility']:.0%} of interspinous" in said
+    poses = np.array([pose for one in document["passes"] for pose in one["image_to_reference"]])
+    assert all(isinstance(one["name"], str) and one["name"] in said for one in document["passes"])
+    path = planned_path(written)
+    assert (np.diff(path.timestamps) > 0).all()
+    np.testing.assert_allclose(path.transducer_to_reference @ PhasedArray().image_to_transducer, poses, atol=1e-9)
+
+
+@pytest.mark.parametrize("text", ["no plan", "[]", '{"passes": []}', '{"passes": [{"name": "a", "image_to_reference": [[1, 2]]}]}'])
+def test_what_is_no_plan_is_refused_by_name(tmp_path, text):
+    path = tmp_path / "other.json"
+    path.write_text(text, "utf-8")
+    with pytest.raises(FileFormatError, match=r"other\.json: it is no plan"):
+        planned_path(path)
+
+
+def test_a_plan_for_another_probe_is_not_simulated(tmp_path):
+    path = tmp_path / "plan.json"
+    path.write_text(json.dumps({"passes": [{"name": "a", "image_to_reference": [np.eye(4).tolist()] * 2}]}), "utf-8")
+    with pytest.raises(FileFormatError, match="simulated probe"):
+        planned_path(path)
+
+
+def test_an_unknown_target_is_named(tmp_path, capsys):
+    labels = tmp_path / "labels.nrrd"
+    two_vertebrae().write(labels)
+    assert main(["plan", "--bone-labels", str(labels), "--target", "sacrum", "--output", str(tmp_path / "plan.json")]) == 2
+    assert "got 'sacrum'" in capsys.readouterr().err
+    assert not (tmp_path / "plan.json").exists()
