@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import SimpleITK as sitk
 
-from ...arrays import Matrix, Numbers
+from ...arrays import Numbers
 from ...errors import FileFormatError, GeometryError, OutputError, VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
@@ -20,6 +20,7 @@ from ..disk.small_files import local_copy
 from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
 from ..transform.files import read_transform, write_transform
+from .itk_images import to_sitk
 from .metafile_volumes import StoredVolume, read_metafile_volume
 from .nifti_payload import check_nifti
 
@@ -101,8 +102,12 @@ def write_volume(volume: Volume, path: str | Path, fields: Mapping[str, str] | N
     """
     path = Path(path)
     suffix = _writable_suffix(path)
-    array = volume.array.astype(np.uint8) if volume.array.dtype == bool else volume.array
-    image = _as_image(path, array, volume.ijk_to_reference)
+    try:
+        image = to_sitk(volume)
+    except GeometryError as error:
+        raise OutputError(
+            "Cannot write {path}: volume files cannot hold {kind}. Convert the volume to another type.", path=path, kind=volume.array.dtype
+        ) from error
     for key, text in (fields or {}).items():
         image.SetMetaData(key, text)
     companions = (path.with_suffix(".zraw"),) if suffix == ".mhd" else ()
@@ -207,22 +212,6 @@ def _as_volume(stored: StoredVolume, array: Numbers) -> Volume:
         return Volume(array, LPS_FROM_RAS @ stored.ijk_to_lps)
     except GeometryError as error:
         raise VolumeFormatError("{path}: its place in space cannot be used. {problem}", path=stored.path, problem=error) from error
-
-
-def _as_image(path: Path, array: Numbers, ijk_to_reference: Matrix) -> sitk.Image:
-    """The counterpart of `_as_volume`."""
-    ijk_to_lps = LPS_FROM_RAS @ ijk_to_reference
-    spacing = np.linalg.norm(ijk_to_lps[:3, :3], axis=0)
-    try:
-        image = sitk.GetImageFromArray(array)
-    except (TypeError, KeyError, RuntimeError) as error:
-        raise OutputError(
-            "Cannot write {path}: volume files cannot hold {kind}. Convert the volume to another type.", path=path, kind=array.dtype
-        ) from error
-    image.SetSpacing(spacing.tolist())
-    image.SetDirection((ijk_to_lps[:3, :3] / spacing).ravel().tolist())
-    image.SetOrigin(ijk_to_lps[:3, 3].tolist())
-    return image
 
 
 def _as_labels(path: Path, array: Numbers) -> Numbers:

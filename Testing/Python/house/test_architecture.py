@@ -30,6 +30,7 @@ ROOMS = (
 
 UPWARD = {
     ("AIFReconLib/geometry/volume.py", "AIFReconLib/io/volume/files.py"): "Volume.write is a convenience; it imports when it is called",
+    ("AIFReconLib/geometry/volume.py", "AIFReconLib/io/volume/itk_images.py"): "so are Volume.to_sitk and Volume.from_sitk",
     ("AIFReconLib/geometry/volume.py", "AIFReconLib/evaluation/preview.py"): "so is Volume.plot",
 }
 """Imports that run up all the same, and why."""
