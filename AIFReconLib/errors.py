@@ -31,6 +31,10 @@ class SettingsError(AIFReconError, ValueError):
     """A parameter is out of its range, or parameters contradict each other."""
 
 
+class MethodError(AIFReconError, ValueError):
+    """A method of the user's own cannot be found, or answers what cannot be added up."""
+
+
 class GeometryError(AIFReconError, ValueError):
     """A matrix, grid or probe geometry cannot be used: not finite, singular, sheared, mirrored or of the wrong shape."""
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..compounding.needs import method_needs_bone
 from ..compounding.reconstructor import Reconstruction
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
@@ -21,7 +22,6 @@ from ..io.volume.files import check_volume_path, read_labels, read_volume
 from ..progress import part
 from ..reconstruction import reconstruct
 from ..registration.comparison import compared_lines
-from ..settings import BONE_METHODS
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
@@ -185,7 +185,7 @@ def _agreement(
     arguments: argparse.Namespace, sequence: TrackedSequence, region: ImageRegion | None, probe: ProbeGeometry | None, method: str
 ) -> list[str]:
     """What the sweep's own bone says of the CT's registration, a line each; nothing where no labels were used."""
-    if not arguments.bone_labels or method not in BONE_METHODS:
+    if not arguments.bone_labels or not method_needs_bone(method):
         return []
     to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else np.eye(4)
     lines = compared_lines(

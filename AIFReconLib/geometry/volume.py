@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from types import EllipsisType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -199,7 +200,7 @@ class Volume(Described):
             raise ValueError(f"Input copy must be True or None to make {wanted} of {self.array.dtype}; got False.")
         return self.array.astype(wanted, copy=bool(copy))
 
-    def __getitem__(self, index: Any) -> Volume:
+    def __getitem__(self, index: slice | EllipsisType | tuple[slice | EllipsisType, ...]) -> Volume:
         """The part within slices along k, j, i, where it was; those not given are whole, and ``...`` stands for them.
 
         Raises
@@ -211,22 +212,23 @@ class Volume(Described):
         rest = [at for at, along in enumerate(given) if along is Ellipsis]
         if len(rest) == 1:
             given = (*given[: rest[0]], *(slice(None),) * (4 - len(given)), *given[rest[0] + 1 :])
-        if len(given) > 3 or not all(isinstance(along, slice) for along in given):
+        slices = [along for along in given if isinstance(along, slice)]
+        if len(given) > 3 or len(slices) < len(given):
             raise GeometryError(
                 "Input index must be up to three slices, in the order k, j, i; got {index!r}. Write 5:6 for one plane, or take numbers "
                 "from volume.array.",
                 index=index,
             )
         to_whole = np.eye(4)
-        for axis, (along, count) in enumerate(zip(given, self.shape)):
+        for axis, (along, count) in enumerate(zip(slices, self.shape)):
             kept = range(count)[along]
             if not kept:
                 raise GeometryError("Input index must leave voxels; got {index!r} of {shape} along k, j, i.", index=index, shape=self.shape)
             to_whole[2 - axis, 2 - axis], to_whole[2 - axis, 3] = kept.step, kept.start
-        return Volume(self.array[given], self.ijk_to_reference @ to_whole)
+        return Volume(self.array[tuple(slices)], self.ijk_to_reference @ to_whole)
 
     @classmethod
-    def from_sitk(cls, image: Any) -> Volume:
+    def from_sitk(cls, image: object) -> Volume:
         """A `SimpleITK.Image` of one scalar 3D volume, its voxels copied, in RAS.
 
         Raises

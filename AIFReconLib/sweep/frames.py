@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -203,12 +204,13 @@ class TrackedSequence(Described):
 
 def _as_images(images: ImageStack | ArrayLike) -> ImageStack:
     """Images as a stack, or an error that says what a stack is."""
-    if not isinstance(getattr(images, "dtype", None), np.dtype):
+    if isinstance(getattr(images, "dtype", None), np.dtype):
+        stack = cast("ImageStack", images)
+    else:
         try:
-            images = np.asarray(images)
+            stack = np.asarray(images)
         except (TypeError, ValueError):
             raise GeometryError("Input images must all have one size; got images of several. Cut or pad them to one.") from None
-    stack: ImageStack = images  # type: ignore[assignment]
     if len(stack.shape) != 3 or np.dtype(stack.dtype).kind not in "biuf":
         raise GeometryError(
             "Input images must be gray, (frames, rows, columns) of numbers; got {shape} of {kind}.",

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import TypeAlias
@@ -12,7 +13,8 @@ from typing import TypeAlias
 from ..arrays import Singles
 from ..bone.from_sweep import bone_from_sweep
 from ..bone.map import SIGMA_VOXELS, BoneMap
-from ..errors import OutputError, SettingsError
+from ..compounding.own.method import load_method
+from ..errors import MethodError, OutputError, SettingsError
 from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ..imaging.detection import detect_imaging
 from ..imaging.images import ImageStack
@@ -23,7 +25,7 @@ from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels, read_volume
 from ..progress import Progress
 from ..resolve import resolve_imaging
-from ..settings import ReconstructionSettings, rule_of
+from ..settings import OWN_METHOD, ReconstructionSettings, is_own_method, rule_of
 from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
@@ -33,6 +35,36 @@ Commands: TypeAlias = "argparse._SubParsersAction[OneLineParser]"
 """What a command adds itself to."""
 
 PARAMETERS = {spec.name: rule_of(spec.metadata) for spec in fields(ReconstructionSettings)}
+
+
+class OwnChoices(tuple[str, ...]):
+    """The choices of a setting to which the names of methods of one's own belong."""
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or (isinstance(name, str) and is_own_method(name))
+
+
+class MethodAction(argparse.Action):
+    """Takes the name of a method. One of the user's own is imported: the module that was named here, and no other."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[object] | None,
+        option_string: str | None = None,
+    ) -> None:
+        """Take the name."""
+        name = str(values)
+        if is_own_method(name):
+            # As `python -m` has it: the installed program knows the packages, not the folder that it is called in
+            if not {"", os.getcwd()} & set(sys.path):
+                sys.path.append(os.getcwd())
+            try:
+                load_method(name)
+            except MethodError as error:
+                parser.error(f"argument {option_string}: {str(error).rstrip('.')}")
+        setattr(namespace, self.dest, name)
 
 
 def add_setting(group: argparse._ActionsContainer, name: str, flag: str | None = None, metavar: str | None = None) -> None:
@@ -46,7 +78,9 @@ def add_setting(group: argparse._ActionsContainer, name: str, flag: str | None =
     if rule["word"] is not None:
         number = _number_or(rule["word"])
     option, words = flag or "--" + name.replace("_", "-"), rule["help"] + unit + shown
-    if rule["choices"]:
+    if rule["choices"] and rule["own"]:
+        group.add_argument(option, dest=name, help=words, choices=OwnChoices([*rule["choices"], OWN_METHOD]), action=MethodAction)
+    elif rule["choices"]:
         group.add_argument(option, dest=name, help=words, choices=rule["choices"])
     else:
         group.add_argument(option, dest=name, help=words, type=number, metavar=metavar or "N")

@@ -34,7 +34,7 @@ def to_sitk(volume: Volume) -> sitk.Image:
     return image
 
 
-def from_sitk(image: sitk.Image) -> Volume:
+def from_sitk(image: object) -> Volume:
     """A `SimpleITK.Image` of one scalar 3D volume as a `Volume`, its voxels copied, placed in RAS.
 
     Raises

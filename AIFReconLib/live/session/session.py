@@ -10,9 +10,10 @@ from pathlib import Path
 
 from ...arrays import Reals
 from ...bone.map import BoneMap
-from ...compounding.reconstructor import Reconstruction, needs_beams
+from ...compounding.needs import needs_beams, require_bone
+from ...compounding.reconstructor import Reconstruction
 from ...compounding.state import bytes_per_voxel
-from ...errors import AIFReconError, OutputError, SettingsError
+from ...errors import AIFReconError, OutputError
 from ...geometry.volume import VoxelGrid
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
@@ -110,13 +111,8 @@ class LiveSession:
         parts = reconstructor_parts(asked, self.settings, configuration, importance)
         self._fits_spacing = parts.fits_spacing
         self._method = self.settings.method_for(bone is not None)
-        self._uses_beams = needs_beams(self._method, self.settings)
-        self._needs_probe = self._uses_beams or depth_factor(self.settings) != 1.0
-        if self._uses_beams and bone is None:
-            raise SettingsError(
-                "Method {method} needs to know where bone is. Give labels or a bone probability, or choose method average.",
-                method=self._method,
-            )
+        self._uses_bone = require_bone(self._method, self.settings, bone is not None)
+        self._needs_probe = needs_beams(self._method, self.settings) or depth_factor(self.settings) != 1.0
         self._region, self._probe = region, probe
         self._imaging = known_imaging(configuration, self._needs_probe, region, probe)
         self._synchronizer = Synchronizer(synchronizer, configuration)
@@ -203,7 +199,7 @@ class LiveSession:
         with self._lock:
             fits = self._fits_spacing and spacing is None
             settings = self.settings if spacing is None else replace(self.settings, spacing=spacing)
-            cost = bytes_per_voxel(self._method, self._uses_beams, self.settings.best_cosine, shares=True)
+            cost = bytes_per_voxel(self._method, self._uses_bone, self.settings.best_cosine, shares=True)
             return self._scouted.grid(self._find_imaging(self._scouted), settings, cost, margin, fits)
 
     def use_grid(self, grid: VoxelGrid) -> None:
