@@ -86,13 +86,9 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         ScriptedLoadableModuleWidget.setup(self)
         from AIFReconGui.libraryLog import LibraryLog
         from AIFReconGui.longWork import LongWork
-        from AIFReconGui.panel.boxChooser import BoxChooser
+        from AIFReconGui.panel.followers import followersOf
         from AIFReconGui.panel.livePanel import LivePanel
-        from AIFReconGui.panel.pathField import PATHS, PathField
         from AIFReconGui.panel.registrationPanel import RegistrationPanel
-        from AIFReconGui.panel.reportPanel import ReportPanel
-        from AIFReconGui.panel.segmentsChooser import SegmentsChooser
-        from AIFReconScene.display.boneOutlines import BoneOutlines
         from AIFReconScene.inputs.inputWatch import InputWatch
 
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
@@ -104,14 +100,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._libraryLog = LibraryLog()
         self._live = LivePanel(self.ui, self._work, self._onParametersModified)
         self._registration = RegistrationPanel(self.ui, self._work, self._live, self.logic.whyNotRegister, self._onParametersModified)
-        self._followers: tuple[Any, ...] = (
-            SegmentsChooser(self.ui.segmentsComboBox, self.ui.segmentsLabel),
-            *(PathField(getattr(self.ui, f"{name}LineEdit"), name) for name in PATHS),
-            BoxChooser(),
-            BoneOutlines(),
-            ReportPanel(self.ui, self.logic.trackingReport),
-            self._registration,
-        )
+        self._followers: tuple[Any, ...] = (*followersOf(self.ui, self.logic), self._registration)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
         self._isSetUp = True
 

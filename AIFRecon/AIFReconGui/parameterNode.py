@@ -76,6 +76,7 @@ class AIFReconParameterNode:
     output: vtkMRMLScalarVolumeNode | None
 
     method: Method = Method.AUTOMATIC
+    ownMethod: str
     spacing: Annotated[float, _within("spacing")] = PARAMETERS["spacing"]["default"]
     alpha: Annotated[float, _within("alpha")] = PARAMETERS["alpha"]["default"]
     beta: Annotated[float, _within("beta")] = PARAMETERS["beta"]["default"]

@@ -16,7 +16,7 @@ from ..background import inBackground
 from ..sceneNodes import proxiesOf
 from ..transforms import matrixToWorld
 from .imagingChoices import imageRegionFrom, probeFrom
-from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom
+from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom, needsBone
 
 if TYPE_CHECKING:
     from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence, Volume
@@ -211,12 +211,11 @@ def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = Fals
     """A `Reconstruction`, the sequence it was made from, and what was done, a line each: where `compared`, also how well the CT agrees."""
     from AIFReconLib.inspection.summary import summary_lines
     from AIFReconLib.message import listed
-    from AIFReconLib.settings import BONE_METHODS
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
     result = prepared.reconstruct(settings, part(progress, 0.1, 0.95))
     lines = summary_lines(result, len(prepared.sequence))
-    if compared and result.method in BONE_METHODS:
+    if compared and needsBone(result.method):
         lines += prepared.comparedLines(part(progress, 0.95, 1.0))
     return result, prepared.sequence, listed(lines, "\n")
 

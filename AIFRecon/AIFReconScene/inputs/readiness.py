@@ -3,14 +3,12 @@
 import slicer
 from slicer.i18n import tr as _
 
-from AIFReconLib.settings import BONE_METHODS
-
 from ..panelWords import inPanelWords
 from ..sceneNodes import proxiesOf
 from .boneNodes import isLabeled
 from .boxes import isEmpty
 from .contradictions import comparisonContradiction, contradiction
-from .parameters import LiveSource, Region, fileFrom
+from .parameters import LiveSource, Region, fileFrom, methodOf, needsBone
 
 
 def chooseDefaults(parameters) -> None:
@@ -56,8 +54,9 @@ def whyNotLive(parameters) -> str:
 
 
 def _whatIsMissing(parameters, hasBone: bool) -> str:
-    if not hasBone and (parameters.method.value in BONE_METHODS or parameters.bestCosine):
-        wanted = parameters.method.value if parameters.method.value in BONE_METHODS else _("The best cosine")
+    ofMethod = needsBone(methodOf(parameters))
+    if not hasBone and (ofMethod or parameters.bestCosine):
+        wanted = methodOf(parameters) if ofMethod else _("The best cosine")
         return _("{method} needs bone: select a segmentation, a labelmap or a bone probability, or another method.").format(method=wanted)
     if parameters.bone is not None and _holdsNothing(parameters.bone):
         return _("{name} holds no bone: segment the CT, or select another.").format(name=parameters.bone.GetName())
