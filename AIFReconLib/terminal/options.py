@@ -56,15 +56,26 @@ class MethodAction(argparse.Action):
     ) -> None:
         """Take the name."""
         name = str(values)
-        if is_own_method(name):
-            # As `python -m` has it: the installed program knows the packages, not the folder that it is called in
-            if not {"", os.getcwd()} & set(sys.path):
-                sys.path.append(os.getcwd())
-            try:
-                load_method(name)
-            except MethodError as error:
-                parser.error(f"argument {option_string}: {str(error).rstrip('.')}")
+        try:
+            if is_own_method(name):
+                load_method_here(name)
+        except MethodError as error:
+            parser.error(f"argument {option_string}: {str(error).rstrip('.')}")
         setattr(namespace, self.dest, name)
+
+
+def load_method_here(name: str) -> None:
+    """Import the module of a method of one's own, from the folder that the program is called in too.
+
+    Raises
+    ------
+    MethodError
+        When it cannot be had.
+    """
+    # As `python -m` has it: the installed program knows the packages alone
+    if not {"", os.getcwd()} & set(sys.path):
+        sys.path.append(os.getcwd())
+    load_method(name)
 
 
 def add_setting(group: argparse._ActionsContainer, name: str, flag: str | None = None, metavar: str | None = None) -> None:
