@@ -10,6 +10,7 @@ import numpy as np
 
 from .arrays import Integers, Reals
 from .bone.map import BoneMap
+from .compounding.intake import require_kinds
 from .compounding.needs import needs_beams, needs_bone
 from .compounding.reconstructor import Reconstruction, Reconstructor
 from .compounding.splat_engine import uses_shares
@@ -173,6 +174,7 @@ def reconstruct(
     AIFReconError
         One of its kinds, with a message that says what is wrong, where, and what to do. Inputs are untouched.
     """
+    require_kinds(settings=settings, bone=bone, grid=grid, region=region, probe=probe)
     sequence = joined(sequence)
     report(progress, 0.0, "Looking at the sweep")
     prepared = _prepare(sequence, settings, bone is not None, grid, region, probe, importance, image_to_reference, reference)

@@ -23,6 +23,7 @@ from ..live.session.session import SCOUTING, LiveSession
 from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
 from ..machine.threads import pause
+from ..message import said
 from ..sweep.configuration import NO_CONFIGURATION
 from ..terminal.console import ProgressBar, show
 from ..terminal.options import (
@@ -158,7 +159,7 @@ def run(arguments: argparse.Namespace) -> None:
     for line in filter(None, [*_what_else(statistics, result), recording, *how_to_look(arguments)]):
         print(f"  {line}")
     if error is not None:
-        cause = str(error).rstrip(".")
+        cause = said(error).rstrip(".")
         raise AIFReconError(
             "The reconstruction stopped early: {problem}. What was there before is written to {output}.",
             problem=cause,
@@ -297,7 +298,7 @@ def _is_over(session: LiveSession, arguments: argparse.Namespace, first_frame: f
 def _why_nothing(statistics: LiveStatistics, error: Exception | None) -> str:
     """Why there is no volume: the most frequent reason first."""
     if error is not None:
-        return f"The reconstruction could not begin: {error}"
+        return f"The reconstruction could not begin: {said(error)}"
     if not statistics.frames_received:
         return "No frame was received, so there is no volume."
     reasons = "; ".join(f"{reason}: {count}" for reason, count in sorted(statistics.skipped.items(), key=lambda item: -item[1]))

@@ -16,7 +16,7 @@ import sys
 
 from .. import __version__
 from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
-from ..message import one_line
+from ..message import one_line, said
 from ..terminal.console import prepare_streams
 from ..terminal.log import add_log_options, logging_as_asked, quiet_as_asked
 from ..terminal.one_line_parser import BAD_INPUT, OneLineParser
@@ -80,9 +80,9 @@ def main(argv: list[str] | None = None) -> int:
     except (KeyboardInterrupt, OperationCanceled):
         return _fail(_INTERRUPTED, end.exit_code)
     except RegistrationRefused as refusal:
-        return _fail(str(refusal), REFUSED)
+        return _fail(said(refusal), REFUSED)
     except AIFReconError as error:
-        return _fail(str(error), BAD_INPUT)
+        return _fail(said(error), BAD_INPUT)
     except MemoryError:
         return _fail(_NO_MEMORY, BAD_INPUT)
     except BrokenPipeError:

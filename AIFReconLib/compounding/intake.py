@@ -1,10 +1,12 @@
-"""Tracked frames as engines take them: those that cannot enter named, the others laid out and placed."""
+"""What comes into a reconstruction: things of the right kind, and frames, those that cannot enter named, the others laid out and placed."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..arrays import Mask, Matrix, Numbers
+from ..bone.map import BoneMap
+from ..errors import require_kind
 from ..geometry.transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
 from ..geometry.volume import VoxelGrid
 from ..imaging.beams import ProbeGeometry
@@ -16,6 +18,28 @@ from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .evidence import ScanLines
 from .layout import PixelLayout, in_fixed_point
+
+KINDS: dict[str, tuple[type, str]] = {
+    "settings": (ReconstructionSettings, "Write ReconstructionSettings(method=..., spacing=...)."),
+    "bone": (BoneMap, "Make one: BoneMap.from_labels(labels) or BoneMap.from_probability(probability)."),
+    "grid": (VoxelGrid, "A Volume has one: volume.grid; else VoxelGrid.from_spacing(origin, size, spacing)."),
+    "region": (ImageRegion, "Make one: ImageRegion(ClipRectangle((x, y), (width, height)), Fan(apex, angles, radii))."),
+    "probe": (ProbeGeometry, 'Make one: ProbeGeometry("linear") or ProbeGeometry("sector", (column, row)).'),
+}
+"""What is given to a reconstruction under these names, and how one gets it."""
+
+
+def require_kinds(**given: object) -> None:
+    """Return if what is given, by its name among `KINDS`, is what it is taken for; None is.
+
+    Raises
+    ------
+    InputTypeError
+        With how one gets it, for the first that is not.
+    """
+    for name, value in given.items():
+        kind, advice = KINDS[name]
+        require_kind(name, value, (kind, type(None)), advice)
 
 
 class Intake:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Numbers, Reals, Singles
 from ..bone.map import BoneMap, BoneOnGrid
-from ..errors import BeamGeometryError
+from ..errors import BeamGeometryError, require_kind
 from ..geometry.volume import Volume, VoxelGrid
 from ..holes.automatic import with_limit
 from ..holes.fill import fill_as_asked
@@ -28,7 +28,7 @@ from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .engines import choose_engine
 from .image_format import ImageKind
-from .intake import Intake
+from .intake import Intake, require_kinds
 from .needs import judges_shadows, needs_beams, require_bone
 from .numpy_engine import NumpyEngine
 from .own.engine import OwnMethodEngine
@@ -176,6 +176,7 @@ class Reconstructor:
         fixed_point: bool = False,
         progress: Progress | None = None,
     ):
+        require_kinds(settings=settings, bone=bone, grid=grid, region=region, probe=probe)
         self.settings = settings or ReconstructionSettings()
         self.grid = grid
         self.method = self.settings.method_for(bone is not None)
@@ -226,6 +227,8 @@ class Reconstructor:
 
         Raises
         ------
+        InputTypeError
+            When something is no `TrackedFrame`.
         GeometryError
             When an image is not one of gray pixels, or its size or pixel type differs from that of the first. The frames before it have
             entered.
@@ -303,6 +306,7 @@ class Reconstructor:
 
     def _add(self, frame: TrackedFrame, state: VoxelState) -> None:
         """Put a frame into the batch; what waits there is computed when it is full or the frame does not fit to it."""
+        require_kind("frames", frame, TrackedFrame, "Make one: TrackedFrame(image, image_to_reference).")
         problem = self._intake.why_not(frame)
         if problem is not None:
             self.counts.skip(problem, frame.number)

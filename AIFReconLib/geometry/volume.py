@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from ..arrays import Array, Floats, Matrix, Numbers, NumberType
-from ..errors import GeometryError
+from ..errors import GeometryError, InputTypeError, not_of_kind
 from ..machine.memory import MAXIMUM_VOXELS
 from ..message import Described
 from .transforms import as_matrix, invert, transform_points
@@ -279,3 +279,26 @@ class Volume(Described):
         from ..io.volume.files import write_volume
 
         write_volume(self, path, fields)
+
+
+def as_volume(values: Volume | ArrayLike, ijk_to_reference: ArrayLike | None, name: str) -> Volume:
+    """A volume, or an array with the matrix that places it, as a volume; `name` is what the caller knows it as.
+
+    Raises
+    ------
+    InputTypeError
+        When it is neither: a path, an array without a matrix, a volume with one.
+    """
+    if isinstance(values, Volume):
+        if ijk_to_reference is not None:
+            raise InputTypeError(
+                "Input ijk_to_reference places an array, and {name} is a Volume, which has a place. Leave it out, or give "
+                "{name}_to_reference.",
+                name=name,
+            )
+        return values
+    if isinstance(values, str | Path):
+        raise not_of_kind(name, values, (Volume,), "Read it first: read_volume(path).")
+    if ijk_to_reference is not None:
+        return Volume(np.asarray(values), as_matrix(ijk_to_reference, "ijk_to_reference"))
+    raise not_of_kind(name, values, (Volume,), "Give ijk_to_reference, a (4, 4) matrix in mm, with an array, or Volume.from_sitk(image).")

@@ -20,6 +20,7 @@ from ..message import listed
 from ..progress import Progress, part, report
 from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
+from ..sweep.joined import sweeps_of
 from ..sweep.poses import poses_of_each, time_order, tracked_frames
 
 MOST_FRAMES = 240
@@ -132,10 +133,9 @@ def sweep_echoes(
     GeometryError
         When fewer than `FEWEST` echoes are found.
     """
-    given = [sequences] if isinstance(sequences, TrackedSequence) else list(sequences)
-    sequences = [each for sequence in given for each in sequence.parts]
+    sweeps = sweeps_of(sequences)
     placed = []
-    for sequence, poses in zip(sequences, poses_of_each(sequences, image_to_reference, reference), strict=True):
+    for sequence, poses in zip(sweeps, poses_of_each(sweeps, image_to_reference, reference), strict=True):
         usable = poses.usable
         order = time_order(sequence)
         placed.append((sequence, poses, order[np.isin(order, usable)]))
@@ -155,7 +155,7 @@ def sweep_echoes(
         raise GeometryError(
             "{sweeps}: {count} bone echoes, bright with darkness behind them, are too few to place a CT by; {fewest} are needed. "
             "Check that the sweep shows bone, and --probe and --clip-px.",
-            sweeps=listed([sequence.name for sequence in sequences]),
+            sweeps=listed([sequence.name for sequence in sweeps]),
             count=len(echoes),
             fewest=FEWEST,
         )

@@ -23,6 +23,7 @@ from ..io.metafile.opening import data_files
 from ..io.plus.importance_mask import read_importance_mask
 from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels, read_volume
+from ..message import said
 from ..progress import Progress
 from ..resolve import resolve_imaging
 from ..settings import OWN_METHOD, ReconstructionSettings, is_own_method, rule_of
@@ -60,7 +61,7 @@ class MethodAction(argparse.Action):
             if is_own_method(name):
                 load_method_here(name)
         except MethodError as error:
-            parser.error(f"argument {option_string}: {str(error).rstrip('.')}")
+            parser.error(f"argument {option_string}: {said(error).rstrip('.')}")
         setattr(namespace, self.dest, name)
 
 
