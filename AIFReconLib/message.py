@@ -127,6 +127,7 @@ IN_PYTHON = {
     "--bone-probability": "BoneMap.from_probability",
     "--bone-transform": "the transform of the CT",
     "--grid-like": "grid",
+    ", or name it with --method": "",
 }
 """What options are in Python, where that is not their name with underscores."""
 

@@ -62,7 +62,7 @@ class Reconstruction(Described):
     skipped : dict of str to list of int
         Numbers of the frames that were not inserted, by reason; of several sweeps numbered through.
     notes : tuple of str
-        What a user should know about how this result came about.
+        What a user should know about how this result came about; options are named as on the command line.
     hole_limit : float, mm
         Up to which holes were filled, as given or as chosen; 0 where they were not, or in the configuration's own way.
     sweeps : tuple of SweepShare

@@ -241,7 +241,8 @@ def own_method(name: str) -> Method | None:
         return None
     if name not in _KNOWN:
         raise MethodError(
-            "Method {method} is not known: no module that registers it was imported. Import {module} first, or choose one of {methods}.",
+            "Method {method} is not known: no module that registers it was imported. Import {module} first, or name it with --method; "
+            "or choose one of {methods}.",
             method=name,
             module=name.partition(":")[0],
             methods=listed((*METHODS, *_KNOWN)),
