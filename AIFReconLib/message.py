@@ -124,6 +124,7 @@ IN_PYTHON = {
     "--transform-sequence NAME=FILE": "read_sequence(path, transform_sequences=...)",
     "--config PlusDeviceSet.xml": 'read_sequence(path, config="PlusDeviceSet.xml")',
     "--bone-labels": "BoneMap.from_labels",
+    "them as --bone-probability": "them to BoneMap.from_probability",
     "--bone-probability": "BoneMap.from_probability",
     "--bone-transform": "the transform of the CT",
     "--grid-like": "grid",
