@@ -2,8 +2,8 @@
 
 from AIFReconScene.display.boneOutlines import BoneOutlines
 
+from ..methodChooser import MethodChooser
 from .boxChooser import BoxChooser
-from .methodChooser import MethodChooser
 from .pathField import PATHS, PathField
 from .reportPanel import ReportPanel
 from .segmentsChooser import SegmentsChooser
