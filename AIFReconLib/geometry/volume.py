@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -130,10 +130,13 @@ class Volume(Described):
     ----------
     array : [k, j, i] array
     ijk_to_reference : (4, 4) array_like, mm
+    fields : mapping of str to str
+        Where it comes from, for the header of its file; see `AIFReconLib.provenance`.
     """
 
     array: Numbers
     ijk_to_reference: Matrix
+    fields: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.array.ndim != 3:
@@ -160,10 +163,10 @@ class Volume(Described):
 
         return preview(self, mask, labels, ct, title)
 
-    def write(self, path: str | Path, fields: Mapping[str, str] | None = None) -> None:
+    def write(self, path: str | Path) -> None:
         """Write to a volume file (.nrrd, .mha, .mhd, .nii, .nii.gz): LPS in the file, so that it opens in Slicer where it belongs.
 
-        `fields` go into the header, as lines of their own, where the format has room for them (not NIfTI).
+        Its `fields` go into the header, where the format has room for them (not NIfTI).
 
         Raises
         ------
@@ -172,4 +175,4 @@ class Volume(Described):
         """
         from ..io.volume.files import write_volume
 
-        write_volume(self, path, fields)
+        write_volume(self, path)

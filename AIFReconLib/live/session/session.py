@@ -25,7 +25,7 @@ from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from ..wire.messages import StreamEvent, StreamMessage
 from ..wire.sources import CONNECTED, ENDED, MessageSource
-from .insertion import Inserter
+from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter, origin
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
 from .statistics import NO_IMAGES, LiveStatistics, Meter, Trouble, tracking_words
@@ -42,9 +42,6 @@ POLL = 0.25
 
 SILENCE = 1.0
 """s without an image after which there are none."""
-
-WHILE_PAUSED = Message("paused")
-LEFT_OUT = Message("left out by --skip")
 
 
 class LiveSession:
@@ -127,7 +124,8 @@ class LiveSession:
         self.latest: LiveFrame | None = None
         self._frame_limit = frame_limit
         self._meter = Meter()
-        self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts)
+        sign = origin(asked, self.settings, configuration, self._synchronizer.settings)
+        self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts, sign)
         self._grid = grid
         self._lock = threading.RLock()
         self._phase = RECONSTRUCTING if self._imaging else LOOKING
