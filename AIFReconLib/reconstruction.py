@@ -167,7 +167,7 @@ def reconstruct(
     Returns
     -------
     Reconstruction
-        Its volumes say in their files' headers how they were made; `aifrecon reconstruct --settings` repeats it.
+        Its volumes say in the headers of their files how they were made, by which it can be repeated.
 
     Raises
     ------

@@ -154,7 +154,7 @@ def _from_toml(path: Path, text: str) -> dict[str, object]:
 def _damaged(path: Path, kind: str, error: Exception) -> SettingsFileError:
     reason = "it is nested too deeply" if isinstance(error, RecursionError) else shorten(str(error), 200)
     return SettingsFileError(
-        "{path}: it cannot be read as {kind} ({reason}). Correct it, or write it again with --save-settings.",
+        "{path}: it cannot be read as {kind} ({reason}). Correct it, or have it written anew.",
         path=path,
         kind=kind,
         reason=reason,

@@ -14,6 +14,7 @@ from AIFReconLib.progress import part
 
 from ..background import inBackground
 from ..sceneNodes import proxiesOf
+from ..sweep.severalSweeps import furtherSweeps
 from ..transforms import matrixToWorld
 from .imagingChoices import imageRegionFrom, probeFrom
 from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom
@@ -32,6 +33,8 @@ class Inputs:
     sweep : vtkMRMLSequenceBrowserNode
     imageSequence : vtkMRMLSequenceNode or None
         None: the only sequence of images there is.
+    otherSweeps : sequence of vtkMRMLSequenceBrowserNode
+        Further sweeps of the same Reference, which are reconstructed with the first as one.
     bone : vtkMRMLSegmentationNode, vtkMRMLLabelMapVolumeNode, vtkMRMLScalarVolumeNode or None
     ct : vtkMRMLScalarVolumeNode or None
         Never changed; segments that are surfaces only are brought to its voxels.
@@ -54,6 +57,7 @@ class Inputs:
 
     sweep: Any
     imageSequence: Any = None
+    otherSweeps: tuple = ()
     bone: Any = None
     ct: Any = None
     boneSegments: tuple = ()
@@ -74,6 +78,7 @@ class Inputs:
         return cls(
             sweep=parameters.sweep,
             imageSequence=parameters.imageSequence,
+            otherSweeps=furtherSweeps(parameters),
             bone=parameters.bone,
             ct=parameters.ctVolume,
             boneSegments=tuple(parameters.boneSegments),
@@ -88,7 +93,36 @@ class Inputs:
 
     def nodes(self) -> tuple:
         """The nodes that an output must not overwrite: among them those that the sweep is replayed into."""
-        return tuple(node for node in (self.bone, self.ct, self.region, *proxiesOf(self.sweep)) if node is not None)
+        replayed = (proxy for sweep in self.sweeps for proxy in proxiesOf(sweep))
+        return tuple(node for node in (self.bone, self.ct, self.region, *replayed) if node is not None)
+
+    @property
+    def sweeps(self) -> tuple:
+        """The sequence browsers."""
+        return self.sweep, *self.otherSweeps
+
+    @property
+    def name(self) -> str:
+        """What volumes are named for."""
+        more = f" +{len(self.otherSweeps)}" if self.otherSweeps else ""
+        return f"{self.sweep.GetName()}{more}"
+
+    def sequence(self) -> TrackedSequence:
+        """The sweep as the library has it; several as one.
+
+        Raises
+        ------
+        AIFReconError
+            With the sweep that cannot be used and what to do.
+        """
+        from AIFReconLib.sweep.joined import joined
+
+        from ..sweep.sequenceReader import sequenceFromBrowser
+
+        if self.sweep is None:
+            raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
+        others = (sequenceFromBrowser(sweep) for sweep in self.otherSweeps)
+        return joined([sequenceFromBrowser(self.sweep, self.imageSequence), *others])
 
     def prepared(self, settings, progress=None) -> PreparedInputs:
         """Turn the nodes into the library's inputs, once for any number of reconstructions; nodes that change later change nothing.
@@ -100,11 +134,7 @@ class Inputs:
         AIFReconError
             With the node that cannot be used and what to do.
         """
-        from ..sweep.sequenceReader import sequenceFromBrowser
-
-        if self.sweep is None:
-            raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
-        sequence = sequenceFromBrowser(self.sweep, self.imageSequence)
+        sequence = self.sequence()
         region, grid = self.imageRegion(sequence.configuration), self.grid(settings)
         if self.bone is None and self.boneFromSweep:
             return PreparedInputs(sequence, self._boneOf(sequence, region, progress), grid, region, self.probe, self.importance())

@@ -22,7 +22,7 @@ from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.configuration import PlusConfiguration
 
 BAD = {
-    "cut short": ("s.json", '{"method": "latest", "alp', r"s.json: it cannot be read as JSON .*write it again with --save-settings"),
+    "cut short": ("s.json", '{"method": "latest", "alp', r"s.json: it cannot be read as JSON .*or have it written anew"),
     "twice": ("s.json", '{"alpha": 1, "alpha": 2}', "'alpha' is there twice"),
     "a list": ("s.json", "[1, 2]", "s.json: settings are names and values"),
     "nested": ("s.json", "[" * 100_000, "s.json: it cannot be read as JSON"),
