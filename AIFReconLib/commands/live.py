@@ -185,9 +185,6 @@ def _session(arguments: argparse.Namespace) -> LiveSession:
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     with ProgressBar() as progress:
         bone = bone_from(arguments, None, progress=progress)
-    grid = grid_from(arguments)
-    if grid is None and not (arguments.reference or arguments.image_to_reference):
-        grid = configuration.grid(None if settings.spacing is None else settings.spacing_xyz())
     synchronizer = SynchronizerSettings(
         image_device=arguments.image,
         image_to_reference=arguments.image_to_reference,
@@ -201,7 +198,7 @@ def _session(arguments: argparse.Namespace) -> LiveSession:
         client,
         settings,
         bone,
-        grid,
+        grid_from(arguments),
         region=region,
         probe=probe,
         importance=importance_from(arguments),

@@ -55,11 +55,11 @@ class LiveSession:
     bone : BoneMap or None
         Needed by methods that weight by incidence.
     grid : VoxelGrid or None
-        Where to reconstruct. None: it begins by scouting; see `grid_from_scout` and `use_grid`.
+        Where to reconstruct. None: in the configuration's box, else it begins by scouting; see `grid_from_scout` and `use_grid`.
     region, probe, importance : ImageRegion, ProbeGeometry, (rows, columns) array of 0 to 1, or None
         Override the configuration and what the images show; `importance` is the weight of each pixel in an average.
     configuration : PlusConfiguration or None
-        Gives calibration, names of frames, region, probe, method, spacing and skip where the other arguments leave them open.
+        Gives calibration, names of frames, box, region, probe, method, spacing and skip where the other arguments leave them open.
     synchronizer : SynchronizerSettings
     record : str, Path or None
         A sequence file for every frame that is received, tracked or not. See `Recorder`.
@@ -124,9 +124,10 @@ class LiveSession:
         self.latest: LiveFrame | None = None
         self._frame_limit = frame_limit
         self._meter = Meter()
-        sign = origin(asked, self.settings, configuration, self._synchronizer.settings)
+        names = self._synchronizer.settings
+        sign = origin(asked, self.settings, configuration, names)
         self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts, sign)
-        self._grid = grid
+        self._grid = grid = grid or (None if names.image_to_reference or names.reference else parts.grid)
         self._lock = threading.RLock()
         self._phase = RECONSTRUCTING if self._imaging else LOOKING
         if grid is None:
