@@ -136,6 +136,16 @@ def signed(
     }
     if stream:
         fields["AIFRecon_stream"] = json.dumps(stream, sort_keys=True)
+    return _with_fields(result, fields)
+
+
+def with_settings(result: Reconstruction, more: Mapping[str, object]) -> Reconstruction:
+    """The result with volumes that know further settings, by which its inputs were made."""
+    fields = {**result.intensity.fields, SETTINGS: json.dumps({**settings_of(result.intensity), **more}, sort_keys=True)}
+    return _with_fields(result, fields)
+
+
+def _with_fields(result: Reconstruction, fields: Mapping[str, str]) -> Reconstruction:
     volumes = {name: replace(volume, fields=fields) for name in VOLUMES if (volume := getattr(result, name)) is not None}
     return replace(result, **volumes)
 

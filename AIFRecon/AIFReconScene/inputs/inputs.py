@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -137,10 +137,11 @@ class Inputs:
         sequence = self.sequence()
         region, grid = self.imageRegion(sequence.configuration), self.grid(settings)
         if self.bone is None and self.boneFromSweep:
-            return PreparedInputs(sequence, self._boneOf(sequence, region, progress), grid, region, self.probe, self.importance())
+            bone = self._boneOf(sequence, region, progress)
+            return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), boneSettings=self.boneSettings())
         labels = self.labels()
         bone, place = self.boneMap(progress, labels), None if labels is None else matrixToWorld(self.bone)
-        return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), labels, place)
+        return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), labels, place, self.boneSettings())
 
     def labels(self):
         """The `Volume` of the chosen bone's labels in its own coordinates; None without bone, or where it is a probability."""
@@ -158,6 +159,18 @@ class Inputs:
             return None
         chosen = list(self.boneSegments) or None
         return boneMapFromNode(self.bone, chosen, referenceVolumeNode=self.ct, labels=labels, progress=progress, **self._sigma())
+
+    def boneSettings(self) -> dict:
+        """How the bone map is made, as settings that repeat a reconstruction."""
+        from .boneNodes import isLabeled
+
+        if self.bone is None:
+            return {"bone_from_sweep": True} if self.boneFromSweep else {}
+        if not isLabeled(self.bone):
+            return {}
+        if self.boneSigmaMm is not None:
+            return {"bone_sigma_mm": self.boneSigmaMm}
+        return {} if self.boneSigmaVoxels is None else {"bone_sigma_voxels": self.boneSigmaVoxels}
 
     def _sigma(self) -> dict:
         return {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": self.boneSigmaMm}
@@ -203,7 +216,8 @@ class Inputs:
 class PreparedInputs:
     """The library's inputs; `reconstruct` may be called with any settings that have the same spacing.
 
-    The labels are those that `bone` was made of, if any, and `labelsToReference` is where they lay when they were read.
+    The labels are those that `bone` was made of, if any, and `labelsToReference` is where they lay when they were read; `boneSettings` say
+    how it was made.
     """
 
     sequence: TrackedSequence
@@ -214,6 +228,7 @@ class PreparedInputs:
     importance: np.ndarray | None = None
     labels: Volume | None = None
     labelsToReference: np.ndarray | None = None
+    boneSettings: dict = field(default_factory=dict)
 
     def comparedLines(self, progress=None) -> list:
         """What the sweep's own bone says of the place of the labels, a line each; nothing without labels. See `compared_lines`."""
@@ -226,13 +241,15 @@ class PreparedInputs:
         return [] if self.labels is None else inBackground(work, progress)
 
     def reconstruct(self, settings, progress=None):
-        """One call of the library: `settings` to a `Reconstruction` in RAS."""
+        """One call of the library: `settings` to a `Reconstruction` in RAS, whose volumes know how they were made."""
 
         from AIFReconLib import reconstruct
+        from AIFReconLib.provenance.record import with_settings
 
         def work(progress):
             imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}
-            return reconstruct(self.sequence, settings, self.bone, self.grid, progress=progress, **imaging)
+            result = reconstruct(self.sequence, settings, self.bone, self.grid, progress=progress, **imaging)
+            return with_settings(result, self.boneSettings)
 
         return inBackground(work, progress)
 
@@ -262,7 +279,7 @@ def settingsAndInputs(choices: dict) -> tuple[dict, dict]:
         When a name is neither.
     """
     settings = {name: known for known in PARAMETERS for name in (known, camelCase(known))}
-    others = [field.name for field in fields(Inputs) if field.name not in ("sweep", "bone")]
+    others = [each.name for each in fields(Inputs) if each.name not in ("sweep", "bone")]
     unknown = next((name for name in choices if name not in settings and name not in others), None)
     if unknown is not None:
         names = ", ".join(sorted({camelCase(name) for name in PARAMETERS} | set(others)))
