@@ -11,7 +11,8 @@ from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform, write_transform
-from ..io.volume.files import check_volume_path, read_labels
+from ..io.volume.files import check_volume_path, read_labels, write_volume
+from ..io.volume.surfaces import check_surface_path, is_surface_path, write_labels_surface
 from ..progress import part
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
@@ -51,7 +52,14 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("--bone-transform", type=Path, metavar="START", help="CT -> Reference to start from; default: look for it")
     result = parser.add_argument_group("result")
     result.add_argument("--per-segment", action="store_true", help="let each label move on its own: the spine has bent since the CT")
-    result.add_argument("--labels-output", type=Path, metavar="FILE", help="also write the labels in Reference, where they came to lie")
+    result.add_argument(
+        "--labels-output",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="also write the labels in Reference, where they came to lie; their surface if FILE ends in .vtp (give it twice for both)",
+    )
     result.add_argument("--level", type=int, metavar="N", help="write the place N levels higher (negative: lower) than the best one")
     result.add_argument("--accept", action="store_true", help="write the best place even if it is ambiguous or does not agree")
     result.add_argument("--report", type=Path, metavar="FILE.json", help="also write numbers, alternatives and what is not held")
@@ -64,15 +72,15 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Read, register, write, and say how sure it is."""
-    outputs = [arguments.output, arguments.labels_output, arguments.report, arguments.preview]
+    outputs = [arguments.output, *arguments.labels_output, arguments.report, arguments.preview]
     each = of_each(arguments, arguments.sequences)
     inputs = [path for one in each for path in sequence_inputs(one)]
     refuse_to_overwrite(outputs, [*inputs, arguments.bone_labels, arguments.bone_transform])
     for path in (arguments.output, arguments.report, arguments.preview):
         if path:
             check_writable(path)
-    if arguments.labels_output:
-        check_volume_path(arguments.labels_output)
+    for path in arguments.labels_output:
+        (check_surface_path if is_surface_path(path) else check_volume_path)(path)
     if arguments.preview:
         from ..evaluation.figures import require_matplotlib
 
@@ -112,9 +120,9 @@ def _write(arguments: argparse.Namespace, found: Registration, labels: Volume) -
     if _is_taken(arguments, found):
         write_transform(found.transform, arguments.output)
         written.append(arguments.output)
-        if arguments.labels_output:
-            _placed(found, labels).write(arguments.labels_output)
-            written.append(arguments.labels_output)
+        for path in arguments.labels_output:
+            (write_labels_surface if is_surface_path(path) else write_volume)(_placed(found, labels), path)
+            written.append(path)
     if arguments.report:
         write_text(arguments.report, json.dumps({**as_report(found), "written": [str(path) for path in written]}, indent=2) + "\n")
         written.append(arguments.report)

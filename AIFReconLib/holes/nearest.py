@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import cast
 
 import numpy as np
@@ -82,7 +83,8 @@ def fill_holes(
     reach = np.abs(offsets).max(axis=0)
     compiled = None if engine == "numpy" or reach.max() > LONGEST_REACH else optional_module("AIFReconLib.holes.numba_nearest")
     if compiled is not None and values.flags.c_contiguous and mask.flags.c_contiguous:
-        return _fill_compiled(compiled.fill_slab, values, mask, offsets, distances, threads, progress)
+        fill_slab = partial(compiled.fill_slab, values, mask, offsets, *_by_rows(offsets, distances))
+        return _fill_compiled(fill_slab, mask.shape[0], threads, progress)
     edge = np.maximum(BLOCK, 2 * reach)
     blocks = list(itertools.product(*(range(0, n, e) for n, e in zip(mask.shape, edge, strict=True))))
     filled = 0
@@ -133,18 +135,9 @@ def _nanometers(offset_kji: Sequence[Numbers], spacing_kji: Floats) -> Integers:
     return lengths.astype(np.int64)
 
 
-def _fill_compiled(
-    fill_slab: Callable[[Numbers, Bytes, Integers, Integers, int, int], int],
-    values: Numbers,
-    mask: Bytes,
-    offsets: Integers,
-    distances: Integers,
-    threads: int | None,
-    progress: Progress | None,
-) -> int:
-    """Fill the whole volume with the compiled search, a few planes at a time."""
-    rows, lengths = _by_rows(offsets, distances)
-    starts = range(0, mask.shape[0], PLANES_AT_ONCE)
+def _fill_compiled(fill_slab: Callable[[int, int], int], planes: int, threads: int | None, progress: Progress | None) -> int:
+    """Fill the whole volume with a compiled search that is told the first plane and the one after the last, a few planes at a time."""
+    starts = range(0, planes, PLANES_AT_ONCE)
     filled = np.zeros(len(starts), dtype=np.int64)
     rounds = -(-len(starts) // ROUND)
 
@@ -154,7 +147,7 @@ def _fill_compiled(
 
         def fill(part: int, parts: range = parts) -> None:
             first = starts[parts[part]]
-            filled[parts[part]] = fill_slab(values, mask, rows, lengths, first, min(first + PLANES_AT_ONCE, mask.shape[0]))
+            filled[parts[part]] = fill_slab(first, min(first + PLANES_AT_ONCE, planes))
 
         in_parts(fill, len(parts), threads or usable_cores())
     report(progress, 1.0, "Filled holes")

@@ -6,9 +6,11 @@ import json
 
 import numpy as np
 import pytest
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.commands.simulate import write_simulated_patient
+from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.io.transform.files import read_transform, write_transform
 from AIFReconLib.io.volume.files import read_labels
 from AIFReconLib.simulation.scan import random_rigid
@@ -30,7 +32,8 @@ def done(patient, tmp_path_factory):
     folder = tmp_path_factory.mktemp("done")
     rough = random_rigid(8.0, 6.0, np.random.default_rng(0), about=patient.center_ras) @ read_transform(patient.ct_to_reference)
     write_transform(rough, folder / "rough.tfm")
-    options = ("--bone-transform", folder / "rough.tfm", "--report", folder / "report.json", "--labels-output", folder / "placed.nrrd")
+    options = ("--bone-transform", folder / "rough.tfm", "--report", folder / "report.json", *("--labels-output", folder / "placed.nrrd"))
+    options = (*options, "--labels-output", folder / "placed.vtp")
     assert command(patient, folder / "found.tfm", *options) == 0
     return folder
 
@@ -54,6 +57,17 @@ def test_placed_labels_lie_where_the_transform_puts_them(patient, done):
     expected = labels.placed_by(read_transform(done / "found.tfm"))
     np.testing.assert_allclose(placed.ijk_to_reference, expected.ijk_to_reference, atol=1e-4)
     np.testing.assert_array_equal(placed.array, labels.array)
+
+
+def test_the_surface_lies_around_the_placed_labels(done):
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(str(done / "placed.vtp"))
+    reader.Update()
+    placed = read_labels(done / "placed.nrrd")
+    points = transform_points(placed.ijk_to_reference, np.argwhere(placed.array > 0)[:, ::-1].astype(float))
+    bounds = np.reshape(reader.GetOutput().GetBounds(), (3, 2))
+    np.testing.assert_allclose(bounds[:, 0], points.min(0), atol=1.0)
+    np.testing.assert_allclose(bounds[:, 1], points.max(0), atol=1.0)
 
 
 def test_a_start_that_leads_nowhere_is_exit_code_1_and_one_line_and_no_file(patient, tmp_path, capsys):

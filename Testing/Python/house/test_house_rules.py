@@ -17,7 +17,7 @@ PYTHON_FILES = [
     path for path in sorted(REPOSITORY.rglob("*.py")) if not {".venv", "build", "dist"} & set(path.relative_to(REPOSITORY).parts)
 ]
 EVERYWHERE = {"numpy", "scipy", "AIFReconLib"}
-IN_ROOMS = {"io": {"SimpleITK", "PIL", "pydicom", "imageio_ffmpeg"}, "live": {"pyigtl"}, "evaluation": {"matplotlib", "vtk"}}
+IN_ROOMS = {"io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg"}, "live": {"pyigtl"}, "evaluation": {"matplotlib", "vtk"}}
 LONGEST_FILE = 400
 
 

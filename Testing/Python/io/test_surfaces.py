@@ -1,0 +1,110 @@
+"""Closed surfaces of labels as files: where they lie, which way they face, and what Slicer is told."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkFiltersCore import vtkFeatureEdges, vtkMassProperties
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+from AIFReconLib.errors import OutputError
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.volume.surfaces import write_labels_surface, write_surface
+
+TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+CENTER = np.array([12.0, -30.0, 55.0])
+RADIUS = 9.0
+
+
+def ball(spacing=(0.8, 0.6, 1.1), mirrored: bool = False) -> Volume:
+    """Two halves of a ball, labels 3 and 7, on an oblique grid whose right end cuts it."""
+    size = np.array([30, 40, 24])
+    placed = np.eye(4)
+    placed[:3, :3] = TURN * spacing * np.array([-1.0 if mirrored else 1.0, 1.0, 1.0])
+    placed[:3, 3] = CENTER - placed[:3, :3] @ ((size - 1) / 2)
+    k, j, i = np.indices(tuple(size[::-1].tolist()))
+    points = np.stack([i, j, k], -1) @ placed[:3, :3].T + placed[:3, 3]
+    inside = np.linalg.norm(points - CENTER, axis=-1) < RADIUS
+    return Volume((inside * np.where(points[..., 2] > CENTER[2], 7, 3)).astype(np.uint8), placed)
+
+
+def read(path):
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    return reader.GetOutput()
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["right-handed", "left-handed"])
+def surface(request, tmp_path_factory):
+    path = tmp_path_factory.mktemp("surface") / "ball.vtp"
+    write_labels_surface(ball(mirrored=request.param), path)
+    return read(path)
+
+
+def test_points_lie_on_the_ball_in_reference(surface):
+    points = vtk_to_numpy(surface.GetPoints().GetData())
+    off = np.linalg.norm(points - CENTER, axis=1) - RADIUS
+    outer = np.abs(points[:, 2] - CENTER[2]) > 2.0
+    assert np.abs(off[outer]).max() < 1.0
+    assert abs(np.median(off[outer])) < 0.2
+
+
+def test_each_half_has_its_own_label(surface):
+    points, label = (vtk_to_numpy(data) for data in (surface.GetPoints().GetData(), surface.GetPointData().GetArray("label")))
+    above = points[:, 2] > CENTER[2] + 2.0
+    assert set(label[above]) == {7}
+    assert set(label[points[:, 2] < CENTER[2] - 2.0]) == {3}
+
+
+def test_it_has_no_edge_where_it_ends(surface):
+    edges = vtkFeatureEdges()
+    edges.SetInputData(surface)
+    edges.BoundaryEdgesOn()
+    edges.FeatureEdgesOff()
+    edges.NonManifoldEdgesOff()
+    edges.ManifoldEdgesOff()
+    edges.Update()
+    assert edges.GetOutput().GetNumberOfCells() == 0
+
+
+def test_triangles_face_outward(surface):
+    points, corners = vtk_to_numpy(surface.GetPoints().GetData()), vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    a, b, c = (points[corners[:, n]] for n in range(3))
+    normals, middles = np.cross(b - a, c - a), (a + b + c) / 3 - CENTER
+    outer = np.abs(middles[:, 2]) > 2.0
+    assert (np.einsum("ij,ij->i", normals, middles)[outer] > 0).mean() > 0.99
+
+
+def test_slicer_is_told_that_coordinates_are_ras(surface):
+    assert surface.GetFieldData().GetAbstractArray("SPACE").GetValue(0) == "RAS"
+
+
+def test_labels_without_bone_give_an_empty_surface(tmp_path):
+    write_labels_surface(Volume(np.zeros((4, 5, 6), np.uint8), np.eye(4)), tmp_path / "nothing.vtp")
+    assert read(tmp_path / "nothing.vtp").GetNumberOfPoints() == 0
+
+
+def test_one_voxel_at_the_edge_is_closed(tmp_path):
+    labels = np.zeros((3, 3, 3), np.uint8)
+    labels[0, 0, 0] = 1
+    write_labels_surface(Volume(labels, np.eye(4)), tmp_path / "one.vtp")
+    measured = vtkMassProperties()
+    measured.SetInputData(read(tmp_path / "one.vtp"))
+    assert 0.05 < measured.GetVolume() < 1.1
+
+
+def test_points_without_triangles_are_written_with_their_values(tmp_path):
+    points, values = np.arange(12.0).reshape(4, 3), np.array([0.5, np.nan, 1.0, 2.0])
+    write_surface(tmp_path / "points.vtp", points, best_cosine=values, frames=np.arange(4))
+    read_back = read(tmp_path / "points.vtp")
+    np.testing.assert_array_equal(vtk_to_numpy(read_back.GetPoints().GetData()), points)
+    np.testing.assert_array_equal(vtk_to_numpy(read_back.GetPointData().GetArray("best_cosine")), values)
+    assert read_back.GetNumberOfVerts() == 4
+
+
+def test_another_suffix_is_refused_and_nothing_is_left(tmp_path):
+    with pytest.raises(OutputError, match=r"suffix of a surface must be \.vtp"):
+        write_surface(tmp_path / "surface.stl", np.zeros((3, 3)))
+    assert list(tmp_path.iterdir()) == []
