@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from ..arrays import Floats, Integers, Mask
+from ..arrays import Floats, Integers, Mask, Singles
 from ..errors import GeometryError
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
+from ..machine.threads import in_parts, usable_cores
 
 REACH = 16.0
 """mm from bone up to which distances are known; farther is that far."""
@@ -128,12 +129,18 @@ class BoneField:
 def _signed_distance(inside: Mask, spacing_kji: Floats) -> Floats:
     """Signed distance to the surface, which lies half a voxel from the centers of the voxels on either side of it; smoothed, float32."""
     half = np.float32(0.5 * np.prod(spacing_kji) ** (1 / 3))
-    distance = np.asarray(ndimage.distance_transform_edt(~inside, sampling=spacing_kji)).astype(np.float32)
-    distance -= half
     (box,) = ndimage.find_objects(inside.view(np.uint8))
     # No need to look for depth in bone outside of its box
     box = tuple(slice(max(s.start - 1, 0), s.stop + 1) for s in box)
-    depth = np.asarray(ndimage.distance_transform_edt(inside[box], sampling=spacing_kji)).astype(np.float32)
+    asked = ~inside, inside[box]
+    found: list[Singles] = [np.empty(0, np.float32)] * len(asked)
+
+    def measure(which: int) -> None:
+        found[which] = np.asarray(ndimage.distance_transform_edt(asked[which], sampling=spacing_kji)).astype(np.float32)
+
+    in_parts(measure, len(asked), usable_cores())
+    distance, depth = found
+    distance -= half
     distance[box] = np.where(inside[box], half - depth, distance[box])
     np.clip(distance, -REACH, REACH, out=distance)
     return ndimage.gaussian_filter(distance, SMOOTHING, mode="nearest")

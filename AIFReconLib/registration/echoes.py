@@ -16,6 +16,7 @@ from ..errors import GeometryError
 from ..geometry.transforms import pixel_spacing
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
+from ..machine.threads import in_parts, usable_cores
 from ..message import listed
 from ..progress import Progress, part, report
 from ..resolve import Imaging, resolve_imaging
@@ -24,6 +25,9 @@ from ..sweep.poses import poses_of_each, time_order, tracked_frames
 
 MOST_FRAMES = 240
 """Frames of all sweeps together that are looked at, evenly among them: time and memory do not grow with a recording's length."""
+
+AT_ONCE = 16
+"""Frames that are held in memory at a time, for all threads to look at."""
 
 FEWEST = 150
 """Echoes below which no registration is attempted: six degrees of freedom from a few frames of a few scan lines."""
@@ -68,14 +72,16 @@ class SweepEchoes:
         -----
         One echo, that of the highest score, is kept per cube; the cubes grow from 1 mm by a fifth until few enough are kept.
         """
-        kept, edge = self, 1.0
-        while len(kept) > most:
-            cubes = np.floor(self.points / edge).astype(np.int64)
-            order = np.lexsort((-self.scores, *cubes.T))
-            first = np.ones(len(order), dtype=bool)
-            first[1:] = (np.diff(cubes[order], axis=0) != 0).any(axis=1)
-            kept, edge = self[np.sort(order[first])], 1.2 * edge
-        return kept
+        if len(self) <= most:
+            return self
+        cubes, edge = _numbered_cubes(self.points, 1.0), 1.0
+        while len(np.unique(cubes)) > most:
+            edge *= 1.2
+            cubes = _numbered_cubes(self.points, edge)
+        order = np.lexsort((-self.scores, cubes))
+        first = np.ones(len(order), dtype=bool)
+        first[1:] = np.diff(cubes[order]) != 0
+        return self[np.sort(order[first])]
 
 
 class EchoReader:
@@ -140,15 +146,16 @@ def sweep_echoes(
         order = time_order(sequence)
         placed.append((sequence, poses, order[np.isin(order, usable)]))
     every = max(sum(len(order) for *_, order in placed) / most_frames, 1.0)
-    found, number, before = [], 0, 0
+    found: list[SweepEchoes] = []
+    before = 0
     for done, (sequence, poses, order) in enumerate(placed):
         chosen = order[np.unique((np.arange(max(int(len(order) / every), 1)) * every).astype(np.int64))]
         imaging = resolve_imaging(sequence, poses, True, region, probe)
         reader = EchoReader(sequence.frame_size, pixel_spacing(poses.image_to_reference[chosen[0]]), imaging)
         share = part(progress, done / len(placed), (done + 1) / len(placed))
-        for number, frame in enumerate(tracked_frames(sequence, poses, chosen)):
+        for number in range(0, len(chosen), AT_ONCE):
             report(share, number / len(chosen), "Looking for bone in the sweep")
-            found.append(reader.read(frame, before + frame.number))
+            found += _read_at_once(reader, list(tracked_frames(sequence, poses, chosen[number : number + AT_ONCE])), before)
         before += len(sequence)
     echoes = SweepEchoes.joined(found)
     if len(echoes) < FEWEST:
@@ -160,3 +167,22 @@ def sweep_echoes(
             fewest=FEWEST,
         )
     return echoes
+
+
+def _read_at_once(reader: EchoReader, frames: list[TrackedFrame], before: int) -> list[SweepEchoes]:
+    """The echoes of each of these frames, found by all cores; frames are counted on from `before`."""
+    found = [SweepEchoes.joined(())] * len(frames)
+
+    def read(place: int) -> None:
+        found[place] = reader.read(frames[place], before + frames[place].number)
+
+    in_parts(read, len(frames), usable_cores())
+    return found
+
+
+def _numbered_cubes(points: Floats, edge: float) -> Integers:
+    """The number of the cube of this edge (mm) in which each point (n, 3) lies, (n,)."""
+    cubes = np.floor(points / edge).astype(np.int64)
+    cubes -= cubes.min(axis=0)
+    across = cubes.max(axis=0) + 1
+    return (cubes[:, 0] * across[1] + cubes[:, 1]) * across[2] + cubes[:, 2]

@@ -39,6 +39,9 @@ ORIENTATION_ATTRIBUTE = "Sequences.UltrasoundImageOrientation"
 FASTEST_REPLAY = 60.0
 """Frames per second."""
 
+REPORTED_EVERY = 50
+"""Transforms that are added between two reports of progress: some 20 ms."""
+
 CLOSEST_INDEX = 0.002
 """s. Times closer than this cannot number frames: Slicer's files keep times to 1 ms, and it takes values within 1 ms for equal."""
 
@@ -85,9 +88,9 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
     transforms = {}
     names = [each for each in sequence.transform_names() if each not in sequence.transforms]
     for number, transformName in enumerate(names):
-        report(progress, 0.9 + 0.1 * number / len(names), "Adding transforms")
         node = _sequenceNode(f"{name}-{transformName}", str(transformName), unit)
-        _fillTransforms(node, transformName, sequence.records, index)
+        share = part(progress, 0.9 + 0.1 * number / len(names), 0.9 + 0.1 * (number + 1) / len(names))
+        _fillTransforms(node, transformName, sequence.records, index, share)
         transforms[transformName] = node
     if poses is not None and poseName not in transforms:
         node = _sequenceNode(f"{name}-{poseName}", str(poseName), unit)
@@ -169,10 +172,12 @@ def _newPixels(volumeNode, image: np.ndarray) -> np.ndarray:
     return numpy_support.vtk_to_numpy(imageData.GetPointData().GetScalars()).reshape(image.shape)
 
 
-def _fillTransforms(node, name: TransformName, records: list[FrameRecord], index: list[str]) -> None:
+def _fillTransforms(node, name: TransformName, records: list[FrameRecord], index: list[str], progress: Progress | None) -> None:
     """A transform as recorded. What has no matrix is the identity, and its status says so: MISSING where a frame lacks it."""
     missing = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
     for number, record in enumerate(records):
+        if number % REPORTED_EVERY == 0:
+            report(progress, number / len(records), "Adding transforms")
         matrix, status = _usable(record.transforms.get(name, missing))
         _setTransform(node, index[number], name, matrix, status)
 
