@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -122,7 +123,7 @@ def _unknown(path: Path, name: str, version: str) -> SettingsFileError:
 def _is_newer(version: str) -> bool:
     """Whether a version comes after this one; one that is no version does not."""
     theirs, ours = (text.partition("+")[0].split(".") for text in (version, __version__))
-    return all(part.isdecimal() for part in theirs) and [int(part) for part in theirs] > [int(part) for part in ours]
+    return all(re.fullmatch("[0-9]{1,9}", part) for part in theirs) and [int(part) for part in theirs] > [int(part) for part in ours]
 
 
 def _checked(name: str, value: object) -> object:
