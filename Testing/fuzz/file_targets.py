@@ -6,6 +6,7 @@ import gzip
 import zlib
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -113,7 +114,8 @@ def _check_poses(path: Path) -> None:
 
 def _check_settings(path: Path) -> None:
     kept = read_settings(path)
-    ReconstructionSettings(**{name: value for name, value in kept.options.items() if name in OF_RECONSTRUCTION})
+    of_reconstruction: dict[str, Any] = {name: value for name, value in kept.options.items() if name in OF_RECONSTRUCTION}
+    ReconstructionSettings(**of_reconstruction)
     assert kept.grid is None or np.isfinite(kept.grid.ijk_to_reference).all()
     assert kept.probe is None or kept.probe.kind in ("linear", "sector")
 
