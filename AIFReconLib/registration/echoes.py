@@ -185,4 +185,5 @@ def _numbered_cubes(points: Floats, edge: float) -> Integers:
     cubes = np.floor(points / edge).astype(np.int64)
     cubes -= cubes.min(axis=0)
     across = cubes.max(axis=0) + 1
-    return (cubes[:, 0] * across[1] + cubes[:, 1]) * across[2] + cubes[:, 2]
+    numbers: Integers = (cubes[:, 0] * across[1] + cubes[:, 1]) * across[2] + cubes[:, 2]
+    return numbers
