@@ -31,6 +31,7 @@ from AIFReconScene.background import inBackground
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.parameters import readingFrom, settingsFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.sweep.severalSweeps import offered
 from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus
 
@@ -303,6 +304,10 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         """How many frames the chosen sweep has and why some cannot be used, in words; also what is wrong with it as a whole."""
         return inPanelWords(self._sweep.text(parameters))
 
+    def offeredSweeps(self, parameters) -> list:
+        """The sweeps that can be reconstructed with the chosen one, and those that are."""
+        return offered(parameters, self._sweep)
+
     def whyNotReconstruct(self, parameters) -> str:
         """What is missing before a volume can be reconstructed; empty: nothing."""
         return readiness.whyNotReconstruct(parameters, self._sweep.summary(parameters))
@@ -358,7 +363,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         result, sequence, report = reconstructed(inputs, settings, part(progress, 0.0, 0.95), compared)
         self._tracking.remember(inputs, sequence, result)
         slicer.mrmlScene.SaveStateForUndo()
-        nodes = outputNodes(result, inputs.sweep.GetName(), ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())
+        nodes = outputNodes(result, inputs.name, ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())
         return nodes, report
 
 

@@ -74,6 +74,10 @@ class TransformFileError(FileFormatError):
     """A transform file cannot be understood."""
 
 
+class SettingsFileError(FileFormatError):
+    """A settings file, or what a volume says of how it was made, cannot be understood."""
+
+
 class NoUsableFramesError(AIFReconError, ValueError):
     """Not one frame of a sequence has both an image and a valid pose."""
 

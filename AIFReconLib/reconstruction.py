@@ -25,6 +25,7 @@ from .imaging.region import ImageRegion
 from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
 from .progress import Progress, part, report
+from .provenance.record import input_files, with_origin
 from .resolve import Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
 from .settings import ReconstructionSettings
 from .sweep.frames import TrackedFrame, TrackedSequence
@@ -168,6 +169,7 @@ def reconstruct(
     Returns
     -------
     Reconstruction
+        Its volumes say in the headers of their files how they were made, by which it can be repeated.
 
     Raises
     ------
@@ -176,8 +178,9 @@ def reconstruct(
     """
     require_kinds(settings=settings, bone=bone, grid=grid, region=region, probe=probe)
     sequence = joined(sequence)
+    asked = settings or ReconstructionSettings()
     report(progress, 0.0, "Looking at the sweep")
-    prepared = _prepare(sequence, settings, bone is not None, grid, region, probe, importance, image_to_reference, reference)
+    prepared = _prepare(sequence, asked, bone is not None, grid, region, probe, importance, image_to_reference, reference)
     settings, parts, poses, order, imaging = prepared.settings, prepared.parts, prepared.poses, prepared.order, prepared.imaging
     grid = prepared.grid
     report(progress, 0.02, "Preparing the volume")
@@ -214,6 +217,16 @@ def reconstruct(
         "%s: %d of %d frames by %s into %s voxels", sequence.name, result.frames_inserted, len(sequence), settings.method, grid.size
     )
     warnings = dict.fromkeys(warning for each in sequence.parts for warning in each.configuration.warnings)
+    result = with_origin(
+        result,
+        imaging,
+        asked=asked,
+        resolved=settings,
+        configuration=sequence.configuration,
+        inputs=input_files(sequence),
+        image_to_reference=image_to_reference,
+        reference=reference,
+    )
     return replace(
         result,
         notes=(*warnings, *parts.notes, *poses.notes, *imaging.notes, *result.notes),

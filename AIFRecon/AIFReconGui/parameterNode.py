@@ -54,6 +54,7 @@ class AIFReconParameterNode:
 
     sweep: vtkMRMLSequenceBrowserNode | None
     imageSequence: vtkMRMLSequenceNode | None
+    otherSweeps: list[vtkMRMLSequenceBrowserNode]
     recordingPath: pathlib.Path
     configurationPath: pathlib.Path
     imageOrientation: ImageOrientation = ImageOrientation.AUTOMATIC

@@ -73,6 +73,8 @@ def main(argv: list[str] | None = None) -> int:
         arguments = build_parser().parse_args(words or ["--help"])
     except SystemExit as stop:  # argparse has printed help, the version or its one line
         return int(stop.code or 0)
+    except AIFReconError as error:  # of a settings file, which options are read from
+        return _fail(str(error), BAD_INPUT)
     end, code = OrderlyEnd(), SUCCESS
     try:
         with orderly_end(end), quiet_as_asked(arguments), logging_as_asked(arguments, words):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import EllipsisType
@@ -131,6 +131,8 @@ class Volume(Described):
     ----------
     array : [k, j, i] array_like of numbers
     ijk_to_reference : (4, 4) array_like, mm
+    fields : mapping of str to str
+        Where it comes from, for the header of its file; see `AIFReconLib.provenance`.
 
     Raises
     ------
@@ -154,6 +156,7 @@ class Volume(Described):
 
     array: Numbers
     ijk_to_reference: Matrix
+    fields: Mapping[str, str] = field(default_factory=dict)
 
     __iter__ = None
     """Python would ask for one index after the other, which are no parts that keep their place."""
@@ -266,10 +269,10 @@ class Volume(Described):
 
         return preview(self, mask, labels, ct, title)
 
-    def write(self, path: str | Path, fields: Mapping[str, str] | None = None) -> None:
+    def write(self, path: str | Path) -> None:
         """Write to a volume file (.nrrd, .mha, .mhd, .nii, .nii.gz): LPS in the file, so that it opens in Slicer where it belongs.
 
-        `fields` go into the header, as lines of their own, where the format has room for them (not NIfTI).
+        Its `fields` go into the header, where the format has room for them (not NIfTI).
 
         Raises
         ------
@@ -278,7 +281,7 @@ class Volume(Described):
         """
         from ..io.volume.files import write_volume
 
-        write_volume(self, path, fields)
+        write_volume(self, path)
 
 
 def as_volume(values: Volume | ArrayLike, ijk_to_reference: ArrayLike | None, name: str) -> Volume:

@@ -25,6 +25,7 @@ from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels, read_volume
 from ..message import said
 from ..progress import Progress
+from ..provenance.kept import KeptSettings
 from ..resolve import resolve_imaging
 from ..settings import OWN_METHOD, ReconstructionSettings, is_own_method, rule_of
 from ..sweep.configuration import PlusConfiguration
@@ -143,11 +144,16 @@ def add_sigma_options(group: argparse._ActionsContainer) -> None:
     sigma.add_argument(
         "--bone-sigma-voxels",
         type=float,
-        default=SIGMA_VOXELS,
         metavar="N",
-        help="smoothing of the bone map, in voxels of the labels (default: %(default)g)",
+        help=f"smoothing of the bone map, in voxels of the labels (default: {SIGMA_VOXELS:g})",
     )
     sigma.add_argument("--bone-sigma-mm", type=float, metavar="MM", help="the same in mm")
+
+
+def sigma_from(arguments: argparse.Namespace) -> tuple[float, float | None]:
+    """Smoothing of the bone map in voxels, and in mm where that is given, which then counts."""
+    voxels = arguments.bone_sigma_voxels
+    return SIGMA_VOXELS if voxels is None else voxels, arguments.bone_sigma_mm
 
 
 def bone_from(
@@ -175,9 +181,7 @@ def bone_from(
         return bone_from_sweep(sequence, poses, resolve_imaging(sequence, poses, True, region, probe), progress=progress)
     to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else None
     if arguments.bone_labels:
-        return BoneMap.from_labels(
-            read_labels(arguments.bone_labels), arguments.bone_sigma_voxels, arguments.bone_sigma_mm, to_reference, progress
-        )
+        return BoneMap.from_labels(read_labels(arguments.bone_labels), *sigma_from(arguments), to_reference, progress)
     if arguments.bone_probability:
         return BoneMap.from_probability(read_volume(arguments.bone_probability), to_reference)
     if to_reference is not None:
@@ -216,12 +220,21 @@ def importance_from(arguments: argparse.Namespace) -> Singles | None:
 def imaging_from(
     arguments: argparse.Namespace, configuration: PlusConfiguration, images: ImageStack | None = None
 ) -> tuple[ImageRegion | None, ProbeGeometry | None]:
-    """Region and probe that the options ask for; None where they leave it to the configuration or the images (None before a scan)."""
+    """Region and probe that the options ask for; None where they leave it to the configuration or the images (None before a scan).
+
+    Those of --settings stand in the configuration's place, and are what is meant where no option says otherwise.
+    """
+    kept: KeptSettings | None = getattr(arguments, "kept", None)
+    if kept is not None and kept.region is not None:
+        configuration = replace(configuration, region=kept.region, scan_region=None)
+    if kept is not None and kept.probe is not None:
+        configuration = replace(configuration, probe=kept.probe)
     apex = tuple(arguments.apex_px) if arguments.apex_px else None
     probe = _probe(arguments.probe, apex, configuration, images)
     clip = ClipRectangle(tuple(arguments.clip_px[:2]), tuple(arguments.clip_px[2:])) if arguments.clip_px else None
     known = probe or configuration.probe
-    return chosen_region(configuration.imaged_region, clip, arguments.fan_angles_deg, arguments.fan_radius_px, apex, known), probe
+    region = chosen_region(configuration.imaged_region, clip, arguments.fan_angles_deg, arguments.fan_radius_px, apex, known)
+    return (region, probe) if kept is None else (region or kept.region, probe or kept.probe)
 
 
 def _probe(

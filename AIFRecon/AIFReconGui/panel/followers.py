@@ -7,6 +7,7 @@ from .boxChooser import BoxChooser
 from .pathField import PATHS, PathField
 from .reportPanel import ReportPanel
 from .segmentsChooser import SegmentsChooser
+from .sweepsChooser import SweepsChooser
 
 
 def followersOf(ui, logic) -> tuple:
@@ -18,6 +19,7 @@ def followersOf(ui, logic) -> tuple:
     logic : AIFReconLogic
     """
     return (
+        SweepsChooser(ui.otherSweepsComboBox, ui.otherSweepsLabel, logic.offeredSweeps),
         SegmentsChooser(ui.segmentsComboBox, ui.segmentsLabel),
         *(PathField(getattr(ui, f"{name}LineEdit"), name) for name in PATHS),
         MethodChooser(ui.methodComboBox),

@@ -5,6 +5,7 @@ from slicer.i18n import tr as _
 
 from ..panelWords import inPanelWords
 from ..sceneNodes import proxiesOf
+from ..sweep.severalSweeps import furtherSweeps
 from .boneNodes import isLabeled
 from .boxes import isEmpty
 from .contradictions import comparisonContradiction, contradiction
@@ -66,7 +67,8 @@ def _whatIsMissing(parameters, hasBone: bool) -> str:
         return _("{name} has no size: select a sweep or a CT for it to lie around, or draw it.").format(name=parameters.roi.GetName())
     if parameters.region == Region.LIKE_VOLUME and parameters.regionVolume is None:
         return _("Select the volume whose voxels are wanted, or choose another region.")
-    inputs = (parameters.ctVolume, parameters.bone, parameters.regionVolume, parameters.liveImage, *proxiesOf(parameters.sweep))
+    replayed = [proxy for sweep in (parameters.sweep, *furtherSweeps(parameters)) for proxy in proxiesOf(sweep)]
+    inputs = (parameters.ctVolume, parameters.bone, parameters.regionVolume, parameters.liveImage, *replayed)
     if parameters.output is not None and any(parameters.output is node for node in inputs):
         return _("The output would overwrite {name}: select another output volume, or a new one.").format(name=parameters.output.GetName())
     return contradiction(parameters, hasBone)

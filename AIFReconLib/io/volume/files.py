@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +28,9 @@ __all__ = ["check_volume_path", "read_labels", "read_transform", "read_volume", 
 NIFTI_SUFFIXES = (".nii", ".nii.gz")
 READABLE_SUFFIXES = METAIMAGE_SUFFIXES + NRRD_SUFFIXES + NIFTI_SUFFIXES
 WRITABLE_SUFFIXES = (".nrrd", *METAIMAGE_SUFFIXES, *NIFTI_SUFFIXES)
+
+OWN_FIELDS = "AIFRecon_"
+"""How the fields of a header begin that a volume keeps."""
 
 
 def read_volume(path: str | Path) -> Volume:
@@ -72,7 +74,7 @@ def read_labels(path: str | Path) -> Volume:
     stored = _read_stored(Path(path))
     array = stored.array
     if stored.components != 1:
-        if not any(key.startswith("Segment") for key in stored.keys):
+        if not any(key.startswith("Segment") for key in stored.fields):
             raise VolumeFormatError(
                 "{path}: its voxels must be single labels; got {count} numbers each ({kind}). Export a label volume.",
                 path=stored.path,
@@ -83,17 +85,15 @@ def read_labels(path: str | Path) -> Volume:
     return _as_volume(stored, _as_labels(stored.path, array))
 
 
-def write_volume(volume: Volume, path: str | Path, fields: Mapping[str, str] | None = None) -> None:
+def write_volume(volume: Volume, path: str | Path) -> None:
     """Write a volume, completely or not at all.
 
     Parameters
     ----------
     volume : Volume
-        Truth values are written as 0 and 1, 8 bit.
+        Truth values are written as 0 and 1, 8 bit. Its fields go into the header, a line each; NIfTI has no room for them.
     path : str or Path
         .nrrd, .mha, .mhd (with .zraw beside it), .nii or .nii.gz; compressed, except .nii.
-    fields : mapping of str to str or None
-        Fields of the header besides, a line each; NIfTI has no room for them.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def write_volume(volume: Volume, path: str | Path, fields: Mapping[str, str] | N
         raise OutputError(
             "Cannot write {path}: volume files cannot hold {kind}. Convert the volume to another type.", path=path, kind=volume.array.dtype
         ) from error
-    for key, text in (fields or {}).items():
+    for key, text in volume.fields.items():
         image.SetMetaData(key, text)
     companions = (path.with_suffix(".zraw"),) if suffix == ".mhd" else ()
     with atomic_outputs(*companions, path) as temporaries:
@@ -209,7 +209,8 @@ def _read_nifti(path: Path) -> StoredVolume:
 def _as_volume(stored: StoredVolume, array: Numbers) -> Volume:
     """Place an array [k, j, i] where the file says: the only way from LPS files into memory."""
     try:
-        return Volume(array, LPS_FROM_RAS @ stored.ijk_to_lps)
+        own = {key: text for key, text in stored.fields.items() if key.startswith(OWN_FIELDS)}
+        return Volume(array, LPS_FROM_RAS @ stored.ijk_to_lps, own)
     except GeometryError as error:
         raise VolumeFormatError("{path}: its place in space cannot be used. {problem}", path=stored.path, problem=error) from error
 

@@ -26,7 +26,7 @@ from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from ..wire.messages import StreamEvent, StreamMessage
 from ..wire.sources import CONNECTED, ENDED, MessageSource
-from .insertion import Inserter
+from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter, origin
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
 from .statistics import NO_IMAGES, LiveStatistics, Meter, Trouble, tracking_words
@@ -44,9 +44,6 @@ POLL = 0.25
 SILENCE = 1.0
 """s without an image after which there are none."""
 
-WHILE_PAUSED = Message("paused")
-LEFT_OUT = Message("left out by --skip")
-
 
 class LiveSession:
     """Reconstructs while scanning. Use it in a `with` block, or call `stop`.
@@ -59,11 +56,11 @@ class LiveSession:
     bone : BoneMap or None
         Needed by methods that weight by incidence.
     grid : VoxelGrid or None
-        Where to reconstruct. None: it begins by scouting; see `grid_from_scout` and `use_grid`.
+        Where to reconstruct. None: in the configuration's box, else it begins by scouting; see `grid_from_scout` and `use_grid`.
     region, probe, importance : ImageRegion, ProbeGeometry, (rows, columns) array of 0 to 1, or None
         Override the configuration and what the images show; `importance` is the weight of each pixel in an average.
     configuration : PlusConfiguration or None
-        Gives calibration, names of frames, region, probe, method, spacing and skip where the other arguments leave them open.
+        Gives calibration, names of frames, box, region, probe, method, spacing and skip where the other arguments leave them open.
     synchronizer : SynchronizerSettings
     record : str, Path or None
         A sequence file for every frame that is received, tracked or not. See `Recorder`.
@@ -123,8 +120,10 @@ class LiveSession:
         self.latest: LiveFrame | None = None
         self._frame_limit = frame_limit
         self._meter = Meter()
-        self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts)
-        self._grid = grid
+        names = self._synchronizer.settings
+        sign = origin(asked, self.settings, configuration, names)
+        self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts, sign)
+        self._grid = grid = grid or (None if names.image_to_reference or names.reference else parts.grid)
         self._lock = threading.RLock()
         self._phase = RECONSTRUCTING if self._imaging else LOOKING
         if grid is None:

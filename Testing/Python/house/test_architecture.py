@@ -21,7 +21,7 @@ ROOMS = (
     "AIFReconScene",
     *("commands", "terminal"),
     *("live/replay", "live/session", "live/pairing", "live/wire"),
-    *("evaluation", "simulation", "reconstruction", "inspection", "compounding", "registration", "bone", "resolve"),
+    *("evaluation", "simulation", "reconstruction", "inspection", "provenance", "compounding", "registration", "bone", "resolve"),
     *("io/foreign", "io/sequence", "io/plus", "io/volume", "io/transform", "io/metafile", "io/disk"),
     *("sweep", "imaging", "holes", "geometry", "machine"),
     *("settings", "progress", "errors", "message", "arrays"),
