@@ -31,6 +31,7 @@ from AIFReconScene.background import inBackground
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.parameters import readingFrom, settingsFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.sweep.severalSweeps import offered
 from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus
 
@@ -86,13 +87,9 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         ScriptedLoadableModuleWidget.setup(self)
         from AIFReconGui.libraryLog import LibraryLog
         from AIFReconGui.longWork import LongWork
-        from AIFReconGui.panel.boxChooser import BoxChooser
+        from AIFReconGui.panel.followers import followersOf
         from AIFReconGui.panel.livePanel import LivePanel
-        from AIFReconGui.panel.pathField import PATHS, PathField
         from AIFReconGui.panel.registrationPanel import RegistrationPanel
-        from AIFReconGui.panel.reportPanel import ReportPanel
-        from AIFReconGui.panel.segmentsChooser import SegmentsChooser
-        from AIFReconScene.display.boneOutlines import BoneOutlines
         from AIFReconScene.inputs.inputWatch import InputWatch
 
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
@@ -104,14 +101,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._libraryLog = LibraryLog()
         self._live = LivePanel(self.ui, self._work, self._onParametersModified)
         self._registration = RegistrationPanel(self.ui, self._work, self._live, self.logic.whyNotRegister, self._onParametersModified)
-        self._followers: tuple[Any, ...] = (
-            SegmentsChooser(self.ui.segmentsComboBox, self.ui.segmentsLabel),
-            *(PathField(getattr(self.ui, f"{name}LineEdit"), name) for name in PATHS),
-            BoxChooser(),
-            BoneOutlines(),
-            ReportPanel(self.ui, self.logic.trackingReport),
-            self._registration,
-        )
+        self._followers: tuple[Any, ...] = (*followersOf(self.ui, self.logic), self._registration)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
         self._isSetUp = True
 
@@ -314,6 +304,10 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         """How many frames the chosen sweep has and why some cannot be used, in words; also what is wrong with it as a whole."""
         return inPanelWords(self._sweep.text(parameters))
 
+    def offeredSweeps(self, parameters) -> list:
+        """The sweeps that can be reconstructed with the chosen one, and those that are."""
+        return offered(parameters, self._sweep)
+
     def whyNotReconstruct(self, parameters) -> str:
         """What is missing before a volume can be reconstructed; empty: nothing."""
         return readiness.whyNotReconstruct(parameters, self._sweep.summary(parameters))
@@ -369,7 +363,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         result, sequence, report = reconstructed(inputs, settings, part(progress, 0.0, 0.95), compared)
         self._tracking.remember(inputs, sequence, result)
         slicer.mrmlScene.SaveStateForUndo()
-        nodes = outputNodes(result, inputs.sweep.GetName(), ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())
+        nodes = outputNodes(result, inputs.name, ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())
         return nodes, report
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     # The names below, for editors and type checkers; a test compares
     from .bone.from_sweep import bone_from_sweep
     from .bone.map import BoneMap
+    from .compounding.own.method import Method, register_method
     from .compounding.reconstructor import Reconstruction, Reconstructor
     from .errors import AIFReconError
     from .evaluation.metrics import evaluate
@@ -50,6 +51,7 @@ _PUBLIC = {
     "ClipRectangle": "imaging.region",
     "ImageRegion": "imaging.region",
     "LiveSession": "live.session.session",
+    "Method": "compounding.own.method",
     "OpenIGTLinkClient": "live.wire.client",
     "ProbeGeometry": "imaging.beams",
     "Reconstruction": "compounding.reconstructor",
@@ -72,6 +74,7 @@ _PUBLIC = {
     "read_volume": "io.volume.files",
     "reconstruct": "reconstruction",
     "register": "registration.registration",
+    "register_method": "compounding.own.method",
     "with_time_offset": "sweep.time_offset",
     "write_sequence": "io.sequence.writer",
     "write_volume": "io.volume.files",
@@ -84,6 +87,7 @@ __all__ = [
     "Fan",
     "ImageRegion",
     "LiveSession",
+    "Method",
     "OpenIGTLinkClient",
     "ProbeGeometry",
     "Reconstruction",
@@ -106,6 +110,7 @@ __all__ = [
     "read_volume",
     "reconstruct",
     "register",
+    "register_method",
     "with_time_offset",
     "write_sequence",
     "write_volume",

@@ -8,7 +8,9 @@ its values named: ``raise SettingsError("Input rate must be above 0; got {rate!r
 
 from __future__ import annotations
 
-from .message import Message
+from pathlib import PurePath
+
+from .message import Message, in_python_words
 
 
 class AIFReconError(Exception):
@@ -26,9 +28,22 @@ class AIFReconError(Exception):
     def __init__(self, message: str = "", /, **values: object):
         super().__init__(message if isinstance(message, Message) and not values else Message(message, **values))
 
+    def __str__(self) -> str:
+        """The sentence for who calls the library from Python; `said` has it for the command line."""
+        sentence: Message = self.args[0]
+        return sentence.translated(in_python_words)
+
 
 class SettingsError(AIFReconError, ValueError):
     """A parameter is out of its range, or parameters contradict each other."""
+
+
+class InputTypeError(AIFReconError, TypeError):
+    """Something of another kind was given than what is taken: a path in the place of what the file holds, an array without a place."""
+
+
+class MethodError(AIFReconError, ValueError):
+    """A method of the user's own cannot be found, or answers what cannot be added up."""
 
 
 class GeometryError(AIFReconError, ValueError):
@@ -57,6 +72,10 @@ class ConfigurationError(FileFormatError):
 
 class TransformFileError(FileFormatError):
     """A transform file cannot be understood."""
+
+
+class SettingsFileError(FileFormatError):
+    """A settings file, or what a volume says of how it was made, cannot be understood."""
 
 
 class NoUsableFramesError(AIFReconError, ValueError):
@@ -89,3 +108,35 @@ class LiveMessageError(AIFReconError, ValueError):
 
 class OperationCanceled(AIFReconError):
     """The caller's progress function asked to stop. Inputs are untouched."""
+
+
+def require_kind(name: str, value: object, kinds: type | tuple[type, ...], advice: str) -> None:
+    """Return if `value`, which the caller knows as `name`, is of one of these kinds.
+
+    Raises
+    ------
+    InputTypeError
+        With `advice`, where it is not.
+    """
+    if not isinstance(value, kinds):
+        raise not_of_kind(name, value, kinds if isinstance(kinds, tuple) else (kinds,), advice)
+
+
+def not_of_kind(name: str, value: object, kinds: tuple[type, ...], advice: str) -> InputTypeError:
+    """The error of a `value` that is of none of these kinds."""
+    return InputTypeError(
+        "Input {name} must be {kinds}; got {got}. {advice}",
+        name=name,
+        kinds=" or ".join(kind.__name__ for kind in kinds if kind is not type(None)),
+        got=_in_words(value),
+        advice=advice,
+    )
+
+
+def _in_words(value: object) -> Message | str:
+    """What it is that was given."""
+    if isinstance(value, str | PurePath):
+        return Message("{text!r}", text=str(value))
+    shape = getattr(value, "shape", None)
+    kind = type(value).__name__
+    return Message("{kind} of shape {shape}", kind=kind, shape=shape) if isinstance(shape, tuple) else kind

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import string
 from collections.abc import Callable, Iterable
 from html import escape
@@ -81,7 +82,9 @@ class _OneLine(str):
 
 
 def _shown(value: object) -> object:
-    """A value as a sentence shows it: plain text and paths on one line, anything else as it is."""
+    """A value as a sentence shows it: plain text and paths on one line, errors as `said`, anything else as it is."""
+    if isinstance(value, BaseException) and value.args and isinstance(value.args[0], Message):
+        return value.args[0]
     if isinstance(value, PurePath):
         return value if str(value).isprintable() else _OneLine(value)
     if type(value) is str:
@@ -107,6 +110,36 @@ def translated(value: object, translate: Callable[[str], str]) -> object:
     if isinstance(value, BaseException):
         value = said(value)
     return value.translated(translate) if isinstance(value, Message) else value
+
+
+IN_PYTHON = {
+    "--probe linear, or --probe sector with --apex-px COLUMN ROW": (
+        'probe=ProbeGeometry("linear"), or probe=ProbeGeometry("sector", (column, row))'
+    ),
+    "--probe linear": 'probe=ProbeGeometry("linear")',
+    "--probe sector": 'probe=ProbeGeometry("sector", (column, row))',
+    "--apex-px COLUMN ROW": 'probe=ProbeGeometry("sector", (column, row))',
+    "--clip-px X Y W H": "region=ImageRegion(ClipRectangle((x, y), (width, height)))",
+    "--clip-px": "region",
+    "--transform-sequence NAME=FILE": "read_sequence(path, transform_sequences=...)",
+    "--config PlusDeviceSet.xml": 'read_sequence(path, config="PlusDeviceSet.xml")',
+    "--bone-labels": "BoneMap.from_labels",
+    "them as --bone-probability": "them to BoneMap.from_probability",
+    "--bone-probability": "BoneMap.from_probability",
+    "--bone-transform": "the transform of the CT",
+    "--grid-like": "grid",
+    ", or name it with --method": "",
+}
+"""What options are in Python, where that is not their name with underscores."""
+
+
+def in_python_words(template: str) -> str:
+    """A sentence with the command line's options as who calls the library from Python knows them; whole commands stay as they are."""
+    for option, word in IN_PYTHON.items() if "--" in template else ():
+        template = template.replace(option, word)
+    command = r"(?P<command>pip install .*|aifrecon [a-z][^.,;]*|\{command\}.*)"
+    option = r"(?<![\w-])--(?P<option>[a-z][a-z-]*)(?: [A-Z][A-Z0-9]*\b)*"
+    return re.sub(f"{command}|{option}", lambda found: found["command"] or found["option"].replace("-", "_"), template)
 
 
 def html_table(title: str, rows: Iterable[tuple[str, str]]) -> str:

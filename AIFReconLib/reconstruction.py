@@ -10,7 +10,9 @@ import numpy as np
 
 from .arrays import Integers, Reals
 from .bone.map import BoneMap
-from .compounding.reconstructor import Reconstruction, Reconstructor, needs_beams
+from .compounding.intake import require_kinds
+from .compounding.needs import needs_beams, needs_bone
+from .compounding.reconstructor import Reconstruction, Reconstructor
 from .compounding.splat_engine import uses_shares
 from .compounding.state import bytes_per_voxel
 from .errors import NoUsableFramesError
@@ -23,6 +25,7 @@ from .imaging.region import ImageRegion
 from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
 from .progress import Progress, part, report
+from .provenance.record import input_files, with_origin
 from .resolve import Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
 from .settings import ReconstructionSettings
 from .sweep.frames import TrackedFrame, TrackedSequence
@@ -49,7 +52,7 @@ class _Prepared:
     order: Integers
     chosen: Integers
     imaging: Imaging
-    uses_beams: bool
+    uses_bone: bool
     grid: VoxelGrid
     bytes_per_voxel: int
 
@@ -78,16 +81,16 @@ def _prepare(
         raise NoUsableFramesError(
             "{sequence}: none of every {skip}th frames can be placed. Use a smaller --skip.", sequence=sequence.name, skip=settings.skip
         )
-    uses_beams = needs_beams(method, settings)
+    uses_beams, uses_bone = needs_beams(method, settings), needs_bone(method, settings)
     imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, region, probe)
-    cost = bytes_per_voxel(method, uses_beams, settings.best_cosine, uses_shares(settings, parts.importance))
+    cost = bytes_per_voxel(method, uses_bone, settings.best_cosine, uses_shares(settings, parts.importance))
     if grid is None and parts.grid is not None and image_to_reference is None and reference is None:
         grid = parts.grid
     if grid is None:
         placed = poses.image_to_reference[chosen]
         scale = depth_scale(settings, imaging.region.mask(*sequence.frame_size), imaging.probe, pixel_spacing(placed[0]))
         grid = grid_around_sweep(placed, sequence.frame_size, imaging.region, settings.spacing_xyz(), cost, scale, parts.fits_spacing)
-    return _Prepared(settings, parts, poses, order, chosen, imaging, uses_beams, grid, cost)
+    return _Prepared(settings, parts, poses, order, chosen, imaging, uses_bone, grid, cost)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,19 +169,22 @@ def reconstruct(
     Returns
     -------
     Reconstruction
+        Its volumes say in the headers of their files how they were made, by which it can be repeated.
 
     Raises
     ------
     AIFReconError
         One of its kinds, with a message that says what is wrong, where, and what to do. Inputs are untouched.
     """
+    require_kinds(settings=settings, bone=bone, grid=grid, region=region, probe=probe)
     sequence = joined(sequence)
+    asked = settings or ReconstructionSettings()
     report(progress, 0.0, "Looking at the sweep")
-    prepared = _prepare(sequence, settings, bone is not None, grid, region, probe, importance, image_to_reference, reference)
+    prepared = _prepare(sequence, asked, bone is not None, grid, region, probe, importance, image_to_reference, reference)
     settings, parts, poses, order, imaging = prepared.settings, prepared.parts, prepared.poses, prepared.order, prepared.imaging
-    grid, uses_beams = prepared.grid, prepared.uses_beams
+    grid = prepared.grid
     report(progress, 0.02, "Preparing the volume")
-    bone_part = 0.15 if uses_beams else 0.02
+    bone_part = 0.15 if prepared.uses_bone else 0.02
     reconstructor = Reconstructor(
         grid,
         settings,
@@ -211,6 +217,16 @@ def reconstruct(
         "%s: %d of %d frames by %s into %s voxels", sequence.name, result.frames_inserted, len(sequence), settings.method, grid.size
     )
     warnings = dict.fromkeys(warning for each in sequence.parts for warning in each.configuration.warnings)
+    result = with_origin(
+        result,
+        imaging,
+        asked=asked,
+        resolved=settings,
+        configuration=sequence.configuration,
+        inputs=input_files(sequence),
+        image_to_reference=image_to_reference,
+        reference=reference,
+    )
     return replace(
         result,
         notes=(*warnings, *parts.notes, *poses.notes, *imaging.notes, *result.notes),

@@ -6,6 +6,7 @@ The command line, the Slicer module and the documentation take them from here.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from numbers import Integral, Real
@@ -16,6 +17,9 @@ from .errors import SettingsError
 METHODS = ("average", "latest", "maximum", "aif", "aif-compensated", "weighted")
 BONE_METHODS = ("aif", "aif-compensated", "weighted")
 """Methods that need a bone map and the direction of the beams."""
+
+OWN_METHOD = "module:function"
+"""How a method of the user's own is called: the function, and the module that holds it."""
 
 ENGINES = ("auto", "numpy", "numba")
 INTERPOLATIONS = ("nearest", "linear")
@@ -43,6 +47,7 @@ class Rule(TypedDict):
     default: object
     whole: bool
     word: str | None
+    own: bool
 
 
 def parameter(
@@ -55,12 +60,13 @@ def parameter(
     choices: tuple[str, ...] | None = None,
     whole: bool = False,
     word: str | None = None,
+    own: bool = False,
 ) -> Value:
     """A dataclass field that carries what a user interface needs to know of it: where its default is None, None may be given.
 
-    `word` is one that may be given instead of a number.
+    `word` is one that may be given instead of a number; `own`: the name of a method of the user's own is a choice too.
     """
-    rule = Rule(help=help, unit=unit, minimum=minimum, maximum=maximum, choices=choices, default=default, whole=whole, word=word)
+    rule = Rule(help=help, unit=unit, minimum=minimum, maximum=maximum, choices=choices, default=default, whole=whole, word=word, own=own)
     return field(default=default, metadata=rule)
 
 
@@ -76,9 +82,10 @@ class ReconstructionSettings:
 
     method: str | None = parameter(
         None,
-        "how pixels that meet in a voxel are combined "
+        f"how pixels that meet in a voxel are combined; or {OWN_METHOD}, a method of your own "
         f"(default: {DEFAULT_METHOD_WITH_BONE} with a bone input, else the configuration's, else {DEFAULT_METHOD_WITHOUT_BONE})",
         choices=METHODS,
+        own=True,
     )
     spacing: float | tuple[float, float, float] | None = parameter(
         None,
@@ -181,6 +188,11 @@ class ReconstructionSettings:
         return spacing if isinstance(spacing, tuple) else (float(spacing),) * 3
 
 
+def is_own_method(name: str) -> bool:
+    """Whether a name is that of a method of the user's own, `OWN_METHOD`; whether there is one is not asked."""
+    return re.fullmatch(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*", name) is not None
+
+
 def rule_of(metadata: Mapping[str, object]) -> Rule:
     """The metadata of a settings' field as what it is."""
     return cast("Rule", metadata)
@@ -191,10 +203,9 @@ def check_value(name: str, value: object, rule: Rule) -> None:
     if value is None and rule["default"] is None:
         return
     if rule["choices"] is not None:
-        if value not in rule["choices"]:
-            raise SettingsError(
-                "Input {name} must be one of {choices}; got {value!r}.", name=name, choices=", ".join(rule["choices"]), value=value
-            )
+        if value not in rule["choices"] and not (rule["own"] and isinstance(value, str) and is_own_method(value)):
+            choices = ", ".join([*rule["choices"], *([OWN_METHOD] if rule["own"] else [])])
+            raise SettingsError("Input {name} must be one of {choices}; got {value!r}.", name=name, choices=choices, value=value)
         return
     if isinstance(rule["default"], bool):
         if not isinstance(value, bool):

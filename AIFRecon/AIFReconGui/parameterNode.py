@@ -54,6 +54,7 @@ class AIFReconParameterNode:
 
     sweep: vtkMRMLSequenceBrowserNode | None
     imageSequence: vtkMRMLSequenceNode | None
+    otherSweeps: list[vtkMRMLSequenceBrowserNode]
     recordingPath: pathlib.Path
     configurationPath: pathlib.Path
     imageOrientation: ImageOrientation = ImageOrientation.AUTOMATIC
@@ -76,6 +77,7 @@ class AIFReconParameterNode:
     output: vtkMRMLScalarVolumeNode | None
 
     method: Method = Method.AUTOMATIC
+    ownMethod: str
     spacing: Annotated[float, _within("spacing")] = PARAMETERS["spacing"]["default"]
     alpha: Annotated[float, _within("alpha")] = PARAMETERS["alpha"]["default"]
     beta: Annotated[float, _within("beta")] = PARAMETERS["beta"]["default"]

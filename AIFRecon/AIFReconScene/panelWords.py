@@ -117,6 +117,7 @@ def _words() -> dict:
         "--importance-mask": _("Importance mask"),
         "--intensity-maximum": _("Brightest value"),
         "--longest-gap": _("Longest gap"),
+        "--method": _("Method"),
         "--orientation": _("Stored pixels"),
         "--output-type": _("Voxel type"),
         "--probe": _("Probe"),

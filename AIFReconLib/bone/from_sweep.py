@@ -12,6 +12,7 @@ them and shares no code.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,12 +22,15 @@ from ..arrays import Array, Floats, Integers, Mask, Matrix, Numbers, Reals, Sing
 from ..errors import BeamGeometryError, GeometryError
 from ..geometry.transforms import pixel_spacing
 from ..geometry.volume import Volume, VoxelGrid
+from ..imaging.beams import ProbeGeometry
 from ..imaging.extent import grid_around_sweep
+from ..imaging.region import ImageRegion
 from ..imaging.scan_lines import scan_line_samples
 from ..progress import Progress, report
-from ..resolve import Imaging
+from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedSequence
-from ..sweep.poses import SweepPoses, tracked_frames
+from ..sweep.joined import joined
+from ..sweep.poses import SweepPoses, sweep_poses, tracked_frames
 from .map import BoneMap
 
 SPACING = 1.0
@@ -186,19 +190,29 @@ class BoneEchoFinder:
 
 
 def bone_from_sweep(
-    sequence: TrackedSequence, poses: SweepPoses, imaging: Imaging, spacing: float = SPACING, progress: Progress | None = None
+    sequence: TrackedSequence | Iterable[TrackedSequence],
+    poses: SweepPoses | None = None,
+    imaging: Imaging | None = None,
+    spacing: float = SPACING,
+    progress: Progress | None = None,
+    *,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+    image_to_reference: str | None = None,
+    reference: str | None = None,
 ) -> BoneMap:
     """A bone map drawn from the sweep itself, in Reference.
 
     Parameters
     ----------
-    sequence : TrackedSequence
-    poses : SweepPoses
-    imaging : Imaging
-        As `resolve_imaging` returns it, with its probe known.
+    sequence : TrackedSequence or several in one Reference
+    poses, imaging : SweepPoses, Imaging or None
+        Where they are known already, as `sweep_poses` and `resolve_imaging` return them.
     spacing : float, mm
         Of the map, not of the reconstruction.
     progress : Progress or None
+    region, probe, image_to_reference, reference
+        As in `reconstruct`; what `poses` or `imaging` tell comes before them.
 
     Raises
     ------
@@ -214,7 +228,10 @@ def bone_from_sweep(
     `inside`: every echo tells of `SLAB` mm behind it along its own beam that they are bone, and of as many before it that they are not;
     where the mean of these signed distances, weighted by the scores, is positive, is bone. All usable frames take part.
     """
+    sequence = joined(sequence)
+    poses = sweep_poses(sequence, image_to_reference, reference) if poses is None else poses
     usable = poses.require_usable(sequence.name)
+    imaging = resolve_imaging(sequence, poses, True, region, probe) if imaging is None else imaging
     matrices = poses.image_to_reference[usable]
     grid = _padded(grid_around_sweep(matrices, sequence.frame_size, imaging.region, (spacing,) * 3, 32), round(3 * SIGMA / spacing) + 1)
     best = np.zeros(grid.voxels, dtype=np.float32)
@@ -224,12 +241,12 @@ def bone_from_sweep(
     ends, finders = np.cumsum([len(each) for each in sequence.parts]), {}
     for done, frame in enumerate(tracked_frames(sequence, poses, usable)):
         report(progress, done / len(usable), "Looking for bone in the sweep")
-        image, image_to_reference = frame.placed()
+        image, pose = frame.placed()
         sweep = int(np.searchsorted(ends, frame.number, side="right"))
         if sweep not in finders:
-            finders[sweep] = BoneEchoFinder(sequence.frame_size, pixel_spacing(image_to_reference), imaging)
+            finders[sweep] = BoneEchoFinder(sequence.frame_size, pixel_spacing(pose), imaging)
         echoes = finders[sweep].find(image)
-        image_to_ijk = grid.reference_to_ijk @ image_to_reference
+        image_to_ijk = grid.reference_to_ijk @ pose
         np.maximum.at(best, _voxels(echoes.pixels, image_to_ijk, grid), echoes.scores)
         along = echoes.pixels[:, None, :] + offsets[None, :, None] * echoes.beams[:, None, :]
         at = _voxels(along.reshape(-1, 2), image_to_ijk, grid)

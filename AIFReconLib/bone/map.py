@@ -9,11 +9,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import ndimage
 
 from ..arrays import Floats, Integers, Mask, Matrix, Numbers, Singles
 from ..errors import GeometryError
-from ..geometry.volume import Volume, VoxelGrid
+from ..geometry.volume import Volume, VoxelGrid, as_volume
 from ..machine.threads import in_parts, optional_module, usable_cores
 from ..message import Described, listed
 from ..progress import Progress, report
@@ -84,33 +85,40 @@ class BoneMap(Described):
     @classmethod
     def from_labels(
         cls,
-        labels: Volume,
+        labels: Volume | ArrayLike,
         sigma_voxels: float = SIGMA_VOXELS,
         sigma_mm: float | None = None,
         labels_to_reference: Matrix | None = None,
         progress: Progress | None = None,
+        *,
+        ijk_to_reference: ArrayLike | None = None,
     ) -> BoneMap:
         """The paper's recipe: labels, magnitude of the 3D Sobel gradient, Gaussian, divided by the maximum.
 
         Parameters
         ----------
-        labels : Volume of integers or bool
+        labels : Volume, or [k, j, i] array_like, of integers or bool
             Any label above 0 is bone.
         sigma_voxels, sigma_mm : float
             Width of the Gaussian, in voxels of `labels` (the paper: 10) or, when given, in mm along every axis.
         labels_to_reference : (4, 4) array or None
             The registration of the CT, when its volume does not hold Reference coordinates already.
+        ijk_to_reference : (4, 4) array_like, mm, or None
+            Where the voxels of an array are; a `Volume` knows it.
 
         Raises
         ------
         GeometryError
             When no voxel is labeled.
+        InputTypeError
+            When labels are neither a volume nor an array with its matrix.
 
         Notes
         -----
         Only the box around the labels that the Gaussian reaches is computed and kept; the rest is 0 in any case.
         """
         report(progress, 0.0, "Making the bone map")
+        labels = as_volume(labels, ijk_to_reference, "labels")
         bone = labels.array > 0
         if not bone.any():
             raise GeometryError("Input labels must have voxels above 0; got none. Was the right segmentation chosen?")
@@ -134,14 +142,31 @@ class BoneMap(Described):
         return bone_map
 
     @classmethod
-    def from_probability(cls, probability: Volume, probability_to_reference: Matrix | None = None) -> BoneMap:
-        """A ready probability volume (a network's output), limited to 0 to 1; not finite values count as 0.
+    def from_probability(
+        cls,
+        probability: Volume | ArrayLike,
+        probability_to_reference: Matrix | None = None,
+        *,
+        ijk_to_reference: ArrayLike | None = None,
+    ) -> BoneMap:
+        """A ready probability (a network's output), limited to 0 to 1; not finite values count as 0.
+
+        Parameters
+        ----------
+        probability : Volume, or [k, j, i] array_like
+        probability_to_reference : (4, 4) array or None, mm
+            Moves it, when it does not lie in Reference already.
+        ijk_to_reference : (4, 4) array_like, mm, or None
+            Where the voxels of an array are; a `Volume` knows it.
 
         Raises
         ------
         GeometryError
             When values go far beyond 1: percent or gray levels.
+        InputTypeError
+            When it is neither a volume nor an array with its matrix.
         """
+        probability = as_volume(probability, ijk_to_reference, "probability")
         if probability.array.size and np.nanmax(np.where(np.isfinite(probability.array), probability.array, 0)) > 2:
             raise GeometryError(
                 "Input probability must be 0 to 1; got values up to {largest:g}. "

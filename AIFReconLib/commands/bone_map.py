@@ -8,7 +8,7 @@ from pathlib import Path
 from ..bone.map import BoneMap
 from ..io.volume.files import check_volume_path, read_labels
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_sigma_options, refuse_to_overwrite
+from ..terminal.options import Commands, add_sigma_options, refuse_to_overwrite, sigma_from
 
 
 def add_to(commands: Commands) -> None:
@@ -31,7 +31,7 @@ def run(arguments: argparse.Namespace) -> None:
     refuse_to_overwrite([arguments.output], [arguments.labels])
     check_volume_path(arguments.output)
     with ProgressBar() as progress:
-        bone = BoneMap.from_labels(read_labels(arguments.labels), arguments.bone_sigma_voxels, arguments.bone_sigma_mm, progress=progress)
+        bone = BoneMap.from_labels(read_labels(arguments.labels), *sigma_from(arguments), progress=progress)
         bone.probability.write(arguments.output)
     size = " x ".join(str(n) for n in bone.probability.grid.size)
     print(f"bone probability on {size} voxels around the labels, 0 elsewhere\n  wrote {arguments.output}")

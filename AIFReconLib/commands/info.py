@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import AIFReconError
 from ..inspection.diagnosis import diagnose
-from ..message import columns
+from ..message import columns, said
 from ..progress import Progress, part
 from ..reconstruction import Plan, plan
 from ..sweep.pose_tracks import LONGEST_GAP
@@ -63,7 +63,7 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     try:
         planned = plan(sequence, image_to_reference=arguments.image_to_reference, reference=arguments.reference)
     except AIFReconError as error:
-        return f"{text}\nCannot be reconstructed like this. {error}", {**as_dict, "ready": False, "problem": str(error)}
+        return f"{text}\nCannot be reconstructed like this. {said(error)}", {**as_dict, "ready": False, "problem": said(error)}
     command = f"{program()} {shell_words(_command(arguments))}"
     facts = columns([("", f"{name}:", value) for name, value in _facts(planned)], indent="")
     as_dict["plan"] = {

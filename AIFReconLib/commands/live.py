@@ -15,7 +15,7 @@ import numpy as np
 from ..compounding.reconstructor import Reconstruction
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
 from ..io.plus.configuration import read_plus_configuration
-from ..io.volume.files import check_volume_path, read_volume
+from ..io.volume.files import check_volume_path
 from ..live.pairing.placement import UNCONFIRMED
 from ..live.pairing.synchronizer import SynchronizerSettings
 from ..live.replay.server import PLUS_PORT
@@ -23,6 +23,7 @@ from ..live.session.session import SCOUTING, LiveSession
 from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
 from ..machine.threads import pause
+from ..message import said
 from ..sweep.configuration import NO_CONFIGURATION
 from ..terminal.console import ProgressBar, show
 from ..terminal.options import (
@@ -37,9 +38,9 @@ from ..terminal.options import (
     refuse_to_overwrite,
     settings_from,
 )
+from ..terminal.settings_options import OF_A_RECORDING, add_settings_options, check_save_settings, save_settings, with_provenance
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
-from .provenance import provenance
-from .reconstruct import FIRST_OPTIONS, SIDE_OUTPUTS, add_tracking_options, add_tuning_options, add_volume_options, describe
+from .reconstruct import FIRST_OPTIONS, SIDE_OUTPUTS, add_tracking_options, add_tuning_options, add_volume_options, describe, grid_from
 
 EXAMPLE = """examples:
   aifrecon live --host 192.168.0.12 --output volume.nrrd
@@ -48,6 +49,9 @@ EXAMPLE = """examples:
 
 DEVICE_TIMEOUT = 5.0
 """s that a connected server may take to send its first image."""
+
+OF_A_STREAM = ("image", "trust_image_pose", "time_offset", "longest_gap")
+"""How a stream is read, by the names of the options. A recording of it has the poses that came of it."""
 
 SETTLING = 1.0
 """s after the first image in which other image devices may show up."""
@@ -120,6 +124,7 @@ def add_to(commands: Commands) -> None:
     add_importance_option(add_imaging_options(parser))
     add_preview_option(add_volume_options(parser))
     add_tuning_options(parser)
+    add_settings_options(parser, without=OF_A_RECORDING)
     parser.show_first("host", "port", "record", "seconds", *(name for name in FIRST_OPTIONS if name != "bone_from_sweep"), "quiet")
     parser.set_defaults(run=run)
 
@@ -131,10 +136,11 @@ def run(arguments: argparse.Namespace) -> None:
         if value is not None and not value > 0:
             raise SettingsError("Input --{option} must be above 0; got {value!r}.", option=name.replace("_", "-"), value=value)
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
-    inputs = [arguments.config, arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.grid_like]
-    inputs.append(arguments.importance_mask)
-    refuse_to_overwrite([*outputs.values(), arguments.preview, arguments.record], inputs)
+    inputs = [arguments.config, arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.importance_mask]
+    of_the_run = [*outputs.values(), arguments.preview, arguments.record, arguments.save_settings]
+    refuse_to_overwrite(of_the_run, [*inputs, arguments.grid_like, arguments.settings])
     check_preview(arguments.preview)
+    check_save_settings(arguments)
     for path in filter(None, outputs.values()):
         check_volume_path(path)
     started = time.perf_counter()
@@ -148,17 +154,17 @@ def run(arguments: argparse.Namespace) -> None:
             raise NoUsableFramesError("{why}", why=why)
         raise NoUsableFramesError("{why} {recording}", why=why, recording=recording)
     with ProgressBar() as progress:
-        fields = provenance(arguments, result, inputs)
+        result = with_provenance(result, arguments, inputs, {name: getattr(arguments, name) for name in OF_A_STREAM})
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.1 * number, f"Writing {path.name}")
-            getattr(result, name).write(path, fields)
-        drawn = write_preview(result, arguments)
+            getattr(result, name).write(path)
+        drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
     files = [path for path in (*outputs.values(), *drawn) if path]
     print(describe(result, statistics.frames_received, time.perf_counter() - started, files))
     for line in filter(None, [*_what_else(statistics, result), recording, *how_to_look(arguments)]):
         print(f"  {line}")
     if error is not None:
-        cause = str(error).rstrip(".")
+        cause = said(error).rstrip(".")
         raise AIFReconError(
             "The reconstruction stopped early: {problem}. What was there before is written to {output}.",
             problem=cause,
@@ -180,9 +186,6 @@ def _session(arguments: argparse.Namespace) -> LiveSession:
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     with ProgressBar() as progress:
         bone = bone_from(arguments, None, progress=progress)
-    grid = read_volume(arguments.grid_like).grid if arguments.grid_like else None
-    if grid is None and not (arguments.reference or arguments.image_to_reference):
-        grid = configuration.grid(None if settings.spacing is None else settings.spacing_xyz())
     synchronizer = SynchronizerSettings(
         image_device=arguments.image,
         image_to_reference=arguments.image_to_reference,
@@ -196,7 +199,7 @@ def _session(arguments: argparse.Namespace) -> LiveSession:
         client,
         settings,
         bone,
-        grid,
+        grid_from(arguments),
         region=region,
         probe=probe,
         importance=importance_from(arguments),
@@ -297,7 +300,7 @@ def _is_over(session: LiveSession, arguments: argparse.Namespace, first_frame: f
 def _why_nothing(statistics: LiveStatistics, error: Exception | None) -> str:
     """Why there is no volume: the most frequent reason first."""
     if error is not None:
-        return f"The reconstruction could not begin: {error}"
+        return f"The reconstruction could not begin: {said(error)}"
     if not statistics.frames_received:
         return "No frame was received, so there is no volume."
     reasons = "; ".join(f"{reason}: {count}" for reason, count in sorted(statistics.skipped.items(), key=lambda item: -item[1]))

@@ -16,7 +16,7 @@ import sys
 
 from .. import __version__
 from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
-from ..message import one_line
+from ..message import one_line, said
 from ..terminal.console import prepare_streams
 from ..terminal.log import add_log_options, logging_as_asked, quiet_as_asked
 from ..terminal.one_line_parser import BAD_INPUT, OneLineParser
@@ -92,6 +92,8 @@ def main(argv: list[str] | None = None) -> int:
         arguments = build_parser().parse_args(words or ["--help"])
     except SystemExit as stop:  # argparse has printed help, the version or its one line
         return int(stop.code or 0)
+    except AIFReconError as error:  # of a settings file, which options are read from
+        return _fail(str(error), BAD_INPUT)
     end, code = OrderlyEnd(), SUCCESS
     try:
         with orderly_end(end), quiet_as_asked(arguments), logging_as_asked(arguments, words):
@@ -99,9 +101,9 @@ def main(argv: list[str] | None = None) -> int:
     except (KeyboardInterrupt, OperationCanceled):
         return _fail(_INTERRUPTED, end.exit_code)
     except RegistrationRefused as refusal:
-        return _fail(str(refusal), REFUSED)
+        return _fail(said(refusal), REFUSED)
     except AIFReconError as error:
-        return _fail(str(error), BAD_INPUT)
+        return _fail(said(error), BAD_INPUT)
     except MemoryError:
         return _fail(_NO_MEMORY, BAD_INPUT)
     except BrokenPipeError:

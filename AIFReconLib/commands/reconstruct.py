@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ..compounding.needs import method_needs_bone
 from ..compounding.reconstructor import Reconstruction
 from ..errors import BeamGeometryError, GeometryError
+from ..geometry.volume import VoxelGrid
 from ..guidance.coverage import coverage
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
@@ -21,9 +23,9 @@ from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform
 from ..io.volume.files import check_volume_path, read_labels, read_volume
 from ..progress import part
+from ..provenance.kept import KeptSettings
 from ..reconstruction import reconstruct
 from ..registration.comparison import compared_lines
-from ..settings import BONE_METHODS
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
@@ -42,8 +44,8 @@ from ..terminal.options import (
     settings_from,
 )
 from ..terminal.sequence_options import add_sequence_options, of_each, sequence_from, sequence_inputs
+from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
-from .provenance import provenance
 
 EXAMPLE = """examples:
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
@@ -85,6 +87,7 @@ def add_to(commands: Commands) -> None:
     add_preview_option(volume)
     volume.add_argument("--report", type=Path, metavar="FILE", help="also write a report of the tracking and of what was done, as JSON")
     add_tuning_options(parser)
+    add_settings_options(parser)
     parser.show_first(*FIRST_OPTIONS, "report", "quiet")
     parser.set_defaults(run=run)
 
@@ -129,6 +132,14 @@ def add_tuning_options(parser: argparse.ArgumentParser) -> None:
         add_setting(tuning, name)
 
 
+def grid_from(arguments: argparse.Namespace) -> VoxelGrid | None:
+    """The voxels that the options name; None where they leave them open."""
+    if arguments.grid_like:
+        return read_volume(arguments.grid_like).grid
+    kept: KeptSettings | None = arguments.kept
+    return None if kept is None else kept.grid
+
+
 def run(arguments: argparse.Namespace) -> None:
     """Read, reconstruct, write, and say what was done."""
     started = time.perf_counter()
@@ -138,22 +149,23 @@ def run(arguments: argparse.Namespace) -> None:
         *(path for one in each for path in sequence_inputs(one)),
         arguments.bone_labels,
         arguments.bone_probability,
-        arguments.grid_like,
         arguments.bone_transform,
         arguments.importance_mask,
     ]
-    refuse_to_overwrite([*outputs.values(), arguments.preview, arguments.report], inputs)
+    of_the_run = [*outputs.values(), arguments.preview, arguments.report, arguments.save_settings]
+    refuse_to_overwrite(of_the_run, [*inputs, arguments.grid_like, arguments.settings])
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     for path in filter(None, outputs.values()):
         check_volume_path(path)
     check_preview(arguments.preview)
+    check_save_settings(arguments)
     if arguments.report:
         check_writable(arguments.report)
     with ProgressBar() as progress:
         sequence = joined(sequence_from(one) for one in each)
         region, probe = imaging_from(arguments, sequence.configuration, sequence.images)
         bone = bone_from(arguments, sequence, region, probe, part(progress, 0.0, 0.1))
-        grid = read_volume(arguments.grid_like).grid if arguments.grid_like else None
+        grid = grid_from(arguments)
         result = reconstruct(
             sequence,
             settings,
@@ -166,11 +178,11 @@ def run(arguments: argparse.Namespace) -> None:
             reference=arguments.reference,
             progress=part(progress, 0.1, 0.95),
         )
-        fields = provenance(arguments, result, inputs)
+        result = with_provenance(result, arguments, inputs)
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
-            getattr(result, name).write(path, fields)
-        drawn = write_preview(result, arguments)
+            getattr(result, name).write(path)
+        drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
     agreement = _agreement(arguments, sequence, region, probe, result.method)
     tracking = {
         share.name: tracking_report(part_of_it, sweep_poses(part_of_it, arguments.image_to_reference, arguments.reference), result, number)
@@ -188,7 +200,7 @@ def _agreement(
     arguments: argparse.Namespace, sequence: TrackedSequence, region: ImageRegion | None, probe: ProbeGeometry | None, method: str
 ) -> list[str]:
     """What the sweep's own bone says of the CT's registration, a line each; nothing where no labels were used."""
-    if not arguments.bone_labels or method not in BONE_METHODS:
+    if not arguments.bone_labels or not method_needs_bone(method):
         return []
     to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else np.eye(4)
     lines = compared_lines(

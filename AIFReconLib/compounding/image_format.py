@@ -10,6 +10,7 @@ from ..arrays import Numbers, NumberType
 from ..errors import GeometryError
 from ..message import Message
 from ..settings import ReconstructionSettings
+from .needs import judges_shadows
 
 
 @dataclass(frozen=True)
@@ -76,11 +77,12 @@ class ImageKind:
         if self.is_8_bit:
             return []
         found = []
-        if method == "weighted" and settings.intensity_maximum is None:
+        if judges_shadows(method) and settings.intensity_maximum is None:
             found.append(
                 Message(
-                    "Warning: weighted judges brightness against the full gray scale, which {kind} images do not tell. "
+                    "Warning: {method} judges brightness against the full gray scale, which {kind} images do not tell. "
                     "Give their brightest value with --intensity-maximum.",
+                    method=method,
                     kind=self.dtype.name,
                 )
             )

@@ -71,7 +71,7 @@ class VoxelGroups:
             yield active, self.order[self.starts[:active] + turn]
 
 
-class _Beams(NamedTuple):
+class FrameBeams(NamedTuple):
     """The beams through pixels of a frame: their components along its axes, (m,), and these axes, (3,) in Reference."""
 
     x: Singles
@@ -80,15 +80,21 @@ class _Beams(NamedTuple):
     y_axis: Singles
 
     @classmethod
-    def of(cls, layout: PixelLayout, pixels: Integers | slice, axes: Singles) -> _Beams:
+    def of(cls, layout: PixelLayout, pixels: Integers | slice, axes: Singles) -> FrameBeams:
         """Those through `pixels` of a layout; none where it has no beams."""
         if layout.beam_x is None or layout.beam_y is None:
             return cls(NOTHING, NOTHING, axes[:3], axes[3:])
         return cls(layout.beam_x[pixels], layout.beam_y[pixels], axes[:3], axes[3:])
 
-    def of_pixels(self, pixels: Integers) -> _Beams:
+    def of_pixels(self, pixels: Integers) -> FrameBeams:
         """Some of them."""
-        return _Beams(self.x[pixels], self.y[pixels], self.x_axis, self.y_axis)
+        return FrameBeams(self.x[pixels], self.y[pixels], self.x_axis, self.y_axis)
+
+
+def cosine_at(directions: Singles, voxels: Integers, beams: FrameBeams) -> Singles:
+    """Cosine of incidence of pixels in `voxels` (m,) of a bone map's `directions` (voxels, 3), (m,)."""
+    x, y, z = directions[voxels].T
+    return rules.cosine_of_incidence(beams.x, beams.y, rules.facing(x, y, z, beams.x_axis), rules.facing(x, y, z, beams.y_axis))
 
 
 class NumpyEngine:
@@ -154,11 +160,11 @@ class NumpyEngine:
             return 0
         # A view is enough where all enter
         chosen = slice(None) if entered == all_values.size else pixels
-        values, beams = all_values[chosen], _Beams.of(layout, chosen, batch.axes[place])
+        values, beams = all_values[chosen], FrameBeams.of(layout, chosen, batch.axes[place])
         state, method = self.state, self.state.method
         np.add.at(state.hits, voxels, np.uint32(1))
         if state.cosine is not None:
-            np.maximum.at(state.cosine, voxels, self._cosine(voxels, beams))
+            np.maximum.at(state.cosine, voxels, cosine_at(self._directions, voxels, beams))
         if method in ("aif", "aif-compensated"):
             self._insert_aif(values, voxels, beams)
         elif method == "weighted":
@@ -174,24 +180,20 @@ class NumpyEngine:
             np.maximum.at(state.value, voxels, values)
         return entered
 
-    def _insert_weighted(self, values: Singles, voxels: Integers, beams: _Beams, reach: Singles, onset: Singles) -> None:
+    def _insert_weighted(self, values: Singles, voxels: Integers, beams: FrameBeams, reach: Singles, onset: Singles) -> None:
         """The weighted sum. Where no shadow begins, as nearly everywhere, its gate is closed: the bone map is not looked at."""
         weight, value = self._floor * reach, np.minimum(values, self._maximum)
         begins = np.flatnonzero(onset > 0)
         at = voxels[begins]
         gate = rules.weighted_gate(onset[begins], self._probability[at])
-        cosine = self._cosine(at, beams.of_pixels(begins))
+        cosine = cosine_at(self._directions, at, beams.of_pixels(begins))
         weight[begins] = rules.weighted_weight(gate, reach[begins], self._floor)
         value[begins] = rules.weighted_value(values[begins], gate, cosine, self._gain, self._beta, self._maximum)
         value *= weight
         np.add.at(self.state.value, voxels, value)
         np.add.at(self.state.weights, voxels, weight)
 
-    def _cosine(self, voxels: Integers, beams: _Beams) -> Singles:
-        x, y, z = self._directions[voxels].T
-        return rules.cosine_of_incidence(beams.x, beams.y, rules.facing(x, y, z, beams.x_axis), rules.facing(x, y, z, beams.y_axis))
-
-    def _insert_aif(self, values: Singles, voxels: Integers, beams: _Beams) -> None:
+    def _insert_aif(self, values: Singles, voxels: Integers, beams: FrameBeams) -> None:
         """The paper's rule. The bone map is read once per voxel, not once per pixel."""
         state = self.state
         bone = np.flatnonzero(self._probability[voxels] != 0)

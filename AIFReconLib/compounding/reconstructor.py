@@ -10,28 +10,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arrays import Mask, Matrix, Numbers, Reals, Singles
+from ..arrays import Numbers, Reals, Singles
 from ..bone.map import BoneMap, BoneOnGrid
-from ..errors import BeamGeometryError, SettingsError
-from ..geometry.transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
+from ..errors import BeamGeometryError, require_kind
 from ..geometry.volume import Volume, VoxelGrid
 from ..holes.automatic import with_limit
 from ..holes.fill import fill_as_asked
 from ..holes.filling import HoleFilling
 from ..imaging.beams import SECTOR, ProbeGeometry
-from ..imaging.region import ImageRegion, PixelFilter
-from ..imaging.sound_speed import depth_factor, depth_scale
+from ..imaging.region import ImageRegion
+from ..imaging.sound_speed import depth_factor
 from ..machine.memory import require_memory
 from ..message import Described, Message
 from ..progress import Progress
-from ..settings import BONE_METHODS, ReconstructionSettings
+from ..settings import ReconstructionSettings
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .engines import choose_engine
-from .evidence import ScanLines
 from .image_format import ImageKind
-from .layout import PixelLayout, in_fixed_point
+from .intake import Intake, require_kinds
+from .needs import judges_shadows, needs_beams, require_bone
 from .numpy_engine import NumpyEngine
+from .own.engine import OwnMethodEngine
+from .own.method import own_method
 from .splat_engine import SplatEngine, check_shares, splat_engine, uses_shares
 from .state import VoxelState, bytes_per_voxel
 
@@ -61,7 +62,7 @@ class Reconstruction(Described):
     skipped : dict of str to list of int
         Numbers of the frames that were not inserted, by reason; of several sweeps numbered through.
     notes : tuple of str
-        What a user should know about how this result came about.
+        What a user should know about how this result came about; options are named as on the command line.
     hole_limit : float, mm
         Up to which holes were filled, as given or as chosen; 0 where they were not, or in the configuration's own way.
     sweeps : tuple of SweepShare
@@ -113,7 +114,7 @@ class _Work:
     """What the first image decides: the kind of all images, the engine, and the batch that waits for it."""
 
     images: ImageKind
-    engine: NumpyEngine | NumbaEngine | SplatEngine
+    engine: NumpyEngine | NumbaEngine | SplatEngine | OwnMethodEngine
     batch: FrameBatch
 
 
@@ -128,7 +129,7 @@ class Reconstructor:
     bone : BoneMap or None
         Needed by the methods that weight by incidence.
     probe : ProbeGeometry or None
-        Where the beams go; needed where `bone` is used.
+        Where the beams go; needed where `bone` is used, and where a method looks for shadows.
     region : ImageRegion
         Pixels outside it never enter.
     threads : int or None
@@ -145,6 +146,8 @@ class Reconstructor:
     SettingsError
         When the method needs a bone map and there is none, the engine asked for is not there, or the method fits neither linear
         interpolation nor an importance mask.
+    MethodError
+        When the method is one of the user's own and is not registered.
     BeamGeometryError
         When it needs the beams' directions and there are none.
     InsufficientMemoryError
@@ -173,20 +176,17 @@ class Reconstructor:
         fixed_point: bool = False,
         progress: Progress | None = None,
     ):
+        require_kinds(settings=settings, bone=bone, grid=grid, region=region, probe=probe)
         self.settings = settings or ReconstructionSettings()
         self.grid = grid
         self.method = self.settings.method_for(bone is not None)
         self.counts = FrameCounts()
-        self._probe = probe
         self._region = region or ImageRegion()
         self._notes: list[str] = []
-        self._needs_beams = needs_beams(self.method, self.settings)
-        if self._needs_beams and bone is None:
-            wish = Message("Method {method}", method=self.method) if self.method in BONE_METHODS else Message("The cosine of incidence")
-            raise SettingsError(
-                "{wish} needs to know where bone is. Give labels or a bone probability, or choose method average.", wish=wish
-            )
-        if self._needs_beams and probe is None:
+        self._own = own_method(self.method)
+        uses_bone = require_bone(self.method, self.settings, bone is not None)
+        uses_beams = needs_beams(self.method, self.settings)
+        if uses_beams and probe is None:
             raise BeamGeometryError(
                 "Method {method} needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW.",
                 method=self.method,
@@ -200,23 +200,22 @@ class Reconstructor:
         self._importance = None if importance is None else np.asarray(importance, dtype=np.float32)
         self._shares = uses_shares(self.settings, importance)
         self._holes = holes
-        self._fixed_point = fixed_point
-        self._filter = PixelFilter(self.settings.pixel_rejection, self._region)
+        shadows = judges_shadows(self.method)
+        self._intake = Intake(
+            grid, self.settings, self._region, probe, needs_beams=uses_beams, judges_shadows=shadows, fixed_point=fixed_point
+        )
         self._engine_class, note = choose_engine(self.settings.engine)
         if note is not None:
             self._notes.append(note)
         curves_rows = moves_pixels and probe is not None and probe.kind == SECTOR
-        if curves_rows and not self._shares and self._engine_class is not NumpyEngine:
+        if curves_rows and not self._shares and self._own is None and self._engine_class is not NumpyEngine:
             # The other engine wants rows of pixels to be straight lines
             self._engine_class = NumpyEngine
             self._notes.append(Message("A sector's speed of sound is corrected for by the slower numpy engine. The voxels are the same."))
         self._threads = threads
-        require_memory(grid.size, grid.spacing, bytes_per_voxel(self.method, self._needs_beams, self.settings.best_cosine, self._shares))
-        self._bone = self._place_bone(bone, progress) if bone is not None and self._needs_beams else None
+        require_memory(grid.size, grid.spacing, bytes_per_voxel(self.method, uses_bone, self.settings.best_cosine, self._shares))
+        self._bone = self._place_bone(bone, progress) if bone is not None and uses_bone else None
         self._state: VoxelState | None = VoxelState.empty(grid, self.method, self.settings.best_cosine, self._shares)
-        self._layout: PixelLayout | None = None
-        self._stretch: Matrix | None = None
-        self._scan_lines: ScanLines | None = None
         self._images: ImageKind | None = None
         self._work: _Work | None = None
 
@@ -228,6 +227,8 @@ class Reconstructor:
 
         Raises
         ------
+        InputTypeError
+            When something is no `TrackedFrame`.
         GeometryError
             When an image is not one of gray pixels, or its size or pixel type differs from that of the first. The frames before it have
             entered.
@@ -244,6 +245,8 @@ class Reconstructor:
     @property
     def engine(self) -> str:
         """Name of the engine that does the arithmetic: "numpy" or "numba"."""
+        if self._own is not None:
+            return OwnMethodEngine.name
         return (splat_engine(self.settings) if self._shares else self._engine_class).name
 
     def reconstruction(self, progress: Progress | None = None) -> Reconstruction:
@@ -303,7 +306,8 @@ class Reconstructor:
 
     def _add(self, frame: TrackedFrame, state: VoxelState) -> None:
         """Put a frame into the batch; what waits there is computed when it is full or the frame does not fit to it."""
-        problem = self._why_not(frame)
+        require_kind("frames", frame, TrackedFrame, "Make one: TrackedFrame(image, image_to_reference).")
+        problem = self._intake.why_not(frame)
         if problem is not None:
             self.counts.skip(problem, frame.number)
             return
@@ -312,67 +316,43 @@ class Reconstructor:
             self._work = self._start(ImageKind.of(image, frame.number), state)
         work = self._work
         work.images.check(image, frame.number)
-        spacing = pixel_spacing(pose)
-        size = image.shape[1], image.shape[0]
-        if self._layout is None or not self._layout.fits(size, spacing):
+        if not self._intake.fits(image, pose):
             self._compute()
-            self._layout = self._lay_out(size, spacing)
-            if self._probe is not None and self.method == "weighted":
-                self._scan_lines = ScanLines(self._layout, self._probe)
-        kept = self._filter.kept(image)
-        if kept is not None and not self._layout.has_any(kept):
-            self.counts.skip(Message("nothing bright enough in the image"), frame.number)
+            self._intake.lay_out(image, pose)
+        problem = self._intake.put(work.batch, image, pose, frame.number)
+        if problem is not None:
+            self.counts.skip(problem, frame.number)
             return
-        x_axis, y_axis = image_plane_axes(pose)
-        axes = x_axis.astype(np.float32), y_axis.astype(np.float32)
-        image_to_ijk = self.grid.reference_to_ijk @ pose if self._stretch is None else self.grid.reference_to_ijk @ pose @ self._stretch
-        work.batch.add(image, in_fixed_point(image_to_ijk) if self._fixed_point else image_to_ijk, axes, frame.number, kept)
         self.counts.poses.extend(pose[:3].ravel())
         if work.batch.full:
             self._compute()
 
-    def _lay_out(self, size: tuple[int, int], spacing: tuple[float, float]) -> PixelLayout:
-        scale = depth_scale(self.settings, self._region.mask(*size), self._probe, spacing)
-        # What keeps rows straight is the pose's to do, which any engine can
-        self._stretch = None if scale is None else scale.stretch
-        scale = None if self._stretch is not None else scale
-        return PixelLayout.build(size, spacing, self._region, self._probe if self._needs_beams else None, scale)
-
     def _compute(self) -> None:
         """Bring what waits into the volume."""
-        work, layout = self._work, self._layout
+        work, layout = self._work, self._intake.layout
         if work is None or layout is None or not work.batch:
             return
         batch = work.batch
         try:
-            entered = work.engine.insert(batch, layout, self._scan_lines)
+            entered = work.engine.insert(batch, layout, self._intake.scan_lines)
             for place, (number, pixels) in enumerate(zip(batch.numbers, entered, strict=True)):
                 if pixels:
                     self.counts.inserted += 1
                 else:
-                    self.counts.skip(_why_nothing_entered(layout, batch.measured.get(place)), number)
+                    self.counts.skip(self._intake.why_nothing_entered(batch, place), number)
         finally:
             batch.clear()
-
-    @staticmethod
-    def _why_not(frame: TrackedFrame) -> str | None:
-        if frame.status != "OK":
-            return frame.status
-        if frame.image is None:
-            return Message("no image")
-        if frame.image_to_reference is None:
-            return Message("no pose")
-        problem = why_not_an_image_pose(frame.image_to_reference)
-        return Message("image pose {problem}", problem=problem) if problem else None
 
     def _start(self, images: ImageKind, state: VoxelState) -> _Work:
         self._images = images
         self._notes += images.warnings(self.method, self.settings)
-        engine: NumpyEngine | NumbaEngine | SplatEngine
-        if self._shares:
+        engine: NumpyEngine | NumbaEngine | SplatEngine | OwnMethodEngine
+        maximum = images.maximum(self.settings)
+        if self._own is not None:
+            engine = OwnMethodEngine(state, self.grid.size, self._own, maximum, self._bone)
+        elif self._shares:
             engine = splat_engine(self.settings)(state, self.grid.size, self.settings, self._importance, self._threads)
         else:
-            maximum = images.maximum(self.settings)
             engine = self._engine_class(state, self.grid.size, self.settings, maximum, self._bone, self._threads)
         return _Work(images, engine, FrameBatch(images.shape, images.dtype, engine.frames_at_once))
 
@@ -385,15 +365,3 @@ class Reconstructor:
 
     def _volume(self, array: Numbers) -> Volume:
         return Volume(array, self.grid.ijk_to_reference)
-
-
-def _why_nothing_entered(layout: PixelLayout, measured: Mask | None) -> Message:
-    """Of a frame of which these pixels, (rows, columns) bool, were measured; None: all."""
-    if measured is not None and not layout.has_any(measured):
-        return Message("no pixel in the image is a finite number")
-    return Message("outside the volume")
-
-
-def needs_beams(method: str, settings: ReconstructionSettings) -> bool:
-    """Whether a reconstruction reads the bone map and the beams' directions."""
-    return method in BONE_METHODS or settings.best_cosine

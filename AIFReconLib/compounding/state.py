@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Reals, Singles
 from ..geometry.volume import VoxelGrid
-from ..settings import BONE_METHODS
+from ..settings import BONE_METHODS, is_own_method
 
 MAP_BYTES = 4 + 3 * 4
 """Probability and direction of the bone map, per voxel."""
@@ -30,9 +30,10 @@ class VoxelState:
         Pixels that entered.
     value : (voxels,) array
         float32: the running average (aif), the last (latest) or the largest (maximum) value; the sum of w v (weighted).
-        float64: the sum (average), so that its mean is exact.
+        float64: the sum (average), so that its mean is exact; the sum of w v (a method of one's own).
     weight : (voxels,) array or None
-        float32: the paper's V_count (aif), the sum of w (weighted). float64: the sum of shares (average of pixels that count unequally).
+        float32: the paper's V_count (aif), the sum of w (weighted). float64: the sum of shares (average of pixels that count unequally),
+        the sum of w (a method of one's own).
     cosine : (voxels,) float32 array or None
         Best cosine of incidence so far.
     """
@@ -46,7 +47,7 @@ class VoxelState:
     @classmethod
     def empty(cls, grid: VoxelGrid, method: str, best_cosine: bool, shares: bool = False) -> VoxelState:
         """State before the first frame. With `shares`, an average keeps the sum of what pixels count."""
-        value: Reals = np.zeros(grid.voxels, dtype=np.float64 if method == "average" else np.float32)
+        value: Reals = np.zeros(grid.voxels, dtype=np.float64 if _sums_in_double(method) else np.float32)
         if method == "maximum":
             value.fill(-np.inf)
         return cls(
@@ -75,7 +76,7 @@ class VoxelState:
 
         It may be the state's own array, so no frame may follow; take a `copy` first where one will.
         """
-        if self.method in ("average", "weighted"):
+        if self.method == "weighted" or _sums_in_double(self.method):
             divisor = self.hits if self.weight is None else self.weight
             result = np.zeros(self.value.shape, dtype=np.float32)
             np.divide(self.value, divisor, out=result, where=self.hits > 0, casting="same_kind")
@@ -99,22 +100,29 @@ class VoxelState:
         return [spec.name for spec in fields(self) if isinstance(getattr(self, spec.name), np.ndarray)]
 
 
+def _sums_in_double(method: str) -> bool:
+    return method == "average" or is_own_method(method)
+
+
+def _weighs_in_double(method: str, shares: bool) -> bool:
+    return (shares and method == "average") or is_own_method(method)
+
+
 def _no_weights(voxels: int, method: str, shares: bool) -> Reals | None:
     if method in BONE_METHODS:
         return np.zeros(voxels, dtype=np.float32)
-    return np.zeros(voxels, dtype=np.float64) if shares and method == "average" else None
+    return np.zeros(voxels, dtype=np.float64) if _weighs_in_double(method, shares) else None
 
 
 def bytes_per_voxel(method: str, has_bone: bool, best_cosine: bool, shares: bool = False) -> int:
-    """Memory that a reconstruction takes, per voxel, its bone map and results included; `shares` as in `VoxelState.empty`.
+    """Memory that a reconstruction takes, per voxel, its results included, and its bone map where it reads one; `shares` as in
+    `VoxelState.empty`.
 
     Notes
     -----
     The bone map is released before the results are made when a whole sequence is reconstructed at once. A snapshot of a live
     reconstruction needs the results, a copy of the state and the map at the same time.
     """
-    state = 4 + (8 if method == "average" else 4) + (4 if method in BONE_METHODS else 0) + (4 if best_cosine else 0)
-    state += 8 if shares and method == "average" else 0
-    uses_map = has_bone and (method in BONE_METHODS or best_cosine)
-    bone = MAP_BYTES if uses_map else 0
-    return state + max(bone, OUTPUT_BYTES)
+    state = 4 + (8 if _sums_in_double(method) else 4) + (4 if method in BONE_METHODS else 0) + (4 if best_cosine else 0)
+    state += 8 if _weighs_in_double(method, shares) else 0
+    return state + max(MAP_BYTES if has_bone else 0, OUTPUT_BYTES)

@@ -18,17 +18,20 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 
 import numpy as np
 from scipy import ndimage
 
-from ..arrays import Array, Floats, Integers, Mask, Numbers, Reals, Singles
-from ..errors import GeometryError
+from ..arrays import Array, Floats, Integers, Mask, Numbers, Singles
+from ..errors import GeometryError, require_kind
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
+from ..sweep.frames import TrackedSequence
+from .statistics import exceeds, mean_std, median, ratio
 from .surface import nearest
-from .visibility import REACHED, SHADOWED, BoneTruth
+from .visibility import REACHED, SHADOWED, BoneTruth, SweepBeams, bone_truth
 
 STEP = 0.25
 """mm between samples of a profile."""
@@ -136,21 +139,40 @@ class BoneMetrics:
         return flat
 
 
-def evaluate(volume: Volume, truth: BoneTruth, mask: Volume | None = None) -> BoneMetrics:
+def evaluate(
+    volume: Volume,
+    bone: Volume | BoneTruth,
+    mask: Volume | None = None,
+    *,
+    sweep: TrackedSequence | Iterable[TrackedSequence] | SweepBeams | None = None,
+) -> BoneMetrics:
     """Measure a volume against the true bone.
 
     Parameters
     ----------
     volume : Volume of gray levels, placed in Reference
-    truth : BoneTruth
+    bone : Volume of labels, or BoneTruth
+        The true bone, placed in Reference (`Volume.placed_by`): any label above 0, one for each vertebra. To measure several volumes, make
+        the truth once, by `bone_truth`.
     mask : Volume or None
         Not 0 where voxels were measured or filled, on the same voxels. Without one, voxels of exactly 0 count as empty.
+    sweep : TrackedSequence, several, or None
+        Decides which bone counts: what its beams could reach. Without one, or with a truth, which has its own, all that was measured.
 
     Raises
     ------
     GeometryError
-        When the mask has other voxels than the volume.
+        When the mask has other voxels than the volume, or the labels hold no bone.
+    InputTypeError
+        When something of another kind is given, such as the path of a file.
     """
+    require_kind("volume", volume, Volume, "Read it first: read_volume(path).")
+    require_kind("bone", bone, (Volume, BoneTruth), "Read it first: read_labels(path).")
+    require_kind("mask", mask, (Volume, type(None)), "Read it first: read_volume(path).")
+    truth = bone
+    if isinstance(truth, Volume):
+        beams = sweep if sweep is None or isinstance(sweep, SweepBeams) else SweepBeams.of_sequence(sweep)
+        truth = bone_truth(truth, beams)
     if mask is not None and not mask.grid.matches(volume.grid):
         raise GeometryError("Input mask must have the voxels of the volume; got others. Give the mask of this reconstruction.")
     gray = volume.array.astype(np.float32)
@@ -191,18 +213,18 @@ class _Responses:
 
     def summary(self, part: Mask) -> SurfaceMetrics:
         areas, bone, tissue, covered = self.areas[part], self.bone[part], self.tissue[part], self.covered[part]
-        tissue_mean, tissue_std = _mean_std(tissue, areas[:, None])
-        contrast = _mean_std(bone, areas)[0] - tissue_mean
+        tissue_mean, tissue_std = mean_std(tissue, areas[:, None])
+        contrast = mean_std(bone, areas)[0] - tissue_mean
         peaks = self.peaks[part]
         return SurfaceMetrics(
             area=float(areas.sum()),
             contrast=contrast,
-            cnr=_ratio(contrast, tissue_std),
-            detectability=_mean_std(_exceeds(bone[:, None], self.windows[part]), areas[:, None])[0],
-            thickness=_median(self.widths[part], areas),
-            localization_bias=_mean_std(peaks, areas)[0],
-            localization_error=_mean_std(np.abs(peaks), areas)[0],
-            coverage=_ratio(float(areas[covered].sum()), float(areas.sum())),
+            cnr=ratio(contrast, tissue_std),
+            detectability=mean_std(exceeds(bone[:, None], self.windows[part]), areas[:, None])[0],
+            thickness=median(self.widths[part], areas),
+            localization_bias=mean_std(peaks, areas)[0],
+            localization_error=mean_std(np.abs(peaks), areas)[0],
+            coverage=ratio(float(areas[covered].sum()), float(areas.sum())),
         )
 
 
@@ -223,7 +245,7 @@ def _responses(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth, 
     residuals = (tissue - means[:, None])[known & enough[:, None]]
     spread = float(residuals.std()) if residuals.size else np.nan
     # A point with bone or shadow before it is held against the tissue before the others
-    local = np.where(enough, means, _mean_std(means[enough], surface.areas[chosen][enough])[0])
+    local = np.where(enough, means, mean_std(means[enough], surface.areas[chosen][enough])[0])
     with np.errstate(invalid="ignore"):
         # Strictly above, by more than rounding: a volume of one gray level shows nothing
         covered = (response >= beyond) & (response - local > STANDS_OUT * spread + 1e-3 * np.abs(local))
@@ -314,7 +336,7 @@ def _shadow(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth) -> 
     ijk = transform_points(volume.grid.reference_to_ijk, points)
     known = nearest(Volume(measured, volume.ijk_to_reference), ijk).astype(bool)
     values = np.asarray(nearest(Volume(gray, volume.ijk_to_reference), ijk[known]), dtype=gray.dtype)
-    return _mean_std(values)
+    return mean_std(values)
 
 
 def _speckle_snr(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth) -> float:
@@ -362,36 +384,3 @@ def _distances(truth: BoneTruth, points: Floats) -> Numbers:
 
 def _statuses(shadows: Volume, points: Floats, outside: int = 0) -> Numbers:
     return nearest(shadows, transform_points(shadows.grid.reference_to_ijk, points), outside)
-
-
-def _exceeds(a: Floats, b: Floats) -> Floats:
-    """1 where a > b, one half where they are equal but for rounding, 0 where a < b, NaN where either is not known."""
-    difference = np.where(np.isfinite(a) & np.isfinite(b), a - b, np.nan)
-    return np.where(np.abs(difference) <= 1e-5 * np.abs(a), 0.5, (np.sign(difference) + 1) / 2)
-
-
-def _mean_std(values: Reals, weights: Floats | float = 1.0) -> tuple[float, float]:
-    """Weighted mean and standard deviation of the values that are not NaN; NaN where there are none."""
-    known = np.isfinite(values)
-    weights = np.broadcast_to(weights, values.shape)[known]
-    total = float(np.sum(weights))
-    if total == 0:
-        return np.nan, np.nan
-    mean = float(np.sum(weights * values[known], dtype=np.float64) / total)
-    return mean, float(np.sqrt(np.sum(weights * (values[known] - mean) ** 2, dtype=np.float64) / total))
-
-
-def _median(values: Floats, weights: Floats) -> float:
-    """Weighted median of the values that are not NaN; NaN where there are none."""
-    known = np.isfinite(values)
-    if not known.any():
-        return np.nan
-    values, weights = values[known], weights[known]
-    order = np.argsort(values, kind="stable")
-    summed = np.cumsum(weights[order])
-    return float(values[order][np.searchsorted(summed, summed[-1] / 2)])
-
-
-def _ratio(numerator: float, denominator: float) -> float:
-    """NaN where the denominator is 0 or not known."""
-    return numerator / denominator if denominator > 0 else np.nan

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Matrix
-from ..errors import TransformError
+from ..errors import TransformError, require_kind
 from ..message import Message
 from .transforms import as_matrix, invert, why_not_affine
 
@@ -62,6 +62,7 @@ class TransformName:
         TransformError
             When the name has no "To" before an upper-case letter or a digit between two frames, or more than one.
         """
+        require_kind("transform name", text, str, "Poses go into the sequence: TrackedSequence.from_arrays(images, image_to_reference).")
         bare = text.removesuffix("Transform")
         # As IGSIO splits: whatever is no lower-case letter begins a frame's name
         cuts = [m.start() for m in re.finditer(r"To(?=[^a-z\s])", bare)]
@@ -116,6 +117,7 @@ class TransformGraph:
     """
 
     def __init__(self, transforms: dict[TransformName, TransformSample] | None = None):
+        require_kind("transforms", transforms, (dict, type(None)), "Poses of a sweep go into TrackedSequence.from_arrays.")
         self._transforms: dict[TransformName, TransformSample] = {}
         for name, sample in (transforms or {}).items():
             self._put(name, sample)

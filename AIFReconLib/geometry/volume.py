@@ -8,16 +8,17 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import EllipsisType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
-from ..arrays import Floats, Matrix, Numbers
-from ..errors import GeometryError
+from ..arrays import Array, Floats, Matrix, Numbers, NumberType
+from ..errors import GeometryError, InputTypeError, not_of_kind
 from ..machine.memory import MAXIMUM_VOXELS
 from ..message import Described
 from .transforms import as_matrix, invert, transform_points
@@ -124,20 +125,49 @@ class VoxelGrid:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Volume(Described):
-    """Values on a voxel grid.
+    """Values on a voxel grid: for numpy an array, which knows where its voxels lie.
 
     Parameters
     ----------
-    array : [k, j, i] array
+    array : [k, j, i] array_like of numbers
     ijk_to_reference : (4, 4) array_like, mm
+    fields : mapping of str to str
+        Where it comes from, for the header of its file; see `AIFReconLib.provenance`.
+
+    Raises
+    ------
+    GeometryError
+        When the array does not hold numbers along three axes, or the matrix is none of a grid.
+
+    Notes
+    -----
+    ``np.asarray(volume)`` is its array, without a copy. ``volume[k, j, i]`` of slices is the part of it with the same voxels where they
+    were, steps and backward ones included; it shares memory with the whole, as in numpy.
+
+    Examples
+    --------
+    >>> volume = Volume(np.arange(24).reshape(2, 3, 4), np.diag([0.5, 0.5, 2.0, 1.0]))
+    >>> volume.shape, volume.spacing.tolist(), int(np.max(volume))
+    ((2, 3, 4), [0.5, 0.5, 2.0], 23)
+    >>> part = volume[1:, :, ::-2]
+    >>> part.shape, part.origin.tolist(), part.spacing.tolist()
+    ((1, 3, 2), [1.5, 0.0, 2.0], [1.0, 0.5, 2.0])
     """
 
     array: Numbers
     ijk_to_reference: Matrix
+    fields: Mapping[str, str] = field(default_factory=dict)
+
+    __iter__ = None
+    """Python would ask for one index after the other, which are no parts that keep their place."""
 
     def __post_init__(self) -> None:
-        if self.array.ndim != 3:
-            raise GeometryError("Input volume array must have shape (k, j, i); got {shape}.", shape=self.array.shape)
+        array = np.asarray(self.array)
+        if array.ndim != 3:
+            raise GeometryError("Input volume array must have shape (k, j, i); got {shape}.", shape=array.shape)
+        if array.dtype.kind not in "biuf":
+            raise GeometryError("Input volume array must hold real numbers; got {kind}.", kind=array.dtype)
+        object.__setattr__(self, "array", array)
         object.__setattr__(self, "ijk_to_reference", self.grid.ijk_to_reference)
 
     @cached_property
@@ -145,6 +175,85 @@ class Volume(Described):
         """Where its voxels are."""
         k, j, i = self.array.shape
         return VoxelGrid((i, j, k), self.ijk_to_reference)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """The shape of the array: [k, j, i]."""
+        return self.grid.shape
+
+    @property
+    def dtype(self) -> NumberType:
+        """Type of a voxel."""
+        return self.array.dtype
+
+    @property
+    def spacing(self) -> Floats:
+        """Distance between voxel centers along i, j, k in mm, (3,) float64."""
+        return self.grid.spacing
+
+    @property
+    def origin(self) -> Floats:
+        """Center of voxel (0, 0, 0) in Reference, (3,) float64, mm."""
+        return self.grid.origin
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> Array:
+        """The array, for numpy: itself where its type is the wanted one and no copy is asked for."""
+        wanted = self.array.dtype if dtype is None else np.dtype(dtype)
+        if copy is False and wanted != self.array.dtype:
+            raise ValueError(f"Input copy must be True or None to make {wanted} of {self.array.dtype}; got False.")
+        return self.array.astype(wanted, copy=bool(copy))
+
+    def __getitem__(self, index: slice | EllipsisType | tuple[slice | EllipsisType, ...]) -> Volume:
+        """The part within slices along k, j, i, where it was; those not given are whole, and ``...`` stands for them.
+
+        Raises
+        ------
+        GeometryError
+            When the index is not of slices, or leaves no voxel.
+        """
+        given = index if isinstance(index, tuple) else (index,)
+        rest = [at for at, along in enumerate(given) if along is Ellipsis]
+        if len(rest) == 1:
+            given = (*given[: rest[0]], *(slice(None),) * (4 - len(given)), *given[rest[0] + 1 :])
+        slices = [along for along in given if isinstance(along, slice)]
+        if len(given) > 3 or len(slices) < len(given):
+            raise GeometryError(
+                "Input index must be up to three slices, in the order k, j, i; got {index!r}. Write 5:6 for one plane, or take numbers "
+                "from volume.array.",
+                index=index,
+            )
+        to_whole = np.eye(4)
+        for axis, (along, count) in enumerate(zip(slices, self.shape)):
+            kept = range(count)[along]
+            if not kept:
+                raise GeometryError("Input index must leave voxels; got {index!r} of {shape} along k, j, i.", index=index, shape=self.shape)
+            to_whole[2 - axis, 2 - axis], to_whole[2 - axis, 3] = kept.step, kept.start
+        return Volume(self.array[tuple(slices)], self.ijk_to_reference @ to_whole)
+
+    @classmethod
+    def from_sitk(cls, image: object) -> Volume:
+        """A `SimpleITK.Image` of one scalar 3D volume, its voxels copied, in RAS.
+
+        Raises
+        ------
+        GeometryError
+            When it is another thing: a picture, a series, colors, complex numbers.
+        """
+        from ..io.volume.itk_images import from_sitk
+
+        return from_sitk(image)
+
+    def to_sitk(self) -> Any:
+        """A `SimpleITK.Image` with a copy of the voxels, in LPS; truth values become 0 and 1.
+
+        Raises
+        ------
+        GeometryError
+            When SimpleITK has no such voxels: half precision, or numbers of more than 64 bits.
+        """
+        from ..io.volume.itk_images import to_sitk
+
+        return to_sitk(self)
 
     def placed_by(self, volume_to_reference: Matrix) -> Volume:
         """The same voxels moved by a (4, 4) transform, e.g. a CT put into Reference by its registration."""
@@ -160,10 +269,10 @@ class Volume(Described):
 
         return preview(self, mask, labels, ct, title)
 
-    def write(self, path: str | Path, fields: Mapping[str, str] | None = None) -> None:
+    def write(self, path: str | Path) -> None:
         """Write to a volume file (.nrrd, .mha, .mhd, .nii, .nii.gz): LPS in the file, so that it opens in Slicer where it belongs.
 
-        `fields` go into the header, as lines of their own, where the format has room for them (not NIfTI).
+        Its `fields` go into the header, where the format has room for them (not NIfTI).
 
         Raises
         ------
@@ -172,4 +281,27 @@ class Volume(Described):
         """
         from ..io.volume.files import write_volume
 
-        write_volume(self, path, fields)
+        write_volume(self, path)
+
+
+def as_volume(values: Volume | ArrayLike, ijk_to_reference: ArrayLike | None, name: str) -> Volume:
+    """A volume, or an array with the matrix that places it, as a volume; `name` is what the caller knows it as.
+
+    Raises
+    ------
+    InputTypeError
+        When it is neither: a path, an array without a matrix, a volume with one.
+    """
+    if isinstance(values, Volume):
+        if ijk_to_reference is not None:
+            raise InputTypeError(
+                "Input ijk_to_reference places an array, and {name} is a Volume, which has a place. Leave it out, or give "
+                "{name}_to_reference.",
+                name=name,
+            )
+        return values
+    if isinstance(values, str | Path):
+        raise not_of_kind(name, values, (Volume,), "Read it first: read_volume(path).")
+    if ijk_to_reference is not None:
+        return Volume(np.asarray(values), as_matrix(ijk_to_reference, "ijk_to_reference"))
+    raise not_of_kind(name, values, (Volume,), "Give ijk_to_reference, a (4, 4) matrix in mm, with an array, or Volume.from_sitk(image).")

@@ -20,7 +20,7 @@ EMPTY, MEASURED, FILLED = 0, 1, 2
 BLOCK = 64
 """Voxels along each side of what is searched in one go, to bound the memory that is needed beside the volume."""
 
-HOLES_AT_ONCE = 65_536
+HOLES_AT_ONCE = 500_000
 """How many holes are looked up together, to bound the memory that is needed beside the volume."""
 
 MOST_ASKED = 130
@@ -217,7 +217,7 @@ def _fill_block(values: Numbers, mask: Bytes, block: Box, spacing_kji: Floats, o
     Notes
     -----
     The distance transform tells how far each hole's nearest measured voxel is; which one it is, is then looked up among the offsets
-    of that very length, in their order, because the transform breaks ties as it likes.
+    of that very length, in their order, because the transform breaks ties as it likes. Holes of one length are looked up together.
     """
     measured = mask == MEASURED
     holes = np.argwhere(mask[block] == EMPTY) + [part.start for part in block]
@@ -228,22 +228,44 @@ def _fill_block(values: Numbers, mask: Bytes, block: Box, spacing_kji: Floats, o
     reach = np.abs(offsets).max(axis=0)
     padded = np.pad(measured, [(r, r) for r in reach])
     strides = np.array([padded.shape[1] * padded.shape[2], padded.shape[2], 1])
+    lengths, starts = np.unique(distances, return_index=True)
+    asked = list(itertools.pairwise([*starts, len(distances)]))
     filled = 0
-    for start in range(0, len(holes), HOLES_AT_ONCE):
-        some = holes[start : start + HOLES_AT_ONCE]
+    for first in range(0, len(holes), HOLES_AT_ONCE):
+        some = holes[first : first + HOLES_AT_ONCE]
         k, j, i = some.T
         nanometers = _nanometers([nearest[axis, k, j, i] - some[:, axis] for axis in range(3)], spacing_kji)
-        for distance in np.unique(nanometers[nanometers <= distances[-1]]):
-            here = some[nanometers == distance]
-            places = (here + reach) @ strides
-            for offset in offsets[slice(*np.searchsorted(distances, [distance, distance + 1]))]:
-                found = padded.reshape(-1)[places + offset @ strides]
-                if found.any():
-                    at = here[found]
-                    values[tuple(at.T)] = values[tuple((at + offset).T)]
-                    mask[tuple(at.T)] = FILLED
-                    filled += len(at)
-                    here, places = here[~found], places[~found]
-                    if not len(here):
-                        break
+        within = nanometers <= lengths[-1]
+        some, kind = some[within], np.searchsorted(lengths, nanometers[within])
+        order = np.argsort(kind, kind="stable")
+        some, ends = some[order], np.searchsorted(kind[order], np.arange(len(lengths) + 1))
+        here = some + offsets[_first_measured(padded.reshape(-1), (some + reach) @ strides, offsets @ strides, ends, asked)]
+        values[tuple(some.T)] = values[tuple(here.T)]
+        mask[tuple(some.T)] = FILLED
+        filled += len(some)
     return filled
+
+
+def _first_measured(measured: Mask, places: Integers, steps: Integers, ends: Integers, asked: list[tuple[int, int]]) -> Integers:
+    """Which step leads from each place to a measured voxel first.
+
+    Parameters
+    ----------
+    measured : (voxels,) bool array
+    places : (holes,) int64 array
+        Sorted by how far they have to ask: those of length n are between `ends` n and n + 1.
+    steps : (neighbors,) int64 array
+    ends : (lengths + 1,) int64 array
+    asked : list of (first, last), one for each length
+        The steps that are that long, one of which leads there.
+    """
+    which = np.empty(len(places), dtype=np.int64)
+    for (begin, end), (first, last) in zip(itertools.pairwise(ends), asked, strict=True):
+        left = np.arange(begin, end)
+        for number in range(first, last):
+            if not left.size:
+                break
+            found = measured[places[left] + steps[number]]
+            which[left[found]] = number
+            left = left[~found]
+    return which

@@ -11,7 +11,7 @@ from ..errors import AIFReconError, BeamGeometryError, SequenceFormatError
 from ..geometry.transform_graph import TransformName, TransformStatus
 from ..geometry.transforms import pixel_spacing
 from ..imaging.detection import detect_imaging
-from ..message import columns
+from ..message import columns, said
 from ..progress import Progress
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
@@ -97,7 +97,7 @@ def diagnose(
         tracking = tracking_report(sequence, poses)
         poses.require_usable(sequence.name)
     except AIFReconError as error:
-        findings += [f"Cannot be reconstructed yet. {error}", *sequence.notes]
+        findings += [f"Cannot be reconstructed yet. {said(error)}", *sequence.notes]
     else:
         ready = True
         usable = poses.usable
@@ -110,7 +110,7 @@ def diagnose(
             offset = estimate_time_offset(sequence, poses, progress)
             findings.append(offset.to_text())
         except SequenceFormatError as error:
-            findings.append(f"Images cannot be compared with poses: {error}")
+            findings.append(f"Images cannot be compared with poses: {said(error)}")
     facts.append(("probe", _describe_probe(sequence, spacing)))
     findings += _about_time(sequence) + _about_tools(sequence)
     findings += sequence.configuration.warnings
@@ -149,7 +149,7 @@ def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float]) -> 
     except BeamGeometryError:
         return "not recognized in the images"
     except SequenceFormatError as error:
-        return f"cannot be looked at: {error}"
+        return f"cannot be looked at: {said(error)}"
 
 
 def _describe_statuses(sequence: TrackedSequence, name: TransformName) -> str:

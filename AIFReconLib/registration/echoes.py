@@ -21,6 +21,7 @@ from ..message import listed
 from ..progress import Progress, part, report
 from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
+from ..sweep.joined import sweeps_of
 from ..sweep.poses import poses_of_each, time_order, tracked_frames
 
 MOST_FRAMES = 240
@@ -138,10 +139,9 @@ def sweep_echoes(
     GeometryError
         When fewer than `FEWEST` echoes are found.
     """
-    given = [sequences] if isinstance(sequences, TrackedSequence) else list(sequences)
-    sequences = [each for sequence in given for each in sequence.parts]
+    sweeps = sweeps_of(sequences)
     placed = []
-    for sequence, poses in zip(sequences, poses_of_each(sequences, image_to_reference, reference), strict=True):
+    for sequence, poses in zip(sweeps, poses_of_each(sweeps, image_to_reference, reference), strict=True):
         usable = poses.usable
         order = time_order(sequence)
         placed.append((sequence, poses, order[np.isin(order, usable)]))
@@ -162,7 +162,7 @@ def sweep_echoes(
         raise GeometryError(
             "{sweeps}: {count} bone echoes, bright with darkness behind them, are too few to place a CT by; {fewest} are needed. "
             "Check that the sweep shows bone, and --probe and --clip-px.",
-            sweeps=listed([sequence.name for sequence in sequences]),
+            sweeps=listed([sequence.name for sequence in sweeps]),
             count=len(echoes),
             fewest=FEWEST,
         )
@@ -185,4 +185,5 @@ def _numbered_cubes(points: Floats, edge: float) -> Integers:
     cubes = np.floor(points / edge).astype(np.int64)
     cubes -= cubes.min(axis=0)
     across = cubes.max(axis=0) + 1
-    return (cubes[:, 0] * across[1] + cubes[:, 1]) * across[2] + cubes[:, 2]
+    numbers: Integers = (cubes[:, 0] * across[1] + cubes[:, 1]) * across[2] + cubes[:, 2]
+    return numbers

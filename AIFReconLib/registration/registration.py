@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..arrays import Floats
-from ..errors import GeometryError, SettingsError
+from ..errors import GeometryError, SettingsError, require_kind
 from ..geometry.transforms import as_matrix, transform_points, why_not_rigid
 from ..geometry.volume import Volume
 from ..imaging.beams import ProbeGeometry
@@ -135,6 +135,7 @@ def register(
         For input that cannot be registered. An answer that is ambiguous or does not agree is no error: see `Registration.refusal`.
     """
     # What is wrong with the CT is said before the sweep is read
+    require_kind("labels", labels, Volume, "Read it first: read_labels(path).")
     start = None if start is None else _rigid(start)
     bone = BoneField.from_labels(labels)
     echoes = sweep_echoes(

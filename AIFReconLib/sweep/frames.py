@@ -9,11 +9,15 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arrays import Matrix, Numbers
+from ..arrays import Floats, Matrix, Numbers
+from ..errors import GeometryError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ..geometry.transforms import why_not_affine, why_not_rigid
 from ..imaging.images import ImageStack
 from ..message import Described
 from .configuration import NO_CONFIGURATION, PlusConfiguration
@@ -109,6 +113,58 @@ class TrackedSequence(Described):
         if len(self.images) != len(self.records):
             raise ValueError(f"Input records must be one per image; got {len(self.records)} for {len(self.images)} images.")
 
+    @classmethod
+    def from_arrays(
+        cls,
+        images: ImageStack | ArrayLike,
+        image_to_reference: ArrayLike,
+        timestamps: ArrayLike | None = None,
+        *,
+        spacing: float | tuple[float, float] | None = None,
+    ) -> TrackedSequence:
+        """A sweep of images and where each is.
+
+        Parameters
+        ----------
+        images : (frames, rows, columns) array_like of numbers
+            Gray; the transducer at row 0, the marked side of the probe at column 0. Whatever has `shape`, `dtype` and an image for each
+            number is read when an image is needed: an array that is mapped from a file, an HDF5 data set.
+        image_to_reference : (frames, 4, 4) array_like
+            Pixel (column, row, 0, 1) to mm in Reference; with `spacing`, mm in the image plane to mm in Reference. A frame whose matrix
+            is not finite has no pose: it is skipped and counted.
+        timestamps : (frames,) array_like or None, s
+            Frames enter in their order; without them in the order given.
+        spacing : float or (x, y) or None, mm
+            Size of a pixel, where the matrices are rotations and translations.
+
+        Raises
+        ------
+        GeometryError
+            When shapes or numbers do not fit, or nothing tells the size of a pixel.
+
+        Examples
+        --------
+        >>> image_to_reference = np.tile(np.diag([0.3, 0.3, 0.3, 1.0]), (5, 1, 1))
+        >>> image_to_reference[:, 2, 3] = np.arange(5)  # mm; five images behind each other
+        >>> TrackedSequence.from_arrays(np.zeros((5, 40, 30), np.uint8), image_to_reference)
+        <TrackedSequence: name sequence, frames 5, images 30 x 40 pixels, uint8, transforms ImageToReference>
+        """
+        stack = _as_images(images)
+        count = len(stack)
+        matrices = _as_numbers(image_to_reference, "image_to_reference", (count, 4, 4))
+        times = None if timestamps is None else _as_numbers(timestamps, "timestamps", (count,))
+        if times is not None and not np.isfinite(times).all():
+            raise GeometryError("Input timestamps must be finite seconds; got NaN or infinity. Leave them out for the order given.")
+        matrices = _of_pixels(matrices, spacing)
+        name = TransformName("Image", "Reference")
+        return cls(
+            stack,
+            [
+                FrameRecord(None if times is None else float(times[number]), transforms={name: TransformSample(matrix)})
+                for number, matrix in enumerate(matrices)
+            ],
+        )
+
     def __len__(self) -> int:
         return len(self.records)
 
@@ -144,3 +200,58 @@ class TrackedSequence(Described):
         """How many frames have this transform with which status; frames without it count as MISSING, unless the header has it."""
         otherwise = self.transforms.get(name, TransformSample(np.eye(4), TransformStatus.MISSING))
         return Counter(record.transforms.get(name, otherwise).status for record in self.records)
+
+
+def _as_images(images: ImageStack | ArrayLike) -> ImageStack:
+    """Images as a stack, or an error that says what a stack is."""
+    if isinstance(getattr(images, "dtype", None), np.dtype):
+        stack = cast("ImageStack", images)
+    else:
+        try:
+            stack = np.asarray(images)
+        except (TypeError, ValueError):
+            raise GeometryError("Input images must all have one size; got images of several. Cut or pad them to one.") from None
+    if len(stack.shape) != 3 or np.dtype(stack.dtype).kind not in "biuf":
+        raise GeometryError(
+            "Input images must be gray, (frames, rows, columns) of numbers; got {shape} of {kind}.",
+            shape=tuple(stack.shape),
+            kind=np.dtype(stack.dtype),
+        )
+    return stack
+
+
+def _as_numbers(values: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
+    """A float64 copy of this shape, one row a frame."""
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise GeometryError(
+            "Input {name} must be numbers of shape {shape}; got {kind}.", name=name, shape=shape, kind=type(values).__name__
+        ) from None
+    if array.shape != shape:
+        raise GeometryError("Input {name} must have shape {shape}, one for each image; got {got}.", name=name, shape=shape, got=array.shape)
+    return array
+
+
+def _of_pixels(matrices: Matrix, spacing: float | tuple[float, float] | None) -> Matrix:
+    """Matrices (frames, 4, 4) that take pixels, of matrices that may take mm."""
+    scaled = [number for number, matrix in enumerate(matrices) if why_not_affine(matrix) is None and why_not_rigid(matrix) is not None]
+    if spacing is None:
+        if len(matrices) and not scaled and any(why_not_affine(matrix) is None for matrix in matrices):
+            raise GeometryError(
+                "Input image_to_reference must take pixels to mm; got rotations and translations, which hold no size of a pixel. "
+                "Give spacing=(x, y) in mm."
+            )
+        return matrices
+    size = np.asarray(spacing, dtype=np.float64)
+    if size.shape not in ((), (2,)) or not (np.isfinite(size).all() and (size > 0).all()):
+        raise GeometryError("Input spacing must be one or two (x, y) positive numbers in mm; got {spacing!r}.", spacing=spacing)
+    if scaled:
+        raise GeometryError(
+            "Input image_to_reference must be rotations and translations where spacing is given; the one of frame {number} is {reason}. "
+            "Leave out spacing if it takes pixels.",
+            number=scaled[0],
+            reason=why_not_rigid(matrices[scaled[0]]),
+        )
+    x, y = np.broadcast_to(size, 2)
+    return matrices @ np.diag([x, y, (x + y) / 2, 1.0])

@@ -9,7 +9,7 @@ from itertools import accumulate
 import numpy as np
 
 from ..arrays import Integers, Numbers, NumberType
-from ..errors import GeometryError
+from ..errors import GeometryError, require_kind
 from ..imaging.images import ImageStack
 from ..message import Message
 from .configuration import PlusConfiguration
@@ -89,6 +89,23 @@ def names_of(sequences: Iterable[TrackedSequence]) -> list[str]:
     return [f"{name} ({long[:n].count(name) + 1})" if name in long[:n] else name for n, name in enumerate(long)]
 
 
+def sweeps_of(sequences: TrackedSequence | Iterable[TrackedSequence]) -> list[TrackedSequence]:
+    """One or more sequences as the sweeps that they are made of.
+
+    Raises
+    ------
+    InputTypeError
+        When one is something else, such as the path of a file.
+    """
+    advice = "Read it first: read_sequence(path); of arrays make one: TrackedSequence.from_arrays(images, image_to_reference)."
+    if isinstance(sequences, str) or hasattr(sequences, "shape") or not isinstance(sequences, Iterable):
+        require_kind("sequence", sequences, TrackedSequence, advice)
+    sequences = [sequences] if isinstance(sequences, TrackedSequence) else list(sequences)
+    for sequence in sequences:
+        require_kind("sequence", sequence, TrackedSequence, advice)
+    return [part for sequence in sequences for part in sequence.parts]
+
+
 def joined(sequences: TrackedSequence | Iterable[TrackedSequence]) -> TrackedSequence:
     """One or more sweeps as one, in the order given.
 
@@ -96,10 +113,12 @@ def joined(sequences: TrackedSequence | Iterable[TrackedSequence]) -> TrackedSeq
     ------
     GeometryError
         When there is none, or their images differ in size or type.
+    InputTypeError
+        When one is something else, such as the path of a file.
     """
     if isinstance(sequences, TrackedSequence):
         return sequences
-    parts = tuple(part for sequence in sequences for part in sequence.parts)
+    parts = tuple(sweeps_of(sequences))
     if not parts:
         raise GeometryError("Input sequence must be one or more sweeps; got none.")
     if len(parts) == 1:

@@ -6,7 +6,7 @@ import argparse
 import difflib
 import itertools
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
 from ..message import LONGEST_QUOTE, one_line, shorten
@@ -66,6 +66,7 @@ class OneLineParser(argparse.ArgumentParser):
         self.register("type", float, _number)
         self.register("type", int, _whole_number)
         self._short: tuple[str, ...] = ()
+        self.defaults_from: Callable[[argparse.Namespace], Mapping[str, object]] | None = None
 
     def show_first(self, *names: str) -> None:
         """Let -h show what must be given and the options that are kept under these names, in this order, and --help-all all."""
@@ -100,7 +101,11 @@ class OneLineParser(argparse.ArgumentParser):
         if args is None or self._subparsers is not None:
             return super().parse_known_args(args, namespace)
         self._refuse_unknown(args)
-        found, left = super().parse_known_args(self._with_numbers_joined(args), namespace)
+        words = self._with_numbers_joined(args)
+        if self.defaults_from is not None:
+            # What was given comes before what it leads to, so it is read twice
+            self.set_defaults(**self.defaults_from(super().parse_known_args(words, None)[0]))
+        found, left = super().parse_known_args(words, namespace)
         several = next((action for action in self._actions if not action.option_strings and action.nargs == "+"), None)
         if several is not None:
             # argparse takes them in one run; options may stand between them

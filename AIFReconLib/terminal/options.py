@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import TypeAlias
@@ -12,7 +13,8 @@ from typing import TypeAlias
 from ..arrays import Singles
 from ..bone.from_sweep import bone_from_sweep
 from ..bone.map import SIGMA_VOXELS, BoneMap
-from ..errors import OutputError, SettingsError
+from ..compounding.own.method import load_method
+from ..errors import MethodError, OutputError, SettingsError
 from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ..imaging.detection import detect_imaging
 from ..imaging.images import ImageStack
@@ -21,9 +23,11 @@ from ..io.metafile.opening import data_files
 from ..io.plus.importance_mask import read_importance_mask
 from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels, read_volume
+from ..message import said
 from ..progress import Progress
+from ..provenance.kept import KeptSettings
 from ..resolve import resolve_imaging
-from ..settings import ReconstructionSettings, rule_of
+from ..settings import OWN_METHOD, ReconstructionSettings, is_own_method, rule_of
 from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
@@ -33,6 +37,47 @@ Commands: TypeAlias = "argparse._SubParsersAction[OneLineParser]"
 """What a command adds itself to."""
 
 PARAMETERS = {spec.name: rule_of(spec.metadata) for spec in fields(ReconstructionSettings)}
+
+
+class OwnChoices(tuple[str, ...]):
+    """The choices of a setting to which the names of methods of one's own belong."""
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or (isinstance(name, str) and is_own_method(name))
+
+
+class MethodAction(argparse.Action):
+    """Takes the name of a method. One of the user's own is imported: the module that was named here, and no other."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[object] | None,
+        option_string: str | None = None,
+    ) -> None:
+        """Take the name."""
+        name = str(values)
+        try:
+            if is_own_method(name):
+                load_method_here(name)
+        except MethodError as error:
+            parser.error(f"argument {option_string}: {said(error).rstrip('.')}")
+        setattr(namespace, self.dest, name)
+
+
+def load_method_here(name: str) -> None:
+    """Import the module of a method of one's own, from the folder that the program is called in too.
+
+    Raises
+    ------
+    MethodError
+        When it cannot be had.
+    """
+    # As `python -m` has it: the installed program knows the packages alone
+    if not {"", os.getcwd()} & set(sys.path):
+        sys.path.append(os.getcwd())
+    load_method(name)
 
 
 def add_setting(group: argparse._ActionsContainer, name: str, flag: str | None = None, metavar: str | None = None) -> None:
@@ -46,7 +91,9 @@ def add_setting(group: argparse._ActionsContainer, name: str, flag: str | None =
     if rule["word"] is not None:
         number = _number_or(rule["word"])
     option, words = flag or "--" + name.replace("_", "-"), rule["help"] + unit + shown
-    if rule["choices"]:
+    if rule["choices"] and rule["own"]:
+        group.add_argument(option, dest=name, help=words, choices=OwnChoices([*rule["choices"], OWN_METHOD]), action=MethodAction)
+    elif rule["choices"]:
         group.add_argument(option, dest=name, help=words, choices=rule["choices"])
     else:
         group.add_argument(option, dest=name, help=words, type=number, metavar=metavar or "N")
@@ -97,11 +144,16 @@ def add_sigma_options(group: argparse._ActionsContainer) -> None:
     sigma.add_argument(
         "--bone-sigma-voxels",
         type=float,
-        default=SIGMA_VOXELS,
         metavar="N",
-        help="smoothing of the bone map, in voxels of the labels (default: %(default)g)",
+        help=f"smoothing of the bone map, in voxels of the labels (default: {SIGMA_VOXELS:g})",
     )
     sigma.add_argument("--bone-sigma-mm", type=float, metavar="MM", help="the same in mm")
+
+
+def sigma_from(arguments: argparse.Namespace) -> tuple[float, float | None]:
+    """Smoothing of the bone map in voxels, and in mm where that is given, which then counts."""
+    voxels = arguments.bone_sigma_voxels
+    return SIGMA_VOXELS if voxels is None else voxels, arguments.bone_sigma_mm
 
 
 def bone_from(
@@ -129,9 +181,7 @@ def bone_from(
         return bone_from_sweep(sequence, poses, resolve_imaging(sequence, poses, True, region, probe), progress=progress)
     to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else None
     if arguments.bone_labels:
-        return BoneMap.from_labels(
-            read_labels(arguments.bone_labels), arguments.bone_sigma_voxels, arguments.bone_sigma_mm, to_reference, progress
-        )
+        return BoneMap.from_labels(read_labels(arguments.bone_labels), *sigma_from(arguments), to_reference, progress)
     if arguments.bone_probability:
         return BoneMap.from_probability(read_volume(arguments.bone_probability), to_reference)
     if to_reference is not None:
@@ -170,12 +220,21 @@ def importance_from(arguments: argparse.Namespace) -> Singles | None:
 def imaging_from(
     arguments: argparse.Namespace, configuration: PlusConfiguration, images: ImageStack | None = None
 ) -> tuple[ImageRegion | None, ProbeGeometry | None]:
-    """Region and probe that the options ask for; None where they leave it to the configuration or the images (None before a scan)."""
+    """Region and probe that the options ask for; None where they leave it to the configuration or the images (None before a scan).
+
+    Those of --settings stand in the configuration's place, and are what is meant where no option says otherwise.
+    """
+    kept: KeptSettings | None = getattr(arguments, "kept", None)
+    if kept is not None and kept.region is not None:
+        configuration = replace(configuration, region=kept.region, scan_region=None)
+    if kept is not None and kept.probe is not None:
+        configuration = replace(configuration, probe=kept.probe)
     apex = tuple(arguments.apex_px) if arguments.apex_px else None
     probe = _probe(arguments.probe, apex, configuration, images)
     clip = ClipRectangle(tuple(arguments.clip_px[:2]), tuple(arguments.clip_px[2:])) if arguments.clip_px else None
     known = probe or configuration.probe
-    return chosen_region(configuration.imaged_region, clip, arguments.fan_angles_deg, arguments.fan_radius_px, apex, known), probe
+    region = chosen_region(configuration.imaged_region, clip, arguments.fan_angles_deg, arguments.fan_radius_px, apex, known)
+    return (region, probe) if kept is None else (region or kept.region, probe or kept.probe)
 
 
 def _probe(

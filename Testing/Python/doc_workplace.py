@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from doc_pages import REPOSITORY, blocks
 from files import COLUMNS, IMAGE_TO_PROBE, LABELS_TO_REFERENCE, ROWS, tracked_sequence, write_patient
 from variant_files import slicer_images, slicer_transforms
 
@@ -48,6 +49,8 @@ def make_workplace(folder: Path) -> Path:
         volume.write(folder / name)
     Volume(np.zeros((4, 5, 6), np.int16), np.eye(4)).write(folder / "ct.nrrd")
     _write_frames(sequence, folder)
+    # The page says of its first block that it is this file
+    (folder / "my_methods.py").write_text(next(blocks(REPOSITORY / "docs" / "own-method.md")).text, "utf-8")
     slicer_images(folder / "Image.seq.nrrd")
     slicer_transforms(folder / "ImageToReference.seq.mha")
     slicer_transforms(folder / "Transform.seq.mha")

@@ -1,12 +1,19 @@
 """Sentences that can be translated after their values were filled in."""
 
+import ast
 import pickle
+import re
+import sys
+from pathlib import Path
 
 import pytest
 
 from AIFReconLib import errors
-from AIFReconLib.errors import AIFReconError, OutputError, SettingsError
-from AIFReconLib.message import Message, listed, said, translated
+from AIFReconLib.errors import AIFReconError, BeamGeometryError, OutputError, SettingsError
+from AIFReconLib.message import Message, in_python_words, listed, said, translated
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+import write_translations
 
 GERMAN = {
     "frame {number} is missing": "Bild {number} fehlt",
@@ -93,3 +100,45 @@ def test_what_an_error_says_is_the_message_that_it_was_raised_with():
 
 def test_what_another_error_says_is_its_text():
     assert said(ValueError("no number")) == "no number"
+
+
+# ---- in the words of who is spoken to
+
+
+def test_no_option_of_the_command_line_is_left_in_what_python_is_told():
+    sentences, errors_raised = set(), write_translations.error_classes()
+    for path in write_translations.python_files(write_translations.LIBRARY):
+        if path.relative_to(write_translations.LIBRARY).parts[0] not in write_translations.COMMAND_LINE:
+            calls = write_translations.template_calls(ast.parse(path.read_text("utf-8")), errors_raised)
+            sentences |= {text for _, template in calls if "--" in (text := write_translations.literal(template) or "")}
+    assert len(sentences) > 30
+    whole_commands = r"pip install.*|\{command\}.*|aifrecon [^.,;]*"
+    assert [text for text in sentences if "--" in re.sub(whole_commands, "", in_python_words(text))] == []
+
+
+def test_python_and_the_command_line_are_told_the_same_in_their_own_words():
+    error = BeamGeometryError("Not known. Give --probe linear, or --probe sector with --apex-px COLUMN ROW.")
+    assert str(error) == 'Not known. Give probe=ProbeGeometry("linear"), or probe=ProbeGeometry("sector", (column, row)).'
+    assert said(error) == "Not known. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
+
+
+def test_the_words_of_a_file_s_name_stay():
+    assert (
+        str(SettingsError("{path}: too short. Use a smaller --skip.", path="a --skip b.mha"))
+        == "a --skip b.mha: too short. Use a smaller skip."
+    )
+
+
+def test_an_error_within_another_is_put_into_the_same_words():
+    inner = SettingsError("Give --hole-limit MM.")
+    outer = OutputError("{path}: {problem}", path="a.mha", problem=inner)
+    assert (str(outer), said(outer)) == ("a.mha: Give hole_limit.", "a.mha: Give --hole-limit MM.")
+
+
+def test_whole_commands_stay():
+    text = "Install it: pip install 'numba>=0.60' --force-reinstall."
+    assert str(SettingsError(text)) == text
+    assert (
+        str(SettingsError("Say it with aifrecon convert --orientation: it mirrors."))
+        == "Say it with aifrecon convert --orientation: it mirrors."
+    )

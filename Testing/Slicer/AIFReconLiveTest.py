@@ -3,6 +3,7 @@
 import pathlib
 import re
 import sys
+import tempfile
 import time
 import unittest
 
@@ -130,6 +131,17 @@ class AIFReconLiveTest(unittest.TestCase):
         self.ui.liveUseBoxButton.click()
         self.assertTrue(waitFor(lambda: self.live._live.statistics.inserted > 30))
         self.assertFalse(self.ui.liveUseBoxButton.enabled)
+
+    def test_the_box_of_a_configuration_needs_no_scouting(self):
+        box = 'OutputOrigin="-19.5 -3.5 -14.5" OutputSpacing="1 1 1" OutputExtent="0 39 0 39 0 29"'
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "plus.xml"
+            path.write_text(f"<PlusConfiguration><VolumeReconstruction {box}/></PlusConfiguration>")
+            self.parameters.configurationPath = path
+            self.serve(rate=60.0)
+            self.scan()
+        roi = self.chooseBox()
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(self.parameters.output), self.offline(roi).array)
 
     def test_nothing_is_inserted_during_a_pause(self):
         self.serve(rate=30.0, loop=True)

@@ -57,6 +57,33 @@ class AIFReconPanelTest(unittest.TestCase):
         self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText("aif-compensated")
         self.assertEqual(settingsFrom(self.parameters).method, "aif-compensated")
 
+    def test_a_method_that_was_registered_meanwhile_is_in_the_list_and_makes_the_volume(self):
+        from AIFReconLib import register_method
+
+        @register_method
+        def own_of_the_panel_test(intensity, probability):
+            return 0.1 + probability, 0 * intensity + 77
+
+        self.addInputs()
+        self.widget.enter()
+        self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText(own_of_the_panel_test.name)
+        self.assertEqual(self.parameters.ownMethod, own_of_the_panel_test.name)
+        self.ui.applyButton.click()
+        self.assertEqual(self.parameters.output.GetAttribute("AIFRecon.Method"), own_of_the_panel_test.name)
+        self.assertEqual(set(np.unique(slicer.util.arrayFromVolume(self.parameters.output))), {0, 77})
+        self.parameters.bone = None
+        self.assertIn(f"{own_of_the_panel_test.name} needs bone", self.ui.statusLabel.text)
+        self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText("average")
+        self.assertEqual(self.parameters.ownMethod, "")
+        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
+
+    def test_a_method_of_a_saved_scene_that_nobody_registered_is_named_with_what_to_do(self):
+        self.addInputs()
+        self.parameters.ownMethod = "my_methods:mine"
+        self.assertEqual(self.ui.methodComboBox.currentText, "my_methods:mine")
+        self.assertFalse(self.ui.applyButton.enabled)
+        self.assertIn("import my_methods in the Python console", self.ui.statusLabel.text)
+
     def test_a_file_that_is_entered_becomes_the_parameter(self):
         self.ui.recordingPathLineEdit.currentPath = "folder/sweep.igs.mha"
         self.assertEqual(self.parameters.recordingPath, pathlib.Path("folder/sweep.igs.mha"))

@@ -2,6 +2,7 @@
 
 import pathlib
 import sys
+import tempfile
 import unittest
 
 import numpy as np
@@ -128,6 +129,48 @@ class AIFReconReconstructionTest(unittest.TestCase):
         self.assertEqual(len(made), 5)
         self.assertEqual(len({hierarchy.GetItemParent(hierarchy.GetItemByDataNode(node)) for node in made}), 1)
         self.assertIsNotNone(volume.GetDisplayNode())
+
+    def test_a_volume_says_how_it_was_made_in_the_scene_and_in_a_header_that_slicer_writes(self):
+        import json
+
+        from AIFReconScene.volumes.volumeNodes import saveSettings
+
+        from AIFReconLib.provenance.settings_files import read_settings
+
+        volume = self.logic.reconstruct(self.sweep, self.bone, spacing=1.0, boneSigmaMm=3.0, alpha=0.7, keep=("hits",))
+        text = volume.GetAttribute("AIFRecon_settings")
+        hits = volume.GetNodeReference("AIFRecon.hits")
+        self.assertEqual((hits.GetAttribute("AIFRecon_settings"), volume.GetAttribute("AIFRecon_method")), (text, "weighted"))
+        self.assertEqual((json.loads(text)["bone_sigma_mm"], json.loads(text)["alpha"]), (3.0, 0.7))
+        with tempfile.TemporaryDirectory() as folder:
+            scene, header, settings = (pathlib.Path(folder) / name for name in ("scene.mrb", "volume.nrrd", "settings.json"))
+            storage = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLNRRDStorageNode")
+            storage.SetFileName(str(header))
+            self.assertTrue(storage.WriteData(volume))
+            slicer.mrmlScene.RemoveNode(storage)
+            saveSettings(volume, settings)
+            for path in (header, settings):
+                kept = read_settings(path)
+                np.testing.assert_array_equal(kept.grid.ijk_to_reference, np.array(json.loads(text)["grid_to_reference"]))
+                self.assertEqual((kept.options["method"], kept.options["bone_sigma_mm"], kept.probe.kind), ("weighted", 3.0, "linear"))
+            self.assertTrue(slicer.mrmlScene.WriteToMRB(str(scene)))
+            slicer.mrmlScene.Clear()
+            self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(scene), True))
+        self.assertEqual(slicer.util.getNode("Sweep weighted").GetAttribute("AIFRecon_settings"), text)
+
+    def test_an_output_that_is_filled_again_says_how_it_was_made_last(self):
+        volume = self.logic.reconstruct(self.sweep, spacing=1.0, method="latest")
+        volume.SetAttribute("AIFRecon_stream", "{}")
+        self.logic.reconstruct(self.sweep, spacing=1.0, method="maximum", output=volume)
+        self.assertEqual((volume.GetAttribute("AIFRecon_method"), volume.GetAttribute("AIFRecon_stream")), ("maximum", None))
+
+    def test_a_ct_does_not_say_how_it_was_made(self):
+        from AIFReconScene.volumes.volumeNodes import saveSettings
+
+        from AIFReconLib.errors import SettingsError
+
+        with self.assertRaisesRegex(SettingsError, "CT does not say how it was made"):
+            saveSettings(self.ct, "never.json")
 
     def test_a_cancel_midway_leaves_the_scene_as_it_was(self):
         from AIFReconLib.errors import OperationCanceled

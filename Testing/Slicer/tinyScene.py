@@ -40,8 +40,8 @@ def moved(x: float, y: float, z: float) -> np.ndarray:
 CT_TO_WORLD = moved(12.0, -7.0, 30.0) @ rotation(2, 25.0) @ rotation(0, -10.0)
 
 
-def makeSequence():
-    """The sweep as the library has it: poses to world, frame 5 out of view."""
+def makeSequence(shift=(0.0, 0.0, 0.0)):
+    """The sweep as the library has it: poses to world, moved by `shift` (mm), frame 5 out of view."""
     from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
     from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
@@ -50,7 +50,7 @@ def makeSequence():
     images, records = [], []
     for number in range(FRAMES):
         pose = moved(-16.0, 0.0, number - 5.5) @ rotation(0, 12.0 * np.sin(number)) @ rotation(2, 6.0 * np.cos(number))
-        pose = pose @ np.diag([*PIXEL, 0.45, 1.0])
+        pose = moved(*shift) @ pose @ np.diag([*PIXEL, 0.45, 1.0])
         row, column = np.indices((rows, columns))
         y = pose[1, 0] * column + pose[1, 1] * row + pose[1, 3]
         image = np.where(y < FACE, TISSUE + random.integers(-15, 15, y.shape), 2)
@@ -63,11 +63,11 @@ def makeSequence():
     return TrackedSequence(np.stack(images), records)
 
 
-def addSweep(name="Sweep"):
-    """The sweep as a sequence browser node of the scene."""
+def addSweep(name="Sweep", shift=(0.0, 0.0, 0.0)):
+    """The sweep as a sequence browser node of the scene, moved by `shift` (mm)."""
     from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
-    return browserFromSequence(makeSequence(), name)
+    return browserFromSequence(makeSequence(shift), name)
 
 
 def addCT():

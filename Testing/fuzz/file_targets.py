@@ -6,6 +6,7 @@ import gzip
 import zlib
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.transforms import read_transform_sequence
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.files import read_labels, read_volume
+from AIFReconLib.provenance.kept import KNOWN, OF_RECONSTRUCTION
+from AIFReconLib.provenance.settings_files import read_settings
+from AIFReconLib.settings import ReconstructionSettings
 
 from . import seeds
 from .target import Target
@@ -108,6 +112,14 @@ def _check_poses(path: Path) -> None:
         raise refusals[0]
 
 
+def _check_settings(path: Path) -> None:
+    kept = read_settings(path)
+    of_reconstruction: dict[str, Any] = {name: value for name, value in kept.options.items() if name in OF_RECONSTRUCTION}
+    ReconstructionSettings(**of_reconstruction)
+    assert kept.grid is None or np.isfinite(kept.grid.ijk_to_reference).all()
+    assert kept.probe is None or kept.probe.kind in ("linear", "sector")
+
+
 def _check_matrix(matrix: np.ndarray) -> None:
     assert matrix.shape == (4, 4)
     assert np.isfinite(matrix).all()
@@ -173,6 +185,7 @@ XML_WORDS = tuple(
 TEXT_WORDS = tuple(
     b'x y z qx qw q1 q4 m00 m33 rx e0 time time_ms image status null true [] {} [ ] { } , ; " - # // nan quaternion matrix'.split()
 )
+SETTINGS_WORDS = tuple(f"{name} ".encode() for name in KNOWN) + TEXT_WORDS
 TRANSFORM_WORDS = tuple(
     b"AffineTransform_double_3_3 Euler3DTransform_float_3_3 CompositeTransform_double_3_3 BSplineTransform_double_3_3 "
     b"DisplacementFieldTransform_double_3_3 AffineTransform_double_2_2 Similarity3DTransform_double_3_3 ScaleTransform_double_3_3 "
@@ -182,6 +195,8 @@ TEXTS = (
     Target("configuration", "plus.xml", _check_configuration, seeds.configurations, words=XML_WORDS),
     Target("poses-csv", "poses.csv", _check_poses, seeds.pose_tables, words=TEXT_WORDS),
     Target("poses-json", "poses.json", _check_poses, seeds.pose_json, words=TEXT_WORDS),
+    Target("settings-json", "settings.json", _check_settings, lambda: seeds.settings(".json"), words=SETTINGS_WORDS),
+    Target("settings-toml", "settings.toml", _check_settings, lambda: seeds.settings(".toml"), words=SETTINGS_WORDS),
     Target("calibration", "calibration.txt", lambda p: _check_matrix(read_calibration(p)[1]), seeds.calibrations, words=TRANSFORM_WORDS),
     Target("transform-text", "move.tfm", lambda p: _check_matrix(read_transform(p)), seeds.transform_texts, words=TRANSFORM_WORDS),
     Target("transform-hdf5", "move.h5", lambda p: _check_matrix(read_transform(p)), seeds.transform_hdf5),

@@ -216,6 +216,36 @@ def pose_json() -> list[bytes]:
     ]
 
 
+def settings(suffix: str) -> list[bytes]:
+    """Every setting that a reconstruction keeps, and what a hand may write."""
+    from AIFReconLib.provenance.settings_files import write_settings
+
+    kept = {
+        "method": "aif",
+        "alpha": 0.1,
+        "hole_limit": "auto",
+        "skip": 2,
+        "engine": "numpy",
+        "spacing": [1, 1, 2.5],
+        "reference": "Tracker",
+        "clip_px": [1, 2, 30, 20.5],
+        "probe": "sector",
+        "apex_px": [19.5, -30],
+        "fan_apex_px": [19, -30],
+        "fan_angles_deg": [-20, 25],
+        "fan_radius_px": [31, 57.7],
+        "fan_pixel_size": [0.4, 0.5],
+        "fan_detection": [30, 10],
+        "bone_from_sweep": True,
+        "grid_size": [7, 8, 9],
+        "grid_to_reference": np.diag([0.5, 0.6, 0.7, 1.0]).tolist(),
+        "time_offset": -0.1,
+        "bone_sigma_mm": 4,
+    }
+    by_hand = {".json": b'{"hole-limit": 0, "version": "9.0"}', ".toml": b"# ours\nhole-limit = 0\nspacing = [\n1, 1, 2]\n"}
+    return [_written(lambda path: write_settings(kept, path), f"settings{suffix}"), by_hand[suffix]]
+
+
 def calibrations() -> list[bytes]:
     """Sixteen numbers, and a Slicer transform under a name that does not say so."""
     return [POSES[1].encode(), b"[[0.1, 0, 0, 5], [0, 0.2, 0, 6], [0, 0, 0.1, 7], [0, 0, 0, 1]]", *transform_texts()]

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.compounding.needs import method_needs_bone
+from AIFReconLib.compounding.own.method import load_method
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.surface import BoneSurface
 from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
@@ -63,28 +65,31 @@ class Scan:
     truth: BoneTruth
 
 
-def patient_rows(seed: int) -> list[Row]:
-    """All reconstructions of one simulated patient. About six minutes on one core."""
+def patient_rows(seed: int, own: tuple[str, ...] = ()) -> list[Row]:
+    """All reconstructions of one simulated patient, with methods of one's own by their names. About six minutes on one core."""
+    for method in own:
+        load_method(method)
+    bone_methods = (*BONE_METHODS, *filter(method_needs_bone, own))
     phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(seed))
     probe = PhasedArray()
     multi = simulated_scan(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed)
-    rows = _exact(seed, "multi-angle", multi, phantom.labels)
+    rows = _exact(seed, "multi-angle", multi, phantom.labels, own)
     single = simulated_scan(phantom, probe, single_angle_sweep(phantom, SINGLE_FRAMES), seed)
-    rows += _exact(seed, "single-angle", single, phantom.labels)
+    rows += _exact(seed, "single-angle", single, phantom.labels, own)
     against_multi = Scan(single.sequence, multi.truth)
     rows += [_row(seed, OF_MULTI, "exact", method, against_multi, phantom.labels) for method in ("average", "weighted")]
     about = _middle(phantom)
     for condition, (translation, rotation_deg) in MISREGISTRATIONS.items():
         wrong = phantom.labels.placed_by(ct_misregistration(translation, rotation_deg, seed, about))
-        rows += [_row(seed, "multi-angle", condition, method, multi, wrong) for method in BONE_METHODS]
+        rows += [_row(seed, "multi-angle", condition, method, multi, wrong) for method in bone_methods]
     noisy = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed=seed, errors=TRACKER_NOISE)
     noisy_scan = Scan(_configured(noisy, probe), multi.truth)
-    rows += [_row(seed, "multi-angle", "tracker noise", method, noisy_scan, phantom.labels) for method in METHODS]
+    rows += [_row(seed, "multi-angle", "tracker noise", method, noisy_scan, phantom.labels) for method in (*METHODS, *own)]
     return rows + _controls(seed, phantom, probe, multi)
 
 
-def _exact(seed: int, name: str, scan: Scan, labels: Volume) -> list[Row]:
-    rows = [_row(seed, name, "exact", method, scan, labels) for method in ("average", "latest", "maximum", *BONE_METHODS)]
+def _exact(seed: int, name: str, scan: Scan, labels: Volume, own: tuple[str, ...] = ()) -> list[Row]:
+    rows = [_row(seed, name, "exact", method, scan, labels) for method in ("average", "latest", "maximum", *BONE_METHODS, *own)]
     return rows + [_row(seed, name, "exact", method, scan, labels, "surface") for method in BONE_METHODS]
 
 
@@ -114,11 +119,12 @@ def _controls(seed: int, phantom: LumbarPhantom, probe: PhasedArray, multi: Scan
 
 def _row(seed: int, scan_name: str, condition: str, method: str, scan: Scan, labels: Volume, direction: str = "gradient") -> Row:
     """Reconstruct and measure."""
-    bone = BoneMap.from_labels(labels, sigma_mm=SIGMA) if method in BONE_METHODS else None
+    needs_bone = method_needs_bone(method)
+    bone = BoneMap.from_labels(labels, sigma_mm=SIGMA) if needs_bone else None
     settings = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT, bone_direction=direction)
     result = reconstruct(scan.sequence, settings, bone)
     metrics = evaluate(result.intensity, scan.truth, result.mask).to_dict()
-    return Row(seed, scan_name, condition, method, direction if method in BONE_METHODS else "", metrics)
+    return Row(seed, scan_name, condition, method, direction if needs_bone else "", metrics)
 
 
 def simulated_scan(phantom: LumbarPhantom, probe: PhasedArray, path: ProbePath, seed: int) -> Scan:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from AIFReconLib.settings import is_own_method
+
 from .method_cases import METHODS, MISREGISTRATIONS, MULTI_FRAMES, OF_MULTI, SIGMA, SINGLE_FRAMES, SPACING, Row
 from .patients import Spread, spread_of
 
@@ -35,6 +37,7 @@ def study_page(rows: list[Row]) -> str:
     """
     patients = len({row.seed for row in rows})
     multi = {"scan": "multi-angle", "condition": "exact"}
+    own = _own(rows)
     average = ("average (any CT)", {**multi, "method": "average"})
     sections = {
         "Exact poses and CT, multi-angle": _exact(rows, "multi-angle"),
@@ -51,10 +54,15 @@ def study_page(rows: list[Row]) -> str:
                 (f"{condition}, {method}", {**multi, "condition": condition, "method": method, "direction": "gradient"})
                 for condition in ("exact", *MISREGISTRATIONS)
                 for method in METHODS[1:]
+            ]
+            + [
+                (f"{condition}, {method}", {**multi, "condition": condition, "method": method})
+                for condition in ("exact", *MISREGISTRATIONS)
+                for method in own
             ],
         ),
         "Tracker noise of 0.5 mm and 1 degree": _table(
-            rows, [(method, {**multi, "condition": "tracker noise", "method": method}) for method in METHODS]
+            rows, [(method, {**multi, "condition": "tracker noise", "method": method}) for method in (*METHODS, *own)]
         ),
         "A wrong CT": _table(rows, [average, *_conditions(WRONG, METHODS[2:])]),
         "One spinous process that the CT lacks, or shows where there is none": _table(
@@ -69,6 +77,11 @@ def study_page(rows: list[Row]) -> str:
     return "\n\n".join([head, *(f"### {title}\n\n{table}" for title, table in sections.items())]) + "\n"
 
 
+def _own(rows: list[Row]) -> list[str]:
+    """The methods of one's own among the rows."""
+    return list(dict.fromkeys(row.method for row in rows if is_own_method(row.method)))
+
+
 def _conditions(conditions: Iterable[str], methods: Iterable[str]) -> list[tuple[str, dict[str, str]]]:
     return [(f"{condition}, {method}", {"condition": condition, "method": method}) for condition in conditions for method in methods]
 
@@ -78,6 +91,7 @@ def _exact(rows: list[Row], scan: str) -> str:
     lines = [(method, {**wanted, "method": method, "direction": ""}) for method in ("average", "latest", "maximum")]
     for method in METHODS[1:]:
         lines += [(f"{method}, {d}", {**wanted, "method": method, "direction": d}) for d in ("gradient", "surface")]
+    lines += [(method, {**wanted, "method": method}) for method in _own(rows)]
     return _table(rows, lines)
 
 

@@ -1,6 +1,6 @@
-"""The list of segments that are bone, kept alike with the parameters: parameterNodeWrapper has no connector for checkable lists."""
+"""The list of segments that are bone, kept alike with the parameters."""
 
-import qt
+from .checkableList import CheckableList
 
 
 class SegmentsChooser:
@@ -14,14 +14,10 @@ class SegmentsChooser:
     """
 
     def __init__(self, comboBox, label):
-        self._comboBox = comboBox
-        self._label = label
+        self._list = CheckableList(comboBox, label, self._onChecked)
         self._parameterNode = None
-        self._updating = False
         self._shown = None
         self._boneID = None
-        comboBox.connect("checkedIndexesChanged()", self._onChecked)
-        self._show([])
 
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none."""
@@ -40,7 +36,7 @@ class SegmentsChooser:
         if self._shown == (segments, chosen):
             return
         self._shown = (segments, chosen)
-        self._show(segments, chosen)
+        self._list.show(segments, chosen or [segmentID for segmentID, _name in segments])
 
     def _stillThere(self, bone, present) -> list:
         """The chosen segments. Those of another segmentation, which may have the same IDs, and removed ones are chosen no more."""
@@ -56,26 +52,10 @@ class SegmentsChooser:
         self._parameterNode.boneSegments = kept
         return kept
 
-    def _show(self, segments, chosen=()) -> None:
-        self._updating = True
-        self._comboBox.clear()
-        for segmentID, name in segments:
-            self._comboBox.addItem(name, segmentID)
-        for row, (segmentID, _name) in enumerate(segments):
-            state = qt.Qt.Checked if not chosen or segmentID in chosen else qt.Qt.Unchecked
-            self._comboBox.setCheckState(self._index(row), state)
-        self._comboBox.visible = self._label.visible = bool(segments)
-        self._updating = False
-
-    def _index(self, row: int):
-        return self._comboBox.model().index(row, self._comboBox.modelColumn)
-
-    def _onChecked(self) -> None:
-        if self._updating or self._parameterNode is None:
+    def _onChecked(self, checked) -> None:
+        if self._parameterNode is None:
             return
-        ids = [self._comboBox.itemData(row) for row in range(self._comboBox.count)]
-        checked = [segmentID for row, segmentID in enumerate(ids) if self._comboBox.checkState(self._index(row)) == qt.Qt.Checked]
-        chosen = [] if len(checked) == len(ids) else checked
+        chosen = [] if len(checked) == len(self._shown[0]) else checked
         # Nothing checked means all, so all are checked again
         self._shown = (self._shown[0], chosen) if checked else None
         self._parameterNode.boneSegments = chosen

@@ -46,16 +46,16 @@ def _aroundSweep(parameters) -> tuple | None:
     from AIFReconLib.resolve import resolve_imaging
     from AIFReconLib.sweep.poses import sweep_poses
 
-    from ..sweep.sequenceReader import sequenceFromBrowser
     from .inputs import Inputs
 
     if parameters.sweep is None:
         return None
     try:
-        sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
+        inputs = Inputs.fromParameters(parameters)
+        sequence = inputs.sequence()
         poses = sweep_poses(sequence)
         usable = poses.require_usable(sequence.name)
-        asked = Inputs.fromParameters(parameters).imageRegion(sequence.configuration)
+        asked = inputs.imageRegion(sequence.configuration)
         region = resolve_imaging(sequence, poses, False, asked).region
     except AIFReconError:
         return None  # the panel says what is wrong with the sweep

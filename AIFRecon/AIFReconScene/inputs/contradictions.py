@@ -2,9 +2,9 @@
 
 from slicer.i18n import tr as _
 
-from AIFReconLib.settings import BONE_METHODS, DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE
+from AIFReconLib.settings import DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE, LINEAR_METHODS
 
-from .parameters import PARAMETERS, HoleFilling, Interpolation, fileFrom
+from .parameters import PARAMETERS, HoleFilling, Interpolation, fileFrom, methodOf, ownMethods
 
 
 def contradiction(parameters, hasBone: bool) -> str:
@@ -17,7 +17,11 @@ def contradiction(parameters, hasBone: bool) -> str:
         Whether the method is told where bone is.
     """
     return (
-        _ofSpeed(parameters, hasBone) or _ofHoles(parameters) or _ofFan(parameters) or _ofPixels(parameters, _methodOf(parameters, hasBone))
+        _ofMethod(parameters)
+        or _ofSpeed(parameters, hasBone)
+        or _ofHoles(parameters)
+        or _ofFan(parameters)
+        or _ofPixels(parameters, _methodOf(parameters, hasBone))
     )
 
 
@@ -32,7 +36,15 @@ def comparisonContradiction(parameters) -> str:
 
 def _methodOf(parameters, hasBone: bool) -> str:
     """The method that a reconstruction would take; a configuration's is not looked up, which refuses nothing."""
-    return parameters.method.value or (DEFAULT_METHOD_WITH_BONE if hasBone else DEFAULT_METHOD_WITHOUT_BONE)
+    return methodOf(parameters) or (DEFAULT_METHOD_WITH_BONE if hasBone else DEFAULT_METHOD_WITHOUT_BONE)
+
+
+def _ofMethod(parameters) -> str:
+    if parameters.ownMethod and parameters.ownMethod not in ownMethods():
+        return _("{method} is not known: import {module} in the Python console, or choose another method.").format(
+            method=parameters.ownMethod, module=parameters.ownMethod.partition(":")[0]
+        )
+    return ""
 
 
 def _ofSpeed(parameters, hasBone: bool) -> str:
@@ -61,8 +73,8 @@ def _ofFan(parameters) -> str:
 
 
 def _ofPixels(parameters, method: str) -> str:
-    if parameters.interpolation == Interpolation.LINEAR and (method in BONE_METHODS or parameters.bestCosine):
-        wish = method if method in BONE_METHODS else _("the best cosine")
+    if parameters.interpolation == Interpolation.LINEAR and (method not in LINEAR_METHODS or parameters.bestCosine):
+        wish = method if method not in LINEAR_METHODS else _("the best cosine")
         return _("Linear interpolation does not go with {wish}: choose nearest, or another method.").format(wish=wish)
     mask = fileFrom(parameters.importanceMaskPath)
     if mask is None:

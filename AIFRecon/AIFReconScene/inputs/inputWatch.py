@@ -1,8 +1,12 @@
 """What happens to the chosen nodes while the panel is open: a frame is shown, a transform moves, a segment is drawn, a node goes."""
 
+from functools import partial
+
 import slicer
 import vtk
 
+from ..sceneNodes import nodesOfClass
+from ..sweep.severalSweeps import furtherSweeps
 from ..sweep.sweepStatus import sweepKey
 from .boxes import isEmpty
 
@@ -11,7 +15,7 @@ CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "roi", "regionVolume", "
 
 
 class InputWatch:
-    """Observes the sweep, its image, the bone and the box that the parameters name.
+    """Observes the sweep, its image, the bone and the box that the parameters name, and the other sweeps of the scene.
 
     Parameters
     ----------
@@ -31,25 +35,31 @@ class InputWatch:
         self._onMoved = onMoved
         self._followed = None
         self._observations = []
-        self._key = None
+        self._keys = {}
         self._boxIsEmpty = False
 
     def follow(self, parameters) -> None:
         """Observe what these parameters name."""
         sweep, images, bone = parameters.sweep, parameters.imageSequence, parameters.bone
-        image = sweep.GetProxyNode(images or sweep.GetMasterSequenceNode()) if sweep is not None and sweep.GetMasterSequenceNode() else None
-        self._key = sweepKey(sweep, images) if sweep is not None else None
+        replayed = {browser: _imageOf(browser, images if browser is sweep else None) for browser in (sweep, *furtherSweeps(parameters))}
+        browsers = nodesOfClass("vtkMRMLSequenceBrowserNode", slicer.mrmlScene)
+        self._keys = {browser.GetID(): sweepKey(browser, images if browser is sweep else None) for browser in browsers}
         self._boxIsEmpty = parameters.roi is not None and isEmpty(parameters.roi)
-        followed = (parameters, sweep, images, bone, image, parameters.roi)
-        if self._followed is not None and all(one is other for one, other in zip(followed, self._followed)):
+        followed = (parameters, sweep, images, bone, parameters.roi, *browsers, None, *replayed.values())
+        before = self._followed or ()
+        if len(followed) == len(before) and all(one is other for one, other in zip(followed, before)):
             return
         self.stop()
         self._followed = followed
         self._observe(slicer.mrmlScene, slicer.vtkMRMLScene.NodeAboutToBeRemovedEvent, self._onNodeGoes)
-        if sweep is not None:
-            self._observe(sweep, vtk.vtkCommand.ModifiedEvent, self._onSweep)
-        if image is not None:
-            self._observe(image, slicer.vtkMRMLTransformableNode.TransformModifiedEvent, self._onSweep)
+        for event in (slicer.vtkMRMLScene.NodeAddedEvent, slicer.vtkMRMLScene.NodeRemovedEvent):
+            self._observe(slicer.mrmlScene, event, self._onNodes)
+        for browser in browsers:
+            self._observe(browser, vtk.vtkCommand.ModifiedEvent, self._onBrowser)
+        for browser, image in replayed.items():
+            if image is not None:
+                moved = partial(self._onImage, browser)
+                self._observe(image, slicer.vtkMRMLTransformableNode.TransformModifiedEvent, moved)
         if parameters.roi is not None:
             self._observe(parameters.roi, vtk.vtkCommand.ModifiedEvent, self._onBox)
         if bone is not None and bone.IsA("vtkMRMLSegmentationNode"):
@@ -74,17 +84,28 @@ class InputWatch:
         for name in CHOSEN:
             if getattr(parameters, name) is node:
                 setattr(parameters, name, None)
+        others = furtherSweeps(parameters)
+        if node in others:
+            parameters.otherSweeps = [other for other in others if other is not node]
 
-    def _onSweep(self, caller, event) -> None:
-        _parameters, sweep, images, *_others = self._followed
-        if sweep.GetScene() is None or sweep.GetScene().IsBatchProcessing():
-            return
-        key = sweepKey(sweep, images)
-        if key == self._key:
-            self._onMoved()
-        else:
-            self._key = key
+    @vtk.calldata_type(vtk.VTK_OBJECT)
+    def _onNodes(self, caller, event, node) -> None:
+        if node.IsA("vtkMRMLSequenceBrowserNode") and not caller.IsBatchProcessing():
             self._onChanged()
+
+    def _onImage(self, browser, caller, event) -> None:
+        self._onBrowser(browser, event)
+
+    def _onBrowser(self, browser, event) -> None:
+        _parameters, sweep, images, *_others = self._followed
+        if browser.GetScene() is None or browser.GetScene().IsBatchProcessing():
+            return
+        key = sweepKey(browser, images if browser is sweep else None)
+        if key != self._keys.get(browser.GetID()):
+            self._keys[browser.GetID()] = key
+            self._onChanged()
+        elif browser is sweep:
+            self._onMoved()
 
     def _onBone(self, caller, event) -> None:
         if caller.GetScene() is not None and not caller.GetScene().IsBatchProcessing():
@@ -93,3 +114,9 @@ class InputWatch:
     def _onBox(self, caller, event) -> None:
         if isEmpty(caller) != self._boxIsEmpty:
             self._onChanged()
+
+
+def _imageOf(browser, imageSequence=None):
+    """The node that a sweep's images are replayed into; None where it has none."""
+    sequence = browser and (imageSequence or browser.GetMasterSequenceNode())
+    return browser.GetProxyNode(sequence) if sequence else None

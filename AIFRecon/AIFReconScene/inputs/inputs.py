@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +14,10 @@ from AIFReconLib.progress import part
 
 from ..background import inBackground
 from ..sceneNodes import proxiesOf
+from ..sweep.severalSweeps import furtherSweeps
 from ..transforms import matrixToWorld
 from .imagingChoices import imageRegionFrom, probeFrom
-from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom
+from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom, needsBone
 
 if TYPE_CHECKING:
     from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence, Volume
@@ -32,6 +33,8 @@ class Inputs:
     sweep : vtkMRMLSequenceBrowserNode
     imageSequence : vtkMRMLSequenceNode or None
         None: the only sequence of images there is.
+    otherSweeps : sequence of vtkMRMLSequenceBrowserNode
+        Further sweeps of the same Reference, which are reconstructed with the first as one.
     bone : vtkMRMLSegmentationNode, vtkMRMLLabelMapVolumeNode, vtkMRMLScalarVolumeNode or None
     ct : vtkMRMLScalarVolumeNode or None
         Never changed; segments that are surfaces only are brought to its voxels.
@@ -54,6 +57,7 @@ class Inputs:
 
     sweep: Any
     imageSequence: Any = None
+    otherSweeps: tuple = ()
     bone: Any = None
     ct: Any = None
     boneSegments: tuple = ()
@@ -74,6 +78,7 @@ class Inputs:
         return cls(
             sweep=parameters.sweep,
             imageSequence=parameters.imageSequence,
+            otherSweeps=furtherSweeps(parameters),
             bone=parameters.bone,
             ct=parameters.ctVolume,
             boneSegments=tuple(parameters.boneSegments),
@@ -88,7 +93,36 @@ class Inputs:
 
     def nodes(self) -> tuple:
         """The nodes that an output must not overwrite: among them those that the sweep is replayed into."""
-        return tuple(node for node in (self.bone, self.ct, self.region, *proxiesOf(self.sweep)) if node is not None)
+        replayed = (proxy for sweep in self.sweeps for proxy in proxiesOf(sweep))
+        return tuple(node for node in (self.bone, self.ct, self.region, *replayed) if node is not None)
+
+    @property
+    def sweeps(self) -> tuple:
+        """The sequence browsers."""
+        return self.sweep, *self.otherSweeps
+
+    @property
+    def name(self) -> str:
+        """What volumes are named for."""
+        more = f" +{len(self.otherSweeps)}" if self.otherSweeps else ""
+        return f"{self.sweep.GetName()}{more}"
+
+    def sequence(self) -> TrackedSequence:
+        """The sweep as the library has it; several as one.
+
+        Raises
+        ------
+        AIFReconError
+            With the sweep that cannot be used and what to do.
+        """
+        from AIFReconLib.sweep.joined import joined
+
+        from ..sweep.sequenceReader import sequenceFromBrowser
+
+        if self.sweep is None:
+            raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
+        others = (sequenceFromBrowser(sweep) for sweep in self.otherSweeps)
+        return joined([sequenceFromBrowser(self.sweep, self.imageSequence), *others])
 
     def prepared(self, settings, progress=None) -> PreparedInputs:
         """Turn the nodes into the library's inputs, once for any number of reconstructions; nodes that change later change nothing.
@@ -100,17 +134,14 @@ class Inputs:
         AIFReconError
             With the node that cannot be used and what to do.
         """
-        from ..sweep.sequenceReader import sequenceFromBrowser
-
-        if self.sweep is None:
-            raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
-        sequence = sequenceFromBrowser(self.sweep, self.imageSequence)
+        sequence = self.sequence()
         region, grid = self.imageRegion(sequence.configuration), self.grid(settings)
         if self.bone is None and self.boneFromSweep:
-            return PreparedInputs(sequence, self._boneOf(sequence, region, progress), grid, region, self.probe, self.importance())
+            bone = self._boneOf(sequence, region, progress)
+            return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), boneSettings=self.boneSettings())
         labels = self.labels()
         bone, place = self.boneMap(progress, labels), None if labels is None else matrixToWorld(self.bone)
-        return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), labels, place)
+        return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), labels, place, self.boneSettings())
 
     def labels(self):
         """The `Volume` of the chosen bone's labels in its own coordinates; None without bone, or where it is a probability."""
@@ -128,6 +159,18 @@ class Inputs:
             return None
         chosen = list(self.boneSegments) or None
         return boneMapFromNode(self.bone, chosen, referenceVolumeNode=self.ct, labels=labels, progress=progress, **self._sigma())
+
+    def boneSettings(self) -> dict:
+        """How the bone map is made, as settings that repeat a reconstruction."""
+        from .boneNodes import isLabeled
+
+        if self.bone is None:
+            return {"bone_from_sweep": True} if self.boneFromSweep else {}
+        if not isLabeled(self.bone):
+            return {}
+        if self.boneSigmaMm is not None:
+            return {"bone_sigma_mm": self.boneSigmaMm}
+        return {} if self.boneSigmaVoxels is None else {"bone_sigma_voxels": self.boneSigmaVoxels}
 
     def _sigma(self) -> dict:
         return {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": self.boneSigmaMm}
@@ -173,7 +216,8 @@ class Inputs:
 class PreparedInputs:
     """The library's inputs; `reconstruct` may be called with any settings that have the same spacing.
 
-    The labels are those that `bone` was made of, if any, and `labelsToReference` is where they lay when they were read.
+    The labels are those that `bone` was made of, if any, and `labelsToReference` is where they lay when they were read; `boneSettings` say
+    how it was made.
     """
 
     sequence: TrackedSequence
@@ -184,6 +228,7 @@ class PreparedInputs:
     importance: np.ndarray | None = None
     labels: Volume | None = None
     labelsToReference: np.ndarray | None = None
+    boneSettings: dict = field(default_factory=dict)
 
     def comparedLines(self, progress=None) -> list:
         """What the sweep's own bone says of the place of the labels, a line each; nothing without labels. See `compared_lines`."""
@@ -196,13 +241,15 @@ class PreparedInputs:
         return [] if self.labels is None else inBackground(work, progress)
 
     def reconstruct(self, settings, progress=None):
-        """One call of the library: `settings` to a `Reconstruction` in RAS."""
+        """One call of the library: `settings` to a `Reconstruction` in RAS, whose volumes know how they were made."""
 
         from AIFReconLib import reconstruct
+        from AIFReconLib.provenance.record import with_settings
 
         def work(progress):
             imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}
-            return reconstruct(self.sequence, settings, self.bone, self.grid, progress=progress, **imaging)
+            result = reconstruct(self.sequence, settings, self.bone, self.grid, progress=progress, **imaging)
+            return with_settings(result, self.boneSettings)
 
         return inBackground(work, progress)
 
@@ -211,12 +258,11 @@ def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = Fals
     """A `Reconstruction`, the sequence it was made from, and what was done, a line each: where `compared`, also how well the CT agrees."""
     from AIFReconLib.inspection.summary import summary_lines
     from AIFReconLib.message import listed
-    from AIFReconLib.settings import BONE_METHODS
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
     result = prepared.reconstruct(settings, part(progress, 0.1, 0.95))
     lines = summary_lines(result, len(prepared.sequence))
-    if compared and result.method in BONE_METHODS:
+    if compared and needsBone(result.method):
         lines += prepared.comparedLines(part(progress, 0.95, 1.0))
     return result, prepared.sequence, listed(lines, "\n")
 
@@ -232,7 +278,7 @@ def settingsAndInputs(choices: dict) -> tuple[dict, dict]:
         When a name is neither.
     """
     settings = {name: known for known in PARAMETERS for name in (known, camelCase(known))}
-    others = [field.name for field in fields(Inputs) if field.name not in ("sweep", "bone")]
+    others = [each.name for each in fields(Inputs) if each.name not in ("sweep", "bone")]
     unknown = next((name for name in choices if name not in settings and name not in others), None)
     if unknown is not None:
         names = ", ".join(sorted({camelCase(name) for name in PARAMETERS} | set(others)))

@@ -125,6 +125,26 @@ class SigmaUnit(enum.Enum):
         return {SigmaUnit.VOXELS: _("voxels"), SigmaUnit.MM: _("mm")}[self]
 
 
+def ownMethods() -> tuple:
+    """The names of the methods that somebody has registered: the library's list, which imports of modules fill."""
+    from AIFReconLib.compounding.own.method import registered_methods
+
+    return registered_methods()
+
+
+def methodOf(parameterNode) -> str:
+    """The method that is chosen, one of the user's own among them; empty where the library chooses."""
+    return parameterNode.ownMethod or parameterNode.method.value
+
+
+def needsBone(method: str) -> bool:
+    """Whether a method weights by where bone is; of one that is not known nothing is asked yet."""
+    from AIFReconLib.compounding.needs import method_needs_bone
+    from AIFReconLib.settings import is_own_method
+
+    return (not is_own_method(method) or method in ownMethods()) and method_needs_bone(method)
+
+
 def fileFrom(path: Path) -> Path | None:
     """A path parameter; None where it is empty."""
     return None if str(path) in ("", ".") else path
@@ -154,6 +174,7 @@ def settingsFrom(parameterNode) -> ReconstructionSettings:
         elif rule["default"] is None and value == 0:
             value = None
         values[name] = value
+    values["method"] = methodOf(parameterNode) or None
     return ReconstructionSettings(**values)
 
 

@@ -3,14 +3,13 @@
 import slicer
 from slicer.i18n import tr as _
 
-from AIFReconLib.settings import BONE_METHODS
-
 from ..panelWords import inPanelWords
 from ..sceneNodes import proxiesOf
+from ..sweep.severalSweeps import furtherSweeps
 from .boneNodes import isLabeled
 from .boxes import isEmpty
 from .contradictions import comparisonContradiction, contradiction
-from .parameters import LiveSource, Region, fileFrom
+from .parameters import LiveSource, Region, fileFrom, methodOf, needsBone
 
 
 def chooseDefaults(parameters) -> None:
@@ -56,8 +55,9 @@ def whyNotLive(parameters) -> str:
 
 
 def _whatIsMissing(parameters, hasBone: bool) -> str:
-    if not hasBone and (parameters.method.value in BONE_METHODS or parameters.bestCosine):
-        wanted = parameters.method.value if parameters.method.value in BONE_METHODS else _("The best cosine")
+    ofMethod = needsBone(methodOf(parameters))
+    if not hasBone and (ofMethod or parameters.bestCosine):
+        wanted = methodOf(parameters) if ofMethod else _("The best cosine")
         return _("{method} needs bone: select a segmentation, a labelmap or a bone probability, or another method.").format(method=wanted)
     if parameters.bone is not None and _holdsNothing(parameters.bone):
         return _("{name} holds no bone: segment the CT, or select another.").format(name=parameters.bone.GetName())
@@ -67,7 +67,8 @@ def _whatIsMissing(parameters, hasBone: bool) -> str:
         return _("{name} has no size: select a sweep or a CT for it to lie around, or draw it.").format(name=parameters.roi.GetName())
     if parameters.region == Region.LIKE_VOLUME and parameters.regionVolume is None:
         return _("Select the volume whose voxels are wanted, or choose another region.")
-    inputs = (parameters.ctVolume, parameters.bone, parameters.regionVolume, parameters.liveImage, *proxiesOf(parameters.sweep))
+    replayed = [proxy for sweep in (parameters.sweep, *furtherSweeps(parameters)) for proxy in proxiesOf(sweep)]
+    inputs = (parameters.ctVolume, parameters.bone, parameters.regionVolume, parameters.liveImage, *replayed)
     if parameters.output is not None and any(parameters.output is node for node in inputs):
         return _("The output would overwrite {name}: select another output volume, or a new one.").format(name=parameters.output.GetName())
     return contradiction(parameters, hasBone)

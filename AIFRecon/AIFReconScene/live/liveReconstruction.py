@@ -10,6 +10,7 @@ from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
 from AIFReconLib.live.session.agreement_watch import AgreementWatch, LiveState
 from AIFReconLib.live.session.session import SCOUTING, LiveSession
 from AIFReconLib.live.session.snapshots import SnapshotMaker
+from AIFReconLib.provenance.record import with_settings
 from AIFReconLib.registration.echoes import FEWEST, SweepEchoes
 
 from ..background import inBackground
@@ -221,6 +222,7 @@ class LiveReconstruction:
         self._views.showVolume(self.volumeNode)
 
     def _fillVolume(self, result) -> None:
+        result = with_settings(result, self._inputs.boneSettings())
         known = self.volumeNode
         if known is not None and known.GetImageData() is not None:
             updateVolumeNode(known, result.intensity)

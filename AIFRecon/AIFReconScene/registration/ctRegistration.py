@@ -55,8 +55,8 @@ class CTRegistration:
 
     Notes
     -----
-    Nothing of the scene is changed. Echoes are looked for again when another sweep is chosen, or it, its transforms or the region of its
-    images have changed; the bone is read anew each time.
+    Nothing of the scene is changed. Echoes are looked for again when other sweeps are chosen, or one of them, its transforms or the region
+    of its images have changed; the bone is read anew each time.
     """
 
     def __init__(self):
@@ -108,14 +108,14 @@ class CTRegistration:
         from AIFReconLib.registration.echoes import sweep_echoes
 
         from ..sweep.browserItems import checkRecorded
-        from ..sweep.sequenceReader import sequenceFromBrowser
 
-        checkRecorded(parameters.sweep)
         inputs = Inputs.fromParameters(parameters)
+        for sweep in inputs.sweeps:
+            checkRecorded(sweep)
         asked = inputs.probe, inputs.clip, inputs.fanAngles, inputs.fanRadii
-        key = sweepKey(parameters.sweep, parameters.imageSequence), asked
+        key = sweepKey(inputs.sweep, inputs.imageSequence), *map(sweepKey, inputs.otherSweeps), asked
         if self._key != key:
-            sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
+            sequence = inputs.sequence()
             imaging = {"region": inputs.imageRegion(sequence.configuration), "probe": inputs.probe}
             self._echoes = inBackground(lambda progress: sweep_echoes(sequence, progress=progress, **imaging), progress)
             self._key = key

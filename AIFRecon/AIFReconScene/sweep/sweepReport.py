@@ -19,11 +19,11 @@ class SweepReport:
         ----------
         inputs : Inputs
         sequence : TrackedSequence
-            What was reconstructed from them.
+            What was reconstructed from them; of several sweeps the report is that of the first.
         result : Reconstruction
             Only numbers are kept of it.
         """
-        self._make(inputs.sweep, inputs.imageSequence, sequence, result)
+        self._make(inputs.sweep, inputs.imageSequence, sequence.parts[0], result)
 
     def of(self, parameters) -> tuple:
         """Title and `TrackingReport` of the chosen sweep; without a reconstruction of it, the coverage is not known.

@@ -2,33 +2,47 @@
 
 import vtk
 
-from AIFReconLib.message import listed
+from AIFReconLib.message import Message, listed
 
 from ..sceneNodes import nodesOfClass
 from ..transforms import parentTransforms
 from . import sequenceReader
+from .severalSweeps import furtherSweeps
 
 
 class SweepStatus:
-    """Remembers the `SweepSummary` of the sweep that the parameters name: it is asked for whenever any parameter changes."""
+    """Remembers the `SweepSummary` of every sweep: they are asked for whenever any parameter changes."""
 
     def __init__(self):
-        self._key = None
-        self._summary = None
+        self._known = {}
+
+    def of(self, browser, imageSequence=None):
+        """The `SweepSummary` of a sequence browser."""
+        key = sweepKey(browser, imageSequence)
+        known, summary = self._known.get(key[:2], (None, None))
+        if known != key:
+            summary = sequenceReader.sweepSummary(browser, imageSequence)
+            self._known[key[:2]] = key, summary
+        return summary
 
     def summary(self, parameters):
-        """The `SweepSummary`, or None where no sweep is chosen."""
-        if parameters.sweep is None:
-            return None
-        key = sweepKey(parameters.sweep, parameters.imageSequence)
-        if self._key != key:
-            self._key, self._summary = key, sequenceReader.sweepSummary(parameters.sweep, parameters.imageSequence)
-        return self._summary
+        """The `SweepSummary` of the first of the chosen sweeps that cannot be used, else of the first; None where none is chosen."""
+        chosen = self._chosen(parameters)
+        return next((summary for _name, summary in chosen if summary.problem), chosen[0][1] if chosen else None)
 
     def text(self, parameters) -> str:
-        """The findings in words, a line each."""
-        summary = self.summary(parameters)
-        return listed(summary.lines if summary is not None else (), "\n")
+        """The findings in words, a line each; of several sweeps with their names."""
+        chosen = self._chosen(parameters)
+        if len(chosen) < 2:
+            return listed(chosen[0][1].lines if chosen else (), "\n")
+        lines = [Message("{sweep}: {finding}", sweep=name, finding=line) for name, summary in chosen for line in summary.lines]
+        return listed(lines, "\n")
+
+    def _chosen(self, parameters) -> list:
+        if parameters.sweep is None:
+            return []
+        first = parameters.sweep.GetName(), self.of(parameters.sweep, parameters.imageSequence)
+        return [first, *((other.GetName(), self.of(other)) for other in furtherSweeps(parameters))]
 
 
 def sweepKey(browser, imageSequence=None) -> tuple:

@@ -122,7 +122,7 @@ def _volumes(results: dict, inputs) -> dict:
 
 def _nameOf(inputs) -> str:
     """What a comparison is called, so that its volumes are told from reconstructions of the same sweep."""
-    return f"{inputs.sweep.GetName()} comparison"
+    return f"{inputs.name} comparison"
 
 
 def _earlier(className: str, inputs) -> list:
@@ -141,7 +141,7 @@ def _table(metrics: dict, inputs):
     node = next(iter(_earlier("vtkMRMLTableNode", inputs)), None)
     if node is None:
         node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTableNode")
-        giveName(node, f"{inputs.sweep.GetName()} bone metrics", slicer.mrmlScene)
+        giveName(node, f"{inputs.name} bone metrics", slicer.mrmlScene)
         node.SetNodeReferenceID(COMPARED_ROLE, inputs.sweep.GetID())
     updateMetricsTable(node, metrics, inPanelWords)
     intoFolder([node], _nameOf(inputs), slicer.mrmlScene)

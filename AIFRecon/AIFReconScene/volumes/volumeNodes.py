@@ -1,5 +1,6 @@
 """The volumes of a reconstruction as nodes: in RAS world, named for sweep and method, in one folder, shown as ultrasound."""
 
+import json
 import re
 
 import numpy as np
@@ -26,6 +27,9 @@ KIND_ATTRIBUTE = "AIFRecon.Volume"
 _NAME_ATTRIBUTE = "AIFRecon.Name"
 """The name that a node was given here, by which one that the user has changed is known."""
 
+OWN_FIELDS, SETTINGS_ATTRIBUTE = "AIFRecon_", "AIFRecon_settings"
+"""How a volume says in attributes where it comes from: as the library's files do in their headers."""
+
 _ROLE = "AIFRecon.{kind}"
 """Of the references from the intensities to the other volumes of the same reconstruction."""
 
@@ -49,7 +53,31 @@ def updateVolumeNode(node, volume: Volume) -> None:
     volume : Volume
         [k, j, i] and ijk_to_reference in mm, Reference being RAS world. Its voxels are copied once.
     """
-    _place(node, _imageData(volume.array), volume.ijk_to_reference)
+    _place(node, _imageData(volume.array), volume)
+
+
+def saveSettings(node, path) -> None:
+    """Write how a volume of the scene was made, so that `aifrecon reconstruct --settings` repeats it.
+
+    Parameters
+    ----------
+    node : vtkMRMLScalarVolumeNode
+    path : str or Path
+        .json or .toml.
+
+    Raises
+    ------
+    SettingsError
+        When the volume does not say how it was made.
+    OutputError
+        When the file cannot be written.
+    """
+    from AIFReconLib.provenance.settings_files import write_settings
+
+    text = node.GetAttribute(SETTINGS_ATTRIBUTE)
+    if text is None:
+        raise SettingsError("{node} does not say how it was made. Choose a volume that AIFRecon reconstructed.", node=node.GetName())
+    write_settings(json.loads(text), path)
 
 
 def outputNodes(
@@ -119,7 +147,7 @@ def outputNodes(
                 giveName(node, name, scene)
             elif hasGivenName(node) and re.sub(r"_\d+$", "", node.GetName()) != name:
                 giveName(node, name, scene)
-            _place(node, images[kind], volume.ijk_to_reference)
+            _place(node, images[kind], volume)
             node.SetAttribute("AIFRecon.Method", result.method)
             node.SetAttribute(KIND_ATTRIBUTE, kind)
             node.SetNodeReferenceID(COMPARED_ROLE, None)
@@ -154,11 +182,17 @@ def _imageData(array: np.ndarray):
     return imageData
 
 
-def _place(node, imageData, ijkToWorld: np.ndarray) -> None:
+def _place(node, imageData, volume: Volume) -> None:
+    """Voxels, place, and where they come from: attributes, which the scene keeps, and an NRRD header that vtkMRMLNRRDStorageNode writes."""
     with slicer.util.NodeModify(node):
+        for name in node.GetAttributeNames():
+            if name.startswith(OWN_FIELDS) and name not in volume.fields:
+                node.RemoveAttribute(name)
+        for name, text in volume.fields.items():
+            node.SetAttribute(name, text)
         node.SetAndObserveTransformNodeID(None)
         node.SetAndObserveImageData(imageData)
-        node.SetIJKToRASMatrix(vtkMatrixOf(ijkToWorld))
+        node.SetIJKToRASMatrix(vtkMatrixOf(volume.ijk_to_reference))
 
 
 def _show(node, kind: str, window: tuple[float, float], scene) -> None:

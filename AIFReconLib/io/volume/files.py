@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import SimpleITK as sitk
 
-from ...arrays import Matrix, Numbers
+from ...arrays import Numbers
 from ...errors import FileFormatError, GeometryError, OutputError, VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
@@ -20,6 +19,7 @@ from ..disk.small_files import local_copy
 from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
 from ..transform.files import read_transform, write_transform
+from .itk_images import to_sitk
 from .metafile_volumes import StoredVolume, read_metafile_volume
 from .nifti_payload import check_nifti
 
@@ -28,6 +28,9 @@ __all__ = ["check_volume_path", "read_labels", "read_transform", "read_volume", 
 NIFTI_SUFFIXES = (".nii", ".nii.gz")
 READABLE_SUFFIXES = METAIMAGE_SUFFIXES + NRRD_SUFFIXES + NIFTI_SUFFIXES
 WRITABLE_SUFFIXES = (".nrrd", *METAIMAGE_SUFFIXES, *NIFTI_SUFFIXES)
+
+OWN_FIELDS = "AIFRecon_"
+"""How the fields of a header begin that a volume keeps."""
 
 
 def read_volume(path: str | Path) -> Volume:
@@ -71,7 +74,7 @@ def read_labels(path: str | Path) -> Volume:
     stored = _read_stored(Path(path))
     array = stored.array
     if stored.components != 1:
-        if not any(key.startswith("Segment") for key in stored.keys):
+        if not any(key.startswith("Segment") for key in stored.fields):
             raise VolumeFormatError(
                 "{path}: its voxels must be single labels; got {count} numbers each ({kind}). Export a label volume.",
                 path=stored.path,
@@ -82,17 +85,15 @@ def read_labels(path: str | Path) -> Volume:
     return _as_volume(stored, _as_labels(stored.path, array))
 
 
-def write_volume(volume: Volume, path: str | Path, fields: Mapping[str, str] | None = None) -> None:
+def write_volume(volume: Volume, path: str | Path) -> None:
     """Write a volume, completely or not at all.
 
     Parameters
     ----------
     volume : Volume
-        Truth values are written as 0 and 1, 8 bit.
+        Truth values are written as 0 and 1, 8 bit. Its fields go into the header, a line each; NIfTI has no room for them.
     path : str or Path
         .nrrd, .mha, .mhd (with .zraw beside it), .nii or .nii.gz; compressed, except .nii.
-    fields : mapping of str to str or None
-        Fields of the header besides, a line each; NIfTI has no room for them.
 
     Raises
     ------
@@ -101,9 +102,13 @@ def write_volume(volume: Volume, path: str | Path, fields: Mapping[str, str] | N
     """
     path = Path(path)
     suffix = _writable_suffix(path)
-    array = volume.array.astype(np.uint8) if volume.array.dtype == bool else volume.array
-    image = _as_image(path, array, volume.ijk_to_reference)
-    for key, text in (fields or {}).items():
+    try:
+        image = to_sitk(volume)
+    except GeometryError as error:
+        raise OutputError(
+            "Cannot write {path}: volume files cannot hold {kind}. Convert the volume to another type.", path=path, kind=volume.array.dtype
+        ) from error
+    for key, text in volume.fields.items():
         image.SetMetaData(key, text)
     companions = (path.with_suffix(".zraw"),) if suffix == ".mhd" else ()
     with atomic_outputs(*companions, path) as temporaries:
@@ -204,25 +209,10 @@ def _read_nifti(path: Path) -> StoredVolume:
 def _as_volume(stored: StoredVolume, array: Numbers) -> Volume:
     """Place an array [k, j, i] where the file says: the only way from LPS files into memory."""
     try:
-        return Volume(array, LPS_FROM_RAS @ stored.ijk_to_lps)
+        own = {key: text for key, text in stored.fields.items() if key.startswith(OWN_FIELDS)}
+        return Volume(array, LPS_FROM_RAS @ stored.ijk_to_lps, own)
     except GeometryError as error:
         raise VolumeFormatError("{path}: its place in space cannot be used. {problem}", path=stored.path, problem=error) from error
-
-
-def _as_image(path: Path, array: Numbers, ijk_to_reference: Matrix) -> sitk.Image:
-    """The counterpart of `_as_volume`."""
-    ijk_to_lps = LPS_FROM_RAS @ ijk_to_reference
-    spacing = np.linalg.norm(ijk_to_lps[:3, :3], axis=0)
-    try:
-        image = sitk.GetImageFromArray(array)
-    except (TypeError, KeyError, RuntimeError) as error:
-        raise OutputError(
-            "Cannot write {path}: volume files cannot hold {kind}. Convert the volume to another type.", path=path, kind=array.dtype
-        ) from error
-    image.SetSpacing(spacing.tolist())
-    image.SetDirection((ijk_to_lps[:3, :3] / spacing).ravel().tolist())
-    image.SetOrigin(ijk_to_lps[:3, 3].tolist())
-    return image
 
 
 def _as_labels(path: Path, array: Numbers) -> Numbers:

@@ -7,7 +7,7 @@ one that `read_metafile` has checked.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -45,14 +45,14 @@ class StoredVolume:
     array : [k, j, i] array, or [k, j, i, n] for several values per voxel
     ijk_to_lps : (4, 4) float64 array, mm
         Not checked yet.
-    keys : tuple of str
-        Names of the file's own fields, by which segmentations are told.
+    fields : dict of str to str
+        The file's own, by which segmentations are told.
     """
 
     path: Path
     array: Numbers
     ijk_to_lps: Matrix
-    keys: tuple[str, ...] = ()
+    fields: dict[str, str] = field(default_factory=dict)
 
     @property
     def components(self) -> int:
@@ -85,7 +85,7 @@ def read_metafile_volume(metafile: Metafile) -> StoredVolume:
     array = stored.transpose(*(last - axis for axis in reversed(space)), *others, last + 1)
     array = array.reshape(*array.shape[:3], -1)
     array = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("="))
-    return StoredVolume(metafile.path, array[..., 0] if array.shape[3] == 1 else array, ijk_to_lps, tuple(metafile.fields))
+    return StoredVolume(metafile.path, array[..., 0] if array.shape[3] == 1 else array, ijk_to_lps, metafile.fields)
 
 
 def _space_axes(metafile: Metafile) -> list[int]:

@@ -8,6 +8,8 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -16,12 +18,15 @@ from ...bone.map import BoneMap
 from ...compounding.reconstructor import Reconstruction, Reconstructor
 from ...geometry.volume import VoxelGrid
 from ...imaging.beams import LINEAR, ProbeGeometry
+from ...imaging.region import ImageRegion
 from ...message import Message
 from ...progress import Progress
+from ...provenance.record import with_origin
 from ...resolve import Imaging, ReconstructorParts
 from ...settings import ReconstructionSettings
+from ...sweep.configuration import PlusConfiguration
 from ...sweep.frames import TrackedFrame
-from ..pairing.synchronizer import LiveFrame
+from ..pairing.synchronizer import LiveFrame, SynchronizerSettings
 from .statistics import Meter
 
 logger = logging.getLogger(__name__)
@@ -29,6 +34,8 @@ logger = logging.getLogger(__name__)
 TOO_SLOW = Message("skipped to keep up")
 OTHER_SIZE = Message("image of another size or type")
 AFTER_ERROR = Message("not inserted after an error")
+WHILE_PAUSED = Message("paused")
+LEFT_OUT = Message("left out by --skip")
 
 MOST_WAITING_BYTES = 512 * 2**20
 """Pixels that wait to be inserted at most, whatever their number."""
@@ -37,6 +44,30 @@ WARM_UP = 2
 """Insertions that tell nothing of the speed: engines are compiled and tables built."""
 
 LARGEST_STRIDE = 64.0
+
+
+Sign: TypeAlias = Callable[[Reconstruction, Imaging], Reconstruction]
+"""What makes a result one whose volumes say where they come from."""
+
+
+def origin(
+    asked: ReconstructionSettings, resolved: ReconstructionSettings, configuration: PlusConfiguration, names: SynchronizerSettings
+) -> Sign:
+    """What signs the results of a scan with these settings."""
+    return partial(
+        with_origin,
+        asked=asked,
+        resolved=resolved,
+        configuration=configuration,
+        inputs=[] if configuration.path is None else [configuration.path],
+        image_to_reference=names.image_to_reference,
+        reference=names.reference,
+    )
+
+
+def unsigned(result: Reconstruction, _imaging: Imaging) -> Reconstruction:
+    """The result as it is."""
+    return result
 
 
 class Inserter:
@@ -52,6 +83,8 @@ class Inserter:
         Leave frames out when those that wait will take longer than this; None: never, and `put` waits instead.
     parts : ReconstructorParts
         What else the configuration gives.
+    sign : callable
+        As `origin` makes it.
     """
 
     def __init__(
@@ -61,7 +94,10 @@ class Inserter:
         meter: Meter,
         longest_delay: float | None,
         parts: ReconstructorParts | None = None,
+        sign: Sign = unsigned,
     ):
+        self._sign = sign
+        self._imaging = Imaging(ImageRegion(), None)
         self._parts = parts or ReconstructorParts()
         self.error: Exception | None = None
         self.ready = threading.Event()
@@ -129,6 +165,7 @@ class Inserter:
             notes = (*known[0].notes, *self._parts.notes)
             with self._volume:
                 self._reconstructor, self._image_like, self._insertions, self._notes = reconstructor, None, 0, notes
+                self._imaging = known[0]
             self.error, self._ready = None, time.monotonic()
             self.ready.set()
 
@@ -180,8 +217,8 @@ class Inserter:
         with self._turnstile, self._volume:
             if self._reconstructor is None:
                 return None
-            make, notes = self._reconstructor.capture(), self._notes
-        result = make(progress)
+            make, notes, imaging = self._reconstructor.capture(), self._notes, self._imaging
+        result = self._sign(make(progress), imaging)
         return replace(result, notes=(*notes, *result.notes))
 
     def finish(self, progress: Progress | None = None) -> Reconstruction | None:
@@ -190,7 +227,7 @@ class Inserter:
             if self._reconstructor is None:
                 return None
             reconstructor, self._reconstructor = self._reconstructor, None
-        result = reconstructor.finish(progress)
+        result = self._sign(reconstructor.finish(progress), self._imaging)
         return replace(result, notes=(*self._notes, *result.notes))
 
     # ---- the thread

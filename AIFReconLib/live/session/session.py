@@ -10,9 +10,10 @@ from pathlib import Path
 
 from ...arrays import Reals
 from ...bone.map import BoneMap
-from ...compounding.reconstructor import Reconstruction, needs_beams
+from ...compounding.needs import needs_beams, require_bone
+from ...compounding.reconstructor import Reconstruction
 from ...compounding.state import bytes_per_voxel
-from ...errors import AIFReconError, OutputError, SettingsError
+from ...errors import AIFReconError, OutputError
 from ...geometry.volume import VoxelGrid
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
@@ -25,7 +26,7 @@ from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from ..wire.messages import StreamEvent, StreamMessage
 from ..wire.sources import CONNECTED, ENDED, MessageSource
-from .insertion import Inserter
+from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter, origin
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
 from .statistics import NO_IMAGES, LiveStatistics, Meter, Trouble, tracking_words
@@ -43,9 +44,6 @@ POLL = 0.25
 SILENCE = 1.0
 """s without an image after which there are none."""
 
-WHILE_PAUSED = Message("paused")
-LEFT_OUT = Message("left out by --skip")
-
 
 class LiveSession:
     """Reconstructs while scanning. Use it in a `with` block, or call `stop`.
@@ -58,11 +56,11 @@ class LiveSession:
     bone : BoneMap or None
         Needed by methods that weight by incidence.
     grid : VoxelGrid or None
-        Where to reconstruct. None: it begins by scouting; see `grid_from_scout` and `use_grid`.
+        Where to reconstruct. None: in the configuration's box, else it begins by scouting; see `grid_from_scout` and `use_grid`.
     region, probe, importance : ImageRegion, ProbeGeometry, (rows, columns) array of 0 to 1, or None
         Override the configuration and what the images show; `importance` is the weight of each pixel in an average.
     configuration : PlusConfiguration or None
-        Gives calibration, names of frames, region, probe, method, spacing and skip where the other arguments leave them open.
+        Gives calibration, names of frames, box, region, probe, method, spacing and skip where the other arguments leave them open.
     synchronizer : SynchronizerSettings
     record : str, Path or None
         A sequence file for every frame that is received, tracked or not. See `Recorder`.
@@ -110,13 +108,8 @@ class LiveSession:
         parts = reconstructor_parts(asked, self.settings, configuration, importance)
         self._fits_spacing = parts.fits_spacing
         self._method = self.settings.method_for(bone is not None)
-        self._uses_beams = needs_beams(self._method, self.settings)
-        self._needs_probe = self._uses_beams or depth_factor(self.settings) != 1.0
-        if self._uses_beams and bone is None:
-            raise SettingsError(
-                "Method {method} needs to know where bone is. Give labels or a bone probability, or choose method average.",
-                method=self._method,
-            )
+        self._uses_bone = require_bone(self._method, self.settings, bone is not None)
+        self._needs_probe = needs_beams(self._method, self.settings) or depth_factor(self.settings) != 1.0
         self._region, self._probe = region, probe
         self._imaging = known_imaging(configuration, self._needs_probe, region, probe)
         self._synchronizer = Synchronizer(synchronizer, configuration)
@@ -127,8 +120,10 @@ class LiveSession:
         self.latest: LiveFrame | None = None
         self._frame_limit = frame_limit
         self._meter = Meter()
-        self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts)
-        self._grid = grid
+        names = self._synchronizer.settings
+        sign = origin(asked, self.settings, configuration, names)
+        self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts, sign)
+        self._grid = grid = grid or (None if names.image_to_reference or names.reference else parts.grid)
         self._lock = threading.RLock()
         self._phase = RECONSTRUCTING if self._imaging else LOOKING
         if grid is None:
@@ -203,7 +198,7 @@ class LiveSession:
         with self._lock:
             fits = self._fits_spacing and spacing is None
             settings = self.settings if spacing is None else replace(self.settings, spacing=spacing)
-            cost = bytes_per_voxel(self._method, self._uses_beams, self.settings.best_cosine, shares=True)
+            cost = bytes_per_voxel(self._method, self._uses_bone, self.settings.best_cosine, shares=True)
             return self._scouted.grid(self._find_imaging(self._scouted), settings, cost, margin, fits)
 
     def use_grid(self, grid: VoxelGrid) -> None:

@@ -182,7 +182,7 @@ def test_beams_advance_one_millimeter(kind):
 
 
 def test_without_a_probe_the_message_says_what_to_give():
-    with pytest.raises(BeamGeometryError, match="--probe linear"):
+    with pytest.raises(BeamGeometryError, match=r'probe=ProbeGeometry."linear"'):
         BoneEchoFinder((COLUMNS, ROWS), SPACING, Imaging(ImageRegion(), None))
 
 
@@ -195,6 +195,13 @@ def test_the_map_of_an_oblique_sweep_is_high_on_the_surface(kind):
     bone = bone_from_sweep(sequence, poses, imaging)
     columns = np.arange(40, 80)
     assert at(bone.probability, points_in(poses.image_to_reference[6], columns, arc_row(columns))).min() > 0.6
+
+
+def test_a_sequence_alone_will_do():
+    sequence, poses, imaging = oblique_sweep()
+    of_arrays = TrackedSequence.from_arrays(sequence.images, poses.image_to_reference)
+    known = bone_from_sweep(sequence, poses, imaging)
+    np.testing.assert_array_equal(bone_from_sweep(of_arrays, region=imaging.region, probe=imaging.probe).probability, known.probability)
 
 
 @pytest.mark.parametrize("shift", [-8.0, 8.0])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -456,3 +457,14 @@ def test_making_a_map_can_be_stopped_at_any_step(after):
     calls = iter([True] * after + [False] * 9)
     with pytest.raises(OperationCanceled):
         BoneMap.from_labels(Volume(block(), np.eye(4)), progress=lambda fraction, message: next(calls))
+
+
+def test_arrays_with_a_matrix_are_volumes():
+    labels = np.zeros((12, 10, 8), np.int16)
+    labels[4:8, 3:7, 2:6] = 3
+    pose = OBLIQUE @ scaled(0.5, 0.6, 0.7)
+    for maker in (partial(BoneMap.from_labels, sigma_voxels=1.0), BoneMap.from_probability):
+        values = np.minimum(labels, 1)
+        of_array, of_volume = maker(values, ijk_to_reference=pose), maker(Volume(values, pose))
+        np.testing.assert_array_equal(of_array.probability, of_volume.probability)
+        np.testing.assert_array_equal(of_array.probability.ijk_to_reference, of_volume.probability.ijk_to_reference)

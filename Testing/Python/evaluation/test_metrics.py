@@ -12,9 +12,13 @@ from sweeps import rigid
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.evaluation.metrics import BoneMetrics, evaluate
 from AIFReconLib.evaluation.surface import bone_surface
-from AIFReconLib.evaluation.visibility import REACHED, SHADOWED, BoneTruth
+from AIFReconLib.evaluation.visibility import REACHED, SHADOWED, BoneTruth, SweepBeams, bone_truth
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
+from AIFReconLib.sweep.configuration import PlusConfiguration
+from AIFReconLib.sweep.frames import TrackedSequence
 
 TISSUE = 40.0
 TURN = rigid((25.0, -35.0, 15.0), (100.0, -50.0, 20.0))
@@ -308,3 +312,38 @@ def test_every_number_has_a_name_of_its_own(uvs, truth):
     names = measures(TISSUE + ridge(uvs[2]), truth).to_dict()
     assert {"bone_cnr", "oblique_coverage", "interspinous_coverage", "shadow_mean", "speckle_snr"} <= set(names)
     assert len(names) == 3 * 8 + 3
+
+
+# Labels in the place of a truth
+
+
+def slab_labels() -> Volume:
+    """A slab of bone, well within the volume."""
+    labels = np.zeros(VOLUME_GRID.shape, np.uint8)
+    labels[6:-6, 6:-6, 6:-6] = 1
+    return Volume(labels, VOLUME_GRID.ijk_to_reference)
+
+
+def test_labels_give_the_numbers_of_the_truth_that_is_made_of_them():
+    shown, labels = volume(noise() + 60 * slab_labels().array), slab_labels()
+    assert evaluate(shown, labels).to_dict() == pytest.approx(evaluate(shown, bone_truth(labels)).to_dict(), nan_ok=True)
+
+
+def test_a_sweep_decides_which_bone_of_the_labels_counts():
+    labels = slab_labels()
+    pose = VOLUME_GRID.ijk_to_reference.copy()
+    pose[:3, 3] = transform_points(VOLUME_GRID.ijk_to_reference, [0, 0, VOLUME_GRID.size[2] / 2])
+    size = VOLUME_GRID.size
+    sequence = TrackedSequence.from_arrays(np.full((1, size[1], size[0]), 90, np.uint8), pose[None])
+    beams = SweepBeams(pose[None], (size[0], size[1]), ProbeGeometry(LINEAR), ImageRegion())
+    shown = volume(noise())
+    with_sweep = evaluate(
+        shown, labels, sweep=replace(sequence, configuration=PlusConfiguration(probe=ProbeGeometry(LINEAR), region=whole(size)))
+    )
+    assert with_sweep.to_dict() == pytest.approx(evaluate(shown, bone_truth(labels, beams)).to_dict(), nan_ok=True)
+    assert with_sweep.bone.area < 0.5 * evaluate(shown, labels).bone.area
+
+
+def whole(size) -> ImageRegion:
+    """All of an image."""
+    return ImageRegion(ClipRectangle((0.0, 0.0), (float(size[0]), float(size[1]))))

@@ -1,9 +1,10 @@
-"""Voxel grids: what is accepted, and where voxels lie. Files are tested elsewhere."""
+"""Voxel grids and volumes: what is accepted, where voxels lie, what other packages make of them. Files are tested elsewhere."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+import SimpleITK as sitk
 from geometry_strategies import rigid, rigid_poses, scaled, spacings, triples
 from hypothesis import given, settings
 
@@ -152,3 +153,146 @@ def test_a_moved_volume_keeps_its_voxels():
 def test_a_transform_that_shears_a_volume_is_refused():
     with pytest.raises(GeometryError, match="sheared"):
         Volume(np.zeros((4, 3, 2)), OBLIQUE).placed_by(SHEAR)
+
+
+# ---- a volume is an array
+
+
+NUMBERED = Volume(np.arange(4 * 5 * 6, dtype=np.int16).reshape(4, 5, 6), OBLIQUE)
+
+
+def world_of(volume: Volume) -> dict[int, tuple[float, ...]]:
+    """Where each value of a volume of different ones lies, mm."""
+    return {
+        int(value): tuple((volume.ijk_to_reference @ (i, j, k, 1.0)).round(9).tolist()) for (k, j, i), value in np.ndenumerate(volume.array)
+    }
+
+
+def test_numpy_takes_a_volume_for_its_array_without_a_copy():
+    assert np.shares_memory(np.asarray(NUMBERED), NUMBERED.array)
+    assert NUMBERED.shape == np.asarray(NUMBERED).shape == (4, 5, 6)
+    assert NUMBERED.dtype == np.int16
+    assert np.percentile(NUMBERED, 100) == 119
+
+
+def test_numpy_gets_a_copy_or_another_type_where_it_asks_for_one():
+    copied = np.array(NUMBERED)
+    assert not np.shares_memory(copied, NUMBERED.array)
+    converted = np.asarray(NUMBERED, dtype=np.float32)
+    assert converted.dtype == np.float32
+    np.testing.assert_array_equal(converted, NUMBERED.array)
+
+
+def test_a_conversion_that_may_not_copy_is_refused():
+    with pytest.raises(ValueError, match="copy must be True"):
+        NUMBERED.__array__(np.float32, copy=False)
+    assert np.shares_memory(NUMBERED.__array__(copy=False), NUMBERED.array)
+
+
+def test_nested_lists_are_an_array_too():
+    assert Volume([[[1, 2], [3, 4]]], np.eye(4)).shape == (1, 2, 2)
+
+
+@pytest.mark.parametrize("array", ["volume.nrrd", [[["a"]]], np.zeros((2, 2, 2), complex), np.zeros((2, 2)), None])
+def test_what_is_no_array_of_numbers_along_three_axes_is_refused(array):
+    with pytest.raises(GeometryError, match="Input volume array must"):
+        Volume(array, np.eye(4))
+
+
+@pytest.mark.parametrize(
+    "index",
+    [
+        np.s_[1:3],
+        np.s_[:, 2:4, 1:-1],
+        np.s_[::2, ::3, 1::2],
+        np.s_[::-1],
+        np.s_[3:0:-2, ::-3, -2::-1],
+        np.s_[..., 2:4],
+        np.s_[1:, ..., ::-1],
+        np.s_[...],
+        np.s_[-1:, 2:3, 5:6],
+        np.s_[0:99, :, :],
+    ],
+    ids=str,
+)
+def test_every_voxel_of_a_part_lies_where_it_lay(index):
+    part, whole = NUMBERED[index], world_of(NUMBERED)
+    np.testing.assert_array_equal(part.array, NUMBERED.array[index])
+    for value, place in world_of(part).items():
+        np.testing.assert_allclose(place, whole[value], atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    "index", [0, np.s_[:, 1], np.s_[:, :, None], np.s_[:, :, :, :], np.s_[..., ...], [1, 2], NUMBERED.array > 3, "k"], ids=str
+)
+def test_an_index_that_keeps_no_place_is_refused(index):
+    with pytest.raises(GeometryError, match="must be up to three slices"):
+        NUMBERED[index]
+
+
+def test_a_part_without_voxels_is_refused():
+    with pytest.raises(GeometryError, match="must leave voxels"):
+        NUMBERED[2:2]
+
+
+def test_a_volume_is_not_gone_through_plane_by_plane():
+    with pytest.raises(TypeError, match="not iterable"):
+        iter(NUMBERED)
+
+
+@given(rigid_poses, spacings, triples(0, 3))
+@settings(max_examples=40)
+def test_simpleitk_puts_every_voxel_where_the_volume_has_it(pose, spacing, ijk):
+    volume = Volume(NUMBERED.array, pose @ scaled(*spacing))
+    image = volume.to_sitk()
+    i, j, k = (int(n) for n in ijk)
+    # SimpleITK speaks LPS: x and y run the other way
+    x, y, z = image.TransformIndexToPhysicalPoint((i, j, k))
+    np.testing.assert_allclose((-x, -y, z), (volume.ijk_to_reference @ (i, j, k, 1.0))[:3], atol=1e-6)
+    assert image[i, j, k] == volume.array[k, j, i]
+
+
+def test_an_image_of_simpleitk_lies_where_it_says_itself():
+    image = sitk.GetImageFromArray(np.arange(24, dtype=np.float32).reshape(2, 3, 4))
+    turn = sitk.Euler3DTransform((0, 0, 0), 0.3, -0.7, 1.1)
+    image.SetDirection(turn.GetMatrix())
+    image.SetSpacing((0.4, 0.9, 2.5))
+    image.SetOrigin((-12.0, 7.0, 90.0))
+    volume = Volume.from_sitk(image)
+    for k, j, i in np.ndindex(volume.shape):
+        x, y, z = image.TransformIndexToPhysicalPoint((i, j, k))
+        np.testing.assert_allclose(volume.ijk_to_reference @ (i, j, k, 1.0), (-x, -y, z, 1.0), atol=1e-5)
+        assert volume.array[k, j, i] == image[i, j, k]
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.int16, np.float32, np.float64])
+def test_a_volume_goes_through_simpleitk_and_comes_back(kind):
+    mirrored = Volume(NUMBERED.array.astype(kind), OBLIQUE)[:, ::-1]
+    back = Volume.from_sitk(mirrored.to_sitk())
+    np.testing.assert_array_equal(back, mirrored)
+    np.testing.assert_allclose(back.ijk_to_reference, mirrored.ijk_to_reference, atol=1e-9)
+    assert back.dtype == kind
+
+
+def test_truth_values_go_to_simpleitk_as_0_and_1():
+    assert sitk.GetArrayFromImage(Volume(np.ones((1, 1, 1), bool), np.eye(4)).to_sitk()).dtype == np.uint8
+
+
+@pytest.mark.parametrize(
+    ("image", "words"),
+    [
+        ("ct.nrrd", "must be a SimpleITK.Image; got str"),
+        (sitk.Image(4, 4, sitk.sitkUInt8), "got 2 dimensions"),
+        (sitk.Image([4, 4, 4], sitk.sitkVectorUInt8, 3), "one real number a voxel"),
+        (sitk.Image([4, 4, 4], sitk.sitkComplexFloat32), "one real number a voxel"),
+    ],
+    ids=["path", "picture", "colors", "complex"],
+)
+def test_an_image_that_is_no_scalar_volume_is_refused(image, words):
+    with pytest.raises(GeometryError, match=words):
+        Volume.from_sitk(image)
+
+
+def test_voxels_that_simpleitk_does_not_have_are_refused():
+    with pytest.raises(GeometryError, match="got float16"):
+        Volume(np.zeros((1, 1, 1), np.float16), np.eye(4)).to_sitk()

@@ -22,7 +22,7 @@ ROOMS = (
     *("commands", "terminal"),
     *("live/replay", "live/session", "live/pairing", "live/wire"),
     "guidance",
-    *("evaluation", "simulation", "reconstruction", "inspection", "compounding", "registration", "bone", "resolve"),
+    *("evaluation", "simulation", "reconstruction", "inspection", "provenance", "compounding", "registration", "bone", "resolve"),
     *("io/foreign", "io/sequence", "io/plus", "io/volume", "io/transform", "io/metafile", "io/disk"),
     *("sweep", "imaging", "holes", "geometry", "machine"),
     *("settings", "progress", "errors", "message", "arrays"),
@@ -31,6 +31,7 @@ ROOMS = (
 
 UPWARD = {
     ("AIFReconLib/geometry/volume.py", "AIFReconLib/io/volume/files.py"): "Volume.write is a convenience; it imports when it is called",
+    ("AIFReconLib/geometry/volume.py", "AIFReconLib/io/volume/itk_images.py"): "so are Volume.to_sitk and Volume.from_sitk",
     ("AIFReconLib/geometry/volume.py", "AIFReconLib/evaluation/preview.py"): "so is Volume.plot",
 }
 """Imports that run up all the same, and why."""

@@ -93,6 +93,7 @@ def workplace(originals, tmp_path, monkeypatch) -> Path:
     folder = tmp_path / "here"
     shutil.copytree(originals, folder)
     monkeypatch.chdir(folder)
+    monkeypatch.syspath_prepend(folder)
     return folder
 
 

@@ -90,5 +90,5 @@ def test_an_unknown_kind_of_probe_is_refused(kind):
 
 @pytest.mark.parametrize("apex", [None, (math.nan, 0.0), (0.0, math.inf), (1.0,), (1.0, 2.0, 3.0)])
 def test_a_sector_without_an_apex_is_refused(apex):
-    with pytest.raises(BeamGeometryError, match="--apex-px COLUMN ROW"):
+    with pytest.raises(BeamGeometryError, match=r'ProbeGeometry."sector", .column, row'):
         ProbeGeometry(SECTOR, apex)

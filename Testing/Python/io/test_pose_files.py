@@ -180,7 +180,7 @@ def test_poses_in_json(tmp_path, name):
 def test_json_quaternions_in_a_list_take_their_order(tmp_path):
     text = json.dumps([{"position": pose[:3, 3].tolist(), "rotation": quaternion(pose, "wxyz"), "timestamp": 1.0} for pose in POSES])
     np.testing.assert_allclose(read(tmp_path, text, PoseFormat(quaternion_order="wxyz"), "p.json").matrices, POSES, atol=1e-9)
-    with pytest.raises(SettingsError, match=r"order of the quaternion's numbers is not known. Give --quaternion-order"):
+    with pytest.raises(SettingsError, match=r"order of the quaternion's numbers is not known. Give quaternion_order"):
         read(tmp_path, text, name="p.json")
 
 
@@ -203,7 +203,7 @@ def test_where_poses_take_pixels_their_axes_are_lengths_too():
         ("x,y,z\n", None, "holds no poses"),
         (table([row[:12] for row in BY_ROW]) + "1,2\n", None, r"line 4 .frame 3. must have 12 columns; got 2"),
         (table(BY_ROW, M00).replace("-20.0", "left", 1), None, r"line 2 .frame 0., column m13 must be a number; got 'left'"),
-        (table([[1, 2, 3, 4, 5, 6, 7]]), None, "7 columns without names can be many things.*--columns"),
+        (table([[1, 2, 3, 4, 5, 6, 7]]), None, "7 columns without names can be many things.*columns"),
         (
             table([[1, 2, 3, 0.5, 0.5, 0.5, 0.1]], ["x", "y", "z", "qx", "qy", "qz", "qw"]),
             None,
@@ -212,10 +212,10 @@ def test_where_poses_take_pixels_their_axes_are_lengths_too():
         (
             table([[1, 2, 3, 4, 5, 6]], ["x", "y", "z", "rx", "ry", "rz"]),
             None,
-            "order of the Euler angles is not known. Give --euler-order",
+            "order of the Euler angles is not known. Give euler_order",
         ),
         (table([[1, 2, 3]], ["x", "y", "z"]), None, "must be 4x4 matrices .*known columns: x, y, z"),
-        (table([pose.T.ravel().tolist() for pose in POSES]), None, r"0 0 0 1 as its last row; got .*--column-major"),
+        (table([pose.T.ravel().tolist() for pose in POSES]), None, r"0 0 0 1 as its last row; got .*column_major"),
         ("1 0 0 0\n0 1 0 0\n0 0 1 0\n", None, "must come in fours"),
         (table(BY_ROW), PoseFormat(columns=("x", "y")), r"must have 2 columns; got 16"),
     ],

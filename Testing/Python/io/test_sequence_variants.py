@@ -272,7 +272,7 @@ def test_an_interleaved_sequence_is_never_in_memory_as_a_whole(tmp_path):
 
 
 def test_a_transform_sequence_given_as_images_says_what_it_is(tmp_path):
-    with pytest.raises(SequenceFormatError, match="--transform-sequence"):
+    with pytest.raises(SequenceFormatError, match="transform_sequences="):
         read_sequence(slicer_transforms(tmp_path / "t.seq.mha"))
 
 

@@ -303,7 +303,7 @@ def test_labels_are_whole_numbers_whatever_the_file_holds(tmp_path, dtype):
 
 
 @pytest.mark.parametrize(
-    ("value", "expected"), [(0.5, "--bone-probability"), (np.nan, "whole numbers"), (1e12, "whole numbers"), (-1000, "CT")]
+    ("value", "expected"), [(0.5, "BoneMap.from_probability"), (np.nan, "whole numbers"), (1e12, "whole numbers"), (-1000, "CT")]
 )
 def test_what_cannot_be_labels_is_refused(tmp_path, value, expected):
     array = np.zeros((2, 3, 4), np.float32)

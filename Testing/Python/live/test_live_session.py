@@ -16,6 +16,8 @@ from igtl_streams import recorded
 from live_messages import image, streamed, tracked
 from sweeps import sphere_bone
 
+from AIFReconLib.compounding.needs import method_needs_bone
+from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, LiveMessageError, NoUsableFramesError, OutputError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
@@ -102,11 +104,17 @@ def captured(data: bytes) -> QueueSource:
 # ---- live equals offline
 
 
-@pytest.mark.parametrize("method", METHODS)
+@register_method
+def own_method(intensity, cosine, reach):
+    """Of the tests."""
+    return 0.1 + cosine * reach, intensity
+
+
+@pytest.mark.parametrize("method", [*METHODS, own_method.name])
 def test_live_gives_the_very_voxels_of_offline(method, session_of, configuration):
     sequence = replace(tracked_sequence(), configuration=configuration)
     settings = ReconstructionSettings(method=method, output_type="float32", hole_limit=2.0)
-    bone = sphere_bone(center=(0.0, 0.0, 0.0)) if method in METHODS[3:] else None
+    bone = sphere_bone(center=(0.0, 0.0, 0.0)) if method_needs_bone(method) else None
     offline = reconstruct(sequence, settings, bone, GRID)
     live = run(session_of(streamed(sequence), settings, bone))
     for name in ("intensity", "score", "hits", "mask"):

@@ -225,12 +225,12 @@ def test_a_recording_without_transforms_says_so():
 
 
 def test_a_recording_without_a_calibration_says_how_to_give_it():
-    with pytest.raises(TransformError, match="Give the calibration \\(for example ImageToProbe\\) with --config"):
+    with pytest.raises(TransformError, match="Give the calibration \\(for example ImageToProbe\\) with read_sequence"):
         sweep_poses(sweep(record(), calibration=False))
 
 
 def test_a_recording_without_a_reference_says_what_else_to_choose():
-    with pytest.raises(TransformError, match="--reference, one of: Probe, Tracker"):
+    with pytest.raises(TransformError, match="reference, one of: Probe, Tracker"):
         sweep_poses(sweep(record({"ReferenceToTracker": None})))
 
 

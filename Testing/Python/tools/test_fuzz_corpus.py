@@ -23,7 +23,7 @@ from fuzz.target import LONGEST_MESSAGE, Finding, Target, check  # noqa: E402
 from AIFReconLib.errors import FileFormatError  # noqa: E402
 
 CORPUS = TESTING / "fuzz" / "corpus"
-NEEDED = {"pictures": "PIL", "dicom": "pydicom"}
+NEEDED = {"pictures": "PIL", "dicom": "pydicom", "settings-toml": "tomllib"}
 
 
 @pytest.fixture

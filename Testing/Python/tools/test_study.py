@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
@@ -81,6 +82,30 @@ def test_a_case_reconstructs_and_measures(phantom, scan, monkeypatch):
     )
     assert weighted["bone_cnr"] > average["bone_cnr"]
     assert weighted["oblique_cnr"] > average["oblique_cnr"]
+
+
+@register_method
+def all_alike(intensity):
+    return 1.0, intensity
+
+
+def test_a_case_takes_a_method_of_one_s_own(phantom, scan, monkeypatch):
+    monkeypatch.setattr(method_cases, "SPACING", 2.0)
+    monkeypatch.setattr(method_cases, "HOLE_LIMIT", 4.0)
+    own, average = (method_cases._row(2, "multi-angle", "exact", method, scan, phantom.labels) for method in (all_alike.name, "average"))
+    assert (own.method, own.direction) == (all_alike.name, "")
+    assert own.metrics == average.metrics
+
+
+def test_the_page_has_a_line_for_a_method_of_one_s_own():
+    lines = study_page([row(0), row(0, "my_methods:mine", 3.0, direction="gradient")]).splitlines()
+    assert any(line.startswith("| my_methods:mine | 3.00 ") for line in lines)
+
+
+def test_a_study_of_a_method_that_is_not_there_is_one_line(tmp_path, capsys):
+    assert start(["methods", "--output", str(tmp_path / "out"), "--method", "not_there:mine"]) == 2
+    assert "there is no module not_there here" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_spread_is_median_and_quartiles():

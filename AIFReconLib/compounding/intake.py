@@ -1,0 +1,142 @@
+"""What comes into a reconstruction: things of the right kind, and frames, those that cannot enter named, the others laid out and placed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Mask, Matrix, Numbers
+from ..bone.map import BoneMap
+from ..errors import require_kind
+from ..geometry.transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
+from ..geometry.volume import VoxelGrid
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion, PixelFilter
+from ..imaging.sound_speed import depth_scale
+from ..message import Message
+from ..settings import ReconstructionSettings
+from ..sweep.frames import TrackedFrame
+from .batch import FrameBatch
+from .evidence import ScanLines
+from .layout import PixelLayout, in_fixed_point
+
+KINDS: dict[str, tuple[type, str]] = {
+    "settings": (ReconstructionSettings, "Write ReconstructionSettings(method=..., spacing=...)."),
+    "bone": (BoneMap, "Make one: BoneMap.from_labels(labels) or BoneMap.from_probability(probability)."),
+    "grid": (VoxelGrid, "A Volume has one: volume.grid; else VoxelGrid.from_spacing(origin, size, spacing)."),
+    "region": (ImageRegion, "Make one: ImageRegion(ClipRectangle((x, y), (width, height)), Fan(apex, angles, radii))."),
+    "probe": (ProbeGeometry, 'Make one: ProbeGeometry("linear") or ProbeGeometry("sector", (column, row)).'),
+}
+"""What is given to a reconstruction under these names, and how one gets it."""
+
+
+def require_kinds(**given: object) -> None:
+    """Return if what is given, by its name among `KINDS`, is what it is taken for; None is.
+
+    Raises
+    ------
+    InputTypeError
+        With how one gets it, for the first that is not.
+    """
+    for name, value in given.items():
+        kind, advice = KINDS[name]
+        require_kind(name, value, (kind, type(None)), advice)
+
+
+class Intake:
+    """What a reconstructor does to a frame before an engine gets it.
+
+    Parameters
+    ----------
+    grid : VoxelGrid
+    settings : ReconstructionSettings
+    region : ImageRegion
+        Pixels outside it never enter.
+    probe : ProbeGeometry or None
+    needs_beams : bool
+        Whether pixels get the direction of their beam.
+    judges_shadows : bool
+        Whether frames get the scan lines along which shadows are looked for.
+    fixed_point : bool
+        Place pixels as Plus's Optimization=FULL does; see `in_fixed_point`.
+
+    Attributes
+    ----------
+    layout : PixelLayout or None
+        Of the frames since `lay_out`; None before the first.
+    scan_lines : ScanLines or None
+        Of that layout.
+    """
+
+    def __init__(
+        self,
+        grid: VoxelGrid,
+        settings: ReconstructionSettings,
+        region: ImageRegion,
+        probe: ProbeGeometry | None,
+        *,
+        needs_beams: bool,
+        judges_shadows: bool,
+        fixed_point: bool = False,
+    ):
+        self.layout: PixelLayout | None = None
+        self.scan_lines: ScanLines | None = None
+        self._grid, self._settings, self._region, self._probe = grid, settings, region, probe
+        self._needs_beams, self._judges_shadows, self._fixed_point = needs_beams, judges_shadows, fixed_point
+        self._filter = PixelFilter(settings.pixel_rejection, region)
+        self._stretch: Matrix | None = None
+
+    @staticmethod
+    def why_not(frame: TrackedFrame) -> str | None:
+        """Why a frame cannot enter any volume; None for one that can."""
+        if frame.status != "OK":
+            return frame.status
+        if frame.image is None:
+            return Message("no image")
+        if frame.image_to_reference is None:
+            return Message("no pose")
+        problem = why_not_an_image_pose(frame.image_to_reference)
+        return Message("image pose {problem}", problem=problem) if problem else None
+
+    def fits(self, image: Numbers, pose: Matrix) -> bool:
+        """Whether the layout serves an image (rows, columns) with this pose."""
+        return self.layout is not None and self.layout.fits(_size(image), pixel_spacing(pose))
+
+    def lay_out(self, image: Numbers, pose: Matrix) -> None:
+        """Make the layout that does."""
+        size, spacing = _size(image), pixel_spacing(pose)
+        scale = depth_scale(self._settings, self._region.mask(*size), self._probe, spacing)
+        # What keeps rows straight is the pose's to do, which any engine can
+        self._stretch = None if scale is None else scale.stretch
+        scale = None if self._stretch is not None else scale
+        self.layout = PixelLayout.build(size, spacing, self._region, self._probe if self._needs_beams else None, scale)
+        if self._probe is not None and self._judges_shadows:
+            self.scan_lines = ScanLines(self.layout, self._probe)
+
+    def put(self, batch: FrameBatch, image: Numbers, pose: Matrix, number: int) -> str | None:
+        """Place a frame that fits the layout into a batch; the answer is why it was left out, None where it was not."""
+        kept = self._filter.kept(image)
+        if kept is not None and self.layout is not None and not self.layout.has_any(kept):
+            return Message("nothing bright enough in the image")
+        x_axis, y_axis = image_plane_axes(pose)
+        image_to_ijk = self._grid.reference_to_ijk @ pose if self._stretch is None else self._grid.reference_to_ijk @ pose @ self._stretch
+        batch.add(
+            image,
+            in_fixed_point(image_to_ijk) if self._fixed_point else image_to_ijk,
+            (x_axis.astype(np.float32), y_axis.astype(np.float32)),
+            number,
+            kept,
+        )
+        return None
+
+    def why_nothing_entered(self, batch: FrameBatch, place: int) -> str:
+        """Of a frame of a batch none of whose pixels entered."""
+        measured: Mask | None = batch.measured.get(place)
+        if self.layout is not None and measured is not None and not self.layout.has_any(measured):
+            return Message("no pixel in the image is a finite number")
+        if self.layout is not None and self.layout.voxels(batch.image_to_ijk[place], self._grid.size)[0].size:
+            return Message("no pixel in the volume has any weight")
+        return Message("outside the volume")
+
+
+def _size(image: Numbers) -> tuple[int, int]:
+    return image.shape[1], image.shape[0]

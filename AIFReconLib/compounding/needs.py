@@ -1,0 +1,51 @@
+"""What a method needs to be told: where bone is, how the beams run, what a frame itself shows of bone."""
+
+from __future__ import annotations
+
+from ..errors import SettingsError
+from ..message import Message
+from ..settings import BONE_METHODS, ReconstructionSettings
+from .own.method import own_method
+
+
+def method_needs_bone(name: str) -> bool:
+    """Whether a method, built in or registered, weights pixels by where bone is.
+
+    Raises
+    ------
+    MethodError
+        When it is one of the user's own and is not registered; so do the others here.
+    """
+    method = own_method(name)
+    return name in BONE_METHODS if method is None else method.needs_bone
+
+
+def needs_bone(name: str, settings: ReconstructionSettings) -> bool:
+    """Whether a reconstruction reads the bone map."""
+    return method_needs_bone(name) or settings.best_cosine
+
+
+def judges_shadows(name: str) -> bool:
+    """Whether a method looks for shadows in each frame."""
+    method = own_method(name)
+    return name == "weighted" if method is None else method.needs_shadows
+
+
+def needs_beams(name: str, settings: ReconstructionSettings) -> bool:
+    """Whether a reconstruction reads the beams' directions."""
+    return needs_bone(name, settings) or judges_shadows(name)
+
+
+def require_bone(name: str, settings: ReconstructionSettings, has_bone: bool) -> bool:
+    """Whether a reconstruction reads the bone map, and an error where there is none for it.
+
+    Raises
+    ------
+    SettingsError
+        When it needs one and there is none.
+    """
+    uses_bone = needs_bone(name, settings)
+    if uses_bone and not has_bone:
+        wish = Message("Method {method}", method=name) if method_needs_bone(name) else Message("The cosine of incidence")
+        raise SettingsError("{wish} needs to know where bone is. Give labels or a bone probability, or choose method average.", wish=wish)
+    return uses_bone

@@ -1,0 +1,294 @@
+"""A method of one's own: one function that says what each pixel of a frame weighs, and the list of those that are known.
+
+The list is the one thing here that outlives a call. It is filled by whoever imports the module that holds a method; a name that comes
+from elsewhere, such as from the header of a volume, finds a method in it or nothing: no module is imported because a file names it.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import Reals, Singles
+from ...errors import MethodError
+from ...message import Message, listed
+from ...settings import METHODS, is_own_method
+
+Answer = tuple[ArrayLike, ArrayLike]
+"""Weight and value of every pixel: arrays as large as those that were given, or one number for all."""
+
+OF_BONE = ("cosine", "probability")
+"""Arrays that need a bone map, and the direction of the beams."""
+
+OF_SHADOWS = ("reach", "onset")
+"""Arrays that need the direction of the beams."""
+
+ARRAYS = ("intensity", *OF_BONE, *OF_SHADOWS)
+"""What a method may ask for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Method:
+    """A method of one's own, as `register_method` makes it. It can still be called like the function.
+
+    Parameters
+    ----------
+    name : str
+        ``module:function``: what settings, command line and the header of a volume call it.
+    function : callable
+    arrays : tuple of str
+        Which of `ARRAYS` it takes.
+    """
+
+    name: str
+    function: Callable[..., Answer]
+    arrays: tuple[str, ...]
+
+    @property
+    def needs_bone(self) -> bool:
+        """Whether it looks at a bone map."""
+        return not set(self.arrays).isdisjoint(OF_BONE)
+
+    @property
+    def needs_shadows(self) -> bool:
+        """Whether it looks at what a frame itself tells of bone."""
+        return not set(self.arrays).isdisjoint(OF_SHADOWS)
+
+    def __call__(self, *arguments: object, **named: object) -> Answer:
+        return self.function(*arguments, **named)
+
+    def __reduce__(self) -> tuple[Callable[[str], Method], tuple[str]]:
+        # By its name, as functions are; the function's own name leads to this
+        return load_method, (self.name,)
+
+    def weigh(self, arrays: Mapping[str, Singles], frame: int) -> tuple[Singles, Singles]:
+        """What each pixel of a frame weighs, and its value.
+
+        Parameters
+        ----------
+        arrays : mapping of str to (rows, columns) float32 array
+            Those that it takes.
+        frame : int
+            The frame's number, for errors.
+
+        Returns
+        -------
+        weight, value : (rows, columns) float32 arrays
+            Not looked at yet: see `check`.
+
+        Raises
+        ------
+        MethodError
+            When the function fails, or answers something else than two such arrays.
+        """
+        shape = next(iter(arrays.values())).shape
+        try:
+            # Where nothing enters it may divide by zero; where a pixel does, its answer is checked
+            with np.errstate(all="ignore"):
+                answer = self.function(**arrays)
+        except Exception as error:  # whatever the function does, the user is told which one it was
+            cause = next(iter(str(error).splitlines()), "")
+            raise MethodError(
+                "Method {method} failed in frame {frame} ({kind}: {cause}). Correct the function.",
+                method=self.name,
+                frame=frame,
+                kind=type(error).__name__,
+                cause=cause,
+            ) from error
+        if not isinstance(answer, tuple) or len(answer) != 2:
+            raise MethodError(
+                "Method {method} must return a tuple of weight and value; got {kind}. Return both, the intensity as the value if it stays.",
+                method=self.name,
+                kind=type(answer).__name__,
+            )
+        weight, value = (self._as_large(part, word, shape) for part, word in zip(answer, ("weight", "value"), strict=True))
+        return weight, value
+
+    def _as_large(self, part: ArrayLike, word: str, shape: tuple[int, ...]) -> Singles:
+        try:
+            with np.errstate(all="ignore"):
+                array = np.asarray(part).astype(np.float32)
+        except (TypeError, ValueError):
+            array = np.empty((0, 0), np.float32)
+        if array.shape not in ((), shape):
+            raise MethodError(
+                "Method {method} must return a {word} for each pixel, {shape} numbers like the arrays that it takes, or one for all; got "
+                "{got}.",
+                method=self.name,
+                word=word,
+                shape=shape,
+                got=np.shape(part) if array.size else type(part).__name__,
+            )
+        return np.broadcast_to(array, shape)
+
+    def check(self, weight: Reals, value: Reals, frame: int) -> None:
+        """Raise `MethodError` unless what pixels of a frame answered, (n,) each, can be added up."""
+        # What is NaN compares as false
+        if not (weight.min() >= 0 and weight.max() < np.inf):
+            wrong = ~((weight >= 0) & (weight < np.inf))
+            raise MethodError(
+                "Method {method} must return weights that are finite and at least 0; got {weight} for {count} of the {pixels} pixels of "
+                "frame {frame} that enter.",
+                method=self.name,
+                weight=weight[wrong][0],
+                count=np.count_nonzero(wrong),
+                pixels=weight.size,
+                frame=frame,
+            )
+        wrong = ~np.isfinite(value)
+        if wrong.any() and (wrong := wrong & (weight > 0)).any():
+            raise MethodError(
+                "Method {method} must return finite values where the weight is above 0; got {value} for {count} of the {pixels} pixels of "
+                "frame {frame} that enter.",
+                method=self.name,
+                value=value[wrong][0],
+                count=np.count_nonzero(wrong),
+                pixels=weight.size,
+                frame=frame,
+            )
+
+
+_KNOWN: dict[str, Method] = {}
+
+
+def register_method(function: Callable[..., Answer]) -> Method:
+    """Make a method of reconstruction of a function; written above it as a decorator.
+
+    Parameters
+    ----------
+    function : callable
+        Its arguments say by their names which arrays it takes, each (rows, columns) float32, the part of the image in which pixels count:
+
+        ``intensity``
+            Gray levels as recorded; 0 where they are not finite.
+        ``cosine``
+            Of the angle between the beam and the direction of bone, 0 to 1. Needs a bone map; 0 where there is no bone near.
+        ``probability``
+            Of bone, 0 to 1. Needs a bone map.
+        ``reach``
+            How surely sound reached the pixel, 0.01 to 1.01, by the shadows of the frame itself.
+        ``onset``
+            How surely a shadow begins there, 0 to 1.
+
+        Other arguments must have a default. It returns weight and value of every pixel, as arrays like those or as one number for all.
+        A voxel becomes the sum of weight times value over the sum of weights; a pixel of weight 0 does not enter.
+
+    Returns
+    -------
+    Method
+        Its `name`, ``module:function``, is what the settings' `method` is to be. Registered again, it takes the place of the earlier one.
+
+    Raises
+    ------
+    MethodError
+        When it has no name, or an argument that no frame can give.
+
+    Notes
+    -----
+    What a pixel weighs must not depend on what the function saw before: then the order of frames does not matter, and a volume is the
+    same in parts and whole, live and afterwards. Sums are float64. `cosine`, `probability` and the answers are of use within the volume
+    alone; `intensity`, `reach` and `onset` are those of the whole frame, wherever the volume ends.
+
+    Examples
+    --------
+    >>> @register_method
+    ... def bright_counts_more(intensity):
+    ...     return 1 + intensity, intensity
+    >>> bright_counts_more.name.endswith(":bright_counts_more"), bright_counts_more.needs_bone
+    (True, False)
+    """
+    module, word = getattr(function, "__module__", None), getattr(function, "__name__", "")
+    name = f"{module}:{word}"
+    if not callable(function) or not is_own_method(name):
+        raise MethodError("Input function must be one with a name of its own; got {function!r}. Write def above it.", function=function)
+    arrays = []
+    for argument in inspect.signature(function).parameters.values():
+        by_name = argument.kind in (argument.POSITIONAL_OR_KEYWORD, argument.KEYWORD_ONLY)
+        if by_name and argument.name in ARRAYS:
+            arrays.append(argument.name)
+        elif not by_name or argument.default is argument.empty:
+            raise MethodError(
+                "Method {method} takes {argument}, which no frame has. Take some of {arrays}, or give it a default.",
+                method=name,
+                argument=str(argument).partition(":")[0],
+                arrays=listed(ARRAYS),
+            )
+    if not arrays:
+        raise MethodError("Method {method} must take at least one of {arrays}.", method=name, arrays=listed(ARRAYS))
+    _KNOWN[name] = method = Method(name, function, tuple(arrays))
+    return method
+
+
+def registered_methods() -> tuple[str, ...]:
+    """The names of all methods of one's own that are known, in the order in which they were registered."""
+    return tuple(_KNOWN)
+
+
+def own_method(name: str) -> Method | None:
+    """The method of one's own of that name; None for a built-in one.
+
+    Raises
+    ------
+    MethodError
+        When it is not registered.
+    """
+    if not is_own_method(name):
+        return None
+    if name not in _KNOWN:
+        raise MethodError(
+            "Method {method} is not known: no module that registers it was imported. Import {module} first, or name it with --method; "
+            "or choose one of {methods}.",
+            method=name,
+            module=name.partition(":")[0],
+            methods=listed((*METHODS, *_KNOWN)),
+        )
+    return _KNOWN[name]
+
+
+def load_method(name: str) -> Method:
+    """The method ``module:function``, its module imported if need be. For names that the user gave, never for those of a file.
+
+    Raises
+    ------
+    MethodError
+        When there is no such module, it cannot be imported, or it registers no such method.
+    """
+    if not is_own_method(name):
+        raise MethodError("Input name must be module:function; got {name!r}.", name=name)
+    if name in _KNOWN:
+        return _KNOWN[name]
+    module, _, word = name.partition(":")
+    try:
+        import_module(module)
+    except (Exception, SystemExit) as error:  # importing runs the user's code, which fails in whatever way it likes
+        raise _why_not_imported(name, module, error) from error
+    if name not in _KNOWN:
+        registered = [known for known in _KNOWN if known.startswith(f"{module}:")]
+        has = Message("It registers {methods}.", methods=listed(registered)) if registered else Message("It registers no method.")
+        raise MethodError(
+            "There is no method {word} in {module}. {has} Write @register_method above def {word}.", word=word, module=module, has=has
+        )
+    return _KNOWN[name]
+
+
+def _why_not_imported(name: str, module: str, error: BaseException) -> MethodError:
+    if isinstance(error, ModuleNotFoundError) and error.name is not None and f"{module}.".startswith(f"{error.name}."):
+        return MethodError(
+            "Method {method} is not found: there is no module {module} here. Start where {file} is, or put its folder into PYTHONPATH.",
+            method=name,
+            module=error.name,
+            file=f"{error.name.replace('.', '/')}.py",
+        )
+    cause = next(iter(str(error).splitlines()), "")
+    return MethodError(
+        "Method {method} cannot be had: importing {module} fails ({kind}: {cause}). Correct the module.",
+        method=name,
+        module=module,
+        kind=type(error).__name__,
+        cause=cause,
+    )

@@ -1,0 +1,57 @@
+"""Volumes as images of SimpleITK, and the way back: they hold left-posterior-superior coordinates, as files do."""
+
+from __future__ import annotations
+
+import numpy as np
+import SimpleITK as sitk
+
+from ...arrays import Numbers
+from ...errors import GeometryError
+from ...geometry.transforms import LPS_FROM_RAS
+from ...geometry.volume import Volume
+
+
+def to_sitk(volume: Volume) -> sitk.Image:
+    """The volume as a `SimpleITK.Image` with a copy of its voxels, placed in LPS. Truth values become 0 and 1, 8 bit.
+
+    Raises
+    ------
+    GeometryError
+        When SimpleITK has no such voxels: half precision, or numbers of more than 64 bits.
+    """
+    array = volume.array.astype(np.uint8) if volume.array.dtype == bool else volume.array
+    ijk_to_lps = LPS_FROM_RAS @ volume.ijk_to_reference
+    spacing = np.linalg.norm(ijk_to_lps[:3, :3], axis=0)
+    try:
+        image = sitk.GetImageFromArray(array)
+    except (TypeError, KeyError, RuntimeError) as error:
+        raise GeometryError(
+            "Input voxels must be of a type that SimpleITK has; got {kind}. Convert the volume to another type.", kind=array.dtype
+        ) from error
+    image.SetSpacing(spacing.tolist())
+    image.SetDirection((ijk_to_lps[:3, :3] / spacing).ravel().tolist())
+    image.SetOrigin(ijk_to_lps[:3, 3].tolist())
+    return image
+
+
+def from_sitk(image: object) -> Volume:
+    """A `SimpleITK.Image` of one scalar 3D volume as a `Volume`, its voxels copied, placed in RAS.
+
+    Raises
+    ------
+    GeometryError
+        When it is another thing: a picture, a series, colors, complex numbers.
+    """
+    if not isinstance(image, sitk.Image):
+        raise GeometryError("Input image must be a SimpleITK.Image; got {kind}.", kind=type(image).__name__)
+    if image.GetDimension() != 3:
+        raise GeometryError("Input image must be a 3D volume; got {dimensions} dimensions.", dimensions=image.GetDimension())
+    if image.GetNumberOfComponentsPerPixel() != 1 or "complex" in image.GetPixelIDTypeAsString():
+        raise GeometryError(
+            "Input image must have one real number a voxel; got {kind}. Take one component.", kind=image.GetPixelIDTypeAsString()
+        )
+    array: Numbers = sitk.GetArrayFromImage(image)
+    ijk_to_lps = np.eye(4)
+    ijk_to_lps[:3, :3] = np.array(image.GetDirection()).reshape(3, 3) * np.array(image.GetSpacing())
+    ijk_to_lps[:3, 3] = image.GetOrigin()
+    return Volume(array, LPS_FROM_RAS @ ijk_to_lps)

@@ -1,0 +1,191 @@
+"""What a reconstruction was made with: settings that repeat it to the same voxels, and the header of its volumes that says so.
+
+What the inputs say themselves, a Plus configuration above all, is left to them: it says the same again. What the caller gave, and what was
+chosen from defaults, poses and images, is kept.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, replace
+from pathlib import Path
+
+from .. import __version__
+from ..compounding.reconstructor import Reconstruction
+from ..geometry.volume import Volume
+from ..imaging.region import ImageRegion
+from ..message import Message
+from ..resolve import Imaging
+from ..settings import AUTOMATIC, ReconstructionSettings
+from ..sweep.configuration import PlusConfiguration
+from ..sweep.frames import TrackedSequence
+
+SETTINGS, INPUTS, VERSION = "AIFRecon_settings", "AIFRecon_inputs", "AIFRecon_version"
+"""Keys of a volume's header."""
+
+VOLUMES = ("intensity", "score", "hits", "mask", "cosine")
+
+_BY_CONFIGURATION = ("method", "spacing", "skip", "interpolation", "pixel_rejection")
+"""What a configuration may say of a reconstruction, by its names there and in the settings."""
+
+OF_OUTPUTS = "best_cosine"
+"""What is asked for by another output, and changes no other."""
+
+
+def kept_settings(
+    asked: ReconstructionSettings,
+    resolved: ReconstructionSettings,
+    result: Reconstruction,
+    imaging: Imaging,
+    configuration: PlusConfiguration,
+    **more: object,
+) -> dict[str, object]:
+    """The settings that give the same voxels from the same inputs, by the names that settings files have for them.
+
+    Parameters
+    ----------
+    asked, resolved : ReconstructionSettings
+        As the caller gave them, and as `resolve_settings` returned them.
+    result : Reconstruction
+        For what it chose: hole limit and grid.
+    imaging : Imaging
+        That was used.
+    configuration : PlusConfiguration
+        What it says is left to it.
+    **more
+        Other settings by their names; None is not kept.
+    """
+    given = {**asdict(asked), **more}
+    kept = {name: value for name, value in given.items() if value is not None and name != OF_OUTPUTS}
+    for name in _BY_CONFIGURATION:
+        value = getattr(resolved, name)
+        if value is not None and value != getattr(configuration, name):
+            kept.setdefault(name, value)
+    if asked.hole_limit == AUTOMATIC and result.hole_limit > 0:
+        kept["hole_limit"] = result.hole_limit
+    region, probe = imaging.region, imaging.probe
+    if region != configuration.imaged_region:
+        kept.update(_region_settings(region))
+    if probe is not None and probe != configuration.probe:
+        kept["probe"] = probe.kind
+        if probe.apex_px is not None:
+            kept["apex_px"] = [float(px) for px in probe.apex_px]
+    kept["grid_size"] = list(result.grid.size)
+    kept["grid_to_reference"] = result.grid.ijk_to_reference.tolist()
+    return kept
+
+
+def _region_settings(region: ImageRegion) -> dict[str, object]:
+    """The whole of a region. A clip rectangle of no size is the full image."""
+    clip, fan, detection = region.clip, region.fan, region.fan_detection
+    kept: dict[str, object] = {"clip_px": [0.0] * 4 if clip is None else [float(px) for px in (*clip.origin_px, *clip.size_px)]}
+    if fan is not None:
+        parts = {"apex_px": fan.apex_px, "angles_deg": fan.angles_deg, "radius_px": fan.radii, "pixel_size": fan.pixel_size}
+        kept.update({f"fan_{name}": [float(number) for number in pair] for name, pair in parts.items()})
+    if detection is not None:
+        kept["fan_detection"] = [float(detection.threshold), detection.filter_radius_px]
+    return kept
+
+
+def with_origin(
+    result: Reconstruction,
+    imaging: Imaging,
+    *,
+    asked: ReconstructionSettings,
+    resolved: ReconstructionSettings,
+    configuration: PlusConfiguration,
+    inputs: Iterable[Path],
+    image_to_reference: str | None = None,
+    reference: str | None = None,
+) -> Reconstruction:
+    """A result as it was made, signed with its settings and inputs; see `kept_settings` and `signed`."""
+    names = {"image_to_reference": image_to_reference, "reference": reference}
+    return signed(result, kept_settings(asked, resolved, result, imaging, configuration, **names), inputs)
+
+
+def input_files(sequence: TrackedSequence) -> list[Path]:
+    """The files of recordings and configurations, as far as they are known."""
+    found = (path for each in sequence.parts for path in (each.path, each.configuration.path))
+    return [path for path in dict.fromkeys(found) if path is not None]
+
+
+def signed(
+    result: Reconstruction, settings: Mapping[str, object], inputs: Iterable[Path], stream: Mapping[str, object] | None = None
+) -> Reconstruction:
+    """The result with volumes that say in their headers, when they are written, where they come from.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    settings : mapping
+        As `kept_settings` returns them.
+    inputs : paths
+        Files that were read. Only their names and sizes are kept: folders may name a patient.
+    stream : mapping or None
+        How a live stream was read; a recording of it needs none of that.
+    """
+    fields = {
+        VERSION: __version__,
+        "AIFRecon_method": result.method,
+        "AIFRecon_hole_limit_mm": f"{result.hole_limit:g}",
+        "AIFRecon_frames": str(result.frames_inserted),
+        SETTINGS: json.dumps(settings, sort_keys=True),
+        INPUTS: json.dumps([_named(path) for path in dict.fromkeys(inputs)]),
+    }
+    if stream:
+        fields["AIFRecon_stream"] = json.dumps(stream, sort_keys=True)
+    return _with_fields(result, fields)
+
+
+def with_settings(result: Reconstruction, more: Mapping[str, object]) -> Reconstruction:
+    """The result with volumes that know further settings, by which its inputs were made."""
+    fields = {**result.intensity.fields, SETTINGS: json.dumps({**settings_of(result.intensity), **more}, sort_keys=True)}
+    return _with_fields(result, fields)
+
+
+def _with_fields(result: Reconstruction, fields: Mapping[str, str]) -> Reconstruction:
+    volumes = {name: replace(volume, fields=fields) for name in VOLUMES if (volume := getattr(result, name)) is not None}
+    return replace(result, **volumes)
+
+
+def settings_of(volume: Volume) -> dict[str, object]:
+    """The settings that a volume was made with; none where it does not say so."""
+    settings: dict[str, object] = json.loads(volume.fields.get(SETTINGS, "{}"))
+    return settings
+
+
+def _named(path: Path) -> dict[str, object]:
+    try:
+        return {"name": path.name, "bytes": path.stat().st_size}
+    except OSError:  # it was there when it was read
+        return {"name": path.name}
+
+
+def other_inputs(source: str, before: Iterable[Mapping[str, object]], inputs: Iterable[Path]) -> list[Message]:
+    """How the inputs differ from those of the volume that is repeated, a sentence each.
+
+    Parameters
+    ----------
+    source : str
+        Name of that volume.
+    before : iterable of mappings
+        Its inputs, as its header has them.
+    inputs : paths
+    """
+    sizes = defaultdict(set)
+    for path in inputs:
+        sizes[path.name].add(_named(path).get("bytes"))
+    notes = []
+    for each in before:
+        name, size = each.get("name"), each.get("bytes")
+        if name not in sizes:
+            notes.append(Message("{source} was made from {name} too, which is not given now.", source=source, name=name))
+        elif size not in sizes[str(name)]:
+            notes.append(
+                Message(
+                    "{name} is not the file that {source} was made from: its size was {size} bytes.", name=name, source=source, size=size
+                )
+            )
+    return notes

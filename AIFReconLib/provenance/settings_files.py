@@ -1,0 +1,170 @@
+"""Settings files (JSON, TOML), and volumes that say how they were made: both say what `--settings` repeats."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+
+from .. import __version__
+from ..errors import OutputError, SettingsFileError
+from ..io.disk.atomic import check_writable, write_text
+from ..io.disk.small_files import read_bytes
+from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
+from ..message import shorten
+from .kept import KeptSettings, understood
+from .record import INPUTS, SETTINGS, VERSION
+
+VOLUME_SUFFIXES = (*NRRD_SUFFIXES, *METAIMAGE_SUFFIXES)
+JSON, TOML = ".json", ".toml"
+WRITTEN_BY = "version"
+"""Key of a settings file for the version that wrote it."""
+
+MOST_BYTES = 2**20
+
+
+def read_settings(path: str | Path) -> KeptSettings:
+    """The settings in a file.
+
+    Parameters
+    ----------
+    path : str or Path
+        .json or .toml, as `write_settings` writes them; or a volume (.nrrd, .nhdr, .mha, .mhd) that says how it was made.
+
+    Raises
+    ------
+    SettingsFileError
+        When it cannot be read, or a setting is not known or not of its kind; names file, key and remedy.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    inputs: tuple[Mapping[str, object], ...] = ()
+    if suffix in VOLUME_SUFFIXES:
+        header = read_metafile(path, SettingsFileError).fields
+        if SETTINGS not in header:
+            raise SettingsFileError(
+                "{path}: this volume does not say how it was made. Give one that AIFRecon wrote, or a settings file (.json, .toml).",
+                path=path,
+            )
+        table = {WRITTEN_BY: header.get(VERSION, ""), **_from_json(path, header[SETTINGS])}
+        inputs = _inputs(header.get(INPUTS, ""))
+    elif suffix == JSON:
+        table = _from_json(path, _text(path))
+    elif suffix == TOML:
+        table = _from_toml(path, _text(path))
+    else:
+        raise SettingsFileError(
+            "{path}: settings are read from .json, .toml, {suffixes}. Give such a file; others have no room for settings.",
+            path=path,
+            suffixes=", ".join(VOLUME_SUFFIXES),
+        )
+    version = table.pop(WRITTEN_BY, "")
+    return understood(path, {key.replace("-", "_"): value for key, value in table.items()}, str(version), inputs)
+
+
+def write_settings(settings: Mapping[str, object], path: str | Path) -> None:
+    """Write settings, as `kept_settings` returns them, completely or not at all.
+
+    Parameters
+    ----------
+    settings : mapping
+    path : str or Path
+        .json or .toml.
+
+    Raises
+    ------
+    OutputError
+        When the suffix is another, or the file cannot be written.
+    """
+    table = {WRITTEN_BY: __version__, **{name: settings[name] for name in sorted(settings)}}
+    if _writable_suffix(path) == JSON:
+        lines = [f"  {json.dumps(name)}: {json.dumps(value)}" for name, value in table.items()]
+        write_text(path, "{\n" + ",\n".join(lines) + "\n}\n")
+    else:
+        # What JSON has for these values TOML has too, but for one character that it wants escaped
+        lines = [f"{name} = {json.dumps(value, ensure_ascii=False)}\n" for name, value in table.items()]
+        write_text(path, "".join(lines).replace("\x7f", "\\u007f"))
+
+
+def check_settings_path(path: str | Path) -> None:
+    """Return if settings can be written to `path`; to be asked before a long computation.
+
+    Raises
+    ------
+    OutputError
+    """
+    _writable_suffix(path)
+    check_writable(path)
+
+
+def _writable_suffix(path: str | Path) -> str:
+    suffix = Path(path).suffix.lower()
+    if suffix not in (JSON, TOML):
+        raise OutputError("Cannot write {path}: settings are written as .json or .toml. Choose another name.", path=path)
+    return suffix
+
+
+# ---- text
+
+
+def _text(path: Path) -> str:
+    data = read_bytes(path, MOST_BYTES + 1, SettingsFileError)
+    if len(data) > MOST_BYTES:
+        raise SettingsFileError(
+            "{path}: it is longer than {most} bytes, which no settings are. Give a settings file.", path=path, most=MOST_BYTES
+        )
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise SettingsFileError("{path}: it is not text in UTF-8. Give a settings file, or save it as UTF-8.", path=path) from None
+
+
+def _from_json(path: Path, text: str) -> dict[str, object]:
+    try:
+        table = json.loads(text, object_pairs_hook=_without_twins)
+    except (ValueError, RecursionError) as error:
+        raise _damaged(path, "JSON", error) from None
+    if not isinstance(table, dict):
+        raise SettingsFileError(
+            "{path}: settings are names and values, as {example}. Correct the file.", path=path, example='{"alpha": 0.1}'
+        )
+    return table
+
+
+def _without_twins(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        names = [name for name, _ in pairs]
+        raise ValueError(f"{next(name for name in names if names.count(name) > 1)!r} is there twice")
+    return table
+
+
+def _from_toml(path: Path, text: str) -> dict[str, object]:
+    if find_spec("tomllib") is None:
+        raise SettingsFileError("{path}: this Python reads no TOML; that of 3.11 or later does. Give the settings as .json.", path=path)
+    try:
+        table: dict[str, object] = import_module("tomllib").loads(text)
+    except (ValueError, RecursionError) as error:
+        raise _damaged(path, "TOML", error) from None
+    return table
+
+
+def _damaged(path: Path, kind: str, error: Exception) -> SettingsFileError:
+    reason = "it is nested too deeply" if isinstance(error, RecursionError) else shorten(str(error), 200)
+    return SettingsFileError(
+        "{path}: it cannot be read as {kind} ({reason}). Correct it, or have it written anew.",
+        path=path,
+        kind=kind,
+        reason=reason,
+    )
+
+
+def _inputs(text: str) -> tuple[Mapping[str, object], ...]:
+    """The inputs in a header; none where they cannot be understood, for no voxel depends on them."""
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):
+        return ()
+    return tuple(each for each in found if isinstance(each, dict) and isinstance(each.get("name"), str)) if isinstance(found, list) else ()

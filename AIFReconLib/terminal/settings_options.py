@@ -1,0 +1,115 @@
+"""`--settings` and `--save-settings`: a reconstruction that is repeated, with what was chosen for it by itself."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from .. import __version__
+from ..bone.map import SIGMA_VOXELS
+from ..compounding.reconstructor import Reconstruction
+from ..message import Message
+from ..provenance.kept import KeptSettings
+from ..provenance.record import other_inputs, settings_of, signed
+from ..provenance.settings_files import check_settings_path, read_settings, write_settings
+from .one_line_parser import OneLineParser
+
+OF_A_RECORDING = ("orientation", "time_offset", "longest_gap")
+"""How a recording is read, by the names of the options."""
+
+
+def add_settings_options(parser: argparse.ArgumentParser, without: tuple[str, ...] = ()) -> None:
+    """Declare both; settings in `without` are not taken from a file."""
+    group = parser.add_argument_group("settings", "of a reconstruction that is to be repeated, the voxels of its volume included")
+    group.add_argument(
+        "--settings",
+        type=Path,
+        metavar="FILE",
+        help="take settings from this volume that aifrecon wrote (.nrrd, .mha, .mhd), or from this file (.json, .toml); files are given "
+        "as always, and options given beside it win",
+    )
+    group.add_argument(
+        "--save-settings", type=Path, metavar="FILE", help="also write the settings, what was chosen by itself included (.json, .toml)"
+    )
+    parser.set_defaults(kept=None)
+    if isinstance(parser, OneLineParser):
+        parser.defaults_from = _defaults_without(without)
+
+
+def _defaults_without(without: tuple[str, ...]) -> Callable[[argparse.Namespace], Mapping[str, object]]:
+    """What makes defaults of the file that the given options name."""
+
+    def defaults(given: argparse.Namespace) -> Mapping[str, object]:
+        if given.settings is None:
+            return {}
+        kept = read_settings(given.settings)
+        options = {name: value for name, value in kept.options.items() if name not in without}
+        other_frame = given.reference is not None and given.reference != options.get("reference")
+        if given.spacing or given.grid_like or other_frame:
+            kept = replace(kept, grid=None)
+        if given.bone_sigma_voxels is not None:
+            options.pop("bone_sigma_mm", None)
+        if given.bone_labels or given.bone_probability:
+            options.pop("bone_from_sweep", None)
+        return {**options, "kept": kept}
+
+    return defaults
+
+
+def check_save_settings(arguments: argparse.Namespace) -> None:
+    """Return if --save-settings can be obeyed, as far as can be told before a long computation."""
+    if arguments.save_settings is not None:
+        check_settings_path(arguments.save_settings)
+
+
+def with_provenance(
+    result: Reconstruction, arguments: argparse.Namespace, inputs: list[Path | None], stream: Mapping[str, object] | None = None
+) -> Reconstruction:
+    """The result with volumes that know all settings and inputs; notes say what differs from the volume that was to be repeated.
+
+    Parameters
+    ----------
+    result : Reconstruction
+        As `reconstruct` returns it.
+    arguments : Namespace
+    inputs : list of Path or None
+        Files that were read.
+    stream : mapping or None
+        See `signed`.
+    """
+    settings = {**settings_of(result.intensity), **_of_bone(arguments)}
+    if stream is None:
+        settings.update({name: value for name in OF_A_RECORDING if (value := getattr(arguments, name)) is not None})
+    files = [path for path in inputs if path is not None]
+    kept: KeptSettings | None = arguments.kept
+    notes = () if kept is None else (*_about_version(kept), *other_inputs(kept.path.name, kept.inputs, files))
+    return replace(signed(result, settings, files, stream), notes=(*result.notes, *notes))
+
+
+def _of_bone(arguments: argparse.Namespace) -> dict[str, object]:
+    """How the bone map was made."""
+    if arguments.bone_from_sweep:
+        return {"bone_from_sweep": True}
+    if arguments.bone_labels is None:
+        return {}
+    if arguments.bone_sigma_mm is not None:
+        return {"bone_sigma_mm": arguments.bone_sigma_mm}
+    return {"bone_sigma_voxels": SIGMA_VOXELS if arguments.bone_sigma_voxels is None else arguments.bone_sigma_voxels}
+
+
+def _about_version(kept: KeptSettings) -> list[Message]:
+    if kept.version in ("", __version__):
+        return []
+    return [
+        Message("The settings are of version {other}, and this is {this}: voxels may differ.", other=kept.version, this=__version__),
+    ]
+
+
+def save_settings(result: Reconstruction, arguments: argparse.Namespace) -> list[Path]:
+    """Write what --save-settings asks for; the answer names the file, where one was written."""
+    if arguments.save_settings is None:
+        return []
+    write_settings(settings_of(result.intensity), arguments.save_settings)
+    return [arguments.save_settings]

@@ -1,0 +1,218 @@
+"""A reconstruction is repeated from a volume, or from a settings file, to the same bytes of voxels."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import numpy as np
+import pytest
+from files import refused, tracked_sequence
+
+from AIFReconLib import __version__
+from AIFReconLib.commands.parser import main
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.volume.files import read_volume
+
+SUFFIXES = [".nrrd", ".mha", ".mhd", ".json", pytest.param(".toml", marks=pytest.mark.skipif(sys.version_info < (3, 11), reason="no TOML"))]
+SIDES = ("mask", "score", "hits")
+
+
+@pytest.fixture
+def make(patient, results):
+    """Runs `reconstruct` quietly; the answer is everything that was written, by kind."""
+
+    def run(name, *options, words=None, suffix=".nrrd"):
+        paths = {"intensity": results / f"{name}{suffix}", **{side: results / f"{name}-{side}.nrrd" for side in SIDES}}
+        outputs = ["-o", paths["intensity"], *(f"--{side}={paths[side]}" for side in SIDES)]
+        assert main([str(word) for word in [*(words or patient.reconstruct), "-q", *outputs, *options]]) == 0
+        return {kind: read_volume(path) for kind, path in paths.items()}
+
+    return run
+
+
+def assert_same(once, again):
+    for kind, volume in once.items():
+        assert volume.array.tobytes() == again[kind].array.tobytes(), kind
+        np.testing.assert_array_equal(volume.ijk_to_reference, again[kind].ijk_to_reference)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_what_was_chosen_is_repeated_whatever_is_chosen_now(suffix, make, patient, results):
+    """Another spacing in the configuration, and a sweep that lies elsewhere: box, spacing and hole limit stay those of the first."""
+    kept = results / f"kept{suffix}"
+    of_volume = {"suffix": suffix} if suffix in SUFFIXES[:3] else {}
+    once = make("kept", *([] if of_volume else ["--save-settings", kept]), **of_volume)
+    assert_same(once, make("again", "--settings", kept))
+    write_sequence(tracked_sequence(count=3), patient.sweep)
+    patient.config.write_text(patient.config.read_text().replace('OutputSpacing="1 1 1"', 'OutputSpacing="2 2 2"'))
+    fewer, anew = make("fewer", "--settings", kept), make("anew")
+    assert fewer["mask"].grid.matches(once["mask"].grid)
+    assert not anew["mask"].grid.matches(once["mask"].grid)
+    assert fewer["intensity"].fields["AIFRecon_hole_limit_mm"] == once["intensity"].fields["AIFRecon_hole_limit_mm"]
+
+
+GIVEN = [
+    ["--method", "latest", "--spacing", "0.9", "1.1", "1.3", "--hole-limit", "0", "--output-type", "float32"],
+    ["--hole-limit", "2.5", "--holes", "gaussian", "--skip", "2", "--pixel-rejection", "40"],
+    ["--clip-px", "3.5", "2", "30", "21", "--time-offset", "0.02", "--longest-gap", "0.3", "--speed-of-sound", "1400"],
+    ["--probe", "sector", "--apex-px", "19.3", "-30.1", "--fan-angles-deg", "-20", "25", "--fan-radius-px", "31", "57.7"],
+    ["--reference", "Tracker", "--orientation", "UN"],
+]
+
+
+@pytest.mark.parametrize("options", GIVEN, ids=lambda options: options[0].strip("-"))
+def test_what_was_given_is_repeated(options, make, results):
+    assert_same(make("kept", *options), make("again", "--settings", results / "kept.nrrd"))
+
+
+@pytest.mark.parametrize("sigma", [["--bone-sigma-mm", "1.6"], ["--bone-sigma-voxels", "2.5"], []], ids=" ".join)
+def test_how_the_bone_map_was_made_is_repeated(sigma, make, patient, results):
+    files = ["--bone-labels", patient.labels, "--bone-transform", patient.transform]
+    once = make("kept", *files, *sigma, "--alpha", "3", "--bone-direction", "surface")
+    assert_same(once, make("again", *files, "--settings", results / "kept.nrrd"))
+
+
+def fan_images(count=6, rows=120, columns=160):
+    """A sector on black, about an apex between pixels."""
+    row, column = np.mgrid[:rows, :columns].astype(float)
+    x, y = column - 79.7, row + 20.4
+    inside = (np.abs(np.degrees(np.arctan2(x, y))) < 33) & (np.hypot(x, y) > 30) & (np.hypot(x, y) < 125)
+    speckle = np.random.default_rng(0).integers(60, 250, (count, rows, columns), dtype=np.uint8)
+    return np.where(inside, speckle, 0).astype(np.uint8)
+
+
+@pytest.mark.parametrize("method", ["average", "aif"])
+def test_a_sector_that_was_recognized_is_repeated_where_the_images_show_none(method, make, patient, results):
+    """Images that are lit from side to side: a probe could not be told, so what is used must be what was kept."""
+    write_sequence(tracked_sequence(images=fan_images()), patient.sweep)
+    bare = [line for line in patient.config.read_text().splitlines() if "Output" not in line and "Scan" not in line]
+    patient.config.write_text("\n".join(bare))
+    bone = [*patient.bone] if method == "aif" else []
+    once = make("kept", "--method", method, "--spacing", "2", *bone)
+    assert_same(once, make("again", "--settings", results / "kept.nrrd", *bone))
+    kept = json.loads(once["intensity"].fields["AIFRecon_settings"])
+    assert kept["fan_apex_px"] == pytest.approx([79.7, -20.4], abs=1.5)
+    lit = np.full((6, 120, 160), 200, np.uint8)
+    write_sequence(tracked_sequence(images=lit), patient.sweep)
+    fan = make("lit", "--settings", results / "kept.nrrd", *bone)
+    assert fan["hits"].array.sum() == once["hits"].array.sum()
+
+
+def test_several_sweeps_are_repeated(make, patient, results):
+    second = patient.sweep.with_name("second.igs.mha")
+    write_sequence(tracked_sequence(seed=5), second)
+    words = [*patient.reconstruct, str(second)]
+    assert_same(make("kept", words=words), make("again", "--settings", results / "kept.nrrd", words=words))
+
+
+def test_a_repeated_volume_says_the_same_of_itself(make, results):
+    once = make("kept", "--method", "maximum")["intensity"].fields
+    again = make("again", "--settings", results / "kept.nrrd")["intensity"].fields
+    assert again == once
+
+
+def test_settings_are_written_alike_as_json_and_as_toml(make, results):
+    tomllib = pytest.importorskip("tomllib")
+    make("a", "--reference", "Tracker", "--save-settings", results / "s.json")
+    make("b", "--settings", results / "s.json", "--save-settings", results / "s.toml")
+    read = json.loads((results / "s.json").read_text())
+    assert read == tomllib.loads((results / "s.toml").read_text())
+    assert (read["version"], read["method"], read["reference"]) == (__version__, "average", "Tracker")
+
+
+# ---- options given beside it
+
+
+@pytest.mark.parametrize("options", [["--method", "latest"], ["--hole-limit", "0"], ["--clip-px", "2", "3", "30", "20"], ["--skip", "2"]])
+def test_an_option_given_beside_it_wins_and_the_rest_stays(options, make, results):
+    make("kept", "--spacing", "1.5", "--hole-limit", "1")
+    settings = ["--settings", results / "kept.nrrd"]
+    mixed = make("mixed", *(options + settings if options[0] == "--skip" else settings + options))
+    expected = make(
+        "expected", "--grid-like", results / "kept.nrrd", *([] if options[0] == "--hole-limit" else ["--hole-limit", "1"]), *options
+    )
+    assert_same(expected, mixed)
+
+
+def test_another_spacing_is_that_of_another_box(make, results):
+    make("kept", "--spacing", "1.5", "--hole-limit", "1")
+    assert_same(
+        make("expected", "--spacing", "2", "--hole-limit", "1"), make("mixed", "--settings", results / "kept.nrrd", "--spacing", "2")
+    )
+
+
+def test_a_default_that_is_given_wins_too(make, patient, results):
+    files = ["--bone-labels", patient.labels, "--bone-transform", patient.transform]
+    make("kept", *files, "--bone-sigma-mm", "1.6", "--time-offset", "0.02")
+    given = ["--bone-sigma-voxels", "10", "--time-offset", "0"]
+    mixed = make("mixed", *files, "--settings", results / "kept.nrrd", *given)
+    assert_same(make("expected", *files, "--grid-like", results / "kept.nrrd", *given), mixed)
+
+
+def test_a_file_by_hand_says_a_part(make, patient, results):
+    by_hand = results / "by hand.json"
+    by_hand.write_text('{"method": "latest", "hole-limit": 0, "spacing": [1, 1, 2]}')
+    assert_same(make("expected", "--method", "latest", "--hole-limit", "0", "--spacing", "1", "1", "2"), make("v", "--settings", by_hand))
+
+
+# ---- other inputs
+
+
+def test_other_inputs_than_those_of_the_volume_are_named(make, patient, results, capsys):
+    make("kept", *patient.bone)
+    write_sequence(tracked_sequence(count=5), patient.sweep)
+    words = [*patient.reconstruct, "--settings", str(results / "kept.nrrd"), "--method", "average", "-o", str(results / "v.nrrd")]
+    assert main(words) == 0
+    out = capsys.readouterr().out
+    assert "kept.nrrd was made from labels.nrrd too, which is not given now." in out
+    assert "sweep.igs.mha is not the file that kept.nrrd was made from: its size was" in out
+    assert "PlusDeviceSet.xml" not in out
+
+
+def test_the_same_inputs_are_not_worth_a_word(make, patient, results, capsys):
+    make("kept")
+    assert main([*patient.reconstruct, "--settings", str(results / "kept.nrrd"), "-o", str(results / "v.nrrd")]) == 0
+    assert "kept.nrrd" not in capsys.readouterr().out
+
+
+def test_settings_of_another_version_are_named(patient, results, tmp_path, capsys):
+    settings = tmp_path / "s.json"
+    settings.write_text('{"version": "0.0.9", "method": "latest"}')
+    assert main([*patient.reconstruct, "--settings", str(settings), "-o", str(results / "v.nrrd")]) == 0
+    assert f"The settings are of version 0.0.9, and this is {__version__}: voxels may differ." in capsys.readouterr().out
+
+
+# ---- files that cannot be used
+
+
+def test_a_file_that_cannot_be_used_is_one_line_before_anything_is_read(patient, results, tmp_path, capsys):
+    settings = tmp_path / "s.json"
+    settings.write_text('{"alhpa": 1}')
+    line = refused([*patient.reconstruct, "--settings", settings, "-o", results / "v.nrrd"], capsys, results)
+    assert "s.json: there is no setting alhpa, perhaps alpha is meant." in line
+
+
+def test_a_file_that_is_not_there_is_one_sentence(patient, results, capsys):
+    assert "none.json: there is no such file" in refused(
+        [*patient.reconstruct, "--settings", "none.json", "-o", results / "v.nrrd"], capsys, results
+    )
+
+
+def test_a_volume_of_somebody_else_is_refused(patient, results, tmp_path, capsys):
+    Volume(np.zeros((2, 2, 2), np.uint8), np.eye(4)).write(tmp_path / "ct.nrrd")
+    line = refused([*patient.reconstruct, "--settings", tmp_path / "ct.nrrd", "-o", results / "v.nrrd"], capsys, results)
+    assert "ct.nrrd: this volume does not say how it was made. Give one that AIFRecon wrote" in line
+
+
+def test_settings_are_not_written_over_an_input_or_under_another_suffix(patient, results, capsys):
+    output = ["-o", results / "v.nrrd"]
+    assert "settings are written as .json or .toml" in refused(
+        [*patient.reconstruct, *output, "--save-settings", results / "s.txt"], capsys, results
+    )
+    missing = [*patient.reconstruct, *output, "--save-settings", results / "none" / "s.json"]
+    assert "does not exist" in refused(missing, capsys, results)
+    assert main([str(word) for word in [*patient.reconstruct, "-q", "--save-settings", results / "s.json", *output]]) == 0
+    assert main([str(word) for word in [*patient.reconstruct, "-q", "--settings", results / "v.nrrd", *output]]) == 2
+    assert "would overwrite an input" in capsys.readouterr().err

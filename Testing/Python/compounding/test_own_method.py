@@ -1,0 +1,363 @@
+"""A method of one's own: the built-in ones written as one are themselves again, and what cannot be added up is refused."""
+
+from __future__ import annotations
+
+import pickle
+import sys
+
+import numpy as np
+import pytest
+from files import refused, tracked_sequence, write_patient
+from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
+
+from AIFReconLib.commands.parser import main
+from AIFReconLib.compounding.own.method import own_method, register_method, registered_methods
+from AIFReconLib.compounding.reconstructor import Reconstruction, Reconstructor
+from AIFReconLib.errors import BeamGeometryError, MethodError, SettingsError
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
+from AIFReconLib.imaging.region import Fan, ImageRegion
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.frames import TrackedFrame
+
+PROBE = ProbeGeometry(SECTOR, (17.0, -12.0))
+FAN = ImageRegion(fan=Fan((17.0, -12.0), (-35.0, 35.0), (14.0, 36.0)))
+BONE = sphere_bone()
+
+
+@register_method
+def plain_mean(intensity):
+    return 1.0, intensity
+
+
+@register_method
+def weighted_again(intensity, cosine, probability, reach, onset, floor=0.02, gain=2.0, beta=0.1):
+    """`weighted` from its formulas on docs/method.md."""
+    gate = onset * probability
+    compensation = np.where(cosine > beta, np.minimum(1 / np.maximum(cosine, 1e-9), 3), 1)
+    return (floor + gate) * reach, np.minimum(255, intensity * (1 + gain * gate * compensation))
+
+
+@register_method
+def square_beams(intensity, cosine, probability):
+    return probability * cosine**2, intensity
+
+
+@register_method
+def reached(intensity, reach):
+    return reach, intensity
+
+
+def reconstructed(method, frames=None, grid=None, bone=BONE, **others) -> Reconstruction:
+    chosen = {"output_type": "float32", "hole_limit": 0.0, **others}
+    reconstructor = Reconstructor(
+        grid or turned_grid(), ReconstructionSettings(method=getattr(method, "name", method), **chosen), bone, probe=PROBE, region=FAN
+    )
+    reconstructor.insert(oblique_frames(count=6) if frames is None else frames)
+    return reconstructor.finish()
+
+
+def assert_same_voxels(one: Reconstruction, other: Reconstruction) -> None:
+    for name in ("intensity", "hits", "mask", "score"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
+
+
+# ---- the built-in methods once more
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
+def test_an_equal_weight_for_all_is_the_average_to_the_last_bit(kind):
+    frames = oblique_frames(count=6, dtype=kind)
+    if kind == np.float32:
+        frames[2].placed()[0][4:9, 7:20] = np.nan
+    assert_same_voxels(reconstructed(plain_mean, frames), reconstructed("average", frames))
+
+
+def test_weighted_from_its_formulas_is_the_built_in_one():
+    rng = np.random.default_rng(3)
+    # A bright line with darkness behind it, at the depth of the bone, so that shadows begin
+    frames = [
+        TrackedFrame(frame.placed()[0].copy(), frame.placed()[1], number=frame.number) for frame in oblique_frames(count=6, shape=(60, 34))
+    ]
+    for frame in frames:
+        image = frame.placed()[0]
+        image[:] = rng.integers(40, 90, image.shape)
+        image[28:30], image[30:] = 250, 1
+    fan = ImageRegion()
+    one, other = (
+        Reconstructor(
+            turned_grid(), ReconstructionSettings(method=method, output_type="float32", hole_limit=0.0), BONE, probe=PROBE, region=fan
+        )
+        for method in (weighted_again.name, "weighted")
+    )
+    one.insert(frames)
+    other.insert(frames)
+    ours, built_in = one.finish(), other.finish()
+    np.testing.assert_array_equal(ours.hits, built_in.hits)
+    np.testing.assert_allclose(ours.intensity, built_in.intensity, rtol=2e-5, atol=1e-3)
+    assert np.ptp(ours.score.array[ours.hits.array > 0]) > 1.0, "no shadow began: nothing was compared"
+
+
+# ---- parts and whole, order, engines
+
+
+def test_the_order_of_frames_makes_no_difference():
+    frames = oblique_frames(count=6)
+    one, other = reconstructed(weighted_again, frames), reconstructed(weighted_again, frames[::-1])
+    np.testing.assert_allclose(one.intensity, other.intensity, rtol=1e-6)
+    gray, turned = (reconstructed(weighted_again, order, output_type="uint8").intensity for order in (frames, frames[::-1]))
+    np.testing.assert_array_equal(gray, turned)
+
+
+def test_a_part_of_the_volume_is_that_part_of_the_whole():
+    whole = reconstructed(weighted_again)
+    part = whole.intensity[3:11, 2:, :9]
+    np.testing.assert_array_equal(reconstructed(weighted_again, grid=part.grid).intensity, part)
+
+
+def test_what_has_no_weight_does_not_enter():
+    result = reconstructed(square_beams)
+    average = reconstructed("average")
+    assert ((result.hits.array > 0) == (result.score.array > 0)).all()
+    assert 0 < np.count_nonzero(result.hits) < np.count_nonzero(average.hits)
+    assert (result.intensity.array[result.hits.array == 0] == 0).all()
+
+
+def test_a_frame_without_any_weight_is_skipped_with_the_reason():
+    @register_method
+    def second_only(intensity):
+        return float(intensity.max() == 7), intensity
+
+    frames = [
+        TrackedFrame(np.full((26, 34), gray, np.uint8), image_pose(translation=(-6, -9, 0)), number=n) for n, gray in enumerate((5, 7, 9))
+    ]
+    result = reconstructed(second_only, frames)
+    assert result.skipped == {"no pixel in the volume has any weight": [0, 2]}
+    assert set(np.unique(result.intensity)) == {0.0, 7.0}
+
+
+def test_every_engine_that_is_asked_for_gives_the_same():
+    assert_same_voxels(reconstructed(weighted_again, engine="numpy"), reconstructed(weighted_again, engine="auto"))
+
+
+def test_the_best_cosine_can_be_kept_besides():
+    np.testing.assert_array_equal(reconstructed(plain_mean, best_cosine=True).cosine, reconstructed("average", best_cosine=True).cosine)
+
+
+def test_a_method_sees_the_whole_frame_wherever_the_volume_ends():
+    seen = []
+
+    @register_method
+    def looking(intensity, reach, cosine):
+        seen.append((intensity, reach, cosine))
+        return 1.0, intensity
+
+    frame = oblique_frames(count=1)[0]
+    grid = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (3, 3, 3), 1.0)
+    reconstructed(looking, [frame], grid)
+    intensity, reach, cosine = seen[0]
+    rows, columns = np.nonzero(FAN.mask(34, 26))
+    window = np.s_[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
+    np.testing.assert_array_equal(intensity, frame.placed()[0][window])
+    assert ((reach > 0) == FAN.mask(34, 26)[window]).all()
+    assert np.count_nonzero(cosine) < 0.5 * cosine.size
+
+
+# ---- what is refused
+
+
+def test_bone_that_a_method_needs_is_asked_for_by_its_name():
+    with pytest.raises(SettingsError, match=r"^Method \S+:square_beams needs to know where bone is"):
+        reconstructed(square_beams, bone=None)
+
+
+def test_a_method_that_looks_for_shadows_needs_beams_and_no_bone():
+    assert reconstructed(reached, bone=None).frames_inserted == 6
+    with pytest.raises(BeamGeometryError, match=r"Method \S+:reached needs the direction of the beams"):
+        Reconstructor(turned_grid(), ReconstructionSettings(method=reached.name))
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (lambda p: (np.where(p == p.max(), np.nan, 1), p), "weights that are finite and at least 0; got nan for 1 of the"),
+        (lambda p: (-1.0, p), "at least 0; got -1.0"),
+        (lambda p: (np.inf, p), "got inf"),
+        (lambda p: (1e300, p), "got inf"),
+        (lambda p: (1.0, p / 0), "finite values where the weight is above 0; got"),
+        (lambda p: p, "tuple of weight and value; got ndarray"),
+        (lambda p: (1.0, p, p), "tuple of weight and value"),
+        (lambda p: (1.0, p[1:]), "a value for each pixel"),
+        (lambda p: (p[0], p), "a weight for each pixel"),
+        (lambda p: ("much", p), "a weight for each pixel.*got str"),
+        (lambda p: (1.0, p[999]), "failed in frame 0 .IndexError"),
+    ],
+)
+def test_an_answer_that_cannot_be_added_up_is_refused_by_the_method_s_name(answer, words):
+    @register_method
+    def faulty(intensity):
+        return answer(intensity)
+
+    frame = oblique_frames(count=1)[0]
+    frame.placed()[0][12, 17] = 255
+    frame.placed()[0][frame.placed()[0] == 255] = 254
+    frame.placed()[0][14, 17] = 255
+    with pytest.raises(MethodError, match=rf"^Method \S+:faulty .*{words}") as found:
+        reconstructed(faulty, [frame])
+    assert "\n" not in str(found.value)
+
+
+def test_a_value_without_weight_may_be_anything():
+    @register_method
+    def of_the_bright(intensity):
+        return intensity > 100, 1 / (intensity > 100) * intensity
+
+    assert np.isfinite(reconstructed(of_the_bright).intensity).all()
+
+
+def of_depth(depth):
+    return depth, depth
+
+
+def of_anything(intensity, *others):
+    return intensity, intensity
+
+
+def of_nothing(power=2):
+    return power, power
+
+
+@pytest.mark.parametrize(
+    ("function", "words"),
+    [
+        (of_depth, "takes depth, which no frame has. Take some of intensity, cosine, probability, reach, onset"),
+        (of_anything, r"takes \*others"),
+        (of_nothing, "must take at least one of"),
+        (lambda intensity: (1, intensity), "one with a name of its own"),
+        ("my_methods:mine", "one with a name of its own"),
+    ],
+)
+def test_what_is_no_method_is_refused_when_it_is_registered(function, words):
+    with pytest.raises(MethodError, match=words):
+        register_method(function)
+
+
+def test_neither_linear_interpolation_nor_an_importance_mask_goes_with_one():
+    with pytest.raises(SettingsError, match="interpolation must be nearest for method"):
+        reconstructed(plain_mean, interpolation="linear")
+    with pytest.raises(SettingsError, match="importance mask weights an average"):
+        Reconstructor(turned_grid(), ReconstructionSettings(method=plain_mean.name), importance=np.ones((26, 34)))
+
+
+# ---- names
+
+
+def test_a_method_that_no_module_registered_is_not_imported_by_its_name(tmp_path, monkeypatch):
+    (tmp_path / "unasked.py").write_text("raise SystemExit('imported')")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(
+        MethodError, match=r"unasked:mine is not known.* Import unasked first; or choose one of average, latest.*plain_mean"
+    ):
+        reconstructed("unasked:mine")
+    assert "unasked" not in sys.modules
+
+
+@pytest.mark.parametrize("name", ["avarage", "os.system", ":mine", "my methods:mine", "a:b:c", "1a:b", "../a:b", "a:"])
+def test_a_name_that_no_method_can_have_is_refused_by_the_settings(name):
+    with pytest.raises(SettingsError, match=r"method must be one of average, latest, .*, weighted, module:function; got"):
+        ReconstructionSettings(method=name)
+
+
+def test_a_method_registered_again_takes_the_place_of_the_first():
+    def again(intensity):
+        return 1, 2 * intensity
+
+    first, second = register_method(again), register_method(again)
+    assert own_method(first.name) is second
+    assert registered_methods().count(first.name) == 1
+
+
+def test_a_method_can_still_be_called_and_goes_to_other_processes_by_its_name():
+    assert plain_mean(3) == (1.0, 3)
+    assert pickle.loads(pickle.dumps(plain_mean)) is plain_mean
+
+
+# ---- the command line
+
+
+METHOD = """from AIFReconLib import register_method
+
+
+@register_method
+def {name}(intensity, probability):
+    return 1 + probability, intensity
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A patient's files, and the current folder."""
+    patient = write_patient(tmp_path, tracked_sequence(3))
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    monkeypatch.chdir(tmp_path)
+    return patient
+
+
+def test_the_command_line_takes_a_method_of_the_folder_that_it_is_called_in(folder, tmp_path, capsys):
+    (tmp_path / "mine_here.py").write_text(METHOD.format(name="sure_bone"))
+    arguments = [*folder.reconstruct, *folder.bone, "--method", "mine_here:sure_bone", "--output", "volume.nrrd", "--report", "report.json"]
+    assert main(arguments) == 0, capsys.readouterr().err
+    assert capsys.readouterr().out.startswith("mine_here:sure_bone: 3 of 3 frames")
+    assert '"method": "mine_here:sure_bone"' in (tmp_path / "report.json").read_text()
+    assert "AIFRecon_method:=mine_here:sure_bone" in (tmp_path / "volume.nrrd").read_bytes()[:4000].decode("latin-1")
+    assert read_volume(tmp_path / "volume.nrrd").array.any()
+
+
+@pytest.mark.parametrize(
+    ("text", "method", "words"),
+    [
+        (None, "not_there:mine", "there is no module not_there here. Start where not_there.py is"),
+        (None, "json.not_there:mine", "there is no module json.not_there here"),
+        (
+            "import not_installed_at_all",
+            "lacking:mine",
+            "importing lacking fails (ModuleNotFoundError: No module named 'not_installed_at_all')",
+        ),
+        ("1 / 0", "broken:mine", "importing broken fails (ZeroDivisionError: division by zero)"),
+        ("raise SystemExit(0)", "ending:mine", "importing ending fails (SystemExit"),
+        (
+            METHOD.format(name="yours"),
+            "another:mine",
+            "There is no method mine in another. It registers another:yours. Write @register_method",
+        ),
+        (
+            "def mine(intensity):\n    return 1, intensity",
+            "forgotten:mine",
+            "It registers no method. Write @register_method above def mine",
+        ),
+        (None, "wieghted", "module:function"),
+    ],
+)
+def test_a_method_that_cannot_be_had_is_one_sentence(folder, tmp_path, capsys, text, method, words):
+    if text is not None:
+        (tmp_path / f"{method.partition(':')[0]}.py").write_text(text)
+    results = tmp_path / "results"
+    results.mkdir()
+    said = refused([*folder.reconstruct, "--method", method, "--output", results / "volume.nrrd"], capsys, results)
+    assert words in said
+
+
+def test_an_answer_that_cannot_be_added_up_leaves_no_file(folder, tmp_path, capsys):
+    (tmp_path / "negative.py").write_text(METHOD.format(name="mine").replace("1 + probability", "-1"))
+    results = tmp_path / "results"
+    results.mkdir()
+    said = refused([*folder.reconstruct, *folder.bone, "--method", "negative:mine", "--output", results / "volume.nrrd"], capsys, results)
+    assert "negative:mine must return weights" in said
+
+
+def test_a_probe_is_not_asked_for_where_only_the_intensity_counts():
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method=plain_mean.name), probe=ProbeGeometry(LINEAR))
+    reconstructor.insert(oblique_frames(count=2))
+    assert reconstructor.engine == "numpy"
+    assert reconstructor.reconstruction().frames_inserted == 2
