@@ -12,6 +12,61 @@ from AIFReconLib.message import translated
 LIBRARY_CONTEXT = "AIFReconLib"
 """Where translations of the library's sentences are looked up; `make translations` lists them there."""
 
+_SENTENCES = {
+    "{sequence}: no frame falls into the volume ({reasons}). "
+    "Check its box (--grid-like, or the configuration's OutputOrigin and OutputExtent) and --reference.": lambda: _(
+        "{sequence}: no frame falls into the volume ({reasons}). Check the region, and the transforms of the sweep."
+    ),
+    "The recording has no transforms at all: was a tracker connected? "
+    "Slicer saves transforms as sequences of their own; give them with --transform-sequence NAME=FILE.": lambda: _(
+        "The recording has no transforms at all: was a tracker connected? "
+        "Slicer saves transforms as sequences of their own: load them too, and put the images under them."
+    ),
+    "Choose another frame to reconstruct in with --reference, one of: {frames}.": lambda: _(
+        "Its transforms lead to {frames}: put the one that leads farthest under a transform to the world, named for both."
+    ),
+    "Two paths lead from {source} to {target}: {one}; and {other}. "
+    "Remove one of them, or take the recorded one with --image-to-reference {source}To{target}.": lambda: _(
+        "Two paths lead from {source} to {target}: {one}; and {other}. Remove one of them."
+    ),
+    "{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, "
+    "if it is Slicer's sequence of a transform, give it with the images as --transform-sequence NAME=FILE.": lambda: _(
+        "{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, "
+        "if it is Slicer's sequence of a transform, load it with Slicer's own Add Data."
+    ),
+    "UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it. "
+    "Look which side of the images is marked and say it with aifrecon convert --orientation: a wrong code mirrors the anatomy.": lambda: _(
+        "UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it. "
+        "Look which side of the images is marked and choose it as “Stored pixels”: a wrong code mirrors the anatomy."
+    ),
+    "{path}: its suffix must be one of {suffixes}. Give a MetaImage or NRRD file; aifrecon import makes one of pictures, DICOM "
+    "or video.": lambda: _(
+        "{path}: its suffix must be one of {suffixes}. Choose a MetaImage or NRRD file; the command line makes one of pictures, "
+        "DICOM or video."
+    ),
+    "WARNING: {warning} See aifrecon register.": _("WARNING: {warning} Place the CT in the section Registration."),
+    "{sentence} {warning} Start nearer with --bone-transform, give --per-segment if the spine has bent, or take it as it is "
+    "with --accept.": lambda: _(
+        "{sentence} {warning} Move the CT nearer, by hand or by landmarks, and try again; or take one of the places below as it is."
+    ),
+    "Only {best:.0%} of all echoes agree in the place that fits most closely, and {most:.0%} in one that fits too roughly. "
+    "Check that CT and sweep are of one patient, start nearer with --bone-transform, or take it as it is with --accept.": lambda: _(
+        "Only {best:.0%} of all echoes agree in the place that fits most closely, and {most:.0%} in one that fits too roughly. "
+        "Check that CT and sweep are of one patient, and move the CT nearer; or take one of the places below."
+    ),
+    "The CT fits nearly as well {where}: {other:.0%} of all echoes agree there, {best:.0%} here. "
+    "Compare the alternatives in --report, then choose one with --level N, or take the best with --accept.": lambda: _(
+        "The CT fits nearly as well {where}: {other:.0%} of all echoes agree there, {best:.0%} in the best place. "
+        "Take one of the places below, and compare."
+    ),
+    "{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, give them as "
+    "--bone-probability.": lambda: _(
+        "{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, choose them as a scalar volume."
+    ),
+}
+"""What the panel says in the place of sentences whose advice is about files and options that it does not have; looked up when asked for,
+for Slicer's `tr` reads files at every call."""
+
 
 def inPanelWords(message) -> str:
     """A message of the library, translated, with every option that the panel has replaced by what it is called there.
@@ -21,8 +76,12 @@ def inPanelWords(message) -> str:
     message : Message, AIFReconError or str
         A plain str has lost what it was made of: it stays in English.
     """
-    own = _sentences()
-    text = str(translated(message, lambda template: own.get(template) or translate(LIBRARY_CONTEXT, template)))
+
+    def sentence(template: str) -> str:
+        own = _SENTENCES.get(template)
+        return translate(LIBRARY_CONTEXT, template) if own is None else own()
+
+    text = str(translated(message, sentence))
 
     def word(found) -> str:
         shown = _words().get(found["option"])
@@ -65,59 +124,4 @@ def _words() -> dict:
         "--spacing": _("Spacing"),
         "--speed-of-sound": _("Speed of sound"),
         "--time-offset": _("Time offset"),
-    }
-
-
-def _sentences() -> dict:
-    """What the panel says in the place of sentences whose advice is about files and options that it does not have."""
-    return {
-        "{sequence}: no frame falls into the volume ({reasons}). "
-        "Check its box (--grid-like, or the configuration's OutputOrigin and OutputExtent) and --reference.": _(
-            "{sequence}: no frame falls into the volume ({reasons}). Check the region, and the transforms of the sweep."
-        ),
-        "The recording has no transforms at all: was a tracker connected? "
-        "Slicer saves transforms as sequences of their own; give them with --transform-sequence NAME=FILE.": _(
-            "The recording has no transforms at all: was a tracker connected? "
-            "Slicer saves transforms as sequences of their own: load them too, and put the images under them."
-        ),
-        "Choose another frame to reconstruct in with --reference, one of: {frames}.": _(
-            "Its transforms lead to {frames}: put the one that leads farthest under a transform to the world, named for both."
-        ),
-        "Two paths lead from {source} to {target}: {one}; and {other}. "
-        "Remove one of them, or take the recorded one with --image-to-reference {source}To{target}.": _(
-            "Two paths lead from {source} to {target}: {one}; and {other}. Remove one of them."
-        ),
-        "{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, "
-        "if it is Slicer's sequence of a transform, give it with the images as --transform-sequence NAME=FILE.": _(
-            "{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, "
-            "if it is Slicer's sequence of a transform, load it with Slicer's own Add Data."
-        ),
-        "UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it. "
-        "Look which side of the images is marked and say it with aifrecon convert --orientation: a wrong code mirrors the anatomy.": _(
-            "UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it. "
-            "Look which side of the images is marked and choose it as “Stored pixels”: a wrong code mirrors the anatomy."
-        ),
-        "{path}: its suffix must be one of {suffixes}. Give a MetaImage or NRRD file; aifrecon import makes one of pictures, DICOM "
-        "or video.": _(
-            "{path}: its suffix must be one of {suffixes}. Choose a MetaImage or NRRD file; the command line makes one of pictures, "
-            "DICOM or video."
-        ),
-        "WARNING: {warning} See aifrecon register.": _("WARNING: {warning} Place the CT in the section Registration."),
-        "{sentence} {warning} Start nearer with --bone-transform, give --per-segment if the spine has bent, or take it as it is "
-        "with --accept.": _(
-            "{sentence} {warning} Move the CT nearer, by hand or by landmarks, and try again; or take one of the places below as it is."
-        ),
-        "Only {best:.0%} of all echoes agree in the place that fits most closely, and {most:.0%} in one that fits too roughly. "
-        "Check that CT and sweep are of one patient, start nearer with --bone-transform, or take it as it is with --accept.": _(
-            "Only {best:.0%} of all echoes agree in the place that fits most closely, and {most:.0%} in one that fits too roughly. "
-            "Check that CT and sweep are of one patient, and move the CT nearer; or take one of the places below."
-        ),
-        "The CT fits nearly as well {where}: {other:.0%} of all echoes agree there, {best:.0%} here. "
-        "Compare the alternatives in --report, then choose one with --level N, or take the best with --accept.": _(
-            "The CT fits nearly as well {where}: {other:.0%} of all echoes agree there, {best:.0%} in the best place. "
-            "Take one of the places below, and compare."
-        ),
-        "{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, give them as --bone-probability.": _(
-            "{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, choose them as a scalar volume."
-        ),
     }

@@ -10,7 +10,7 @@ from ..errorsShown import errorsShown
 from .scrolling import reveal
 from .wrappedText import say
 
-COLLECTED_EVERY, SHOWN_EVERY = 10, 200
+COLLECTED_EVERY, SHOWN_EVERY = 10, 100
 """ms between two looks at the scene's image, and between two updates of what is shown."""
 
 REMEMBERED_ATTRIBUTE = "AIFRecon.LiveServer"
@@ -197,11 +197,12 @@ class LivePanel:
         live.refresh()
         statistics = live.statistics
         failed, fit = statistics.phase == "failed", live.agreement
+        scouting = live.session.grid is None or statistics.phase == "scouting"
         tracking = inPanelWords(statistics.tracking)
         tracked = statistics.tracking == "tracked" and not failed
         if failed:
             word = _("Failed: nothing is inserted")
-        elif live.isScouting:
+        elif scouting:
             word = _("Scan once quickly, then use the box") if tracked else tracking
         else:
             word = _("Paused") if statistics.phase == "paused" else tracking
@@ -213,7 +214,7 @@ class LivePanel:
         lines += _agreementLines(fit)
         lines += [inPanelWords(problem) for problem in problems if problem]
         self._say("\n".join(dict.fromkeys(lines)))
-        self._ui.liveUseBoxButton.enabled = live.isScouting and live.session.scouted > 0
+        self._ui.liveUseBoxButton.enabled = scouting and live.session.scouted > 0
         if live.volumeNode is not None and self._parameterNode is not None and self._parameterNode.output is not live.volumeNode:
             self._parameterNode.output = live.volumeNode
 

@@ -79,6 +79,7 @@ class LiveReconstruction:
             record=fileFrom(parameters.liveRecordPath),
         )
         self._snapshots = SnapshotMaker(self.session)
+        self._volumeWasLast = False
         self._boneAt = None if field is None else matrixToWorld(parameters.bone)
         self._watch = None if field is None else AgreementWatch(self.session, field, self._boneAt, configuration, region, inputs.probe)
         self.session.start()
@@ -135,11 +136,16 @@ class LiveReconstruction:
             self._source.collect()
 
     def refresh(self) -> None:
-        """Bring nodes and views up to date with what is ready, and ask for the next snapshot; `displayProblem` says what failed."""
+        """Show the volume or the frame, in turns where both are ready; `displayProblem` says what failed.
+
+        Never both: views that are drawn anew twice hold up the windows twice as long.
+        """
         self._attempt(self._followPlace)
-        self._attempt(self._showFrame)
-        result = self._snapshots.take()
-        if result is not None:
+        result = None if self._volumeWasLast else self._snapshots.take()
+        self._volumeWasLast = result is not None
+        if result is None:
+            self._attempt(self._showFrame)
+        else:
             self._attempt(self._showVolume, result)
         self._snapshots.request()
 
