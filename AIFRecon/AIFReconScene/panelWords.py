@@ -44,7 +44,7 @@ _SENTENCES = {
         "{path}: its suffix must be one of {suffixes}. Choose a MetaImage or NRRD file; the command line makes one of pictures, "
         "DICOM or video."
     ),
-    "WARNING: {warning} See aifrecon register.": _("WARNING: {warning} Place the CT in the section Registration."),
+    "WARNING: {warning} See aifrecon register.": lambda: _("WARNING: {warning} Place the CT in the section Registration."),
     "{sentence} {warning} Start nearer with --bone-transform, give --per-segment if the spine has bent, or take it as it is "
     "with --accept.": lambda: _(
         "{sentence} {warning} Move the CT nearer, by hand or by landmarks, and try again; or take one of the places below as it is."

@@ -59,9 +59,9 @@ def test_no_option_of_the_command_line_is_named_in_the_panel(host, template):
 
 
 def test_every_sentence_that_the_panel_puts_otherwise_is_one_of_the_library(host):
-    from AIFReconScene.panelWords import _sentences
+    from AIFReconScene.panelWords import _SENTENCES
 
-    assert set(_sentences()) <= set(sentences())
+    assert set(_SENTENCES) <= set(sentences())
 
 
 def test_a_box_is_not_called_a_volume(host):
