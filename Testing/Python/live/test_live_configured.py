@@ -137,6 +137,32 @@ def test_the_box_of_a_configuration_needs_no_scouting(scan, configuration, capsy
     assert "The box is" not in capsys.readouterr().err
 
 
+@pytest.fixture
+def served(configuration):
+    """The configuration of a recording that a server sends over and over, and the options that reach it."""
+    sequence = replace(tracked_sequence(count=FRAMES), configuration=read_plus_configuration(configuration()))
+    server = ReplayServer(sequence, port=0, rate=60.0, loop=True)
+    server.start()
+    yield ["live", "-q", "--port", str(server.port), "--config", str(configuration())]
+    server.stop()
+
+
+def test_a_scan_is_repeated_on_its_recording_and_in_another_scan(served, tmp_path):
+    """Scouted box and chosen hole limit are those of the scan; how the stream was read is kept apart, and is not repeated."""
+    volume, record = tmp_path / "live.nrrd", tmp_path / "scan.mha"
+    first = [*served, "--frames", str(FRAMES), "--scout-seconds", "0.05", "--trust-image-pose", "--record", str(record)]
+    first += ["--image-to-reference", "ImageToReference"]
+    assert main([*first, "-o", str(volume)]) == 0
+    assert main(["reconstruct", str(record), *served[-2:], "-q", "--settings", str(volume), "-o", str(tmp_path / "again.nrrd")]) == 0
+    once, again = (read_volume(tmp_path / name) for name in ("live.nrrd", "again.nrrd"))
+    assert once.array.any()
+    assert again.array.tobytes() == once.array.tobytes()
+    assert '"trust_image_pose": true' in once.fields["AIFRecon_stream"]
+    assert "time_offset" not in once.fields["AIFRecon_settings"]
+    assert main([*served, "--frames", "3", "--settings", str(volume), "-o", str(tmp_path / "other.nrrd")]) == 0
+    np.testing.assert_array_equal(read_volume(tmp_path / "other.nrrd").ijk_to_reference, once.ijk_to_reference)
+
+
 def test_a_scouted_box_holds_pixels_that_sound_was_slower_to(scan, configuration):
     scouting = ("--scout-seconds", "0.05")
     usual, slow = (same(*scan(configuration(), "--speed-of-sound", speed, where=scouting)) for speed in ("1540", "2400"))
