@@ -202,7 +202,7 @@ def passes_of(document: object) -> list[tuple[str, Matrix]]:
     """
     passes = document.get("passes") if isinstance(document, dict) else None
     if not isinstance(passes, list) or not passes or not all(isinstance(one, dict) and one.get("image_to_reference") for one in passes):
-        raise SettingsError("Input plan must have passes with image_to_reference, as aifrecon plan writes it. Make a plan again.")
+        raise SettingsError("Input plan must have passes with image_to_reference. Make the plan again.")
     return [
         (str(one.get("name", "")), np.array([as_matrix(pose, "image_to_reference") for pose in one["image_to_reference"]]))
         for one in passes
