@@ -16,8 +16,12 @@ Takes these steps alone.
 Closes the application in the middle of a reconstruction instead, SECONDS after its start; it must end within a second, in silence.
 """
 
+import contextlib
 import json
 import pathlib
+import re
+import shutil
+import subprocess
 import sys
 import time
 
@@ -248,15 +252,33 @@ def recording(walk: Walk) -> None:
         raise RuntimeError(f"the recording was not reconstructed: {walk.ui.statusLabel.text}")
 
 
+@contextlib.contextmanager
+def replayed(recording, calibration, log):
+    """A scanner: the recording, replayed over OpenIGTLink by a process of its own, whose errors go to the file `log`. Gives the port."""
+    python = shutil.which("PythonSlicer") or shutil.which("python3")
+    command = [python, "-m", "AIFReconLib", "replay", recording, "--config", calibration, "--port", "0", "--rate", f"{RATE:g}", "--loop"]
+    with open(log, "w", encoding="utf-8") as errors:
+        scanner = subprocess.Popen(
+            list(map(str, command)),
+            cwd=HERE.parents[1],
+            env=slicer.util.startupEnvironment(),
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+        )
+    try:
+        yield int(re.search(r"port (\d+)", scanner.stdout.readline())[1])
+    finally:
+        scanner.kill()
+        scanner.wait()
+
+
 def live(walk: Walk) -> None:
     """A real recording is replayed, its box found, and a volume grows while it is received."""
-    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
-
-    from AIFReconLib.live.replay.server import ReplayServer
-
-    with ReplayServer(sequenceFromBrowser(walk.parameters.sweep), 0, rate=RATE, loop=True) as server:
+    calibration = realData.folder() / realData.SPINE_CALIBRATION
+    with replayed(realData.recordingOf(calibration), calibration, walk.folder / "replay.log") as port:
         walk.parameters.output = None
-        walk.parameters.liveHost, walk.parameters.livePort = "127.0.0.1", server.port
+        walk.parameters.liveHost, walk.parameters.livePort = "127.0.0.1", port
         walk.ui.liveCollapsibleButton.collapsed = False
         walk.settle()
         walk.press(walk.ui.liveStartButton)

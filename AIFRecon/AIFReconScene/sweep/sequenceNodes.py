@@ -228,8 +228,10 @@ def _addToScene(scene, name: str, images, transforms: dict, pose):
         added.append(browser)
         browser.SetName(name)
         browser.SetAndObserveMasterSequenceNodeID(images.GetID())
-        for node in transforms.values():
-            browser.AddSynchronizedSequenceNode(node)
+        # At every change of a browser, Slicer looks through all that it replays
+        with slicer.util.NodeModify(browser):
+            for node in transforms.values():
+                browser.AddSynchronizedSequenceNode(node)
         proxies = {}
         for node in (images, *transforms.values()):
             item = node.GetNthDataNode(0)
