@@ -7,16 +7,9 @@ writes guidance.md. Some five minutes per patient and core; an interrupted study
 
 from __future__ import annotations
 
-import argparse
-import sys
-from pathlib import Path
-
-from AIFReconLib.errors import AIFReconError
-from AIFReconLib.io.disk.atomic import write_text
-from AIFReconLib.terminal.console import ProgressBar
-
+from .command import carry_out, page_writer, parsed, study_parser
 from .guidance_cases import Row, patient_rows
-from .patients import Spread, run_study
+from .patients import Spread
 
 COLUMNS = (
     ("interspinous %", "interspinous", 100),
@@ -32,27 +25,8 @@ COLUMNS = (
 
 def main(words: list[str]) -> int:
     """Run what is missing, then write the page; the answer is the exit status."""
-    parser = argparse.ArgumentParser(prog="python Testing/study guidance", description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder to keep the results in; made if it is not there")
-    parser.add_argument("--patients", type=int, default=10, metavar="N", help="how many (default: %(default)s)")
-    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="patients at a time (default: %(default)s)")
-    arguments = parser.parse_args(words)
-    if arguments.patients < 1 or arguments.jobs < 1:
-        parser.error("a study takes at least 1 patient and 1 job")
-    try:
-        arguments.output.mkdir(parents=True, exist_ok=True)
-        with ProgressBar() as progress:
-            rows = run_study(patient_rows, Row, arguments.output, range(arguments.patients), arguments.jobs, progress)
-        page = arguments.output / "guidance.md"
-        write_text(page, page_of(rows))
-    except (AIFReconError, OSError) as error:
-        print(f"study: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("study: interrupted; the same command goes on where it stopped", file=sys.stderr)
-        return 130
-    print(f"{len(rows)} scans of {arguments.patients} simulated patients\n  wrote {page}")
-    return 0
+    arguments = parsed(study_parser("guidance", __doc__), words)
+    return carry_out(arguments, patient_rows, Row, page_writer(arguments.output / "guidance.md", page_of), "scans")
 
 
 def page_of(rows: list[Row]) -> str:

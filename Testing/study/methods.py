@@ -7,29 +7,22 @@ writes study.md and study.png. About six minutes per patient and core; an interr
 
 from __future__ import annotations
 
-import argparse
-import sys
 from functools import partial
 from pathlib import Path
 
-from AIFReconLib.errors import AIFReconError
 from AIFReconLib.evaluation.figures import require_matplotlib
 from AIFReconLib.io.disk.atomic import write_text
-from AIFReconLib.terminal.console import ProgressBar
 from AIFReconLib.terminal.options import load_method_here
 
+from .command import carry_out, parsed, study_parser
 from .method_cases import Row, patient_rows
 from .method_figure import study_figure
 from .method_page import study_page
-from .patients import run_study
 
 
 def main(words: list[str]) -> int:
     """Run what is missing, then write the page and the picture; the answer is the exit status."""
-    parser = argparse.ArgumentParser(prog="python Testing/study methods", description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder to keep the results in; made if it is not there")
-    parser.add_argument("--patients", type=int, default=10, metavar="N", help="how many (default: %(default)s)")
-    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="patients at a time (default: %(default)s)")
+    parser = study_parser("methods", __doc__)
     parser.add_argument(
         "--method",
         action="append",
@@ -37,31 +30,17 @@ def main(words: list[str]) -> int:
         metavar="MODULE:FUNCTION",
         help="also measure this method of your own; in a folder of its own",
     )
-    arguments = parser.parse_args(words)
-    if arguments.patients < 1 or arguments.jobs < 1:
-        parser.error("a study takes at least 1 patient and 1 job")
-    page, figure = arguments.output / "study.md", arguments.output / "study.png"
-    try:
+    arguments = parsed(parser, words)
+
+    def prepare() -> None:
         require_matplotlib()
         for name in arguments.method:
             load_method_here(name)
-        arguments.output.mkdir(parents=True, exist_ok=True)
-        with ProgressBar() as progress:
-            rows = run_study(
-                partial(patient_rows, own=tuple(arguments.method)),
-                Row,
-                arguments.output,
-                range(arguments.patients),
-                arguments.jobs,
-                progress,
-            )
+
+    def write(rows: list[Row]) -> list[Path]:
+        page, figure = arguments.output / "study.md", arguments.output / "study.png"
         write_text(page, study_page(rows))
         study_figure(figure, rows)
-    except (AIFReconError, OSError) as error:
-        print(f"study: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("study: interrupted; the same command goes on where it stopped", file=sys.stderr)
-        return 130
-    print(f"{len(rows)} reconstructions of {arguments.patients} simulated patients\n  wrote {page}\n  wrote {figure}")
-    return 0
+        return [page, figure]
+
+    return carry_out(arguments, partial(patient_rows, own=tuple(arguments.method)), Row, write, "reconstructions", prepare)

@@ -7,38 +7,16 @@ writes registration.md. About four minutes per patient and core; an interrupted 
 
 from __future__ import annotations
 
-import argparse
-import sys
-from pathlib import Path
-
 import numpy as np
 
-from AIFReconLib.errors import AIFReconError
-from AIFReconLib.io.disk.atomic import write_text
-from AIFReconLib.terminal.console import ProgressBar
-
-from .patients import run_study
+from .command import carry_out, page_writer, parsed, study_parser
 from .registration_cases import Row, patient_rows
 
 
 def main(words: list[str]) -> int:
     """Run what is missing, then write the page; the answer is the exit status."""
-    parser = argparse.ArgumentParser(prog="python Testing/study registration", description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder to keep the results in; made if it is not there")
-    parser.add_argument("--patients", type=int, default=10, metavar="N", help="how many (default: %(default)s)")
-    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="patients at a time (default: %(default)s)")
-    arguments = parser.parse_args(words)
-    try:
-        arguments.output.mkdir(parents=True, exist_ok=True)
-        with ProgressBar() as progress:
-            rows = run_study(patient_rows, Row, arguments.output, range(arguments.patients), arguments.jobs, progress)
-        page = arguments.output / "registration.md"
-        write_text(page, page_of(rows))
-    except (AIFReconError, OSError) as error:
-        print(f"study: {error}", file=sys.stderr)
-        return 2
-    print(f"{len(rows)} registrations of {arguments.patients} simulated patients\n  wrote {page}")
-    return 0
+    arguments = parsed(study_parser("registration", __doc__), words)
+    return carry_out(arguments, patient_rows, Row, page_writer(arguments.output / "registration.md", page_of), "registrations")
 
 
 def page_of(rows: list[Row]) -> str:
