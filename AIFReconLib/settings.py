@@ -82,8 +82,8 @@ class ReconstructionSettings:
 
     method: str | None = parameter(
         None,
-        f"how pixels that meet in a voxel are combined; or {OWN_METHOD}, a method of your own "
-        f"(default: {DEFAULT_METHOD_WITH_BONE} with a bone input, else the configuration's, else {DEFAULT_METHOD_WITHOUT_BONE})",
+        "how pixels of a voxel are combined; the last: a method of your own "
+        f"(default: {DEFAULT_METHOD_WITH_BONE} with bone, else the configuration's, else {DEFAULT_METHOD_WITHOUT_BONE})",
         choices=METHODS,
         own=True,
     )

@@ -24,6 +24,8 @@ FAR_MM, FAR_DEG = 60.0, 60.0
 
 LABOR = 0.5
 
+HEAD, FEET, LEFT, RIGHT = Message("head"), Message("feet"), Message("left"), Message("right")
+
 SMALLEST_MM, SMALLEST_DEG = 4.0, 4.0
 """What a hand does not notice is not said."""
 
@@ -101,14 +103,14 @@ class NextMove:
         if abs((there.turn_deg - now.turn_deg + 90.0) % 180.0 - 90.0) > 30.0:
             steps.append(Message("turn to {plane}", plane=Message("sagittal") if there.turn_deg else Message("transverse")))
             now = Placement(now.x, now.z, there.turn_deg, 0.0, 0.0)
-        for way, mm in (("head", there.z - now.z), ("feet", now.z - there.z), ("right", there.x - now.x), ("left", now.x - there.x)):
+        for way, mm in ((HEAD, there.z - now.z), (FEET, now.z - there.z), (RIGHT, there.x - now.x), (LEFT, now.x - there.x)):
             if mm >= SMALLEST_MM:
-                steps.append(Message("slide {mm:.0f} mm toward the {way}", mm=mm, way=Message(way)))
+                steps.append(Message("slide {mm:.0f} mm toward the {way}", mm=mm, way=way))
         sagittal = abs(there.turn_deg) > 45.0
-        ways = (("head", "feet"), ("left", "right")) if sagittal else (("right", "left"), ("head", "feet"))
+        ways = ((HEAD, FEET), (LEFT, RIGHT)) if sagittal else ((RIGHT, LEFT), (HEAD, FEET))
         for (positive, negative), degrees in zip(ways, (there.in_plane_deg - now.in_plane_deg, there.across_deg - now.across_deg)):
             if abs(degrees) >= SMALLEST_DEG:
-                way = Message(positive if degrees > 0 else negative)
+                way = positive if degrees > 0 else negative
                 steps.append(Message("tilt {degrees:.0f} degrees toward the {way}", degrees=abs(degrees), way=way))
         steps = steps or [Message("sweep on here")]
         where = name_of_place(there.z, self._levels)
