@@ -243,6 +243,7 @@ def recording(walk: Walk) -> None:
     """A real recording is loaded with its calibration, and reconstructed."""
     slicer.mrmlScene.Clear()
     walk.settle()
+    walk.heart.start()  # emptying a scene is Slicer's own work
     calibration = realData.folder() / realData.SPINE_CALIBRATION
     walk.parameters.recordingPath, walk.parameters.configurationPath = realData.recordingOf(calibration), calibration
     walk.settle()
