@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from ..evaluation.visibility import BEAM_THICKNESS
 from ..geometry.volume import Volume
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
-from ..message import columns
+from ..message import columns, one_line
 from ..progress import Progress, part, report
 from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
@@ -65,7 +65,7 @@ class Coverage:
         Point by point.
     all, interspinous : Share
     by_label : dict of str to Share
-        By the number of the label.
+        By the name of the label, or its number where it has none.
     notes : tuple of str
         What was assumed.
     """
@@ -84,8 +84,9 @@ class Coverage:
     def lines(self) -> list[str]:
         """A table for a terminal, a line each."""
         rows: list[tuple[str, ...]] = [("bone", "reachable", "met", "below 60 deg", "below 45 deg", "expected to show")]
-        named = [*((f"label {name}", share) for name, share in self.by_label.items()), ("interspinous borders", self.interspinous)]
-        rows += [(name, *_cells(share)) for name, share in [*named, ("all", self.all)]]
+        named = [*((f"label {name}" if name.isdecimal() else name, share) for name, share in self.by_label.items())]
+        named.append(("interspinous borders", self.interspinous))
+        rows += [(one_line(name), *_cells(share)) for name, share in [*named, ("all", self.all)]]
         return columns(rows).split("\n")
 
 
@@ -104,6 +105,7 @@ def coverage(
     image_to_reference: str | None = None,
     reference: str | None = None,
     thickness: float = BEAM_THICKNESS,
+    names: Mapping[int, str] | None = None,
     progress: Progress | None = None,
 ) -> Coverage:
     """How much of each bone the frames of one or more sweeps met, and how squarely.
@@ -119,6 +121,8 @@ def coverage(
         As in `reconstruct`.
     thickness : float, mm
         Full width of the beam across the image plane.
+    names : mapping of int to str or None
+        What the labels are called; see `read_label_names`.
     progress : Progress or None
 
     Raises
@@ -133,7 +137,7 @@ def coverage(
     report(progress, 0.0, "Finding the bone surface")
     looks = poses.image_to_reference[usable][:, :3, 1]
     mean = (looks / np.linalg.norm(looks, axis=1)[:, None]).mean(axis=0)
-    bone, notes = bone_before(labels, labels_to_reference, mean)
+    bone, notes = bone_before(labels, labels_to_reference, mean, names)
     met = BoneMet(FrameGeometry(bone, sequence.frame_size, imaging.known_probe(), imaging.region, thickness))
     order = time_order(sequence)
     order = order[np.isin(order, usable)]
@@ -147,14 +151,16 @@ def coverage(
     return covered(met, notes)
 
 
-def bone_before(labels: Volume, labels_to_reference: Matrix | None, looks: Floats) -> tuple[GuidedBone, tuple[str, ...]]:
+def bone_before(
+    labels: Volume, labels_to_reference: Matrix | None, looks: Floats, names: Mapping[int, str] | None = None
+) -> tuple[GuidedBone, tuple[str, ...]]:
     """The bone that can be reached by a probe that looks that way, (3,) in Reference on the mean; and what was assumed."""
     front = (np.eye(4) if labels_to_reference is None else np.asarray(labels_to_reference, dtype=np.float64))[:3, 1]
     length = float(np.linalg.norm(looks))
     if length < 0.5 or front @ looks >= np.cos(np.radians(AWRY_DEG)) * length * np.linalg.norm(front):
-        return guided_bone(labels, labels_to_reference), ()
+        return guided_bone(labels, labels_to_reference, names=names), ()
     note = "The labels' axes are not the patient's: the frames do not look toward their front. What can be reached is told from the frames."
-    return guided_bone(labels, labels_to_reference, looks / length), (note,)
+    return guided_bone(labels, labels_to_reference, looks / length, names), (note,)
 
 
 def covered(met: BoneMet, notes: tuple[str, ...] = ()) -> Coverage:
@@ -164,7 +170,7 @@ def covered(met: BoneMet, notes: tuple[str, ...] = ()) -> Coverage:
 
 def _shares(met: BoneMet) -> tuple[Share, Share, dict[str, Share]]:
     bone = met.bone
-    labels = {str(label): share_of(met, bone.surface.labels == label) for label in _labels(bone)}
+    labels = {bone.name_of(label): share_of(met, bone.surface.labels == label) for label in _labels(bone)}
     return share_of(met, np.ones(len(bone), dtype=bool)), share_of(met, bone.border), labels
 
 

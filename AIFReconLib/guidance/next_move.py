@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Floats, Matrix
+from ..arrays import Matrix
 from ..message import Message
 from ..progress import Progress
 from .bone import GuidedBone
@@ -75,8 +75,6 @@ class NextMove:
         self._bone, self._probe = bone, probe
         self._weights = target_weights(bone, target)
         self._candidates = candidates_of(freehand_passes(bone), probe, geometry_of(bone, probe), progress)
-        levels = {label: float(z) for label, z in zip(bone.centers, _patient_z(bone, probe))}
-        self._levels: dict[int, float] = levels
         self._advised: Pass | None = None
 
     def advise(self, met: BoneMet, image_to_reference: Matrix) -> Move | None:
@@ -113,13 +111,8 @@ class NextMove:
                 way = positive if degrees > 0 else negative
                 steps.append(Message("tilt {degrees:.0f} degrees toward the {way}", degrees=abs(degrees), way=way))
         steps = steps or [Message("sweep on here")]
-        where = name_of_place(there.z, self._levels)
+        where = name_of_place(self._bone, there.z)
         return Message("{steps} over {where}, adds {adds:.1f} cm2", steps=", ".join(map(str, steps)), where=where, adds=adds)
-
-
-def _patient_z(bone: GuidedBone, probe: ProbeOnBack) -> Floats:
-    to_patient = np.linalg.inv(probe.patient_to_reference)
-    return np.array([(to_patient[:3, :3] @ center + to_patient[:3, 3])[2] for center in bone.centers.values()])
 
 
 def _middle(planned: Pass) -> Placement:

@@ -98,7 +98,7 @@ def plan_scan(
     bone : GuidedBone
     probe : ProbeOnBack
     target : str
-        `interspinous`, `posterior`, `all` or a label's number; see `GuidedBone.part`.
+        `interspinous`, `posterior`, `all` or a label's name or number; see `GuidedBone.part`.
     frames : int
         Of all passes together.
     candidates : "freehand" or "wearable"

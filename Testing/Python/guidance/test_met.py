@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -145,6 +146,14 @@ def test_the_faces_across_the_gap_are_its_borders(bone):
 def test_a_target_that_is_not_there_is_named_with_those_that_are(bone):
     with pytest.raises(GeometryError, match=r"label of the segmentation \(1, 2\).*got '7'"):
         bone.part("7")
+
+
+def test_a_target_goes_by_the_name_of_its_segment_and_by_its_number(bone):
+    named = replace(bone, names={1: "L4", 2: "L3"})
+    np.testing.assert_array_equal(named.part("L3"), bone.surface.labels == 2)
+    np.testing.assert_array_equal(named.part("2"), bone.surface.labels == 2)
+    with pytest.raises(GeometryError, match=r"\(L4, L3\)"):
+        named.part("L5")
 
 
 def test_expected_visibility_falls_with_the_angle_and_is_zero_for_what_was_not_met():

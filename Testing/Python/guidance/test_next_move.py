@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from AIFReconLib.guidance.candidates import geometry_of, target_weights
 from AIFReconLib.guidance.expectation import expected_visibility
 from AIFReconLib.guidance.met import BoneMet
 from AIFReconLib.guidance.next_move import NextMove
+from AIFReconLib.guidance.passes import name_of_place
 from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
 
 
@@ -58,8 +60,24 @@ def test_moves_that_are_followed_show_most_of_the_borders(followed, probe):
 def test_moves_are_said_in_a_sonographers_words(followed):
     steps = r"(turn to (sagittal|transverse)|slide \d+ mm toward the \w+|tilt \d+ degrees toward the \w+|sweep on here)"
     for words, _, _ in followed[0]:
-        assert re.fullmatch(rf"{steps}(, {steps})* over labels? 1?( and )?2?, adds \d+\.\d cm2", words), words
+        assert re.fullmatch(rf"{steps}(, {steps})* over (label [12]|labels 2 and 1), adds \d+\.\d cm2", words), words
     assert any("turn to sagittal" in words for words, _, _ in followed[0])
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        ({}, "labels 2 and 1"),
+        ({1: "L4", 2: "L3"}, "L3 and L4"),
+        ({1: "L4"}, "labels 2 and 1"),
+        ({1: "bone", 2: "bone"}, "bone (2) and bone (1)"),
+    ],
+)
+def test_places_are_called_as_the_segments_are_from_head_to_feet(probe, names, said):
+    bone = replace(probe[1], names=names)
+    centers = np.array([bone.centers[1], bone.centers[2]])
+    z = (centers.mean(axis=0) - bone.patient_to_reference[:3, 3]) @ bone.patient_to_reference[:3, 2]
+    assert name_of_place(bone, float(z)) == said
 
 
 def test_a_small_movement_of_the_hand_does_not_change_the_advice(probe, advisor):
