@@ -13,8 +13,8 @@ from .figures import BACKGROUND, DPI, INK
 LEVELS_DEG = (45.0, 60.0, 70.0, 85.0)
 """Where the colors change: squarely met, obliquely, steeply, grazed."""
 
-COLORS = ("#fde725", "#5ec962", "#21918c", "#3b528b", "#4a4d57")
-"""Of viridis, which every eye tells apart, from squarely met to grazed; last, not met."""
+COLORS = ("#fde725", "#5ec962", "#21918c", "#4b6bff", "#73767d")
+"""Of viridis, which every eye tells apart, from squarely met on; grazed a blue that is far from the last, the gray of what was not met."""
 
 WORDS = ("met below 45 degrees", "45 to 60", "60 to 70", "grazed", "not met")
 BEAM = "#ff8c42"

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..arrays import Floats, Mask, Matrix
+from ..arrays import Floats, Integers, Mask, Matrix
 from ..errors import GeometryError
 from ..evaluation.surface import BoneSurface, bone_surface, centers_of_mass, interspinous_border
 from ..evaluation.visibility import GRAZING_DEG, LIFT, BoneRays
@@ -64,6 +64,12 @@ class GuidedBone:
         """Where beams to the points must be free of bone, just above the surface, (n, 3) mm in Reference."""
         lift = max(LIFT, float(self.distance.grid.spacing.max()))
         return self.surface.points_reference + lift * self.surface.normals_reference
+
+    def only(self, points: Integers) -> GuidedBone:
+        """Some of the points, by their numbers, still in the shadow of all bone."""
+        whole = self.surface
+        some = BoneSurface(whole.points_reference[points], whole.normals_reference[points], whole.areas[points], whole.labels[points])
+        return replace(self, surface=some, border=self.border[points])
 
     def name_of(self, label: int) -> str:
         """What a label is called: its name, with its number where others have that name too, else its number."""

@@ -19,7 +19,6 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses, time_order, tracked_frames
 from .bone import GuidedBone, guided_bone
-from .expectation import expected_visibility
 from .met import BoneMet, FrameGeometry
 
 BELOW_60, BELOW_45 = np.cos(np.radians((60.0, 45.0)))
@@ -41,7 +40,7 @@ class Share:
     below_60_deg, below_45_deg : float, 0 to 1
         Met with a best angle of incidence below this.
     expected_visibility : float, 0 to 1
-        Share that `weighted` is expected to show; see `expected_visibility`.
+        Share that `weighted` is expected to show; see `BoneMet.expected`.
     """
 
     reachable_cm2: float
@@ -186,7 +185,7 @@ def share_of(met: BoneMet, chosen: Mask) -> Share:
         return Share(0.0, *[float("nan")] * 4)
     with np.errstate(invalid="ignore"):
         any_angle, below_60, below_45 = (float(areas @ of_it) / total for of_it in (np.isfinite(best), best > BELOW_60, best > BELOW_45))
-    return Share(total / 100.0, any_angle, below_60, below_45, float(areas @ expected_visibility(best)) / total)
+    return Share(total / 100.0, any_angle, below_60, below_45, float(areas @ met.expected[chosen]) / total)
 
 
 def _full_scale(sequence: TrackedSequence) -> float:

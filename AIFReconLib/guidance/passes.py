@@ -73,7 +73,7 @@ class Pass:
 
     def poses(self, probe: ProbeOnBack, frames: int | None = None) -> Matrix:
         """image_to_reference of its frames, (frames, 4, 4); `least` of them by default."""
-        return np.array([probe.pose(placement) for placement in self.placements(frames or self.least)])
+        return probe.poses(self.placements(frames or self.least))
 
 
 def freehand_passes(bone: GuidedBone) -> list[Pass]:

@@ -30,12 +30,13 @@ def known():
 
     names = {1: "L3", 2: "2"}
     bone = Bone(surface=surface, border=np.array([False, False, True, True, False]), name_of=names.get)
-    return SimpleNamespace(bone=bone, best_cosine=best)
+    return SimpleNamespace(bone=bone, best_cosine=best, expected=np.array([0.0, 0.4, 0.8, 1.0, 0.0]))
 
 
 def test_shares_are_of_area(known):
     share = share_of(known, np.ones(5, dtype=bool))
     assert (share.reachable_cm2, share.met, share.below_60_deg, share.below_45_deg) == pytest.approx((6.0, 4 / 6, 3 / 6, 1 / 6))
+    assert share.expected_visibility == pytest.approx((0.4 + 2 * 0.8 + 1.0) / 6)
 
 
 def test_the_report_has_all_borders_and_every_label(known):
