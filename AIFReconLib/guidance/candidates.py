@@ -68,10 +68,12 @@ class Candidates:
         rng = np.random.default_rng(0)
         points, found = [], []
         for number, one in enumerate(passes):
-            report(progress, number / len(passes), "Looking at candidate passes")
-            placements = one.placements(one.least)
-            draws = [placements] if hand is None else [hand.follow(placements, rng) for _ in range(DRAWS)]
-            evidence = np.array([_evidence(geometry, probe.poses(each)) for each in draws])
+            placements, draws = one.placements(one.least), []
+            for draw in range(DRAWS if hand else 1):
+                # So often, because who looks while a scan goes on makes way to frames meanwhile
+                report(progress, (number + draw / DRAWS) / len(passes), "Looking at candidate passes")
+                draws.append(_evidence(geometry, probe.poses(hand.follow(placements, rng) if hand else placements)))
+            evidence = np.array(draws)
             met = np.flatnonzero(evidence.any(axis=0))
             points.append(met)
             found.append(evidence[:, met])
