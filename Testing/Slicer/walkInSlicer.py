@@ -11,7 +11,7 @@ no traceback.
 
 Takes these steps alone.
 
-    ... walkInSlicer.py FOLDER --close SECONDS
+    ... walkInSlicer.py FOLDER --close SECONDS [--window]
 
 Closes the application in the middle of a reconstruction instead, SECONDS after its start; it must end within a second, in silence.
 """
@@ -312,14 +312,24 @@ def logged() -> list[str]:
     return [line for line in lines if "Traceback" in line or "[CRITICAL]" in line or "[ERROR]" in line]
 
 
-def closeInMidRun(walk: Walk, seconds: float) -> None:
-    """Close the application's window while it reconstructs; what Python does afterwards is seen from outside."""
+def closeInMidRun(walk: Walk, seconds: float, byWindow: bool) -> None:
+    """Close the application while it reconstructs, by code or by its window; what Python does afterwards is seen from outside."""
     walk.step(sampleData)
     walk.parameters.spacing = 0.3
 
+    def discard() -> None:
+        question = slicer.app.activeModalWidget()
+        print(f"answering at {time.time():.3f}", flush=True)
+        next(button for button in slicer.util.findChildren(question, className="QPushButton") if "discard" in button.text.lower()).click()
+
     def close() -> None:
         print(f"closing at {time.time():.3f}", flush=True)
-        slicer.util.exit(0)
+        if byWindow:
+            # Slicer asks whether to save the scene first
+            qt.QTimer.singleShot(1000, discard)
+            slicer.util.mainWindow().close()
+        else:
+            slicer.util.exit(0)
 
     qt.QTimer.singleShot(int(seconds * 1000), close)
     walk.press(walk.ui.applyButton)
@@ -332,7 +342,7 @@ def main(arguments: list[str]) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     walk = Walk(folder)
     if "--close" in arguments:
-        closeInMidRun(walk, float(arguments[arguments.index("--close") + 1]))
+        closeInMidRun(walk, float(arguments[arguments.index("--close") + 1]), "--window" in arguments)
         return 1  # the application should be gone
     failed = []
     chosen = arguments[arguments.index("--only") + 1].split(",") if "--only" in arguments else [step.__name__ for step in STEPS]
