@@ -55,7 +55,7 @@ def plan_figure(path: str | Path, points_patient: Floats, best_cosine: Floats, f
         # What lies nearest to the viewer is drawn last
         order = np.argsort(points_patient[:, depth] * (1 if depth == 0 else -1))
         order = order[np.argsort(kinds[order] < len(COLORS) - 1, kind="stable")] if depth == 0 else order
-        ax.scatter(*points_patient[order][:, [across, up]].T, c=np.array(COLORS)[kinds[order]], s=2.0, linewidths=0)
+        ax.scatter(*points_patient[order][:, [across, up]].T, c=np.array(COLORS)[kinds[order]], s=7.0, linewidths=0)
         ax.plot(*np.stack([faces_patient, ends])[:, :, [across, up]].transpose(2, 0, 1), color=BEAM, linewidth=0.7, alpha=0.6)
         ax.plot(*faces_patient[:, [across, up]].T, ".", color=BEAM, markersize=3)
         ax.set_aspect("equal")

@@ -88,7 +88,8 @@ class Candidates:
 
     def looked(self, evidence: Floats) -> Floats:
         """Of the evidence of all points of the bone, that of those that are looked at."""
-        return evidence[self._looked]
+        looked: Floats = evidence[self._looked]
+        return looked
 
     def gains(self, evidence: Floats, rounds: int = 1) -> Floats:
         """What each pass adds to the weighted area that is expected to show, (n,) mm^2.
@@ -102,8 +103,7 @@ class Candidates:
         """
         before = expected_visibility(evidence)
         more = expected_visibility(evidence[self._points] + rounds * self._met).mean(axis=0) - before[self._points]
-        gains: Floats = np.bincount(self._owner, self._weights[self._points] * more, len(self.passes))
-        return gains
+        return np.asarray(np.bincount(self._owner, self._weights[self._points] * more, len(self.passes)), dtype=np.float64)
 
     def make(self, number: int, evidence: Floats) -> Floats:
         """Evidence after a pass, which a sure hand would need for what this hand is expected to show."""

@@ -49,8 +49,8 @@ def page_of(rows: list[Row]) -> str:
             points = [100 * (getattr(row, said) - row.interspinous) for row in these if getattr(row, said) == getattr(row, said)]
             if points:
                 mean = sum(points) / len(points)
-                cells = f"{mean:+.0f} | {min(points):+.0f} to {max(points):+.0f} | {sum(abs(p) <= NEAR for p in points)} of {len(points)}"
-                off.append(f"| {scan}, {frames} frames, {said} | {cells} |")
+                told = f"{mean:+.0f} | {min(points):+.0f} to {max(points):+.0f} | {sum(abs(p) <= NEAR for p in points)} of {len(points)}"
+                off.append(f"| {scan}, {frames} frames, {said} | {told} |")
     head = f"| points above what came | mean | range | within {NEAR} |"
     return "\n".join([*lines, "", head, "|---|---|---|---|", *off]) + "\n"
 
