@@ -73,18 +73,13 @@ class GuidedBone:
 
     def placed_by(self, motion: Matrix) -> GuidedBone:
         """The same bone in another place, (4, 4) rigid: what a probe on the back can reach does not change with it."""
-        turn, surface = motion[:3, :3], self.surface
-        return GuidedBone(
-            replace(
-                surface,
-                points_reference=transform_points(motion, surface.points_reference),
-                normals_reference=surface.normals_reference @ turn.T,
-            ),
-            self.border,
-            self.distance.placed_by(motion),
-            {label: transform_points(motion, center[None])[0] for label, center in self.centers.items()},
-            motion @ self.patient_to_reference,
+        surface = replace(
+            self.surface,
+            points_reference=transform_points(motion, self.surface.points_reference),
+            normals_reference=self.surface.normals_reference @ motion[:3, :3].T,
         )
+        centers = {label: transform_points(motion, center[None])[0] for label, center in self.centers.items()}
+        return GuidedBone(surface, self.border, self.distance.placed_by(motion), centers, motion @ self.patient_to_reference)
 
     def part(self, name: str) -> Mask:
         """The points of `all`, `interspinous` (borders) or `posterior` (facing the back), or of a label by its number.

@@ -7,7 +7,7 @@ import pytest
 from sweeps import rigid, two_vertebrae
 
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.guidance.colors import ASLANT, GRAZED, NOT_MET, OUT_OF_REACH, SQUARELY, ColoredBone
+from AIFReconLib.guidance.mesh import ASLANT, GRAZED, NOT_MET, OUT_OF_REACH, SQUARELY, ColoredBone
 
 MOTION = rigid((10.0, -20.0, 30.0), (5.0, 6.0, 7.0))
 

@@ -12,6 +12,7 @@ from sweeps import rigid, two_vertebrae
 
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.guidance import FAR
 from AIFReconLib.guidance.met import BoneMet, FrameGeometry
 from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
 from AIFReconLib.imaging.region import ImageRegion
@@ -139,7 +140,7 @@ def test_frames_that_pass_far_from_the_bone_are_a_sentence(watching, frames, mon
     session, watch = watching()
     far = [replace(frame, image_to_reference=rigid(translation=(300.0, 0.0, 0.0)) @ frame.image_to_reference) for frame in frames]
     show(session, watch, far)
-    assert until(lambda: watch.state.problem == guidance_watch.FAR)
+    assert until(lambda: watch.state.problem == FAR)
 
 
 def test_bone_that_lies_awry_is_told_from_where_the_first_frame_looks(watching, frames):
