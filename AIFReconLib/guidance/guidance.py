@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Bytes, Floats, Matrix
 from ..geometry.transforms import invert, transform_points
-from ..geometry.volume import Volume
+from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..message import Message
@@ -19,13 +19,14 @@ from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses, time_order
 from .bone import GuidedBone
 from .coverage import Coverage, coverage, covered
-from .directions import Direction, directions
+from .directions import Direction, directions, labels_under
 from .mesh import ColoredBone
 from .met import BoneMet
 from .next_move import Move, NextMove
 from .probe import ProbeOnBack, Skin, images_like
 
 FAR = Message("No frame has come near the bone of the CT. Place the CT on the patient first.")
+NOT_IN_BOX = Message("The box to be reconstructed holds no bone of the CT. Move the box, or place the CT on the patient.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,12 +43,8 @@ class Guidance:
         While a scan goes on its `met` goes on changing; its shares do not.
     best_cosine : (n,) float64 array or None
         Of the points of `coverage.met.bone`, as they were when this was told.
-    move : Move or None
-        None while candidates are looked at, and when nothing is worth adding.
-    directions : tuple of Direction
-        To the move from where the probe is now.
-    is_preparing : bool
-        Whether candidate passes are still looked at.
+    advice : Advice or None
+        None while candidate passes are looked at.
     problem : Message or None
         Why nothing can be told.
     """
@@ -56,9 +53,7 @@ class Guidance:
     levels: Bytes | None = None
     coverage: Coverage | None = None
     best_cosine: Floats | None = None
-    move: Move | None = None
-    directions: tuple[Direction, ...] = ()
-    is_preparing: bool = False
+    advice: Advice | None = None
     problem: Message | None = None
 
     @classmethod
@@ -70,16 +65,26 @@ class Guidance:
     def of(cls, colored: ColoredBone, met: BoneMet, advice: Advice | None = None, notes: tuple[str, ...] = ()) -> Guidance:
         """What was met until now, and the advice if there is one."""
         best = met.best_cosine.copy()
-        move, ways = (None, ()) if advice is None else (advice.move, advice.directions)
-        return cls(colored, colored.levels(best), covered(met, notes), best, move, ways, advice is None)
+        return cls(colored, colored.levels(best), covered(met, notes), best, advice)
 
 
 @dataclass(frozen=True)
 class Advice:
-    """A move, if any is worth its labor, and the way there."""
+    """What to do next.
+
+    Parameters
+    ----------
+    move : Move or None
+        None when nothing is worth its labor any more.
+    directions : tuple of Direction
+        The way there from where the probe is.
+    over : tuple of int
+        The label, or the two labels, that the probe will stand over.
+    """
 
     move: Move | None
     directions: tuple[Direction, ...] = ()
+    over: tuple[int, ...] = ()
 
 
 class Advisor:
@@ -98,7 +103,7 @@ class Advisor:
         bone, beams = met.bone, met.geometry.beams
         images = images_like(image_to_reference[0], beams.frame_size, beams.probe, beams.region)
         skin = Skin.through(transform_points(invert(bone.patient_to_reference), images.faces(image_to_reference)))
-        self._probe = ProbeOnBack(images, skin, bone.patient_to_reference)
+        self._bone, self._probe = bone, ProbeOnBack(images, skin, bone.patient_to_reference)
         self._next = NextMove(bone, self._probe, bone.aim, progress)
 
     def advise(self, met: BoneMet, image_to_reference: Matrix) -> Advice:
@@ -109,7 +114,8 @@ class Advisor:
         """The way to a move that was advised before, from another pose."""
         if move is None:
             return Advice(None)
-        return Advice(move, directions(self._probe.placement(image_to_reference), move.planned.placements(1)[0]))
+        there = move.planned.placements(1)[0]
+        return Advice(move, directions(self._probe.placement(image_to_reference), there), labels_under(self._bone, there))
 
 
 def has_come_near(met: BoneMet) -> bool:
@@ -117,11 +123,18 @@ def has_come_near(met: BoneMet) -> bool:
     return bool(met.frames.any() or met.shadowed.any() or met.dark.any())
 
 
+def holds_bone(grid: VoxelGrid, bone: GuidedBone) -> bool:
+    """Whether any of the bone that can be reached lies in a box."""
+    ijk = transform_points(grid.reference_to_ijk, bone.surface.points_reference)
+    return bool(((ijk >= -0.5) & (ijk <= np.array(grid.size) - 0.5)).all(axis=1).any())
+
+
 def guidance_of_sweep(
     sequences: TrackedSequence | Iterable[TrackedSequence],
     labels: Volume,
     labels_to_reference: Matrix,
     *,
+    grid: VoxelGrid | None = None,
     region: ImageRegion | None = None,
     probe: ProbeGeometry | None = None,
     progress: Progress | None = None,
@@ -134,6 +147,8 @@ def guidance_of_sweep(
     labels : Volume of integers
     labels_to_reference : (4, 4) array, mm
         Rigid.
+    grid : VoxelGrid or None
+        The box that is to be reconstructed, if it is known.
     region, probe : ImageRegion, ProbeGeometry or None
         As in `reconstruct`.
     progress : Progress or None
@@ -146,8 +161,11 @@ def guidance_of_sweep(
     sequence = joined(sequences)
     found = coverage(sequence, labels, labels_to_reference, region=region, probe=probe, progress=part(progress, 0.0, 0.5))
     colored = ColoredBone.of(found.met.bone).placed_by(invert(np.asarray(labels_to_reference, dtype=np.float64)))
-    if not has_come_near(found.met):
-        return Guidance.before(colored, found.met.bone, FAR)
+    problem = None if has_come_near(found.met) else FAR
+    if grid is not None and not holds_bone(grid, found.met.bone):
+        problem = NOT_IN_BOX
+    if problem is not None:
+        return Guidance.before(colored, found.met.bone, problem)
     poses = sweep_poses(sequence)
     order = time_order(sequence)
     order = order[np.isin(order, poses.usable)]

@@ -17,6 +17,9 @@ from .met import BoneMet
 NEAR = 2.5
 """mm. A corner of the mesh takes the numbers of the reachable point that is nearest, within this; farther ones are not reachable."""
 
+LIFTED = 0.7
+"""mm by which bone in color lies outside of its surface: what else is drawn of the same bone stays under it."""
+
 OUT_OF_REACH, NOT_MET, GRAZED, ASLANT, SQUARELY = range(5)
 """No beam from the back gets there; none has been there; the best one came at more than 60 degrees, at 45 to 60, below 45."""
 
@@ -117,7 +120,7 @@ class ColoredBone:
     @classmethod
     def of(cls, bone: GuidedBone) -> ColoredBone:
         """The whole surface of a bone, out of reach or not."""
-        mesh = bone_mesh(bone.distance)
+        mesh = bone_mesh(replace(bone.distance, array=bone.distance.array.astype(np.float32) - np.float32(LIFTED)))
         _, nearest = cKDTree(bone.surface.points_reference).query(mesh.points_reference, distance_upper_bound=NEAR)
         return cls(mesh, np.where(nearest < len(bone), nearest, -1))
 

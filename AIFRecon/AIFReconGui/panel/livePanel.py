@@ -60,6 +60,16 @@ class LivePanel:
         """Whether a scan is under way."""
         return self._live is not None
 
+    @property
+    def guidance(self):
+        """The `LiveGuidance` of the scan under way; None where there is none."""
+        return self._live.guidance if self._live is not None else None
+
+    def guide(self, wanted: bool) -> None:
+        """Let the scan under way tell what it meets, or no longer."""
+        if self._live is not None:
+            self._live.guide(wanted)
+
     def echoes(self):
         """The bone echoes of the scan under way, to place the CT by; a GeometryError where there are too few."""
         return self._live.echoes()

@@ -10,10 +10,10 @@ import numpy as np
 
 from ...arrays import Matrix, Numbers
 from ...errors import OperationCanceled
-from ...geometry.volume import Volume
+from ...geometry.volume import Volume, VoxelGrid
 from ...guidance.bone import GuidedBone, guided_bone
 from ...guidance.coverage import is_awry
-from ...guidance.guidance import FAR, Advisor, Guidance, has_come_near
+from ...guidance.guidance import FAR, NOT_IN_BOX, Advisor, Guidance, has_come_near, holds_bone
 from ...guidance.mesh import ColoredBone
 from ...guidance.met import BoneMet, FrameGeometry
 from ...imaging.beams import ProbeGeometry
@@ -91,6 +91,9 @@ class GuidanceWatch(Watch):
         self._advisor: Advisor | None = None
         self._poses: list[Matrix] = []
         self._again: list[Matrix] = []
+        self._grid: VoxelGrid | None = None
+        self._boxed: GuidedBone | None = None
+        self._is_in_box = True
         self._brightest = 1.0
         self._is_preparing = False
         self._told, self._advised = 0.0, 0.0
@@ -173,16 +176,27 @@ class GuidanceWatch(Watch):
         if now - self._told < TELL_EVERY or colored is None or not self._poses:
             return
         self._told = now
-        if len(self._poses) >= FAR_AFTER and not self._again and not has_come_near(met):
-            self._state = Guidance.before(colored, met.bone, FAR)
+        problem = self._why_not(met)
+        if problem is not None:
+            self._state = Guidance.before(colored, met.bone, problem)
             return
         pose, advice = self._poses[-1], None
         if self._advisor is not None:
             if now - self._advised >= ADVISE_EVERY:
                 advice, self._advised = self._advisor.advise(met, pose), now
             else:
-                advice = self._advisor.to(self._state.move, pose)
+                advice = self._advisor.to(None if self._state.advice is None else self._state.advice.move, pose)
         self._state = Guidance.of(colored, met, advice)
+
+    def _why_not(self, met: BoneMet) -> Message | None:
+        grid = self._session.grid
+        if grid is not self._grid or met.bone is not self._boxed:
+            self._grid, self._boxed = grid, met.bone
+            self._is_in_box = grid is None or holds_bone(grid, met.bone)
+        if not self._is_in_box:
+            return NOT_IN_BOX
+        far = len(self._poses) >= FAR_AFTER and not self._again and not has_come_near(met)
+        return FAR if far else None
 
     def _prepare(self, met: BoneMet) -> None:
         """Look at candidate passes, one after the other, and at frames meanwhile."""

@@ -65,10 +65,10 @@ class Watch(ABC):
         self._logged: Message | None = None
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
-    def stop(self) -> None:
-        """Look at no more frames; waits for the step under way."""
+    def stop(self, wait: bool = True) -> None:
+        """Look at no more frames; where asked to, it waits for the step under way."""
         self._closing.set()
-        if self._thread.ident is not None:
+        if wait and self._thread.ident is not None:
             self._thread.join()
 
     @abstractmethod

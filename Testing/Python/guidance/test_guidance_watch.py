@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from sweeps import rigid, two_vertebrae
 
-from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.guidance.guidance import FAR
+from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX
 from AIFReconLib.guidance.met import BoneMet, FrameGeometry
 from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
 from AIFReconLib.imaging.region import ImageRegion
@@ -28,7 +28,7 @@ MOVED = rigid(translation=(0.0, 3.0, 12.0))
 class Session:
     """What a watch asks of a session: the newest frame, and when to work."""
 
-    latest = None
+    latest = grid = None
 
     def wait_for_rest(self, timeout):
         time.sleep(0.001)
@@ -111,8 +111,9 @@ def test_a_next_move_comes(watching, frames):
     show(session, watch, frames)
     assert until(lambda: watch._advisor is not None)
     session.latest = LiveFrame(frames[0].image, frames[0].image_to_reference, timestamp=9.0, number=9)
-    assert until(lambda: watch.state.move is not None)
-    assert "adds" in str(watch.state.move.words)
+    assert until(lambda: watch.state.advice is not None and watch.state.advice.move is not None)
+    assert watch.state.advice.directions
+    assert set(watch.state.advice.over) <= {1, 2}
 
 
 def test_labels_that_lose_their_bone_in_mid_scan_are_a_sentence_and_come_back(watching, frames):
@@ -141,6 +142,16 @@ def test_frames_that_pass_far_from_the_bone_are_a_sentence(watching, frames, mon
     far = [replace(frame, image_to_reference=rigid(translation=(300.0, 0.0, 0.0)) @ frame.image_to_reference) for frame in frames]
     show(session, watch, far)
     assert until(lambda: watch.state.problem == FAR)
+
+
+def test_a_box_without_bone_is_a_sentence_and_another_one_brings_the_colors(watching, frames):
+    session, watch = watching()
+    session.grid = VoxelGrid.from_spacing((200.0, 0.0, 0.0), (10, 10, 10), 1.0)
+    show(session, watch, frames[:2])
+    assert until(lambda: watch.state.problem == NOT_IN_BOX)
+    session.grid = VoxelGrid.from_spacing((-40.0, -40.0, -40.0), (80, 80, 80), 1.0)
+    show(session, watch, frames[2:])
+    assert until(lambda: watch.state.problem is None and watch.state.coverage is not None)
 
 
 def test_bone_that_lies_awry_is_told_from_where_the_first_frame_looks(watching, frames):
