@@ -13,7 +13,7 @@ import tinyScene
 from AIFReconLiveTest import waitFor
 from simulatedPatient import FRAMES, addPatient
 
-OWN = ("Bone met", "Advised probe")
+OWN = ("Bone met", "Colors of bone met", "Advised probe")
 
 
 class AIFReconGuidanceTest(unittest.TestCase):
@@ -30,6 +30,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
             (passes, "SAGITTAL_ACROSS_DEG", (0.0,)),
             (passes, "TRANSVERSE_TILTS_DEG", (0.0,)),
             (guidance_watch, "SKIN_AFTER", 3),
+            (guidance_watch, "FAR_AFTER", 10),
         ):
             self.addCleanup(setattr, module, name, getattr(module, name))
             setattr(module, name, value)
@@ -150,10 +151,12 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertTrue(self.model("Advised probe").GetDisplayNode().GetVisibility2D())
 
     def test_nothing_is_drawn_into_the_nodes_of_ct_and_segmentation(self):
-        nodes = (self.nodes.segmentation, self.nodes.ct, self.nodes.segmentation.GetDisplayNode())
-        before = [node.GetMTime() for node in nodes if node is not None]
+        segmentation, ct = self.nodes.segmentation, self.nodes.ct
+        nodes = [ct, *(node.GetNthDisplayNode(n) for node in (ct, segmentation) for n in range(node.GetNumberOfDisplayNodes()))]
+        before = [node.GetMTime() for node in nodes], segmentation.GetNumberOfDisplayNodes(), segmentation.GetTransformNodeID()
         self.setBox()
-        self.assertEqual([node.GetMTime() for node in nodes if node is not None], before)
+        after = [node.GetMTime() for node in nodes], segmentation.GetNumberOfDisplayNodes(), segmentation.GetTransformNodeID()
+        self.assertEqual(after, before)
 
     def test_without_the_box_nothing_is_left(self):
         self.setBox()
@@ -309,7 +312,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.setBox()
         for node in self.own():
             self.assertFalse(node.GetSaveWithScene(), node.GetName())
-        self.assertEqual(self.parameters.parameterNode.GetParameter("guidance"), "true")
+        self.assertTrue(type(self.parameters)(self.parameters.parameterNode).guidance)
 
     def test_one_array_is_written_while_only_colors_change(self):
         self.setBox()

@@ -10,13 +10,11 @@ from AIFReconScene.inputs.boneNodes import boneNames
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
+from .livePanel import IDLE_COLOR, largeType
 from .wrappedText import say
 
 SHOWN_EVERY = 150
 """ms between two looks at what the scan has met: colors change five times a second and more."""
-
-MOVE_STYLE = "QLabel { background-color: #1f2a44; color: white; font-size: 26px; font-weight: bold; padding: 8px; border-radius: 4px; }"
-"""White on dark blue, contrast 14; large enough for two meters."""
 
 
 class GuidancePanel:
@@ -42,7 +40,7 @@ class GuidancePanel:
         self._showing = qt.QTimer()
         self._showing.setInterval(SHOWN_EVERY)
         self._showing.connect("timeout()", self._showScan)
-        ui.guidanceMoveLabel.styleSheet = MOVE_STYLE
+        ui.guidanceMoveLabel.styleSheet = largeType(IDLE_COLOR)
         ui.guidanceCheckBox.connect("clicked(bool)", self.onBox)
         ui.guidanceSweepButton.connect("clicked(bool)", self.onSweep)
         ui.liveCollapsibleButton.connect("contentsCollapsed(bool)", lambda collapsed: self._arrange())

@@ -236,13 +236,16 @@ class LivePanel:
         if not self._ui.liveStateLabel:
             return
         self._ui.liveStateLabel.text = word
-        self._ui.liveStateLabel.styleSheet = (
-            f"QLabel {{ background-color: {color}; color: white; font-size: 26px; font-weight: bold; padding: 10px; border-radius: 4px; }}"
-        )
+        self._ui.liveStateLabel.styleSheet = largeType(color)
 
     def _stopTimers(self) -> None:
         self._collecting.stop()
         self._showing.stop()
+
+
+def largeType(color: str) -> str:
+    """The style of a label that is read from two meters, with this background."""
+    return f"QLabel {{ background-color: {color}; color: white; font-size: 26px; font-weight: bold; padding: 10px; border-radius: 4px; }}"
 
 
 def _rate(statistics) -> str:

@@ -6,7 +6,7 @@ import vtk
 from slicer.i18n import tr as _
 from vtk.util import numpy_support
 
-from ..sceneNodes import removeNodes
+from ..sceneNodes import nodesOfClass, removeNodes
 
 MET = "Met"
 """The array of the model's points."""
@@ -15,8 +15,8 @@ COLORS = ((0.32, 0.30, 0.29), (0.72, 0.72, 0.72), (0.00, 0.27, 0.68), (0.35, 0.7
 """Of `AIFReconLib.guidance.mesh.OUT_OF_REACH` to `SQUARELY`: grays where nothing was met, blue to orange where something was. No two
 of them are alike to the color-blind."""
 
-LEGEND = (0.16, 0.42)
-"""Part of a view that the legend takes, across and up."""
+LEGEND, LETTERS = (0.16, 0.42), 16
+"""Part of a view that the legend takes, across and up, and its letters in points."""
 
 
 class BoneColors:
@@ -29,7 +29,7 @@ class BoneColors:
     """
 
     def __init__(self):
-        self._modelID = self._colorsID = None
+        self._modelID, self._ownIDs = None, []
         self._colored = self._levels = None
 
     @property
@@ -55,18 +55,18 @@ class BoneColors:
         return node
 
     def clear(self) -> None:
-        """Remove everything."""
+        """Remove everything, also what is left where somebody has deleted the model alone."""
         scene = slicer.mrmlScene
-        removeNodes([scene.GetNodeByID(each) for each in (self._colorsID, self._modelID) if each], scene)
-        self._modelID = self._colorsID = self._colored = self._levels = None
+        removeNodes([scene.GetNodeByID(each) for each in self._ownIDs], scene)
+        self._modelID, self._ownIDs, self._colored, self._levels = None, [], None, None
 
     def _made(self):
-        scene = slicer.mrmlScene
-        node = scene.AddNewNodeByClass("vtkMRMLModelNode", "Bone met")
+        self.clear()
+        colors, node = _colors(), slicer.mrmlScene.AddNewNodeByClass("vtkMRMLModelNode", "Bone met")
         node.CreateDefaultDisplayNodes()
         display = node.GetDisplayNode()
         with slicer.util.NodeModify(display):
-            display.SetAndObserveColorNodeID(self._colors().GetID())
+            display.SetAndObserveColorNodeID(colors.GetID())
             display.SetActiveScalar(MET, vtk.vtkAssignAttribute.POINT_DATA)
             display.SetScalarRangeFlag(slicer.vtkMRMLDisplayNode.UseManualScalarRange)
             display.SetScalarRange(-0.5, len(COLORS) - 0.5)
@@ -76,27 +76,23 @@ class BoneColors:
         legend = slicer.modules.colors.logic().AddDefaultColorLegendDisplayNode(node)
         if legend is not None:
             _arrange(legend)
-        for each in (node, *(node.GetNthDisplayNode(number) for number in range(node.GetNumberOfDisplayNodes()))):
+        own = (colors, *(node.GetNthDisplayNode(number) for number in range(node.GetNumberOfDisplayNodes())), node)
+        for each in own:
             each.SetSaveWithScene(False)
         node.SetSelectable(False)
-        self._modelID = node.GetID()
+        self._modelID, self._ownIDs = node.GetID(), [each.GetID() for each in own]
         return node
 
-    def _colors(self):
-        node = slicer.mrmlScene.GetNodeByID(self._colorsID) if self._colorsID else None
-        if node is not None:
-            return node
-        node = slicer.vtkMRMLColorTableNode()
-        node.SetName("Bone met")
-        node.SetTypeToUser()
-        node.SetHideFromEditors(True)
-        node.SetSaveWithScene(False)
-        node.SetNumberOfColors(len(COLORS))
-        for number, (name, color) in enumerate(zip(levelNames(), COLORS)):
-            node.SetColor(number, name, *color, 1.0)
-        slicer.mrmlScene.AddNode(node)
-        self._colorsID = node.GetID()
-        return node
+
+def _colors():
+    node = slicer.vtkMRMLColorTableNode()
+    node.SetName("Colors of bone met")
+    node.SetTypeToUser()
+    node.SetHideFromEditors(True)
+    node.SetNumberOfColors(len(COLORS))
+    for number, (name, color) in enumerate(zip(levelNames(), COLORS)):
+        node.SetColor(number, name, *color, 1.0)
+    return slicer.mrmlScene.AddNode(node)
 
 
 def levelNames() -> tuple:
@@ -112,6 +108,12 @@ def _arrange(legend) -> None:
         legend.SetNumberOfLabels(len(COLORS))
         legend.SetSize(*LEGEND)
         legend.SetPosition(0.97, 0.1)
+        for letters in (legend.GetTitleTextProperty(), legend.GetLabelTextProperty()):
+            letters.SetFontFamilyToArial()
+            letters.SetFontSize(LETTERS)
+        # Slice views do not show these colors
+        for view in nodesOfClass("vtkMRMLViewNode", slicer.mrmlScene):
+            legend.AddViewNodeID(view.GetID())
 
 
 def _surface(mesh, levels: np.ndarray) -> vtk.vtkPolyData:

@@ -6,7 +6,6 @@ import vtk
 from vtk.util import numpy_support
 
 from AIFReconLib.geometry.transforms import transform_points
-from AIFReconLib.guidance.probe import images_like
 from AIFReconLib.imaging.region import extreme_pixels
 
 from ..sceneNodes import removeNodes
@@ -70,6 +69,8 @@ class GhostProbe:
 
 def _probe(image_to_world: np.ndarray, beams) -> vtk.vtkPolyData:
     """Image plane with its outline, and a body behind its face."""
+    from AIFReconLib.guidance.probe import images_like
+
     columns, rows = beams.frame_size
     images = images_like(image_to_world, beams.frame_size, beams.probe, beams.region)
     ends = extreme_pixels(beams.region.mask(columns, rows)).astype(np.float64)
