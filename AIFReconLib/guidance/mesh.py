@@ -17,6 +17,9 @@ from .met import BoneMet
 NEAR = 2.5
 """mm. A corner of the mesh takes the numbers of the reachable point that is nearest, within this; farther ones are not reachable."""
 
+CELL = 2.0
+"""mm, about: corners of bone in color lie so far apart. A view is drawn anew whenever something moves, and finer ones take too long."""
+
 LIFTED = 0.7
 """mm by which bone in color lies outside of its surface: what else is drawn of the same bone stays under it."""
 
@@ -120,7 +123,9 @@ class ColoredBone:
     @classmethod
     def of(cls, bone: GuidedBone) -> ColoredBone:
         """The whole surface of a bone, out of reach or not."""
-        mesh = bone_mesh(replace(bone.distance, array=bone.distance.array.astype(np.float32) - np.float32(LIFTED)))
+        step = max(round(CELL / bone.distance.grid.spacing.max()), 1)
+        distance = bone.distance.array[::step, ::step, ::step].astype(np.float32) - np.float32(LIFTED)
+        mesh = bone_mesh(Volume(distance, bone.distance.ijk_to_reference @ np.diag([step, step, step, 1.0])))
         _, nearest = cKDTree(bone.surface.points_reference).query(mesh.points_reference, distance_upper_bound=NEAR)
         return cls(mesh, np.where(nearest < len(bone), nearest, -1))
 

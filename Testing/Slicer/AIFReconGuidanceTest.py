@@ -15,6 +15,21 @@ from simulatedPatient import FRAMES, addPatient
 
 OWN = ("Bone met", "Colors of bone met", "Advised probe")
 
+COLOR_BLIND = {
+    "none": np.eye(3),
+    "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+}
+"""Linear RGB as it is seen: Machado, Oliveira and Fernandes (2009), severity 1."""
+
+
+def lab(linear: np.ndarray) -> np.ndarray:
+    """CIE L*a*b* of linear sRGB (n, 3), by D65."""
+    toXYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    x, y, z = np.cbrt(linear @ toXYZ.T / toXYZ.sum(axis=1)).T
+    return np.stack([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)], axis=1)
+
 
 class AIFReconGuidanceTest(unittest.TestCase):
     """The box *Guidance* on a simulated patient."""
@@ -179,6 +194,15 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertTrue(legend.GetVisibility() and legend.GetUseColorNamesForLabels())
         table = self.model().GetDisplayNode().GetColorNode()
         self.assertEqual([table.GetColorName(number).split(",")[0] for number in (1, 2, 4)], ["not met", "grazed", "squarely"])
+
+    def test_the_colors_are_told_apart_by_the_color_blind(self):
+        from AIFReconScene.display.boneColors import COLORS
+
+        linear = np.array(COLORS) ** 2.2
+        for kind, matrix in COLOR_BLIND.items():
+            seen = lab(np.clip(linear @ np.array(matrix).T, 0.0, 1.0))
+            apart = np.linalg.norm(seen[:, None] - seen, axis=2) + 1e3 * np.eye(len(seen))
+            self.assertGreater(apart.min(), 20.0, kind)
 
     def test_a_cancel_leaves_the_scene_as_it_was(self):
         from AIFReconGui.progressDialog import ProgressDialog
