@@ -195,7 +195,8 @@ class GuidancePanel:
 
 def _table(coverage, names: dict) -> str:
     """A line for each segment, as HTML: what was met, what of it squarely, and what is expected to show."""
-    rows = [(names.get(int(label), _("Label {number}").format(number=label)), share) for label, share in coverage.by_label.items()]
+    known = {str(label): name for label, name in names.items()}
+    rows = [(known.get(label) or _("Label {number}").format(number=label), share) for label, share in coverage.by_label.items()]
     if coverage.interspinous.reachable_cm2:
         rows.append((_("Borders of the gaps"), coverage.interspinous))
     rows.append((_("All bone"), coverage.all))
