@@ -10,8 +10,8 @@ from AIFReconScene.inputs.boneNodes import boneNames
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
+from .layout import say
 from .livePanel import IDLE_COLOR, largeType
-from .wrappedText import say
 
 SHOWN_EVERY = 150
 """ms between two looks at what the scan has met: colors change five times a second and more."""
