@@ -24,6 +24,9 @@ BESIDE_EVERY = 4
 DRAWS = 3
 """How often each pass is looked at, as the hand happens to make it."""
 
+AT_ONCE = 12
+"""Frames that are looked at between two reports of progress, some 15 ms: who looks while a scan goes on makes way to its frames then."""
+
 LEAST_GAIN = 0.001
 """Of the weighted area: a pass that adds less is not worth its frames."""
 
@@ -66,12 +69,14 @@ class Candidates:
         self._weights = (share * bone.surface.areas)[self._looked]
         geometry = geometry_of(bone.only(self._looked), probe)
         rng = np.random.default_rng(0)
-        points, found = [], []
+        points, found, looks = [], [], AT_ONCE
         for number, one in enumerate(passes):
             placements, draws = one.placements(one.least), []
             for draw in range(DRAWS if hand else 1):
-                # So often, because who looks while a scan goes on makes way to frames meanwhile
-                report(progress, (number + draw / DRAWS) / len(passes), "Looking at candidate passes")
+                if looks >= AT_ONCE:
+                    report(progress, (number + draw / DRAWS) / len(passes), "Looking at candidate passes")
+                    looks = 0
+                looks += len(placements)
                 draws.append(_evidence(geometry, probe.poses(hand.follow(placements, rng) if hand else placements)))
             evidence = np.array(draws)
             met = np.flatnonzero(evidence.any(axis=0))
