@@ -15,6 +15,7 @@ from ..bone.from_sweep import bone_from_sweep
 from ..bone.map import SIGMA_VOXELS, BoneMap
 from ..compounding.own.method import load_method
 from ..errors import MethodError, OutputError, SettingsError
+from ..evaluation.visibility import BEAM_THICKNESS
 from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ..imaging.detection import detect_imaging
 from ..imaging.images import ImageStack
@@ -200,6 +201,24 @@ def add_imaging_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGr
     image.add_argument("--fan-angles-deg", type=float, nargs=2, metavar=("A", "B"), help="use this fan about the apex, from +y toward +x")
     image.add_argument("--fan-radius-px", type=float, nargs=2, metavar=("R0", "R1"), help="between these radii about the apex")
     return image
+
+
+def add_placing_options(group: argparse._ActionsContainer) -> None:
+    """How a CT is laid on a sweep, and when the answer is taken."""
+    group.add_argument("--per-segment", action="store_true", help="let each label move on its own: the spine has bent since the CT")
+    group.add_argument("--level", type=int, metavar="N", help="write the place N levels higher (negative: lower) than the best one")
+    group.add_argument("--accept", action="store_true", help="write the best place even if it is ambiguous or does not agree")
+
+
+def add_beam_option(group: argparse._ActionsContainer) -> None:
+    """How wide beams are where the bone that they reach is looked for."""
+    group.add_argument(
+        "--beam-thickness",
+        type=float,
+        default=BEAM_THICKNESS,
+        metavar="MM",
+        help="width of the beams across the image plane (default: %(default)g)",
+    )
 
 
 def add_importance_option(group: argparse._ActionsContainer) -> None:
