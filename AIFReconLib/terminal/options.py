@@ -157,6 +157,24 @@ def sigma_from(arguments: argparse.Namespace) -> tuple[float, float | None]:
     return SIGMA_VOXELS if voxels is None else voxels, arguments.bone_sigma_mm
 
 
+def check_bone_options(arguments: argparse.Namespace) -> None:
+    """Return if the options that say where bone is go together.
+
+    Raises
+    ------
+    SettingsError
+    """
+    if arguments.bone_from_sweep:
+        if arguments.bone_transform:
+            raise SettingsError("--bone-transform places a CT, and --bone-from-sweep needs none. Leave out one of them.")
+        if getattr(arguments, "speed_of_sound", None) is not None:
+            raise SettingsError(
+                "--bone-from-sweep takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels."
+            )
+    elif arguments.bone_transform and not (arguments.bone_labels or arguments.bone_probability):
+        raise SettingsError("--bone-transform places a bone input, and there is none. Give --bone-labels or --bone-probability.")
+
+
 def bone_from(
     arguments: argparse.Namespace,
     sequence: TrackedSequence | None,
@@ -168,13 +186,8 @@ def bone_from(
 
     `sequence`, `region` and `probe` (as `imaging_from` returns them) are looked at for --bone-from-sweep alone; a live scan has none yet.
     """
+    check_bone_options(arguments)
     if arguments.bone_from_sweep:
-        if arguments.bone_transform:
-            raise SettingsError("--bone-transform places a CT, and --bone-from-sweep needs none. Leave out one of them.")
-        if getattr(arguments, "speed_of_sound", None) is not None:
-            raise SettingsError(
-                "--bone-from-sweep takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels."
-            )
         if sequence is None:
             raise SettingsError("--bone-from-sweep looks at a recorded sweep. Give --bone-labels or --bone-probability.")
         poses = sweep_poses(sequence, arguments.image_to_reference, arguments.reference)
@@ -185,8 +198,6 @@ def bone_from(
         return BoneMap.from_labels(read_labels(arguments.bone_labels), *sigma_from(arguments), to_reference, progress)
     if arguments.bone_probability:
         return BoneMap.from_probability(read_volume(arguments.bone_probability), to_reference)
-    if to_reference is not None:
-        raise SettingsError("--bone-transform places a bone input, and there is none. Give --bone-labels or --bone-probability.")
     return None
 
 
