@@ -43,6 +43,7 @@ from ..terminal.options import bone_from, imaging_from, importance_from, load_me
 from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance
 from ..terminal.volume_options import SIDE_OUTPUTS, grid_from
+from .columns import in_column_words
 from .records import DONE, FAILED, LOST, RUNNING, Record, made_of, read_record, write_record
 from .table import Case, with_method
 
@@ -95,7 +96,7 @@ def carry_out(task: Task) -> Record:
             message=said(error) if str(error) else "There was not enough memory. Give --memory more, or fewer --workers.",
         )
     except AIFReconError as error:
-        record = replace(record, state=FAILED, message=said(error))
+        record = replace(record, state=FAILED, message=in_column_words(said(error)))
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
         record = replace(record, state=LOST, message=f"{where}{error.strerror or error}. Check that the file exists and may be used.")

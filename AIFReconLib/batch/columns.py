@@ -6,6 +6,7 @@ The options are declared by the functions that declare them for those commands, 
 from __future__ import annotations
 
 import argparse
+import re
 from pathlib import Path
 from typing import NoReturn
 
@@ -153,5 +154,6 @@ def in_column_words(problem: Message) -> Message:
 
 
 def _without_dashes(template: str) -> str:
-    words = template.split(" ")
-    return " ".join(word[2:].replace("-", "_") if word.startswith("--") else word for word in words)
+    """Whole commands stay as they are."""
+    command, option = r"(?P<command>pip install .*|aifrecon [a-z][^.,;]*)", r"(?<![\w-])--(?P<option>[a-z][a-z-]*)"
+    return re.sub(f"{command}|{option}", lambda found: found["command"] or found["option"].replace("-", "_"), template)

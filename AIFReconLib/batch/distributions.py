@@ -7,8 +7,11 @@ import statistics
 from collections.abc import Callable
 from html import escape
 
-WIDTH, ROW, LEFT, RIGHT, TOP, BOTTOM = 320.0, 44.0, 8.0, 8.0, 4.0, 20.0
+WIDTH, ROW, TOP, BOTTOM = 320.0, 52.0, 0.0, 20.0
 RADIUS = 2.6
+SIDE = 3.0
+"""Left and right of the outermost dots, in the units of the drawing."""
+
 BINS = 48
 MOST_DOTS = 200
 """Cases up to which each is a dot; of more, bars show how many there are."""
@@ -26,26 +29,26 @@ def strip_plot(values: dict[str, list[float]], form: str) -> str:
     """
     known = {method: sorted(each) for method, each in values.items() if each}
     low, high = min(each[0] for each in known.values()), max(each[-1] for each in known.values())
-    margin = (high - low) * 0.04 or abs(high) * 0.05 or 1.0
-    low, high = low - margin, high + margin
+    if low == high:
+        low, high = low - (abs(low) * 0.05 or 1.0), high + (abs(high) * 0.05 or 1.0)
     height = TOP + ROW * len(known) + BOTTOM
 
     def x(value: float) -> float:
-        return LEFT + (WIDTH - LEFT - RIGHT) * (value - low) / (high - low)
+        return SIDE + (WIDTH - 2 * SIDE) * (value - low) / (high - low)
 
     said = "; ".join(f"{method}: median {statistics.median(each):{form}} of {len(each)}" for method, each in known.items())
     parts = [f'<svg viewBox="0 0 {WIDTH:g} {height:g}" role="img" aria-label="{escape(said)}">']
     for number, (method, each) in enumerate(known.items()):
         base = TOP + ROW * number + ROW - 10
-        parts.append(f'<text x="{LEFT:g}" y="{base - 24:g}" class="name">{escape(method)}</text>')
+        parts.append(f'<text x="0" y="{base - 27:g}" class="name">{escape(method)}</text>')
         parts.append(_dots(each, x, base) if len(each) <= MOST_DOTS else _bars(each, x, base))
         first, median, third = statistics.quantiles(each, n=4, method="inclusive") if len(each) > 1 else each * 3
         parts.append(f'<path class="spread" d="M{x(first):.1f} {base + 5:.1f}H{x(third):.1f}"/>')
         parts.append(f'<path class="median" d="M{x(median):.1f} {base + 1:.1f}v8"/>')
-        parts.append(f'<text x="{WIDTH - RIGHT:g}" y="{base - 24:g}" class="number">{median:{form}}</text>')
+        parts.append(f'<text x="{WIDTH:g}" y="{base - 27:g}" class="number">{median:{form}}</text>')
     axis = height - BOTTOM + 14
-    parts.append(f'<text x="{LEFT:g}" y="{axis:g}" class="axis">{low + margin:{form}}</text>')
-    parts.append(f'<text x="{WIDTH - RIGHT:g}" y="{axis:g}" class="axis end">{high - margin:{form}}</text></svg>')
+    parts.append(f'<text x="0" y="{axis:g}" class="axis">{low:{form}}</text>')
+    parts.append(f'<text x="{WIDTH:g}" y="{axis:g}" class="axis end">{high:{form}}</text></svg>')
     return "".join(parts)
 
 

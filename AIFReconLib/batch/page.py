@@ -22,8 +22,13 @@ from .results import Row
 
 PAGE = "index.html"
 
+OF_BONE = (
+    *("bone_cnr", "oblique_cnr", "bone_coverage", "oblique_coverage", "interspinous_coverage"),
+    *("bone_thickness", "bone_localization_error"),
+)
+
 NUMBERS = {
-    **{name: (heading, QUANTITIES[name].form) for name, heading in HEADINGS.items()},
+    **{name: (HEADINGS[name], QUANTITIES[name].form) for name in OF_BONE},
     "sweep_met": (Message("bone met"), ".0%"),
     "sweep_interspinous_met": (Message("gaps met"), ".0%"),
     "registration_agreement": (Message("CT agrees"), ".0%"),
@@ -35,6 +40,9 @@ NUMBERS = {
 
 DRAWN = tuple(name for name in NUMBERS if name not in ("frames", "seconds"))
 
+OF_CASE = ("sweep_", "registration_")
+"""How the names of numbers begin that all methods of a case share."""
+
 OWN_STYLE = """
 body { max-width: 90rem; }
 :root { --mark: #2f6f9f; --bad: #a3261d; --wait: #8a5a00; }
@@ -42,8 +50,9 @@ body { max-width: 90rem; }
 .counts { display: flex; flex-wrap: wrap; gap: 0.25rem 2rem; margin: 1rem 0 0; padding: 0; list-style: none; }
 .counts b { font-size: 1.5rem; font-weight: 600; font-variant-numeric: tabular-nums; margin-right: 0.35rem; }
 .failed { color: var(--bad); } .not-finished { color: var(--wait); }
-.failures { width: 100%; } .failures td, .failures th { text-align: left; vertical-align: top; white-space: normal; }
-.failures td:last-child { overflow-wrap: anywhere; } .failures .state { white-space: nowrap; }
+.failures { list-style: none; margin: 0.5rem 0 0; padding: 0; border-top: 1px solid var(--line); }
+.failures li { display: grid; grid-template-columns: 9rem 7rem 1fr; gap: 0 1rem; padding: 0.4rem 0; border-bottom: 1px solid var(--line); }
+.failures b { font-weight: 600; overflow-wrap: anywhere; } .failures p { margin: 0; overflow-wrap: anywhere; white-space: pre-line; }
 .plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(17rem, 100%), 1fr)); gap: 1.25rem 2.5rem; margin-top: 0.75rem; }
 .plots h3 { margin: 0; } .plots figure { margin: 0; border-top: 1px solid var(--line); padding-top: 0.5rem; }
 svg { display: block; width: 100%; } svg text { font-size: 11px; fill: var(--ink); }
@@ -51,15 +60,19 @@ svg .axis { fill: var(--soft); } svg .number, svg .end { text-anchor: end; font-
 svg .cases { fill: var(--mark); fill-opacity: 0.55; } svg .spread { stroke: var(--mark); stroke-width: 2; }
 svg .median { stroke: var(--ink); stroke-width: 2; }
 .cases-table { width: 100%; } .cases-table td, .cases-table th { vertical-align: middle; }
-.cases-table td:nth-child(-n+3), .cases-table th:nth-child(-n+3) { text-align: left; }
+.cases-table td:nth-child(-n+4), .cases-table th:nth-child(-n+4) { text-align: left; }
+.cases-table thead th { overflow-wrap: normal; }
 .cases-table th button { all: unset; cursor: pointer; font: inherit; }
 .cases-table th button:focus-visible { outline: 2px solid var(--mark); }
 .cases-table th[aria-sort] button::after { content: " \\2191"; color: var(--mark); }
 .cases-table th[aria-sort="descending"] button::after { content: " \\2193"; }
-.cases-table img { min-width: 0; width: 7.5rem; height: 5rem; object-fit: cover; object-position: top; border-radius: 3px; }
+.cases-table img { min-width: 0; width: 9rem; height: 4.5rem; object-fit: cover; object-position: 50% 22%; border-radius: 3px; }
 .cases-table tbody th { font-weight: 600; overflow-wrap: anywhere; min-width: 5rem; }
 .cases-table tbody tr:nth-child(n+40) { content-visibility: auto; }
-@media screen and (max-width: 40rem) { .cases-table img { width: 4.5rem; height: 3.25rem; } .counts b { font-size: 1.2rem; } }
+@media screen and (max-width: 40rem) {
+  .cases-table img { width: 6rem; height: 3rem; } .counts b { font-size: 1.2rem; }
+  .failures li { grid-template-columns: 1fr auto; } .failures p { grid-column: 1 / -1; margin-top: 0.2rem; }
+}
 """
 
 SCRIPT = """
@@ -129,23 +142,30 @@ def _failures(rows: list[Row]) -> Iterable[str]:
     said = {row["case"]: (row["state"], row["message"]) for row in rows if row["message"]}
     if not said:
         return
-    yield '<section><h2>What went wrong</h2><div class="wide"><table class="failures"><tbody>'
+    yield '<section><h2>What went wrong</h2><ul class="failures">'
     for case, (state, message) in said.items():
-        yield f'<tr><th scope="row">{escape(case)}</th><td class="state {_css(state)}">{state}</td><td>{escape(message)}</td></tr>'
-    yield "</tbody></table></div></section>"
+        yield f'<li><b>{escape(case)}</b><span class="{_css(state)}">{state}</span><p>{escape(message)}</p></li>'
+    yield "</ul></section>"
 
 
 def _plots(rows: list[Row], names: list[str]) -> Iterable[str]:
     if not names:
         return
-    methods = list(dict.fromkeys(row["method"] for row in rows if row["state"] == DONE))
     yield '<section><h2>Distributions</h2><p class="notes">A dot is a case; below, the quartiles, and the median with its number.</p>'
     yield '<div class="plots">'
     for name in names:
         heading, form = NUMBERS[name]
-        values = {method: [row[name] for row in rows if row["method"] == method and row.get(name) is not None] for method in methods}
-        yield f"<figure><h3>{escape(_sentence(heading))}</h3>{strip_plot(values, form)}</figure>"
+        yield f"<figure><h3>{escape(_sentence(heading))}</h3>{strip_plot(_values(rows, name), form)}</figure>"
     yield "</div></section>"
+
+
+def _values(rows: list[Row], name: str) -> dict[str, list[float]]:
+    """A number by method, or once for each case where methods share it."""
+    known = [row for row in rows if row.get(name) is not None]
+    if name.startswith(OF_CASE):
+        return {"all methods": list({row["case"]: row[name] for row in known}.values())}
+    methods = dict.fromkeys(row["method"] for row in known)
+    return {method: [row[name] for row in known if row["method"] == method] for method in methods}
 
 
 def _sentence(heading: str) -> str:
@@ -153,15 +173,15 @@ def _sentence(heading: str) -> str:
 
 
 def _table(rows: list[Row], shown: list[str]) -> Iterable[str]:
-    heads = ["case", "method", "state", *(str(NUMBERS[name][0]) for name in shown)]
-    cells = "".join(f'<th scope="col"><button type="button">{escape(head)}</button></th>' for head in heads)
+    heads = ["case", "", "method", "state", *(str(NUMBERS[name][0]) for name in shown)]
+    cells = "".join(f'<th scope="col"><button type="button">{escape(head)}</button></th>' if head else "<td></td>" for head in heads)
     yield '<section><h2>Cases</h2><div class="wide"><table class="cases-table"><thead>'
-    yield f'<tr>{cells}<th scope="col">preview</th></tr></thead><tbody>'
+    yield f"<tr>{cells}</tr></thead><tbody>"
     for row in rows:
         numbers = "".join(_number(row.get(name), NUMBERS[name][1]) for name in shown)
         yield (
-            f'<tr><th scope="row">{escape(row["case"])}</th><td>{escape(row["method"])}</td>'
-            f'<td class="{_css(row["state"])}">{row["state"]}</td>{numbers}<td>{_picture(row)}</td></tr>'
+            f'<tr><th scope="row">{escape(row["case"])}</th><td>{_picture(row)}</td><td>{escape(row["method"])}</td>'
+            f'<td class="{_css(row["state"])}">{row["state"]}</td>{numbers}</tr>'
         )
     yield "</tbody></table></div></section>"
 

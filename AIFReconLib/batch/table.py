@@ -270,7 +270,8 @@ class _Reading:
         try:
             check_bone_options(arguments)
         except SettingsError as error:
-            yield Problem(case.row, "bone_transform", in_column_words(said(error)))
+            column = "bone_from_sweep" if arguments.bone_from_sweep else "bone_transform"
+            yield Problem(case.row, column, in_column_words(said(error)))
         has_bone = bool(arguments.bone_labels or arguments.bone_probability or arguments.bone_from_sweep)
         for method in case.methods:
             try:
