@@ -299,7 +299,9 @@ class _Work:
         return {name: None if value != value else float(value) for name, value in metrics.to_dict().items()}
 
     def _drawn(self, stem: str, result: Reconstruction, labels: Volume | None, ct: Volume | None, notes: list[str]) -> str:
-        """The picture's path; empty where none can be drawn."""
+        """The picture's path; empty where none is wanted, or can be drawn."""
+        if not self._arguments.preview:
+            return ""
         try:
             require_matplotlib()
         except OutputError as missing:

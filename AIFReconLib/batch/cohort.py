@@ -106,8 +106,16 @@ class Cohort:
                     report(progress, *self._so_far(started, done))
         finally:
             try_to_keep(self.output, unknown)
+            self._take_unheard(tasks)
             # Workers that were ended have left the folder in which they wrote
             remove_left_behind(self.output)
+
+    def _take_unheard(self, tasks: dict[str, Task]) -> None:
+        """Cases that were done when nobody listened any more."""
+        for name, task in tasks.items():
+            record = None if name in self.records else read_record(self.output, name)
+            if record is not None and record.run == task.run and record.state == DONE:
+                self.records[name] = record
 
     def _lost(self, task: Task, lost: Lost) -> Record:
         """The record of a case whose process did not survive it."""

@@ -10,8 +10,10 @@ import re
 from pathlib import Path
 from typing import NoReturn
 
-from ..errors import SettingsError
+from ..compounding.own.method import own_method
+from ..errors import MethodError, SettingsError
 from ..message import Message
+from ..settings import is_own_method
 from ..terminal.one_line_parser import OneLineParser
 from ..terminal.options import (
     add_beam_option,
@@ -61,6 +63,7 @@ def case_parser() -> CellParser:
     add_settings_options(parser)
     add_beam_option(parser)
     parser.add_argument("--bone", type=Path, help="true segmentation to measure against, in the frame of bone_labels, which stand in")
+    parser.add_argument("--preview", action="store_false", help="no: draw no picture of the volume")
     parser.add_argument("--ct", type=Path, help="CT to draw beside the volume, in the frame of the labels")
     return parser
 
@@ -123,13 +126,26 @@ class Columns:
         if (column, text) not in self._known:
             option = action.option_strings[0]
             if column == METHOD:
-                read: object = tuple(self._parsed(column, [f"{option}={each}"]) for each in _several(text))
+                read: object = tuple(self._method(each) for each in _several(text))
             elif isinstance(action.nargs, int):
                 read = self._parsed(column, [option, *text.replace(SEPARATOR, " ").split()])
             else:
                 read = self._parsed(column, [f"{option}={text.replace(SEPARATOR, ' ')}"])
             self._known[column, text] = read
         return self._known[column, text]
+
+    def _method(self, name: str) -> object:
+        """A method. One of the user's own is known already, or refused: a table, as any file, has no module imported."""
+        if is_own_method(name):
+            try:
+                own_method(name)
+            except MethodError:
+                raise MethodError(
+                    "{method} is a method of your own, which a table alone cannot bring in. Give {option} too.",
+                    method=name,
+                    option=f"--method {name}",
+                ) from None
+        return self._parsed(METHOD, [f"--{METHOD}={name}"])
 
     def _parsed(self, column: str, words: list[str]) -> object:
         return getattr(self._parser.parse_args(words), column)

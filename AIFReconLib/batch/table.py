@@ -204,7 +204,7 @@ class _Reading:
             except AIFReconError as error:
                 problems.append(Problem(row, column, in_column_words(said(error))))
                 continue
-            if value not in (None, False):
+            if value is not None:
                 values[column] = value
         methods = values.pop(METHOD, (None,))
         arguments = argparse.Namespace(**{**vars(self._columns.defaults), **values, "sequences": values.get(SWEEPS, [])})
@@ -252,12 +252,12 @@ class _Reading:
     def _contradictions(self, case: Case, values: dict[str, object]) -> Iterator[Problem]:
         """What does not go together."""
         for rivals in self._columns.rivals:
-            both = [name for name in rivals if name in values]
+            both = [name for name in rivals if values.get(name)]
             if len(both) > 1:
                 yield Problem(case.row, both[1], Message("{one} is given too. Give one of them.", one=both[0]))
         arguments = case.arguments
         for name in _OF_REGISTER:
-            if name in values and not arguments.register:
+            if values.get(name) and not arguments.register:
                 yield Problem(case.row, name, Message("it says how a CT is registered. Say yes under register too."))
         if arguments.register and not arguments.bone_labels:
             yield Problem(case.row, "register", Message("a CT is registered by its labels. Name them under bone_labels."))

@@ -18,7 +18,7 @@ from ..batch.table import Cases, read_cases
 from ..errors import FileFormatError, SettingsError
 from ..message import Message
 from ..terminal.console import ProgressBar, show
-from ..terminal.options import Commands
+from ..terminal.options import Commands, load_method_here
 
 EXAMPLE = """example, a row per case; several files or methods in a cell with ; between them:
   case,sweeps,config,bone_labels,register,method
@@ -53,6 +53,13 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder of all results; made if it is not there")
     parser.add_argument("--dry-run", action="store_true", help="only check every row, and list all that is wrong")
     parser.add_argument("--retry-failed", action="store_true", help="also compute again what failed and has not changed since")
+    parser.add_argument(
+        "--method",
+        action="append",
+        default=[],
+        metavar="MODULE:FUNCTION",
+        help="a method of your own that the table names; may be repeated",
+    )
     where = parser.add_argument_group("where", "by default as many processes on this computer as cores and memory allow")
     where.add_argument("--workers", type=int, metavar="N", help="processes")
     where.add_argument("--memory", type=float, metavar="GB", help="that all of them may take (default: what is free)")
@@ -63,6 +70,8 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Read the table, check, compute what is missing, write tables and page, and say what happened."""
     _check(arguments)
+    for name in arguments.method:
+        load_method_here(name)
     table = read_cases(arguments.table)
     if arguments.dry_run:
         return _dry_run(table)

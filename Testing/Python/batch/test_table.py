@@ -16,7 +16,7 @@ HEAD = "case,sweeps,config"
 ROW = "P1,sweep.igs.mha,PlusDeviceSet.xml"
 
 NO_COLUMN = {
-    **dict.fromkeys(("output", "preview", "report", "csv", "surface", "labels_output"), "results, which a case has in its folder"),
+    **dict.fromkeys(("output", "report", "csv", "surface", "labels_output"), "results, which a case has in its folder"),
     **dict.fromkeys(("sequences", "volumes", "sweep"), "recordings and volumes: the column sweeps, and what is made of them"),
     **dict.fromkeys(("save_settings", "quiet", "verbose", "log", "help", "help_all"), "of a command as a whole"),
 }
@@ -77,7 +77,7 @@ def test_a_table_as_spreadsheets_save_it_is_read(folder, delimiter, encoding):
         (",alpha", "P2,sweep.igs.mha,,0.1 mm", "row 3, alpha", "without a unit"),
         (",method", "P2,sweep.igs.mha,,averge", "row 3, method", "invalid choice"),
         (",method", "P2,sweep.igs.mha,,weighted", "row 3, method", "needs to know where bone is"),
-        (",method", "P2,sweep.igs.mha,,no_such_module:f", "row 3, method", "no module no_such_module"),
+        (",method", "P2,sweep.igs.mha,,no_such_module:f", "row 3, method", "Give --method no_such_module:f too"),
         (",register", "P2,sweep.igs.mha,,perhaps", "row 3, register", "yes or no"),
         (",register", "P2,sweep.igs.mha,,yes", "row 3, register", "under bone_labels"),
         (",accept", "P2,sweep.igs.mha,,yes", "row 3, accept", "under register"),
