@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from .bone.from_sweep import bone_from_sweep
     from .bone.map import BoneMap
     from .compounding.own.method import Method, register_method
-    from .compounding.reconstructor import Reconstruction, Reconstructor
+    from .compounding.reconstructor import Reconstructor
+    from .compounding.state import Reconstruction
     from .errors import AIFReconError
     from .evaluation.metrics import evaluate
     from .geometry.transform_graph import TransformGraph
@@ -54,7 +55,7 @@ _PUBLIC = {
     "Method": "compounding.own.method",
     "OpenIGTLinkClient": "live.wire.client",
     "ProbeGeometry": "imaging.beams",
-    "Reconstruction": "compounding.reconstructor",
+    "Reconstruction": "compounding.state",
     "ReconstructionSettings": "settings",
     "Reconstructor": "compounding.reconstructor",
     "ReplayServer": "live.replay.server",

@@ -12,9 +12,9 @@ from .arrays import Integers, Reals
 from .bone.map import BoneMap
 from .compounding.intake import require_kinds
 from .compounding.needs import needs_beams, needs_bone
-from .compounding.reconstructor import Reconstruction, Reconstructor
+from .compounding.reconstructor import Reconstructor
 from .compounding.splat_engine import uses_shares
-from .compounding.state import bytes_per_voxel
+from .compounding.state import Reconstruction, bytes_per_voxel
 from .errors import NoUsableFramesError
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
@@ -229,6 +229,6 @@ def reconstruct(
     )
     return replace(
         result,
-        notes=(*warnings, *parts.notes, *poses.notes, *imaging.notes, *result.notes),
+        said=(*warnings, *parts.notes, *poses.notes, *imaging.notes, *result.said),
         sweeps=shares(sequence, order, result.skipped),
     )

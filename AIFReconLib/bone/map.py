@@ -17,7 +17,7 @@ from ..errors import GeometryError
 from ..geometry.volume import Volume, VoxelGrid, as_volume
 from ..machine.threads import in_parts, optional_module, usable_cores
 from ..message import Described, listed
-from ..progress import Progress, report
+from ..progress import Progress, part, report
 
 SIGMA_VOXELS = 10.0
 """Smoothing of the probability map in the paper, in voxels of the labels."""
@@ -33,7 +33,7 @@ SHORTEST = 1e-30
 GAUSSIAN_REACH = 4.0
 """Where scipy cuts a Gaussian off, in sigmas."""
 
-PARTS = 8
+PARTS = 32
 """Parts that filters and sampling are split into for several threads; always as many, so that results depend on no machine."""
 
 Box = tuple[slice, slice, slice]
@@ -197,8 +197,7 @@ class BoneMap(Described):
             )
         sample = _sampler(self.probability, grid)
         report(progress, 0.0, "Placing the bone map")
-        probability = sample(self.probability.array)
-        report(progress, 0.2, "Placing the bone map")
+        probability = sample(self.probability.array, part(progress, 0.0, 0.2))
         potential = self.probability.array
         if direction == "surface":
             bone = self.inside.array if self.inside is not None else self.probability.array > 0.5
@@ -208,15 +207,15 @@ class BoneMap(Described):
         to_reference = np.linalg.inv(self.probability.ijk_to_reference[:3, :3]).T.astype(np.float32)
         directions = np.zeros((*grid.shape, 3), dtype=np.float32)
         for axis in range(3):
-            slope = sample(ndimage.sobel(potential, axis=2 - axis, mode="nearest"))
+            begun = 0.3 + 0.2 * axis
+            slope = sample(ndimage.sobel(potential, axis=2 - axis, mode="nearest"), part(progress, begun, begun + 0.1))
 
             def turn(k: int, axis: int = axis, slope: Singles = slope) -> None:
                 for component in range(3):
                     directions[k, ..., component] += to_reference[component, axis] * slope[k]
 
-            in_parts(turn, grid.shape[0], usable_cores())
-            report(progress, 0.3 + 0.2 * (axis + 1), "Placing the bone map")
-        _normalize(directions)
+            in_parts(turn, grid.shape[0], usable_cores(), part(progress, begun + 0.1, begun + 0.2), "Placing the bone map")
+        _normalize(directions, part(progress, 0.9, 1.0))
         report(progress, 1.0, "Placed the bone map")
         return BoneOnGrid(probability, directions)
 
@@ -245,7 +244,7 @@ def _sobel_magnitude(array: Singles) -> Singles:
     return squared
 
 
-def _normalize(vectors: Singles) -> None:
+def _normalize(vectors: Singles, progress: Progress | None = None) -> None:
     """Scale vectors [k, j, i, 3] to unit length in place, slab by slab; vectors too short to have a direction become zero."""
 
     def normalize(k: int) -> None:
@@ -256,7 +255,7 @@ def _normalize(vectors: Singles) -> None:
         slab /= length[..., None].astype(np.float32)
         slab[too_short] = 0.0
 
-    in_parts(normalize, len(vectors), usable_cores())
+    in_parts(normalize, len(vectors), usable_cores(), progress, "Placing the bone map")
 
 
 def _box_around(mask: Mask, margin: Integers) -> Box:
@@ -273,7 +272,7 @@ def _matrix_of_box(volume: Volume, box: Box) -> Matrix:
     return volume.ijk_to_reference @ shift
 
 
-def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[Numbers], Singles]:
+def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[Numbers, Progress | None], Singles]:
     """A function that brings arrays [k, j, i] on the source's voxels onto the grid by linear interpolation, as float32.
 
     Notes
@@ -281,13 +280,13 @@ def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[Numbers], Singles]:
     Around the source lie voxels of 0, so that values fall to 0 within one voxel of its border.
     """
     if source.grid.matches(grid):
-        return lambda array: array.astype(np.float32)
+        return lambda array, _progress: array.astype(np.float32)
     to_source = source.grid.reference_to_ijk @ grid.ijk_to_reference
     box = _overlap(to_source, grid, source.grid)
     # The same voxels with and without it
     fast = optional_module("AIFReconLib.bone.numba_map")
 
-    def sample(array: Numbers) -> Singles:
+    def sample(array: Numbers, progress: Progress | None) -> Singles:
         result = np.zeros(grid.shape, dtype=np.float32)
         if box is not None:
             matrix = np.ascontiguousarray(to_source[2::-1, 2::-1])
@@ -315,7 +314,7 @@ def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[Numbers], Singles]:
                     prefilter=False,
                 )
 
-            in_parts(sample_slab, len(edges) - 1, usable_cores())
+            in_parts(sample_slab, len(edges) - 1, usable_cores(), progress, "Placing the bone map")
         return result
 
     return sample

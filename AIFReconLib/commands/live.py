@@ -12,7 +12,7 @@ from typing import TextIO
 
 import numpy as np
 
-from ..compounding.reconstructor import Reconstruction
+from ..compounding.state import Reconstruction
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
 from ..io.plus.configuration import read_plus_configuration
 from ..io.volume.files import check_volume_path

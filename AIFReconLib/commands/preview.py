@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from ..compounding.reconstructor import Reconstruction
+from ..compounding.state import Reconstruction
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.preview import preview

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..compounding.needs import method_needs_bone
-from ..compounding.reconstructor import Reconstruction
+from ..compounding.state import Reconstruction
 from ..errors import BeamGeometryError, GeometryError
 from ..guidance.coverage import coverage
 from ..imaging.beams import ProbeGeometry
@@ -196,7 +196,7 @@ def report_of(result: Reconstruction, tracking: dict[str, TrackingReport], outpu
             "ijk_to_reference": result.grid.ijk_to_reference.tolist(),
         },
         "tracking": sweeps if len(sweeps) > 1 else next(iter(tracking.values())).to_dict(),
-        "notes": list(result.notes),
+        "notes": list(result.said),
         "files": {name: str(path) for name, path in outputs.items() if path},
     }
 

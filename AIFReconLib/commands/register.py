@@ -103,7 +103,7 @@ def run(arguments: argparse.Namespace) -> None:
     lines = [found.agreement.sentence(), *_findings(found)]
     print("\n  ".join([*map(str, lines), *(f"wrote {path}" for path in written)]))
     if not _is_taken(arguments, found):
-        raise RegistrationRefused("No transform is written. {reason}", reason=found.refusal)
+        raise RegistrationRefused("No transform is written. {reason}", reason=found.said)
 
 
 def _is_taken(arguments: argparse.Namespace, found: Registration) -> bool:

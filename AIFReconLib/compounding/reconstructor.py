@@ -21,7 +21,7 @@ from ..imaging.beams import SECTOR, ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..imaging.sound_speed import depth_factor
 from ..machine.memory import require_memory
-from ..message import Described, Message
+from ..message import Message
 from ..progress import Progress
 from ..settings import ReconstructionSettings
 from ..sweep.frames import TrackedFrame
@@ -34,61 +34,10 @@ from .numpy_engine import NumpyEngine
 from .own.engine import OwnMethodEngine
 from .own.method import own_method
 from .splat_engine import SplatEngine, check_shares, splat_engine, uses_shares
-from .state import VoxelState, bytes_per_voxel
+from .state import Reconstruction, VoxelState, bytes_per_voxel
 
 if TYPE_CHECKING:
-    from ..sweep.joined import SweepShare
     from .compiled.numba_engine import NumbaEngine
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Reconstruction(Described):
-    """The result of a reconstruction, all volumes on one grid.
-
-    Parameters
-    ----------
-    intensity : Volume of uint8 or float32
-        The reconstructed ultrasound.
-    score : Volume of float32
-        Sum of the weights of all pixels that entered (the paper's V_count); the number of pixels for methods without weights.
-    hits : Volume of uint32
-        Pixels that entered.
-    mask : Volume of uint8
-        0 empty, 1 measured, 2 filled from a neighbor.
-    cosine : Volume of float32 or None
-        Best cosine of incidence, when it was asked for.
-    method : str
-    frames_inserted : int
-    skipped : dict of str to list of int
-        Numbers of the frames that were not inserted, by reason; of several sweeps numbered through.
-    notes : tuple of str
-        What a user should know about how this result came about; options are named as on the command line.
-    hole_limit : float, mm
-        Up to which holes were filled, as given or as chosen; 0 where they were not, or in the configuration's own way.
-    sweeps : tuple of SweepShare
-        What each recorded sweep gave; none where frames came one by one.
-    """
-
-    intensity: Volume
-    score: Volume
-    hits: Volume
-    mask: Volume
-    cosine: Volume | None
-    method: str
-    frames_inserted: int
-    skipped: dict[str, list[int]]
-    notes: tuple[str, ...] = ()
-    hole_limit: float = 0.0
-    sweeps: tuple[SweepShare, ...] = ()
-
-    def _facts(self) -> list[tuple[str, str]]:
-        skipped = sum(map(len, self.skipped.values()))
-        return [("method", self.method), ("frames", f"{self.frames_inserted} inserted, {skipped} skipped"), *self.grid.facts()]
-
-    @property
-    def grid(self) -> VoxelGrid:
-        """The voxels that all its volumes share."""
-        return self.intensity.grid
 
 
 @dataclass(eq=False)
@@ -289,7 +238,7 @@ class Reconstructor:
             method=self.method,
             frames_inserted=counts.inserted,
             skipped={reason: numbers.tolist() for reason, numbers in counts.skipped.items()},
-            notes=(*notes, *said),
+            said=(*notes, *said),
             hole_limit=float(settings.hole_limit),
         )
 

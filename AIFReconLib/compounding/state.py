@@ -1,15 +1,20 @@
-"""What is remembered of every voxel while frames come in, and what that costs in memory."""
+"""What is remembered of every voxel while frames come in, what that costs in memory, and the volumes that come of it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Reals, Singles
-from ..geometry.volume import VoxelGrid
+from ..geometry.volume import Volume, VoxelGrid
+from ..message import Described, in_python_words, translated
 from ..settings import BONE_METHODS, is_own_method
+
+if TYPE_CHECKING:
+    from ..sweep.joined import SweepShare
 
 MAP_BYTES = 4 + 3 * 4
 """Probability and direction of the bone map, per voxel."""
@@ -126,3 +131,58 @@ def bytes_per_voxel(method: str, has_bone: bool, best_cosine: bool, shares: bool
     state = 4 + (8 if _sums_in_double(method) else 4) + (4 if method in BONE_METHODS else 0) + (4 if best_cosine else 0)
     state += 8 if _weighs_in_double(method, shares) else 0
     return state + max(MAP_BYTES if has_bone else 0, OUTPUT_BYTES)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reconstruction(Described):
+    """The result of a reconstruction, all volumes on one grid.
+
+    Parameters
+    ----------
+    intensity : Volume of uint8 or float32
+        The reconstructed ultrasound.
+    score : Volume of float32
+        Sum of the weights of all pixels that entered (the paper's V_count); the number of pixels for methods without weights.
+    hits : Volume of uint32
+        Pixels that entered.
+    mask : Volume of uint8
+        0 empty, 1 measured, 2 filled from a neighbor.
+    cosine : Volume of float32 or None
+        Best cosine of incidence, when it was asked for.
+    method : str
+    frames_inserted : int
+    skipped : dict of str to list of int
+        Numbers of the frames that were not inserted, by reason; of several sweeps numbered through.
+    said : tuple of str
+        What a user should know about how this result came about, with options named as on the command line; see `notes`.
+    hole_limit : float, mm
+        Up to which holes were filled, as given or as chosen; 0 where they were not, or in the configuration's own way.
+    sweeps : tuple of SweepShare
+        What each recorded sweep gave; none where frames came one by one.
+    """
+
+    intensity: Volume
+    score: Volume
+    hits: Volume
+    mask: Volume
+    cosine: Volume | None
+    method: str
+    frames_inserted: int
+    skipped: dict[str, list[int]]
+    said: tuple[str, ...] = ()
+    hole_limit: float = 0.0
+    sweeps: tuple[SweepShare, ...] = ()
+
+    def _facts(self) -> list[tuple[str, str]]:
+        skipped = sum(map(len, self.skipped.values()))
+        return [("method", self.method), ("frames", f"{self.frames_inserted} inserted, {skipped} skipped"), *self.grid.facts()]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a user should know about how this result came about, in Python's words."""
+        return tuple(str(translated(note, in_python_words)) for note in self.said)
+
+    @property
+    def grid(self) -> VoxelGrid:
+        """The voxels that all its volumes share."""
+        return self.intensity.grid

@@ -32,9 +32,6 @@ LONGEST_REACH = 24
 PLANES_AT_ONCE = 16
 """Planes [k] that a thread fills before it takes the next ones; it looks at those within reach beside them too."""
 
-ROUND = 8
-"""How often threads take `PLANES_AT_ONCE` planes before progress is reported."""
-
 NM_PER_MM = 1e6
 
 Box = tuple[slice, ...]
@@ -139,17 +136,11 @@ def _fill_compiled(fill_slab: Callable[[int, int], int], planes: int, threads: i
     """Fill the whole volume with a compiled search that is told the first plane and the one after the last, a few planes at a time."""
     starts = range(0, planes, PLANES_AT_ONCE)
     filled = np.zeros(len(starts), dtype=np.int64)
-    rounds = -(-len(starts) // ROUND)
 
-    for turn in range(rounds):
-        report(progress, turn / rounds, "Filling holes")
-        parts = range(turn * ROUND, min((turn + 1) * ROUND, len(starts)))
+    def fill(part: int) -> None:
+        filled[part] = fill_slab(starts[part], min(starts[part] + PLANES_AT_ONCE, planes))
 
-        def fill(part: int, parts: range = parts) -> None:
-            first = starts[parts[part]]
-            filled[parts[part]] = fill_slab(first, min(first + PLANES_AT_ONCE, planes))
-
-        in_parts(fill, len(parts), threads or usable_cores())
+    in_parts(fill, len(starts), threads or usable_cores(), progress, "Filling holes")
     report(progress, 1.0, "Filled holes")
     return int(filled.sum())
 

@@ -82,7 +82,7 @@ class OffsetEstimate:
         if self.out_of_step:
             return (
                 f"Images and poses are likely out of step by {self.time_offset:+.3f} s (give or take {self.uncertainty:.3f} s). "
-                f"Try --time-offset {self.time_offset:.3f}."
+                f"A time offset of {self.time_offset:.3f} would put them in step."
             )
         return f"Images and poses are in step: offset {self.time_offset:+.3f} s, give or take {self.uncertainty:.3f} s."
 

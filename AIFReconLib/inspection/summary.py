@@ -9,7 +9,7 @@ from ..message import Message
 from ..sweep.poses import describe_frames, describe_skipped
 
 if TYPE_CHECKING:
-    from ..compounding.reconstructor import Reconstruction
+    from ..compounding.state import Reconstruction
 
 
 def summary_lines(result: Reconstruction, frames: int, seconds: float | None = None) -> list[str]:
@@ -40,7 +40,7 @@ def summary_lines(result: Reconstruction, frames: int, seconds: float | None = N
         done if seconds is None else Message("{done}, in {seconds:.1f} s", done=done, seconds=seconds),
         describe_coverage(measured / grid.voxels, filled / grid.voxels if filled else None),
         *_skipped(result),
-        *result.notes,
+        *result.said,
     ]
 
 

@@ -17,7 +17,7 @@ from .offset_estimate import corner_track
 from .summary import describe_coverage
 
 if TYPE_CHECKING:
-    from ..compounding.reconstructor import Reconstruction
+    from ..compounding.state import Reconstruction
 
 JUMP_SPEED = 200.0
 """mm/s. Nobody moves a probe over skin faster."""

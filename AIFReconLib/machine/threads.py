@@ -13,29 +13,32 @@ from importlib.util import find_spec
 from types import ModuleType
 
 from ..errors import SettingsError
+from ..progress import Progress, report
 
 logger = logging.getLogger(__name__)
 
 
-def in_parts(work: Callable[[int], None], parts: int, threads: int) -> None:
+def in_parts(work: Callable[[int], None], parts: int, threads: int, progress: Progress | None = None, step: str = "") -> None:
     """Call `work` with 0 to `parts` - 1, each once, on up to `threads` threads of which the caller's is one.
 
     Each thread takes the next part when it is done with one, so that parts may differ in size. All threads have ended when this
     returns or raises; the first error stops the rest, and is raised here. Where the system allows fewer threads, it is done on fewer.
+    `progress` hears of `step` on the caller's thread before every part of its own, and may cancel the rest.
     """
     numbers = itertools.count()
     errors: list[BaseException] = []
 
-    def take_turns() -> None:
+    def take_turns(progress: Progress | None = None) -> None:
         try:
             while not errors and (part := next(numbers)) < parts:
+                report(progress, part / parts, step)
                 work(part)
         except BaseException as error:
             errors.append(error)
 
     helpers = [threading.Thread(target=take_turns, daemon=True) for _ in range(min(threads, parts) - 1)]
     started = list(itertools.takewhile(start, helpers))
-    take_turns()
+    take_turns(progress)
     for helper in started:
         helper.join()
     if errors:

@@ -13,7 +13,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 
 from .. import __version__
-from ..compounding.reconstructor import Reconstruction
+from ..compounding.state import Reconstruction
 from ..geometry.volume import Volume
 from ..imaging.region import ImageRegion
 from ..message import Message

@@ -13,7 +13,7 @@ from ..geometry.transforms import as_matrix, transform_points, why_not_rigid
 from ..geometry.volume import Volume
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
-from ..message import Message
+from ..message import Message, in_python_words
 from ..progress import Progress, part, report
 from ..sweep.frames import TrackedSequence
 from .agreement import Agreement
@@ -60,8 +60,8 @@ class Registration:
         labels_to_reference, RAS.
     agreement : Agreement
         Of that place, or, where each bone moved on its own, of the bones where they came to lie.
-    refusal : Message or None
-        Why the answer must not be used unseen.
+    said : Message or None
+        Why the answer must not be used unseen, with options named as on the command line; see `refusal`.
     loose : tuple of Loose
         Motions that the sweep does not hold.
     restarts : float, mm
@@ -77,7 +77,7 @@ class Registration:
 
     transform: Floats
     agreement: Agreement
-    refusal: Message | None
+    said: Message | None
     loose: tuple[Loose, ...]
     restarts: float
     alternatives: tuple[Alternative, ...]
@@ -88,7 +88,12 @@ class Registration:
     @property
     def accepted(self) -> bool:
         """Whether the bone agrees and no other place is as good."""
-        return self.refusal is None
+        return self.said is None
+
+    @property
+    def refusal(self) -> str | None:
+        """Why the answer must not be used unseen, in Python's words."""
+        return None if self.said is None else self.said.translated(in_python_words)
 
     @property
     def uncertain(self) -> list[Message]:
@@ -293,7 +298,7 @@ def as_report(found: Registration) -> dict[str, object]:
         by_label.setdefault(str(label), {"agreement": 0.0, "median_distance_mm": None, "echoes": 0})["transform"] = place.tolist()
     return {
         "accepted": found.accepted,
-        "refusal": None if found.refusal is None else str(found.refusal),
+        "refusal": None if found.said is None else str(found.said),
         "agreement": round(found.agreement.share, 4),
         "median_distance_mm": _rounded(found.agreement.median_distance),
         "echoes": found.agreement.echoes,

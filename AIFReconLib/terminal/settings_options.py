@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .. import __version__
 from ..bone.map import SIGMA_VOXELS
-from ..compounding.reconstructor import Reconstruction
+from ..compounding.state import Reconstruction
 from ..message import Message
 from ..provenance.kept import KeptSettings
 from ..provenance.record import other_inputs, settings_of, signed
@@ -85,7 +85,7 @@ def with_provenance(
     files = [path for path in inputs if path is not None]
     kept: KeptSettings | None = arguments.kept
     notes = () if kept is None else (*_about_version(kept), *other_inputs(kept.path.name, kept.inputs, files))
-    return replace(signed(result, settings, files, stream), notes=(*result.notes, *notes))
+    return replace(signed(result, settings, files, stream), said=(*result.said, *notes))
 
 
 def _of_bone(arguments: argparse.Namespace) -> dict[str, object]:

@@ -38,9 +38,11 @@ def rectangle_images(count=6):
 
 def test_a_clip_rectangle_that_is_the_whole_image_is_told_of_its_black_surround():
     sequence = calibrated(tracked_sequence(images=rectangle_images()), region=FULL, spacing=(2.0,) * 3)
-    (note,) = (note for note in reconstruct(sequence).notes if "clip rectangle" in note)
+    result = reconstruct(sequence)
+    (note,) = (note for note in result.notes if "clip rectangle" in note)
     assert "whole image of 40 x 30 pixels" in note
-    assert "--clip-px 5 3 29 23" in note
+    assert "region=ImageRegion(ClipRectangle((5, 3), (29, 23)))" in note
+    assert "--clip-px 5 3 29 23" in result.said[result.notes.index(note)]
     columns, rows = np.nonzero(ImageRegion(ClipRectangle((5, 3), (29, 23))).mask(40, 30).T)
     assert (columns.min(), columns.max(), rows.min(), rows.max()) == (5, 34, 3, 26)
 

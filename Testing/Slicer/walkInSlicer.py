@@ -11,7 +11,7 @@ no traceback.
 
 Takes these steps alone.
 
-    ... walkInSlicer.py FOLDER --close SECONDS
+    ... walkInSlicer.py FOLDER --close SECONDS [--window]
 
 Closes the application in the middle of a reconstruction instead, SECONDS after its start; it must end within a second, in silence.
 """
@@ -50,7 +50,10 @@ RATE = 20.0
 
 
 class Heart:
-    """Beats in the GUI's event loop, and knows the longest time between two beats: for so long nothing was drawn or heard."""
+    """Beats in the GUI's event loop, and knows the longest time between two beats: for so long nothing was drawn or heard.
+
+    On a machine with other work a part of that time is theirs: `worked` is what the GUI's own thread computed at most between two beats.
+    """
 
     INTERVAL = 5
     """ms."""
@@ -65,11 +68,12 @@ class Heart:
     def start(self) -> None:
         """Begin a new measurement."""
         self._last, self.longest = time.monotonic(), 0.0
+        self._lastWorked, self.worked = time.thread_time(), 0.0
 
     def _beat(self) -> None:
-        now = time.monotonic()
-        self.longest = max(self.longest, now - self._last)
-        self._last = now
+        now, worked = time.monotonic(), time.thread_time()
+        self.longest, self.worked = max(self.longest, now - self._last), max(self.worked, worked - self._lastWorked)
+        self._last, self._lastWorked = now, worked
 
 
 class Walk:
@@ -79,6 +83,8 @@ class Walk:
         self.folder = folder
         self.heart = Heart()
         self.stalls: dict[str, float] = {}
+        self.worked: dict[str, float] = {}
+        """ms of the stalls in which the GUI's thread computed."""
         self.drawn: dict[str, float] = {}
         """ms until Slicer had drawn what a step has changed; that is its own work."""
         slicer.util.mainWindow().resize(*WINDOW)
@@ -140,7 +146,7 @@ class Walk:
         try:
             function(self)
         finally:
-            self.stalls[name] = round(self.heart.longest * 1000.0)
+            self.stalls[name], self.worked[name] = round(self.heart.longest * 1000.0), round(self.heart.worked * 1000.0)
             self.heart.start()
             self.settle()
             self.drawn[name] = round(self.heart.longest * 1000.0)
@@ -148,7 +154,7 @@ class Walk:
             self.widened.append(f"{name}: from {self.width} to {self.dock.width} pixels")
             self.width = self.dock.width
         self.picture(name)
-        print(f"{name}: {function.__doc__} Longest stall {self.stalls[name]} ms.", flush=True)
+        print(f"{name}: {function.__doc__} Longest stall {self.stalls[name]} ms, worked {self.worked[name]} ms.", flush=True)
 
 
 def sampleData(walk: Walk) -> None:
@@ -292,7 +298,7 @@ def live(walk: Walk) -> None:
         walk.wait(lambda: session.statistics.inserted > FRAMES_INSERTED, what="frames")
         walk.wait(lambda: shown("Green") is not None and shown("Green") is scan.volumeNode, what="the growing volume in the green view")
         walk.wait(lambda: shown("Red") is scan.frameNode, what="the frame in the red view")
-        walk.stalls["whileLive"] = round(walk.heart.longest * 1000.0)
+        walk.stalls["whileLive"], walk.worked["whileLive"] = round(walk.heart.longest * 1000.0), round(walk.heart.worked * 1000.0)
         walk.picture("liveScan")
         walk.heart.start()
         walk.press(walk.ui.liveStopButton)
@@ -312,14 +318,24 @@ def logged() -> list[str]:
     return [line for line in lines if "Traceback" in line or "[CRITICAL]" in line or "[ERROR]" in line]
 
 
-def closeInMidRun(walk: Walk, seconds: float) -> None:
-    """Close the application's window while it reconstructs; what Python does afterwards is seen from outside."""
+def closeInMidRun(walk: Walk, seconds: float, byWindow: bool) -> None:
+    """Close the application while it reconstructs, by code or by its window; what Python does afterwards is seen from outside."""
     walk.step(sampleData)
     walk.parameters.spacing = 0.3
 
+    def discard() -> None:
+        question = slicer.app.activeModalWidget()
+        print(f"answering at {time.time():.3f}", flush=True)
+        next(button for button in slicer.util.findChildren(question, className="QPushButton") if "discard" in button.text.lower()).click()
+
     def close() -> None:
         print(f"closing at {time.time():.3f}", flush=True)
-        slicer.util.exit(0)
+        if byWindow:
+            # Slicer asks whether to save the scene first
+            qt.QTimer.singleShot(1000, discard)
+            slicer.util.mainWindow().close()
+        else:
+            slicer.util.exit(0)
 
     qt.QTimer.singleShot(int(seconds * 1000), close)
     walk.press(walk.ui.applyButton)
@@ -332,7 +348,7 @@ def main(arguments: list[str]) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     walk = Walk(folder)
     if "--close" in arguments:
-        closeInMidRun(walk, float(arguments[arguments.index("--close") + 1]))
+        closeInMidRun(walk, float(arguments[arguments.index("--close") + 1]), "--window" in arguments)
         return 1  # the application should be gone
     failed = []
     chosen = arguments[arguments.index("--only") + 1].split(",") if "--only" in arguments else [step.__name__ for step in STEPS]
@@ -347,7 +363,8 @@ def main(arguments: list[str]) -> int:
     slow = [name for name, stall in walk.stalls.items() if stall > 1000.0 * limits[name]]
     told = logged()
     trouble = {"failed": failed, "widened": walk.widened, "slow": slow, "log": told}
-    found = {"version": slicer.app.applicationVersion, "stalls_ms": walk.stalls, "drawn_ms": walk.drawn, **trouble}
+    measured = {"stalls_ms": walk.stalls, "worked_ms": walk.worked, "drawn_ms": walk.drawn}
+    found = {"version": slicer.app.applicationVersion, **measured, **trouble}
     (folder / "walk.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
     print(json.dumps(found, indent=2), flush=True)
     return 1 if any(trouble.values()) else 0

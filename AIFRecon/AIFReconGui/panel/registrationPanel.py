@@ -162,7 +162,7 @@ class RegistrationPanel:
         if not found.accepted:
             self._show(parameters, finding.at(rigidPlace(bone)))
             self._offer(_places(found))
-            refused = _("Not moved. Of the best place that was found: {reason}").format(reason=inPanelWords(found.refusal))
+            refused = _("Not moved. Of the best place that was found: {reason}").format(reason=inPanelWords(found.said))
             return self._words(refused, verdict=False)
         moved = "" if found.moved is None else _("Moved by {mm:.1f} mm.").format(mm=found.moved)
         self._moveTo(parameters, finding)

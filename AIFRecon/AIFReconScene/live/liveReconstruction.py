@@ -138,15 +138,18 @@ class LiveReconstruction:
     def refresh(self) -> None:
         """Show the volume or the frame, in turns where both are ready; `displayProblem` says what failed.
 
-        Never both: views that are drawn anew twice hold up the windows twice as long.
+        Never both, nor a volume in the scene and in the views at once: what is drawn twice holds up the windows twice as long.
         """
         self._attempt(self._followPlace)
+        if self.volumeNode is not None and not self._views.shows(self.volumeNode):
+            self._attempt(self._views.showVolume, self.volumeNode)
+            return
         result = None if self._volumeWasLast else self._snapshots.take()
         self._volumeWasLast = result is not None
         if result is None:
             self._attempt(self._showFrame)
         else:
-            self._attempt(self._showVolume, result)
+            self._attempt(self._fillVolume, result)
         self._snapshots.request()
 
     def stop(self, progress=None):
@@ -216,10 +219,6 @@ class LiveReconstruction:
         if (place != self._boneAt).any():
             self._boneAt = place
             self._watch.place(place)
-
-    def _showVolume(self, result) -> None:
-        self._fillVolume(result)
-        self._views.showVolume(self.volumeNode)
 
     def _fillVolume(self, result) -> None:
         result = with_settings(result, self._inputs.boneSettings())

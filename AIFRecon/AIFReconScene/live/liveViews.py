@@ -30,6 +30,7 @@ class LiveViews:
         self._before: _View | None = None
         self._frame = None
         self._volume = None
+        self._without: list[str] = []
 
     def showFrame(self, frameNode) -> None:
         """Let the red slice lie in the frame, at its true place in the 3D view too."""
@@ -60,12 +61,16 @@ class LiveViews:
             node.SetFieldOfView(shown * width, shown * height, node.GetFieldOfView()[2])
             node.UpdateMatrices()
 
+    def shows(self, volumeNode) -> bool:
+        """Whether this is the growing volume that was shown last, in all of the other views."""
+        return self._volume is volumeNode and not self._without
+
     def showVolume(self, volumeNode) -> None:
-        """Show the growing volume over the CT in the other views, once."""
-        if self._volume is volumeNode:
-            return
-        self._volume = volumeNode
-        sliceDisplay.showOverCT(volumeNode, self._ct, self._opacity, views=OTHERS)
+        """Show the growing volume over the CT in one more of the other views, once in each: windows stand still for one at a time."""
+        if self._volume is not volumeNode:
+            self._volume, self._without = volumeNode, list(OTHERS)
+        if self._without:
+            sliceDisplay.showOverCT(volumeNode, self._ct, self._opacity, views=(self._without.pop(),))
 
     def restore(self) -> None:
         """The red slice as it was; where there is a volume now, it shows that as the others do."""

@@ -15,7 +15,8 @@ import numpy as np
 
 from ...arrays import NumberType
 from ...bone.map import BoneMap
-from ...compounding.reconstructor import Reconstruction, Reconstructor
+from ...compounding.reconstructor import Reconstructor
+from ...compounding.state import Reconstruction
 from ...geometry.volume import VoxelGrid
 from ...imaging.beams import LINEAR, ProbeGeometry
 from ...imaging.region import ImageRegion
@@ -219,7 +220,7 @@ class Inserter:
                 return None
             make, notes, imaging = self._reconstructor.capture(), self._notes, self._imaging
         result = self._sign(make(progress), imaging)
-        return replace(result, notes=(*notes, *result.notes))
+        return replace(result, said=(*notes, *result.said))
 
     def finish(self, progress: Progress | None = None) -> Reconstruction | None:
         """The final volume, after `close`; it can be asked for once."""
@@ -228,7 +229,7 @@ class Inserter:
                 return None
             reconstructor, self._reconstructor = self._reconstructor, None
         result = self._sign(reconstructor.finish(progress), self._imaging)
-        return replace(result, notes=(*self._notes, *result.notes))
+        return replace(result, said=(*self._notes, *result.said))
 
     # ---- the thread
 

@@ -11,8 +11,7 @@ from pathlib import Path
 from ...arrays import Reals
 from ...bone.map import BoneMap
 from ...compounding.needs import needs_beams, require_bone
-from ...compounding.reconstructor import Reconstruction
-from ...compounding.state import bytes_per_voxel
+from ...compounding.state import Reconstruction, bytes_per_voxel
 from ...errors import AIFReconError, OutputError
 from ...geometry.volume import VoxelGrid
 from ...imaging.beams import ProbeGeometry

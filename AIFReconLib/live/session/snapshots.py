@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 
-from ...compounding.reconstructor import Reconstruction
+from ...compounding.state import Reconstruction
 from .session import LiveSession
 
 logger = logging.getLogger(__name__)

@@ -12,7 +12,8 @@ from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.own.method import own_method, register_method, registered_methods
-from AIFReconLib.compounding.reconstructor import Reconstruction, Reconstructor
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.errors import BeamGeometryError, MethodError, SettingsError
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry

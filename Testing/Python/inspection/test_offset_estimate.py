@@ -65,7 +65,7 @@ def test_motion_within_the_image_plane_tells_it_too():
 def test_an_offset_beyond_doubt_comes_with_the_option_that_mends_it():
     found = estimate(sweep(late=0.2))
     assert found.out_of_step
-    assert f"Try --time-offset {found.time_offset:.3f}" in found.to_text()
+    assert f"A time offset of {found.time_offset:.3f} would" in found.to_text()
 
 
 def test_a_sweep_in_step_is_said_to_be():

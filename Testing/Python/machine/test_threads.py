@@ -7,6 +7,7 @@ import time
 
 import pytest
 
+from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.machine.read_ahead import read_ahead
 from AIFReconLib.machine.threads import in_parts, optional_module, usable_cores
 
@@ -41,6 +42,14 @@ def test_after_an_error_no_new_part_is_begun():
     with pytest.raises(ValueError):
         in_parts(work, 1000, 1)
     assert done == [0]
+
+
+def test_work_in_parts_is_canceled_between_two_of_them():
+    done, before = [], threading.active_count()
+    with pytest.raises(OperationCanceled):
+        in_parts(done.append, 1000, 1, lambda fraction, _step: fraction < 0.1, "Working")
+    assert done == list(range(100))
+    assert threading.active_count() == before
 
 
 def test_there_is_at_least_one_core():

@@ -265,7 +265,8 @@ def test_levels_that_fit_equally_well_are_ambiguous():
     found = register_echoes(seen, BoneField.from_labels(labels), np.eye(4))
     assert [other.levels for other in found.alternatives if other.agreement.enough] != []
     assert not found.accepted
-    assert "level" in found.refusal
+    assert "--level N" in found.said
+    assert "choose one with level, or use its transform." in found.refusal
 
 
 def test_a_start_one_level_off_does_not_stay_there(echoes, bone):
