@@ -18,7 +18,7 @@ from typing import Any
 from .. import __version__
 from ..arrays import Matrix
 from ..bone.map import BoneMap
-from ..compounding.reconstructor import Reconstruction
+from ..compounding.state import Reconstruction
 from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError, RegistrationRefused
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.metrics import evaluate
@@ -44,8 +44,11 @@ from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance
 from ..terminal.volume_options import SIDE_OUTPUTS, grid_from
 from .columns import in_column_words
-from .records import DONE, FAILED, LOST, RUNNING, Record, made_of, read_record, write_record
+from .records import DONE, FAILED, LOST, RECORDS, RUNNING, Record, made_of, read_record, write_record
 from .table import Case, with_method
+
+ALTERNATIVES = ".json.registration"
+"""End of the name of a refused registration's report, which no record's name has."""
 
 TRANSFORM, LABELS, REPORT = "CTToReference.tfm", "labels-as-scanned.nrrd", "report.json"
 
@@ -190,7 +193,9 @@ class _Work:
         )
         self._report["registration"] = as_report(found)
         if not (found.accepted or arguments.accept or arguments.level is not None):
-            raise RegistrationRefused("No transform is written. {reason}", reason=found.refusal)
+            path = self._folder.parents[1] / RECORDS / f"{self._case.name}{ALTERNATIVES}"
+            write_text(path, json.dumps(self._report, indent=1) + "\n")
+            raise RegistrationRefused("No transform is written. {reason} The report is {path}.", reason=found.said, path=path)
         self._arguments = self._placed(found, labels)
         agreement = found.agreement
         self._numbers["registration_agreement"] = float(agreement.share)
@@ -262,8 +267,9 @@ class _Work:
         for name in SIDE_OUTPUTS:
             if getattr(arguments, name):
                 getattr(result, name).write(self._folder / f"{stem}-{name}.nrrd")
-        self._report[result.method] = {"tracking": self._tracking(result), "notes": list(result.notes)}
-        notes = [*self._notes, *result.notes]
+        said_by_it = [str(in_column_words(note)) for note in result.said]
+        self._report[result.method] = {"tracking": self._tracking(result), "notes": said_by_it}
+        notes = [*self._notes, *said_by_it]
         return {
             "method": result.method,
             "frames": result.frames_inserted,

@@ -15,7 +15,7 @@ from ..io.disk.workspace import remove_left_behind
 from ..message import Message, listed
 from ..progress import Progress, report
 from .case import Task, carry_out
-from .engine import TRIES, Lost, completed
+from .engine import TRIES, Lost, completed, dashboard
 from .records import DONE, FAILED, LOST, RECORDS, Record, is_current, made_of, read_record, try_to_keep
 from .table import Case
 
@@ -96,7 +96,7 @@ class Cohort:
         started = time.monotonic()
         try:
             with workers as client:
-                say(_of_workers(client))
+                say(dashboard(client))
                 report(progress, *self._so_far(started, 0))
                 for done, (name, made) in enumerate(completed(client, carry_out, tasks), start=1):
                     record = self._lost(tasks[name], made) if isinstance(made, Lost) else made
@@ -135,11 +135,6 @@ class Cohort:
         if done and left:
             message = Message("{message}, {time} left", message=message, time=duration(left * (time.monotonic() - started) / done))
         return (len(self.cases) - left) / len(self.cases), message
-
-
-def _of_workers(client: Client) -> Message:
-    count = len(client.nthreads())
-    return Message("{count} worker(s)", count=count)
 
 
 def duration(seconds: float) -> Message:

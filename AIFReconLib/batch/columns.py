@@ -164,9 +164,9 @@ def _yes_or_no(text: str) -> bool:
     raise SettingsError("must be yes or no; got {text!r}.", text=text)
 
 
-def in_column_words(problem: Message) -> Message:
+def in_column_words(problem: str) -> Message:
     """A sentence of the command line with its options as the columns of a table are called."""
-    return Message(problem.translated(_without_dashes))
+    return Message(problem.translated(_without_dashes) if isinstance(problem, Message) else problem)
 
 
 def _without_dashes(template: str) -> str:

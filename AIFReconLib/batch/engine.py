@@ -229,10 +229,11 @@ def completed(client: Client, work: Callable[[Given], Made], given: Mapping[str,
 
 
 def dashboard(client: Client) -> Message:
-    """Where Dask shows what its workers do."""
+    """How many workers there are, and where Dask shows what they do."""
+    values = {"count": len(client.nthreads()), "address": client.dashboard_link}
     if find_spec("bokeh") is None:
-        return Message("Dask's dashboard: {address} (needs bokeh: pip install bokeh)", address=client.dashboard_link)
-    return Message("Dask's dashboard: {address}", address=client.dashboard_link)
+        return Message("{count} worker(s); Dask's dashboard at {address} needs bokeh (pip install bokeh)", **values)
+    return Message("{count} worker(s); Dask's dashboard is at {address}", **values)
 
 
 @contextmanager

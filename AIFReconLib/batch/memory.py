@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..errors import AIFReconError, FileFormatError
+from ..errors import AIFReconError, FileFormatError, SettingsError
 from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..machine.memory import SAFETY, available_memory
 from ..machine.threads import usable_cores
@@ -73,14 +73,29 @@ def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | 
         As many as the user asks for.
     memory : int or None
         Bytes for all together, this process included; by default what is free.
+
+    Raises
+    ------
+    SettingsError
+        When that is too little for a single process.
     """
+    if memory is not None and memory < OURS + PROCESS:
+        raise SettingsError(
+            "Input --memory must be at least {least:.2f} GB, which one process and this one take; got {memory:.2f}. Give more.",
+            least=(OURS + PROCESS) / 1e9,
+            memory=memory / 1e9,
+        )
     cores, needed = usable_cores(), memory_needed(cases)
     if memory is None and (free := available_memory()) is not None:
-        memory = int(SAFETY * free)
-    fit = cores if memory is None else (memory - OURS) // needed
-    count = workers or max(min(cores, fit, len(cases)), 1)
-    each = None if memory is None else max((memory - OURS) // count, PROCESS)
-    return Shares(count, max(cores // count, 1), each, needed)
+        memory = max(int(SAFETY * free), OURS + PROCESS)
+    if memory is None:
+        count = workers or min(cores, len(cases))
+        return Shares(count, max(cores // count, 1), None, needed)
+    left = memory - OURS
+    # Asked for or not, more processes than can be there at all are none
+    count = min(workers, left // PROCESS) if workers else min(cores, left // needed, len(cases))
+    count = max(count, 1)
+    return Shares(count, max(cores // count, 1), left // count, needed)
 
 
 def memory_needed(cases: Sequence[Case]) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import sys
 import textwrap
 from pathlib import Path
@@ -15,7 +16,7 @@ from ..batch.page import write_page
 from ..batch.records import DONE, FAILED, LOST
 from ..batch.results import flat_rows, write_tables
 from ..batch.table import Cases, read_cases
-from ..errors import FileFormatError, SettingsError
+from ..errors import FileFormatError, OutputError, SettingsError
 from ..message import Message
 from ..terminal.console import ProgressBar, show
 from ..terminal.options import Commands, load_method_here
@@ -89,11 +90,20 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         if cohort.to_do:
             _compute(cohort, arguments)
-    finally:
-        # What is done by now is worth a look, also after Ctrl-C
-        rows = flat_rows(cohort.cases, cohort.records)
-        written = [*write_tables(cohort.output, rows), write_page(cohort.output, arguments.table.stem, rows)]
-    return _tell(cohort, written)
+    except KeyboardInterrupt:
+        # What is done by now is worth a look
+        with contextlib.suppress(OutputError):
+            _write(cohort, arguments)
+        raise
+    code = _tell(cohort)
+    for path in _write(cohort, arguments):
+        print(f"  wrote {path}")
+    return code
+
+
+def _write(cohort: Cohort, arguments: argparse.Namespace) -> list[Path]:
+    rows = flat_rows(cohort.cases, cohort.records)
+    return [*write_tables(cohort.output, rows), write_page(cohort.output, arguments.table.stem, rows)]
 
 
 def _check(arguments: argparse.Namespace) -> None:
@@ -129,7 +139,7 @@ def _compute(cohort: Cohort, arguments: argparse.Namespace) -> None:
         cohort.compute(workers, say, progress)
 
 
-def _tell(cohort: Cohort, written: list[Path]) -> int:
+def _tell(cohort: Cohort) -> int:
     """Say what became of the cases; the answer is the exit code."""
     states = {state: cohort.count(state) for state in (DONE, FAILED, LOST)}
     seconds = sum(record.seconds for record in cohort.records.values())
@@ -139,7 +149,5 @@ def _tell(cohort: Cohort, written: list[Path]) -> int:
     for record in bad[:MOST_SHOWN]:
         print(Message("  {case}: {state}: {message}", case=record.case, state=record.state, message=record.message))
     if len(bad) > MOST_SHOWN:
-        print(f"  and {len(bad) - MOST_SHOWN} more: see {written[-1].name}")
-    for path in written:
-        print(f"  wrote {path}")
+        print(f"  and {len(bad) - MOST_SHOWN} more, in results.csv")
     return 1 if bad else 0

@@ -69,6 +69,7 @@ def test_a_dry_run_of_a_right_table_says_so(table, tmp_path, capsys):
     [
         (["--workers", "0"], "must be at least 1"),
         (["--memory", "-1"], "must be positive GB"),
+        (["--memory", "0.5"], "must be at least 0.75 GB"),
         (["--scheduler", "tcp://h:1", "--workers", "2"], "a cluster has its own"),
         (["--method", "nowhere:mine"], "there is no module nowhere"),
     ],
@@ -107,7 +108,7 @@ def test_processes_follow_cores_and_memory(table, monkeypatch, cores, memory, ex
 
 
 def test_all_processes_together_get_no_more_than_the_memory_that_is_given(table):
-    for workers in (1, 2, 3):
+    for workers in (1, 2, 3, 50):
         shares = shared_out(read_cases(table).cases, workers, int(4e9))
         assert shares.workers * shares.memory + OURS <= 4e9
 
