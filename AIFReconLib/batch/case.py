@@ -44,7 +44,7 @@ from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance
 from ..terminal.volume_options import SIDE_OUTPUTS, grid_from
 from .columns import in_column_words
-from .records import DONE, FAILED, LOST, RECORDS, RUNNING, Record, made_of, read_record, write_record
+from .records import DONE, FAILED, LOST, RECORDS, RUNNING, Record, Row, made_of, read_record, write_record
 from .table import Case, with_method
 
 ALTERNATIVES = ".json.registration"
@@ -124,7 +124,7 @@ def _require_version(task: Task) -> None:
         )
 
 
-def _computed(case: Case, output: Path) -> tuple[list[dict[str, Any]], dict[str, int]]:
+def _computed(case: Case, output: Path) -> tuple[list[Row], dict[str, int]]:
     """The flat results, a row per method, and the files that now lie in the folder of the case."""
     with output_errors(output / case.name), workspace(output) as room:
         folder = room / case.name
@@ -161,7 +161,7 @@ class _Work:
         placed = self._arguments.bone_transform
         self._ct_to_reference = read_transform(placed) if placed else None
         self._report: dict[str, Any] = {}
-        self._numbers: dict[str, Any] = {}
+        self._numbers: Row = {}
         self._notes: list[str] = []
 
     @property
@@ -171,7 +171,7 @@ class _Work:
         names = {"image_to_reference": arguments.image_to_reference, "reference": arguments.reference}
         return {"region": self._region, "probe": self._probe, **names}
 
-    def results(self) -> list[dict[str, Any]]:
+    def results(self) -> list[Row]:
         """Do all of it."""
         if self._arguments.register:
             self._register()
@@ -252,7 +252,7 @@ class _Work:
         truth: BoneTruth | None,
         labels: Volume | None,
         ct: Volume | None,
-    ) -> dict[str, Any]:
+    ) -> Row:
         """Reconstruct, write, measure and draw; the answer is the row."""
         arguments = with_method(self._arguments, method)
         if method is not None and is_own_method(method):

@@ -17,8 +17,7 @@ from ..evaluation.report import STYLE
 from ..io.disk.atomic import write_text
 from ..message import Message
 from .distributions import strip_plot
-from .records import DONE, FAILED, LOST
-from .results import Row
+from .records import DONE, FAILED, LOST, Row
 
 PAGE = "index.html"
 
@@ -128,7 +127,7 @@ def page(title: str, rows: list[Row]) -> str:
 
 
 def _counts(rows: list[Row]) -> str:
-    states = {row["case"]: row["state"] for row in rows}
+    states = {row["case"]: _text(row, "state") for row in rows}
     counts = [(state, sum(each == state for each in states.values())) for state in (DONE, FAILED, LOST)]
     items = (f'<li class="{_css(state)}"><b>{count}</b>{state}</li>' for state, count in counts if count or state == DONE)
     return f'<ul class="counts">{"".join(items)}</ul>'
@@ -139,7 +138,7 @@ def _css(state: str) -> str:
 
 
 def _failures(rows: list[Row]) -> Iterable[str]:
-    said = {row["case"]: (row["state"], row["message"]) for row in rows if row["message"]}
+    said = {_text(row, "case"): (_text(row, "state"), _text(row, "message")) for row in rows if row["message"]}
     if not said:
         return
     yield '<section><h2>What went wrong</h2><ul class="failures">'
@@ -161,11 +160,17 @@ def _plots(rows: list[Row], names: list[str]) -> Iterable[str]:
 
 def _values(rows: list[Row], name: str) -> dict[str, list[float]]:
     """A number by method, or once for each case where methods share it."""
-    known = [row for row in rows if row.get(name) is not None]
-    if name.startswith(OF_CASE):
-        return {"all methods": list({row["case"]: row[name] for row in known}.values())}
-    methods = dict.fromkeys(row["method"] for row in known)
-    return {method: [row[name] for row in known if row["method"] == method] for method in methods}
+    values: dict[str, dict[str, float]] = {}
+    for row in rows:
+        number = row.get(name)
+        if isinstance(number, int | float):
+            method = "all methods" if name.startswith(OF_CASE) else _text(row, "method")
+            values.setdefault(method, {})[_text(row, "case")] = number
+    return {method: list(of_cases.values()) for method, of_cases in values.items()}
+
+
+def _text(row: Row, name: str) -> str:
+    return str(row.get(name) or "")
 
 
 def _sentence(heading: str) -> str:
@@ -179,24 +184,24 @@ def _table(rows: list[Row], shown: list[str]) -> Iterable[str]:
     yield f"<tr>{cells}</tr></thead><tbody>"
     for row in rows:
         numbers = "".join(_number(row.get(name), NUMBERS[name][1]) for name in shown)
+        case, method, state = (_text(row, name) for name in ("case", "method", "state"))
         yield (
-            f'<tr><th scope="row">{escape(row["case"])}</th><td>{_picture(row)}</td><td>{escape(row["method"])}</td>'
-            f'<td class="{_css(row["state"])}">{row["state"]}</td>{numbers}</tr>'
+            f'<tr><th scope="row">{escape(case)}</th><td>{_picture(row)}</td><td>{escape(method)}</td>'
+            f'<td class="{_css(state)}">{state}</td>{numbers}</tr>'
         )
     yield "</tbody></table></div></section>"
 
 
-def _number(value: float | None, form: str) -> str:
-    return (
-        '<td data-n="">\N{EN DASH}</td>'
-        if value is None
-        else f'<td data-n="{value:.6g}">{value:{form}}</td>'.replace(">-", ">\N{MINUS SIGN}")
-    )
+def _number(value: float | str | None, form: str) -> str:
+    if not isinstance(value, int | float):
+        return '<td data-n="">\N{EN DASH}</td>'
+    shown = format(value, form).replace("-", "\N{MINUS SIGN}")
+    return f'<td data-n="{value:.6g}">{shown}</td>'
 
 
 def _picture(row: Row) -> str:
     if not row.get("preview"):
         return ""
-    path, volume = quote(row["preview"]), quote(row["volume"])
+    path, volume = (quote(_text(row, name)) for name in ("preview", "volume"))
     what = escape(f"{row['case']}, {row['method']}")
     return f'<a href="{path}" title="{volume}"><img loading="lazy" src="{path}" alt="{what}"></a>'

@@ -6,13 +6,19 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TypeAlias
 
 from .. import __version__
 from ..errors import OutputError
 from ..io.disk.atomic import write_text
 from ..io.disk.regular_files import file_stamp
 from .table import Case, method_files
+
+Row: TypeAlias = dict[str, float | str | None]
+"""What was measured of a case by one method, by name."""
+
+Facts: TypeAlias = dict[str, object]
+"""As JSON has them."""
 
 RECORDS = ".batch"
 """Folder of the records, within that of the results."""
@@ -46,16 +52,16 @@ class Record:
 
     case: str
     state: str
-    made_of: dict[str, Any]
+    made_of: Facts
     message: str = ""
     run: str = ""
     attempts: int = 0
     seconds: float = 0.0
-    results: list[dict[str, Any]] = field(default_factory=list)
+    results: list[Row] = field(default_factory=list)
     outputs: dict[str, int] = field(default_factory=dict)
 
 
-def made_of(case: Case, folder: Path) -> dict[str, Any]:
+def made_of(case: Case, folder: Path) -> Facts:
     """What the results of a case depend on; inputs are named from `folder`, that of the table, so that both may move together."""
     files = [*case.inputs, *method_files(case)]
     return {"version": __version__, "settings": case.given, "inputs": {_named(path, folder): _stamp(path) for path in files}}
@@ -103,7 +109,7 @@ def try_to_keep(output: Path, records: Iterable[Record]) -> None:
             return
 
 
-def is_current(record: Record | None, made: Mapping[str, Any], output: Path) -> bool:
+def is_current(record: Record | None, made: Mapping[str, object], output: Path) -> bool:
     """Whether a record is of what is there: the same inputs, settings and version, and, of what is done, the same files."""
     if record is None or record.made_of != made:
         return False

@@ -11,7 +11,7 @@ from typing import Any
 from ..io.disk.atomic import atomic_output, write_text
 from ..message import Message
 from .engine import require
-from .records import DONE, Record
+from .records import DONE, Record, Row
 from .table import Case
 
 CSV, PARQUET = "results.csv", "results.parquet"
@@ -21,8 +21,6 @@ FIRST = ("case", "method", "state", "message", "seconds")
 
 LAST = ("notes",)
 
-Row = dict[str, Any]
-
 
 def flat_rows(cases: Iterable[Case], records: dict[str, Record]) -> list[Row]:
     """A row per case and method, in the order of the table; cases of which nothing is known are left out."""
@@ -31,8 +29,9 @@ def flat_rows(cases: Iterable[Case], records: dict[str, Record]) -> list[Row]:
         record = records.get(case.name)
         if record is None:
             continue
-        of_case = {"case": case.name, "state": record.state, "message": said_of(record), "seconds": record.seconds}
-        done = record.results if record.state == DONE else [{"method": method or ""} for method in case.methods]
+        of_case: Row = {"case": case.name, "state": record.state, "message": said_of(record), "seconds": record.seconds}
+        asked: list[Row] = [{"method": method or ""} for method in case.methods]
+        done = record.results if record.state == DONE else asked
         rows += [{**of_case, **result} for result in done]
     names = list(dict.fromkeys([*FIRST, *(name for row in rows for name in row if name not in LAST), *LAST]))
     return [{name: row.get(name) for name in names} for row in rows]
