@@ -88,6 +88,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         from AIFReconGui.libraryLog import LibraryLog
         from AIFReconGui.longWork import LongWork
         from AIFReconGui.panel.followers import followersOf
+        from AIFReconGui.panel.guidancePanel import GuidancePanel
         from AIFReconGui.panel.livePanel import LivePanel
         from AIFReconGui.panel.registrationPanel import RegistrationPanel
         from AIFReconScene.inputs.inputWatch import InputWatch
@@ -100,8 +101,9 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._work = LongWork(uiWidget)
         self._libraryLog = LibraryLog()
         self._live = LivePanel(self.ui, self._work, self._onParametersModified)
-        self._registration = RegistrationPanel(self.ui, self._work, self._live, self.logic.whyNotRegister, self._onParametersModified)
-        self._followers: tuple[Any, ...] = (*followersOf(self.ui, self.logic), self._registration)
+        onBone = (self.ui, self._work, self._live, self.logic.whyNotRegister, self._onParametersModified)
+        self._registration, self._guidance = RegistrationPanel(*onBone), GuidancePanel(*onBone)
+        self._followers: tuple[Any, ...] = (*followersOf(self.ui, self.logic), self._registration, self._guidance)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
         self._isSetUp = True
 
@@ -121,6 +123,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._work.close()
         self._live.close(sceneStays=True)
         self._registration.close()
+        self._guidance.close()
         self.setParameterNode(None)
         self.removeObservers()
         self.logic.cleanup()
@@ -146,6 +149,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._work.cancel()
         self._live.close()
         self._registration.close()
+        self._guidance.close()
         self.setParameterNode(None)
         self.logic.cleanup()
 

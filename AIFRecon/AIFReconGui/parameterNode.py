@@ -116,6 +116,7 @@ class AIFReconParameterNode:
     liveImageDevice: str
     liveImage: vtkMRMLScalarVolumeNode | None
     liveRecordPath: pathlib.Path
+    guidance: bool = False
 
     keepScore: bool = False
     keepHits: bool = False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from ..arrays import Floats, Mask, Matrix
 from ..errors import GeometryError
 from ..evaluation.surface import BoneSurface, bone_surface, centers_of_mass, interspinous_border
 from ..evaluation.visibility import GRAZING_DEG, LIFT, BoneRays
-from ..geometry.transforms import as_matrix
+from ..geometry.transforms import as_matrix, transform_points
 from ..geometry.volume import Volume
 from ..registration.bone_field import VOXEL, BoneField
 
@@ -61,6 +61,26 @@ class GuidedBone:
         lift = max(LIFT, float(self.distance.grid.spacing.max()))
         return self.surface.points_reference + lift * self.surface.normals_reference
 
+    @property
+    def aim(self) -> str:
+        """The part that a scan is for: the borders of the interspinous gaps, where labels tell them, else what faces the back."""
+        return "interspinous" if self.border.any() else "posterior" if self._posterior.any() else "all"
+
+    @property
+    def _posterior(self) -> Mask:
+        facing: Mask = -self.surface.normals_reference @ self.patient_to_reference[:3, 1] >= np.cos(np.radians(60.0))
+        return facing
+
+    def placed_by(self, motion: Matrix) -> GuidedBone:
+        """The same bone in another place, (4, 4) rigid: what a probe on the back can reach does not change with it."""
+        surface = replace(
+            self.surface,
+            points_reference=transform_points(motion, self.surface.points_reference),
+            normals_reference=self.surface.normals_reference @ motion[:3, :3].T,
+        )
+        centers = {label: transform_points(motion, center[None])[0] for label, center in self.centers.items()}
+        return GuidedBone(surface, self.border, self.distance.placed_by(motion), centers, motion @ self.patient_to_reference)
+
     def part(self, name: str) -> Mask:
         """The points of `all`, `interspinous` (borders) or `posterior` (facing the back), or of a label by its number.
 
@@ -74,7 +94,7 @@ class GuidedBone:
         if name == "interspinous":
             chosen = self.border
         elif name == "posterior":
-            chosen = -self.surface.normals_reference @ self.patient_to_reference[:3, 1] >= np.cos(np.radians(60.0))
+            chosen = self._posterior
         elif name.isdecimal():
             chosen = self.surface.labels == int(name)
         else:

@@ -150,11 +150,16 @@ def coverage(
 def bone_before(labels: Volume, labels_to_reference: Matrix | None, looks: Floats) -> tuple[GuidedBone, tuple[str, ...]]:
     """The bone that can be reached by a probe that looks that way, (3,) in Reference on the mean; and what was assumed."""
     front = (np.eye(4) if labels_to_reference is None else np.asarray(labels_to_reference, dtype=np.float64))[:3, 1]
-    length = float(np.linalg.norm(looks))
-    if length < 0.5 or front @ looks >= np.cos(np.radians(AWRY_DEG)) * length * np.linalg.norm(front):
+    if not is_awry(front, looks):
         return guided_bone(labels, labels_to_reference), ()
     note = "The labels' axes are not the patient's: the frames do not look toward their front. What can be reached is told from the frames."
-    return guided_bone(labels, labels_to_reference, looks / length), (note,)
+    return guided_bone(labels, labels_to_reference, looks / np.linalg.norm(looks)), (note,)
+
+
+def is_awry(front: Floats, looks: Floats) -> bool:
+    """Whether a probe that looks that way, (3,) on the mean, does not look toward the front (3,); looks of all sorts tell nothing."""
+    length = float(np.linalg.norm(looks))
+    return length >= 0.5 and bool(front @ looks < np.cos(np.radians(AWRY_DEG)) * length * np.linalg.norm(front))
 
 
 def covered(met: BoneMet, notes: tuple[str, ...] = ()) -> Coverage:

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..arrays import Floats, Integers, Numbers
+from ..arrays import Bytes, Floats, Integers, Matrix, Numbers
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
+from .bone import GuidedBone
+from .coverage import BELOW_45, BELOW_60
 from .met import BoneMet
 
 NEAR = 2.5
 """mm. A corner of the mesh takes the numbers of the reachable point that is nearest, within this; farther ones are not reachable."""
+
+CELL = 2.0
+"""mm, about: corners of bone in color lie so far apart. A view is drawn anew whenever something moves, and finer ones take too long."""
+
+LIFTED = 0.7
+"""mm by which bone in color lies outside of its surface: what else is drawn of the same bone stays under it."""
+
+OUT_OF_REACH, NOT_MET, GRAZED, ASLANT, SQUARELY = range(5)
+"""No beam from the back gets there; none has been there; the best one came at more than 60 degrees, at 45 to 60, below 45."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,3 +103,39 @@ def met_on_mesh(mesh: BoneMesh, met: BoneMet) -> dict[str, Numbers]:
         "reachable": np.asarray(reachable, dtype=np.uint8),
     }
     return arrays
+
+
+@dataclass(frozen=True, eq=False)
+class ColoredBone:
+    """The surface of bone, ready to be colored by what was met.
+
+    Parameters
+    ----------
+    mesh : BoneMesh
+        Where the bone lies that it was made of.
+    nearest : (n,) int array
+        The reachable point of that bone that each corner of the mesh stands for; -1 where there is none.
+    """
+
+    mesh: BoneMesh
+    nearest: Integers
+
+    @classmethod
+    def of(cls, bone: GuidedBone) -> ColoredBone:
+        """The whole surface of a bone, out of reach or not."""
+        step = max(round(CELL / bone.distance.grid.spacing.max()), 1)
+        distance = bone.distance.array[::step, ::step, ::step].astype(np.float32) - np.float32(LIFTED)
+        mesh = bone_mesh(Volume(distance, bone.distance.ijk_to_reference @ np.diag([step, step, step, 1.0])))
+        _, nearest = cKDTree(bone.surface.points_reference).query(mesh.points_reference, distance_upper_bound=NEAR)
+        return cls(mesh, np.where(nearest < len(bone), nearest, -1))
+
+    def placed_by(self, motion: Matrix) -> ColoredBone:
+        """The same surface in another place, (4, 4) rigid."""
+        return replace(self, mesh=replace(self.mesh, points_reference=transform_points(motion, self.mesh.points_reference)))
+
+    def levels(self, best_cosine: Floats) -> Bytes:
+        """`OUT_OF_REACH` to `SQUARELY` at each corner, (n,), from the best cosines of the bone's points (NaN: not met)."""
+        with np.errstate(invalid="ignore"):
+            steps = NOT_MET + np.isfinite(best_cosine).astype(np.uint8) + (best_cosine > BELOW_60) + (best_cosine > BELOW_45)
+        # The last one stands for all that is out of reach
+        return np.append(steps.astype(np.uint8), np.uint8(OUT_OF_REACH))[self.nearest]

@@ -27,10 +27,13 @@ from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.session.agreement_watch import AgreementWatch
+from AIFReconLib.live.session.guidance_watch import GuidanceWatch
 from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.session.watch import Watch
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.registration.bone_field import BoneField
 from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.simulation.anatomy import make_lumbar_phantom
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 DEPTH = 96.0
@@ -92,6 +95,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     command = [sys.executable, str(Path(__file__).parent), "live", "--serve", stream]
     poses = np.stack([r.transforms[TransformName("Image", "Reference")].matrix for r in sweep(columns, rows).records])
     region = ImageRegion(ClipRectangle((0.0, 0.0), (columns - 1.0, rows - 1.0)))
+    probe = ProbeGeometry(LINEAR)
     grid = grid_around_sweep(poses, (columns, rows), region, (arguments.spacing,) * 3)
     settings = ReconstructionSettings(method=arguments.method, engine=arguments.engine)
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
@@ -105,16 +109,20 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
             BoneMap.from_labels(plate(), sigma_mm=4.0),
             grid,
             region=region,
-            probe=ProbeGeometry(LINEAR),
+            probe=probe,
             record=arguments.record and Path(arguments.record),
         )
         preparing = time.monotonic()
         session.prepare()
         prepared = time.monotonic() - preparing
-        session.start()
-        watch = None
+        watches: list[Watch] = []
         if arguments.agreement:
-            watch = AgreementWatch(session, BoneField.from_labels(plate()), np.eye(4), region=region, probe=ProbeGeometry(LINEAR))
+            watches.append(AgreementWatch(session, BoneField.from_labels(plate()), np.eye(4), region=region, probe=probe))
+        if arguments.guidance:
+            guidance = GuidanceWatch(session, make_lumbar_phantom().labels, np.eye(4), region=region, probe=probe)
+            guidance.prepared.wait()
+            watches.append(guidance)
+        session.start()
         began, samples, p99s, snapshots = time.monotonic(), [], [], []
         computed = time.process_time()
         threads = threading.active_count()
@@ -131,7 +139,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
                 print(f"{elapsed:6.1f} s  {statistics}", file=sys.stderr)
         computed = (time.process_time() - computed) / (time.monotonic() - began)
         dropped = client.statistics.dropped
-        if watch is not None:
+        for watch in watches:
             watch.stop()
         session.stop()
         statistics = session.statistics
@@ -175,6 +183,7 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--spacing", type=float, default=0.5, metavar="MM")
     parser.add_argument("--snapshots", action="store_true", help="take a snapshot every second, as a display does")
     parser.add_argument("--agreement", action="store_true", help="watch how well a CT agrees, as the module does")
+    parser.add_argument("--guidance", action="store_true", help="tell which bone was met and where to look next, as the module does")
     parser.add_argument("--record", metavar="SEQUENCE", help="also record")
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--verbose", action="store_true")

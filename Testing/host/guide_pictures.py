@@ -71,6 +71,35 @@ def _echoes_in_3d(module):
         return view_frames.framed(view.image(), "1   Bone of the CT, echoes of the sweep", node.GetLayoutColor())
 
 
+def guidance(module, folder: Path) -> None:
+    """step-guidance.png: the bone in the colors of how the sweep met it, with the ghost of the probe, and what the panel says of it."""
+    import numpy as np
+    import slicer
+
+    from host import view_frames, view_render
+
+    ui = module.widget.ui
+    ui.liveCollapsibleButton.collapsed = False
+    node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
+    node.SetBoxVisible(False)
+    node.SetAxisLabelsVisible(False)
+    # Views that are there already draw the legend
+    with view_render.OffscreenThreeDView(node, module.application, (560, 480)) as view:
+        ui.guidanceCheckBox.click()
+        module.check()
+        bounds = [0.0] * 6
+        module.widget._guidance._colors.node.GetRASBounds(bounds)
+        center = np.add(np.reshape(bounds, (3, 2)).mean(axis=1), (0.0, -25.0, 0.0))
+        view.look(center, np.add(center, (-130.0, -300.0, 110.0)), (0.0, 0.0, 1.0), 430.0)
+        shown = view_frames.framed(view.image(), "1   Bone met by the sweep, and the next move", node.GetLayoutColor())
+    top, end = _top(module, ui.guidanceCheckBox) - 8, _top(module, ui.liveSourceComboBox) - 8
+    section = _panel(module).copy(0, top, PANEL_WIDTH, end - top)
+    picture = view_frames.tiled([[section, shown]], background=_background(module))
+    view_frames.write_png(picture, folder / "step-guidance.png")
+    ui.guidanceCheckBox.click()
+    ui.liveCollapsibleButton.collapsed = True
+
+
 def advanced(module, folder: Path) -> None:
     """step-3-advanced.png: the advanced groups, in two columns."""
     from host import view_frames

@@ -256,7 +256,7 @@ def main(arguments=None) -> int:
         guide = guide_pictures
         guide.empty(module, options.output)
         module.load_sample()
-        first = (guide.inputs, guide.registration, guide.advanced, guide.progress)
+        first = (guide.inputs, guide.registration, guide.guidance, guide.advanced, guide.progress)
         for make in (*first, panel, slices, guide.result, guide.report, guide.dark):
             make(module, options.output)
             print(make.__doc__)

@@ -31,6 +31,7 @@ THREE_D_MANAGERS = (
     "vtkMRMLSegmentationsDisplayableManager3D",
     "vtkMRMLMarkupsDisplayableManager",
     "vtkMRMLOrientationMarkerDisplayableManager",
+    "vtkMRMLColorLegendDisplayableManager",
 )
 
 _PROBE = """

@@ -41,11 +41,19 @@ class qMRMLSliceWidget(QtWidgets.QWidget):
 class qMRMLThreeDView(QtWidgets.QWidget):
     """What a 3D view draws into: its node and camera are real, nothing is drawn."""
 
-    api = {"methods": ("mrmlViewNode", "cameraNode", "resetFocalPoint", "resetCamera")}
+    api = {"methods": ("mrmlViewNode", "cameraNode", "resetFocalPoint", "resetCamera", "cornerAnnotation", "scheduleRender")}
 
     def __init__(self, node):
         super().__init__()
         self._node = node
+        self._annotation = vtk.vtkCornerAnnotation()
+
+    def cornerAnnotation(self):
+        """The texts in the corners of the view."""
+        return self._annotation
+
+    def scheduleRender(self):
+        """Draws the view soon; here never."""
 
     def mrmlViewNode(self):
         """The view's node."""

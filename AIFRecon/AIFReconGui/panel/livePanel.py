@@ -60,6 +60,16 @@ class LivePanel:
         """Whether a scan is under way."""
         return self._live is not None
 
+    @property
+    def guidance(self):
+        """The `LiveGuidance` of the scan under way; None where there is none."""
+        return self._live.guidance if self._live is not None else None
+
+    def guide(self, wanted: bool) -> None:
+        """Let the scan under way tell what it meets, or no longer."""
+        if self._live is not None:
+            self._live.guide(wanted)
+
     def echoes(self):
         """The bone echoes of the scan under way, to place the CT by; a GeometryError where there are too few."""
         return self._live.echoes()
@@ -226,13 +236,16 @@ class LivePanel:
         if not self._ui.liveStateLabel:
             return
         self._ui.liveStateLabel.text = word
-        self._ui.liveStateLabel.styleSheet = (
-            f"QLabel {{ background-color: {color}; color: white; font-size: 26px; font-weight: bold; padding: 10px; border-radius: 4px; }}"
-        )
+        self._ui.liveStateLabel.styleSheet = largeType(color)
 
     def _stopTimers(self) -> None:
         self._collecting.stop()
         self._showing.stop()
+
+
+def largeType(color: str) -> str:
+    """The style of a label that is read from two meters, with this background."""
+    return f"QLabel {{ background-color: {color}; color: white; font-size: 26px; font-weight: bold; padding: 10px; border-radius: 4px; }}"
 
 
 def _rate(statistics) -> str:

@@ -4,6 +4,12 @@ import slicer
 
 from AIFReconLib.message import Message
 
+UPPER_LEFT = 2
+"""VTK's number of that corner."""
+
+LETTERS = 30
+"""Points: to be read from two meters."""
+
 
 def center() -> None:
     """Have every 3D view look at the middle of what appears in it, from the side that the user has chosen; they never do by themselves."""
@@ -13,6 +19,19 @@ def center() -> None:
         view.resetFocalPoint()
         # Where it is and how far away, not how it is turned
         view.resetCamera(False, True, True)
+
+
+def say(text: str) -> None:
+    """Show a text in the upper left corner of every 3D view, in large letters; an empty one takes it away."""
+    layoutManager = slicer.app.layoutManager()
+    for number in range(layoutManager.threeDViewCount if layoutManager is not None else 0):
+        view = layoutManager.threeDWidget(number).threeDView()
+        annotation = view.cornerAnnotation()
+        if annotation.GetText(UPPER_LEFT) != (text or None):
+            annotation.SetText(UPPER_LEFT, text)
+            annotation.SetMaximumFontSize(LETTERS)
+            annotation.GetTextProperty().SetShadow(True)
+            view.scheduleRender()
 
 
 def makeSurface(segmentationNode, progress=None) -> None:

@@ -19,6 +19,7 @@ from ..inputs.parameters import LiveSource, fileFrom, settingsFrom
 from ..sceneNodes import removeNodes
 from ..transforms import atRightAngles, matrixToWorld
 from ..volumes.volumeNodes import followIntensity, outputNodes, showGrayLevels, updateVolumeNode
+from .liveGuidance import LiveGuidance
 from .liveViews import LiveViews
 from .nodeSource import NodeSource
 
@@ -81,7 +82,15 @@ class LiveReconstruction:
         self._snapshots = SnapshotMaker(self.session)
         self._volumeWasLast = False
         self._boneAt = None if field is None else matrixToWorld(parameters.bone)
-        self._watch = None if field is None else AgreementWatch(self.session, field, self._boneAt, configuration, region, inputs.probe)
+        imaging = {"configuration": configuration, "region": region, "probe": inputs.probe}
+        self._watch = None if field is None else AgreementWatch(self.session, field, self._boneAt, **imaging)
+        self._parameters, self._imaging = parameters, imaging
+        self.guidance = None
+        try:
+            self.guide(parameters.guidance, progress)
+        except OperationCanceled:
+            self._endThreads()
+            raise
         self.session.start()
 
     @property
@@ -98,6 +107,15 @@ class LiveReconstruction:
     def agreement(self) -> LiveState:
         """How well the CT agrees with the last seconds of the scan."""
         return self._watch.state if self._watch is not None else LiveState()
+
+    def guide(self, wanted: bool, progress=None) -> None:
+        """Tell from now on what is met, and where to look next, or do so no longer."""
+        if wanted and self.guidance is None:
+            self.guidance = LiveGuidance(self.session, self._parameters, self._imaging)
+            self.guidance.begin(progress)
+        elif not wanted and self.guidance is not None:
+            ended, self.guidance = self.guidance, None
+            ended.stop(wait=False)
 
     def echoes(self):
         """The `SweepEchoes` of the scan so far, to place the CT by.
@@ -141,6 +159,8 @@ class LiveReconstruction:
         Never both, nor a volume in the scene and in the views at once: what is drawn twice holds up the windows twice as long.
         """
         self._attempt(self._followPlace)
+        if self.guidance is not None:
+            self._attempt(self.guidance.follow)
         if self.volumeNode is not None and not self._views.shows(self.volumeNode):
             self._attempt(self._views.showVolume, self.volumeNode)
             return
@@ -208,8 +228,9 @@ class LiveReconstruction:
 
     def _endThreads(self) -> None:
         self._snapshots.stop()
-        if self._watch is not None:
-            self._watch.stop()
+        for beside in (self._watch, self.guidance):
+            if beside is not None:
+                beside.stop()
 
     def _followPlace(self) -> None:
         """Let the agreement be judged where the bone lies now, whoever has moved it."""

@@ -3,89 +3,71 @@
 from __future__ import annotations
 
 import contextlib
-import logging
 import threading
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import Floats, Matrix
-from ...errors import AIFReconError, OperationCanceled
-from ...geometry.transforms import invert, transform_points
-from ...geometry.volume import Volume
+from ...arrays import Matrix, Numbers
+from ...errors import OperationCanceled
+from ...geometry.volume import Volume, VoxelGrid
 from ...guidance.bone import GuidedBone, guided_bone
-from ...guidance.coverage import Coverage, covered
+from ...guidance.coverage import is_awry
+from ...guidance.guidance import FAR, NOT_IN_BOX, Advisor, Guidance, has_come_near, holds_bone
+from ...guidance.mesh import ColoredBone
 from ...guidance.met import BoneMet, FrameGeometry
-from ...guidance.next_move import Move, NextMove
-from ...guidance.probe import ProbeOnBack, Skin, images_like
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
-from ...message import Message, said
-from ...resolve import Imaging, known_imaging
-from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
+from ...message import Message
+from ...resolve import Imaging
+from ...sweep.configuration import PlusConfiguration
 from ..pairing.synchronizer import LiveFrame
 from .session import LiveSession
+from .watch import Watch
 
-logger = logging.getLogger(__name__)
+PERIOD = 0.0
+"""s between two looks: every frame counts, if there is time for it."""
 
-PERIOD = 0.01
-"""s between two looks for a new frame."""
-
-TELL_EVERY = 0.2
-"""s between two summaries: colors five times a second."""
+TELL_EVERY = 0.15
+"""s between two summaries, so that colors change five times a second."""
 
 ADVISE_EVERY = 0.5
 """s between two advices."""
 
-REST = 3.0
-"""By how many times longer the look at candidate passes rests than it works: a quarter of one core at most."""
+SKIN_AFTER = 30
+"""Frames that have felt the skin before candidate passes are laid upon it."""
 
 MOST_POSES = 2000
 """Frames that are looked at again when the CT is placed anew."""
 
+AT_ONCE = 5
+"""Of those, between two looks at new ones."""
 
-@dataclass(frozen=True, eq=False)
-class GuidanceState:
-    """What is known now.
-
-    Parameters
-    ----------
-    coverage : Coverage or None
-        Its `met` goes on changing; what is shown should be `best_cosine`.
-    best_cosine : (n,) float64 array or None
-        Of the points of `coverage.met.bone`, as they were when this was told.
-    move : Move or None
-        None while candidates are looked at, and when nothing is worth adding.
-    problem : Message or None
-        Why nothing can be told.
-    """
-
-    coverage: Coverage | None = None
-    best_cosine: Floats | None = None
-    move: Move | None = None
-    problem: Message | None = None
+FAR_AFTER = 60
+"""Frames after which bone that none has come near to is probably not where the CT has it."""
 
 
-class GuidanceWatch:
-    """Looks at the frames of a session on a thread of its own; another one looks at candidate passes.
+class GuidanceWatch(Watch):
+    """Looks at the frames of a session on a thread of its own.
 
     Parameters
     ----------
     session : LiveSession
-        Only its `latest` frame is read.
     labels : Volume of integers
     labels_to_reference : (4, 4) array, mm
-    configuration : PlusConfiguration or None
-    region, probe : ImageRegion, ProbeGeometry or None
-        As for the session. Where neither they nor the configuration tell the probe, a problem says so.
-    target : str
-        See `GuidedBone.part`.
+        Rigid.
+    configuration, region, probe
+        See `Watch`.
+
+    Attributes
+    ----------
+    prepared : threading.Event
+        Set when the surface of bone is known, or a problem.
 
     Notes
     -----
-    Every method returns at once but `stop`. A frame takes some 2 ms; those that come meanwhile are not looked at.
+    Every method returns at once but `stop`. A frame takes some 2 ms; those that come meanwhile are not looked at. Candidate passes are
+    looked at once for every place of the CT, one between two frames.
     """
 
     def __init__(
@@ -96,111 +78,137 @@ class GuidanceWatch:
         configuration: PlusConfiguration | None = None,
         region: ImageRegion | None = None,
         probe: ProbeGeometry | None = None,
-        target: str = "interspinous",
     ):
-        self._session, self._labels, self._target = session, labels, target
-        self._imaging: Imaging | None = known_imaging(configuration or NO_CONFIGURATION, True, region, probe)
-        self._wanted: Matrix | None = np.asarray(labels_to_reference, dtype=np.float64)
-        self._poses: list[Matrix] = []
+        super().__init__(session, "aifrecon guidance", PERIOD, configuration, region, probe)
+        self.prepared = threading.Event()
+        self._lock = threading.Lock()
+        self._wanted: tuple[Matrix, Volume | None] | None = (np.asarray(labels_to_reference, dtype=np.float64), labels)
+        self._labels, self._place = labels, np.eye(4)
+        self._own: GuidedBone | None = None
+        self._colored: ColoredBone | None = None
         self._bone: GuidedBone | None = None
         self._met: BoneMet | None = None
-        self._advisor: NextMove | None = None
-        self._last: LiveFrame | None = None
+        self._advisor: Advisor | None = None
+        self._poses: list[Matrix] = []
+        self._again: list[Matrix] = []
+        self._grid: VoxelGrid | None = None
+        self._boxed: GuidedBone | None = None
+        self._is_in_box = True
+        self._brightest = 1.0
+        self._is_preparing = False
         self._told, self._advised = 0.0, 0.0
-        self._lock = threading.Lock()
-        self._state = GuidanceState()
-        self._closing = threading.Event()
-        self._threads = [
-            threading.Thread(target=self._run, args=(self._look, PERIOD), name="aifrecon guidance", daemon=True),
-            threading.Thread(target=self._run, args=(self._prepare, TELL_EVERY), name="aifrecon guidance moves", daemon=True),
-        ]
-        for thread in self._threads:
-            thread.start()
+        self._state = Guidance()
+        self._thread.start()
 
     @property
-    def state(self) -> GuidanceState:
-        """What is known now."""
+    def state(self) -> Guidance:
+        """What is known now; `colored` is the same object until the labels change."""
         return self._state
 
     def place(self, labels_to_reference: Matrix, labels: Volume | None = None) -> None:
         """The CT lies elsewhere now, or has other labels; what was met is told anew from the poses so far."""
         with self._lock:
-            self._wanted = np.asarray(labels_to_reference, dtype=np.float64)
-            self._labels = self._labels if labels is None else labels
+            if labels is None and self._wanted is not None:
+                labels = self._wanted[1]
+            self._wanted = np.asarray(labels_to_reference, dtype=np.float64), labels
 
-    def stop(self) -> None:
-        """Look at no more frames."""
-        self._closing.set()
-        for thread in self._threads:
-            thread.join()
+    def _tell_problem(self, problem: Message) -> None:
+        self._state = Guidance(problem=problem)
+        self.prepared.set()
 
-    def _run(self, work: Callable[[], None], period: float) -> None:
-        while not self._closing.wait(period):
-            try:
-                work()
-            except AIFReconError as error:
-                self._fail(error)
-            except Exception as error:  # kept and told: the scan goes on
-                self._fail(error)
-
-    def _fail(self, error: Exception) -> None:
-        problem = said(error)
-        if problem != self._state.problem and not self._closing.is_set():  # it may come again with every frame
-            logger.exception("What was met could not be told")
-        self._state = GuidanceState(problem=problem)
-
-    def _look(self) -> None:
-        frame = self._session.latest
-        with self._lock:
-            wanted, self._wanted, labels = self._wanted, None, self._labels
-        if wanted is not None:
-            self._bone = self._met = self._advisor = None
-            self._bone = guided_bone(labels, wanted)
-        if frame is None or frame is self._last or frame.status != "OK" or frame.image is None or frame.image_to_reference is None:
-            return
-        self._last = frame
-        if self._bone is None:
-            return
-        if self._imaging is None:
-            self._state = GuidanceState(problem=Message("The probe is not known, so nobody can tell which bone its beams meet."))
-            return
+    def _look(self, frame: LiveFrame | None) -> None:
+        self._follow_place()
+        imaging = None if frame is None else self._imaging(frame)
+        if frame is not None and imaging is not None and self._bone is not None:
+            self._add(self._bone, imaging, *frame.placed())
         if self._met is None:
-            rows, columns = frame.image.shape[:2]
-            geometry = FrameGeometry(self._bone, (columns, rows), self._imaging.known_probe(), self._imaging.region)
-            self._met = BoneMet(geometry)
-            for pose in self._poses:
-                self._met.insert(pose)
-        self._met.insert(frame.image_to_reference, frame.image, 255.0 if frame.image.dtype == np.uint8 else float(frame.image.max()) or 1.0)
-        self._poses = [*self._poses, frame.image_to_reference][-MOST_POSES:]
-        self._tell(self._met, frame.image_to_reference)
-
-    def _tell(self, met: BoneMet, pose: Matrix) -> None:
-        now = time.monotonic()
-        if now - self._told < TELL_EVERY:
             return
-        move = self._state.move
-        if self._advisor is not None and now - self._advised >= ADVISE_EVERY:
-            move, self._advised = self._advisor.advise(met, pose), now
+        for pose in self._again[:AT_ONCE]:
+            self._met.insert(pose)
+        self._again = self._again[AT_ONCE:]
+        self._tell(self._met)
+        if self._advisor is None and not self._is_preparing and len(self._poses) >= SKIN_AFTER:
+            self._prepare(self._met)
+
+    def _add(self, bone: GuidedBone, imaging: Imaging, image: Numbers, pose: Matrix) -> None:
+        """Add a frame; the first says how large images are, and which way the probe looks."""
+        rows, columns = image.shape
+        if self._met is None:
+            bone = self._turned_to(bone, pose)
+            self._met = BoneMet(FrameGeometry(bone, (columns, rows), imaging.known_probe(), imaging.region))
+            self._again = list(self._poses)
+        if self._met.geometry.beams.frame_size != (columns, rows):
+            return
+        self._brightest = 255.0 if image.dtype == np.uint8 else max(self._brightest, float(image.max()))
+        self._met.insert(pose, image, self._brightest)
+        self._poses = [*self._poses, pose][-MOST_POSES:]
+
+    def _follow_place(self) -> None:
+        with self._lock:
+            wanted, self._wanted = self._wanted, None
+        if wanted is None:
+            return
+        place, labels = wanted
+        self._bone = self._met = self._advisor = None
+        self._advised = 0.0
+        if labels is not None:
+            self._own = self._colored = None
+            self._labels = labels
+            self._take(guided_bone(labels))
+        self._place, self._bone = place, None if self._own is None else self._own.placed_by(place)
+        self.prepared.set()
+
+    def _take(self, own: GuidedBone) -> None:
+        self._own, self._colored = own, ColoredBone.of(own)
+        self._state = Guidance.before(self._colored, own)
+
+    def _turned_to(self, bone: GuidedBone, pose: Matrix) -> GuidedBone:
+        """Where the labels' axes are not the patient's, the first frame says where the front is."""
+        looks = pose[:3, 1] / np.linalg.norm(pose[:3, 1])
+        if is_awry(bone.patient_to_reference[:3, 1], looks):
+            own = guided_bone(self._labels, None, self._place[:3, :3].T @ looks)
+            self._take(own)
+            self._bone = bone = own.placed_by(self._place)
+        return bone
+
+    def _tell(self, met: BoneMet) -> None:
+        now, colored = time.monotonic(), self._colored
+        if now - self._told < TELL_EVERY or colored is None or not self._poses:
+            return
         self._told = now
-        self._state = GuidanceState(covered(met), met.best_cosine.copy(), move if self._advisor else None)
-
-    def _prepare(self) -> None:
-        """Look at candidate passes, once for every place of the CT, resting between."""
-        bone, met, poses = self._bone, self._met, self._poses
-        if self._advisor is not None or bone is None or met is None or not poses:
+        problem = self._why_not(met)
+        if problem is not None:
+            self._state = Guidance.before(colored, met.bone, problem)
             return
-        beams = met.geometry.beams
-        images = images_like(poses[0], beams.frame_size, beams.probe, beams.region)
-        skin = Skin.through(transform_points(invert(bone.patient_to_reference), images.faces(np.array(poses))))
-        last = time.monotonic()
+        pose, advice = self._poses[-1], None
+        if self._advisor is not None:
+            if now - self._advised >= ADVISE_EVERY:
+                advice, self._advised = self._advisor.advise(met, pose), now
+            else:
+                advice = self._advisor.to(None if self._state.advice is None else self._state.advice.move, pose)
+        self._state = Guidance.of(colored, met, advice)
 
-        def rest(_fraction: float, _what: str) -> bool:
-            nonlocal last
-            self._closing.wait(REST * (time.monotonic() - last))
-            last = time.monotonic()
-            return not self._closing.is_set() and self._bone is bone
+    def _why_not(self, met: BoneMet) -> Message | None:
+        grid = self._session.grid
+        if grid is not self._grid or met.bone is not self._boxed:
+            self._grid, self._boxed = grid, met.bone
+            self._is_in_box = grid is None or holds_bone(grid, met.bone)
+        if not self._is_in_box:
+            return NOT_IN_BOX
+        far = len(self._poses) >= FAR_AFTER and not self._again and not has_come_near(met)
+        return FAR if far else None
 
-        with contextlib.suppress(OperationCanceled):
-            advisor = NextMove(bone, ProbeOnBack(images, skin, bone.patient_to_reference), self._target, rest)
-            if self._bone is bone:
-                self._advisor = advisor
+    def _prepare(self, met: BoneMet) -> None:
+        """Look at candidate passes, one after the other, and at frames meanwhile."""
+
+        def between(_fraction: float, _what: str) -> bool:
+            goes_on = self._breathe()
+            self._attempt()
+            return goes_on and self._met is met
+
+        self._is_preparing = True
+        try:
+            with contextlib.suppress(OperationCanceled):
+                self._advisor = Advisor(met, np.array(self._poses), between)
+        finally:
+            self._is_preparing = False

@@ -107,7 +107,8 @@ class Inserter:
         self._meter = meter
         self._patient = longest_delay is None
         self._keep_up = KeepUp(longest_delay or 1.0)
-        self._changed = threading.Condition()
+        lock = threading.RLock()
+        self._changed, self._resting = threading.Condition(lock), threading.Condition(lock)
         self._tasks: deque[Callable[[], None] | tuple[LiveFrame, int, bool]] = deque()
         self._waiting_frames = 0
         self._waiting_bytes = 0
@@ -213,6 +214,11 @@ class Inserter:
             self._tasks.append((frame, round_, live))
             self._changed.notify_all()
 
+    def wait_for_rest(self, timeout: float) -> None:
+        """Return when next a frame was inserted and none waits, or after `timeout`, s."""
+        with self._resting:
+            self._resting.wait(timeout)
+
     def snapshot(self, progress: Progress | None = None) -> Reconstruction | None:
         """The volume as it is now, holes filled; None before there is one. Frames wait only while the voxels are copied."""
         with self._turnstile, self._volume:
@@ -269,6 +275,8 @@ class Inserter:
                     self._waiting_frames = max(self._waiting_frames - (task[0].status == "OK"), 0)
                     self._waiting_bytes = max(self._waiting_bytes - _bytes(task[0]), 0)
                     self._changed.notify_all()
+                    if not self._waiting_frames:
+                        self._resting.notify_all()
 
     def _insert(self, frame: LiveFrame, round_: int, live: bool) -> None:
         if frame.status == "OK":

@@ -2,32 +2,39 @@
 
 from __future__ import annotations
 
+import threading
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from sweeps import rigid, two_vertebrae
 
-from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX
 from AIFReconLib.guidance.met import BoneMet, FrameGeometry
 from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
 from AIFReconLib.live.session.guidance_watch import GuidanceWatch
+from AIFReconLib.live.session.session import FRAMES_LOOKED_AT
 
 IMAGES = ProbeImages.simulated()
 MOVED = rigid(translation=(0.0, 3.0, 12.0))
 
 
 class Session:
-    """What a watch reads of a session: the newest frame."""
+    """What a watch asks of a session: the newest frame, and when to work."""
 
-    latest = None
+    latest = grid = None
+
+    def wait_for_rest(self, timeout):
+        time.sleep(0.001)
 
 
-def until(condition, seconds=60.0) -> bool:
+def until(condition, seconds=20.0) -> bool:
     end = time.monotonic() + seconds
     while not condition() and time.monotonic() < end:
         time.sleep(0.005)
@@ -46,8 +53,8 @@ def frames():
 @pytest.fixture
 def watching(monkeypatch):
     """Makes watches that tell everything at once."""
-    for name in ("PERIOD", "TELL_EVERY", "ADVISE_EVERY", "REST"):
-        monkeypatch.setattr(guidance_watch, name, 0.0 if name != "PERIOD" else 0.001)
+    for name in ("TELL_EVERY", "ADVISE_EVERY", "SKIN_AFTER"):
+        monkeypatch.setattr(guidance_watch, name, 0)
     watches = []
 
     def watch(labels=None, **options):
@@ -90,7 +97,13 @@ def test_a_ct_that_is_placed_anew_is_told_from_the_poses_so_far(watching, frames
     assert until(lambda: watch._met is None)
     session.latest = frames[-1]
     expected = of(frames, MOVED).best_cosine
-    assert until(lambda: watch.state.best_cosine is not None and np.array_equal(watch.state.best_cosine, expected, equal_nan=True))
+
+    def same() -> bool:
+        best = watch.state.best_cosine
+        # Rounding may put a point on the other side of an edge
+        return best is not None and (np.isclose(best, expected, equal_nan=True).mean() > 0.995)
+
+    assert until(same)
 
 
 def test_a_next_move_comes(watching, frames):
@@ -98,8 +111,9 @@ def test_a_next_move_comes(watching, frames):
     show(session, watch, frames)
     assert until(lambda: watch._advisor is not None)
     session.latest = LiveFrame(frames[0].image, frames[0].image_to_reference, timestamp=9.0, number=9)
-    assert until(lambda: watch.state.move is not None)
-    assert "adds" in str(watch.state.move.words)
+    assert until(lambda: watch.state.advice is not None and watch.state.advice.move is not None)
+    assert watch.state.advice.directions
+    assert set(watch.state.advice.over) <= {1, 2}
 
 
 def test_labels_that_lose_their_bone_in_mid_scan_are_a_sentence_and_come_back(watching, frames):
@@ -117,6 +131,41 @@ def test_labels_that_lose_their_bone_in_mid_scan_are_a_sentence_and_come_back(wa
 
 def test_an_unknown_probe_is_a_sentence(watching, frames):
     session, watch = watching(region=ImageRegion())
-    show(session, watch, frames[:1])
+    show(session, watch, [replace(frames[0], number=number) for number in range(FRAMES_LOOKED_AT)])
     assert until(lambda: watch.state.problem is not None)
-    assert "probe is not known" in str(watch.state.problem)
+    assert "--probe" in str(watch.state.problem)
+
+
+def test_frames_that_pass_far_from_the_bone_are_a_sentence(watching, frames, monkeypatch):
+    monkeypatch.setattr(guidance_watch, "FAR_AFTER", 3)
+    session, watch = watching()
+    far = [replace(frame, image_to_reference=rigid(translation=(300.0, 0.0, 0.0)) @ frame.image_to_reference) for frame in frames]
+    show(session, watch, far)
+    assert until(lambda: watch.state.problem == FAR)
+
+
+def test_a_box_without_bone_is_a_sentence_and_another_one_brings_the_colors(watching, frames):
+    session, watch = watching()
+    session.grid = VoxelGrid.from_spacing((200.0, 0.0, 0.0), (10, 10, 10), 1.0)
+    show(session, watch, frames[:2])
+    assert until(lambda: watch.state.problem == NOT_IN_BOX)
+    session.grid = VoxelGrid.from_spacing((-40.0, -40.0, -40.0), (80, 80, 80), 1.0)
+    show(session, watch, frames[2:])
+    assert until(lambda: watch.state.problem is None and watch.state.coverage is not None)
+
+
+def test_bone_that_lies_awry_is_told_from_where_the_first_frame_looks(watching, frames):
+    session, watch = watching()
+    turned = rigid((180.0, 0.0, 0.0))
+    show(session, watch, [])
+    watch.place(turned)
+    show(session, watch, frames)
+    assert until(lambda: watch.state.coverage is not None)
+    front = watch._bone.patient_to_reference[:3, 1]
+    assert front @ frames[0].image_to_reference[:3, 1] > 0
+
+
+def test_a_watch_that_is_stopped_leaves_no_thread(watching):
+    _session, watch = watching()
+    watch.stop()
+    assert "aifrecon guidance" not in [thread.name for thread in threading.enumerate()]

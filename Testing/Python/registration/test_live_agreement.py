@@ -155,9 +155,12 @@ def test_images_of_another_size_do_not_end_it(live, scan):
 
 
 class Session:
-    """What a watch reads of a session: the newest frame."""
+    """What a watch asks of a session: the newest frame, and when to work."""
 
     latest = None
+
+    def wait_for_rest(self, timeout):
+        time.sleep(0.001)
 
 
 def until(condition, seconds=60.0) -> bool:

@@ -1,0 +1,215 @@
+"""Guidance in the panel: bone in colors, what was met of each segment, and in large type where the probe must go next."""
+
+from html import escape
+
+import qt
+from AIFReconScene.display import threeDViews
+from AIFReconScene.display.boneColors import BoneColors
+from AIFReconScene.display.ghostProbe import GhostProbe
+from AIFReconScene.inputs.boneNodes import boneNames
+from AIFReconScene.panelWords import inPanelWords
+from slicer.i18n import tr as _
+
+from .livePanel import IDLE_COLOR, largeType
+from .wrappedText import say
+
+SHOWN_EVERY = 150
+"""ms between two looks at what the scan has met: colors change five times a second and more."""
+
+
+class GuidancePanel:
+    """Connects the box *Guidance* and what stands below it to the scan under way, or to the chosen sweeps.
+
+    Parameters
+    ----------
+    ui : namespace of the widgets in AIFRecon.ui
+    work : LongWork
+    live : LivePanel
+    whyNot : callable
+        ``whyNot(parameters, isScanning)``: what is missing before bone and sweep can be compared, in a sentence; empty: nothing.
+    refresh : callable
+        Called without arguments when what can be pressed in the panel has changed.
+    """
+
+    def __init__(self, ui, work, live, whyNot, refresh):
+        self._ui, self._work, self._live, self._whyNot, self._refresh = ui, work, live, whyNot, refresh
+        self._parameterNode = None
+        self._colors, self._ghost = BoneColors(), GhostProbe()
+        self._shown = self._about = None
+        self._told = ""
+        self._showing = qt.QTimer()
+        self._showing.setInterval(SHOWN_EVERY)
+        self._showing.connect("timeout()", self._showScan)
+        ui.guidanceMoveLabel.styleSheet = largeType(IDLE_COLOR)
+        ui.guidanceCheckBox.connect("clicked(bool)", self.onBox)
+        ui.guidanceSweepButton.connect("clicked(bool)", self.onSweep)
+        ui.liveCollapsibleButton.connect("contentsCollapsed(bool)", lambda collapsed: self._arrange())
+        self._arrange()
+
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none; what a scan tells goes on being shown."""
+        self._parameterNode = parameterNode
+
+    def update(self) -> None:
+        """Follow the box and what is chosen."""
+        parameters, scanning = self._parameterNode, self._live.isRunning
+        missing = self._live.whyNotNow() or self._whyNot(parameters, False)
+        button = self._ui.guidanceSweepButton
+        button.enabled = parameters.guidance and not missing
+        button.toolTip = missing or _("Color the bone by what the chosen sweep has met, and say where to look next")
+        if scanning != self._showing.isActive():
+            (self._showing.start if scanning else self._showing.stop)()
+        if scanning and (self._live.guidance is not None) != parameters.guidance:
+            self._live.guide(parameters.guidance)
+        if not parameters.guidance or self._isOld(parameters):
+            self.forget()
+        if parameters.guidance and not scanning and self._shown is None:
+            self._say(missing or _("Press “By sweep” to color the bone by what the chosen sweep has met, or start a scan."))
+        self._arrange()
+
+    def forget(self) -> None:
+        """Take everything out of the scene and the views, and the words with it."""
+        self._shown = self._about = None
+        self._colors.clear()
+        self._clearMove()
+        self._say("")
+        if self._ui.guidanceTableLabel:  # destroyed: the application is being closed
+            self._ui.guidanceTableLabel.text = ""
+
+    def close(self) -> None:
+        """The scene or the panel is being closed."""
+        self._showing.stop()
+        self.forget()
+
+    # ---- buttons
+
+    def onBox(self, wanted: bool) -> None:
+        """The user has set or taken the box: where no scan is under way, the chosen sweep is told at once."""
+        if wanted and self._ui.guidanceSweepButton.enabled:
+            self.onSweep()
+
+    def onSweep(self) -> None:
+        """Color the bone by what the chosen sweeps have met."""
+        try:
+            said = self._work.run(_("Guidance"), _("What the sweep has met could not be told."), self._ofSweep, self._parameterNode)
+            if said:
+                self._say(said)
+        finally:
+            self._refresh()
+
+    def _ofSweep(self, parameters, progress) -> str:
+        from AIFReconScene.live.liveGuidance import guidanceOfSweep
+
+        guidance = guidanceOfSweep(parameters, progress)
+        self._about = self._subject(parameters, ofScan=False)
+        self._show(guidance, parameters.bone)
+        return ""
+
+    # ---- what is shown
+
+    def _subject(self, parameters, ofScan: bool) -> tuple:
+        """What is shown is about: it is forgotten when another is chosen."""
+        chosen = (parameters.bone, *(() if ofScan else (parameters.sweep, *parameters.otherSweeps)))
+        return (ofScan, tuple(parameters.boneSegments), *(node.GetID() if node is not None else "" for node in chosen))
+
+    def _isOld(self, parameters) -> bool:
+        """Whether what is shown is of something else than what is chosen now; a scan follows its bone by itself."""
+        if self._about is None:
+            return False
+        ofScan = self._about[0]
+        if self._live.isRunning:
+            return not ofScan
+        return self._about != self._subject(parameters, ofScan)
+
+    def _showScan(self) -> None:
+        live, parameters = self._live.guidance, self._parameterNode
+        if live is None or self._work.isRunning:
+            return
+        guidance = live.state
+        if guidance is not self._shown and (guidance.problem is not None or guidance.colored is not None):
+            self._about = self._about if parameters is None else self._subject(parameters, ofScan=True)
+            self._show(guidance, live.bone)
+
+    def _show(self, guidance, bone) -> None:
+        self._shown = guidance
+        if bone is None or bone.GetScene() is None or guidance.colored is None:
+            self._colors.clear()
+        else:
+            self._colors.show(bone, guidance.colored, guidance.levels)
+        names = {} if bone is None or bone.GetScene() is None else boneNames(bone, self._segments())
+        if guidance.problem is not None or guidance.coverage is None:
+            self._clearMove()
+            self._ui.guidanceTableLabel.text = ""
+            self._say(inPanelWords(guidance.problem) if guidance.problem is not None else _("Scan the bone."))
+        else:
+            self._ui.guidanceTableLabel.text = _table(guidance.coverage, names)
+            self._showMove(guidance, names)
+        self._arrange()
+
+    def _segments(self):
+        return list(self._parameterNode.boneSegments) if self._parameterNode is not None else None
+
+    def _showMove(self, guidance, names) -> None:
+        advice = guidance.advice
+        if advice is None or advice.move is None:
+            self._clearMove()
+            self._say(_("Looking for the next move: scan on.") if advice is None else _("Nothing is left that would add much."))
+            return
+        first, *then = advice.directions
+        self._large(f"{first.arrow}  {inPanelWords(first.words)}")
+        where = " \N{EN DASH} ".join(names.get(label, str(label)) for label in advice.over)
+        adds = _("over {where}, adds {adds:.1f} cm²").format(where=where, adds=advice.move.adds_cm2)
+        self._say("\n".join([*(f"{step.arrow}  {inPanelWords(step.words)}" for step in then), adds]))
+        self._ghost.show(advice.move.image_to_reference, guidance.coverage.met.geometry.beams)
+
+    def _clearMove(self) -> None:
+        self._ghost.clear()
+        self._large("")
+
+    def _large(self, text: str) -> None:
+        if text == self._told:
+            return
+        self._told = text
+        threeDViews.say(text)
+        label = self._ui.guidanceMoveLabel
+        if label:
+            label.text = text
+
+    def _say(self, text: str) -> None:
+        label = self._ui.guidanceLabel
+        if label and label.text != text:
+            least = label.minimumHeight
+            say(label, text)
+            # Room that was needed once stays: what lies below would jump with every advice
+            label.minimumHeight = max(label.minimumHeight, least) if text else 0
+
+    def _arrange(self) -> None:
+        """Show what belongs to the box while it is set. A section that is opened shows all that it holds."""
+        ui = self._ui
+        if not ui.liveCollapsibleButton or ui.liveCollapsibleButton.collapsed:
+            return
+        wanted = self._parameterNode is not None and self._parameterNode.guidance
+        for label in (ui.guidanceMoveLabel, ui.guidanceLabel, ui.guidanceTableLabel):
+            label.visible = wanted and (label is not ui.guidanceTableLabel or bool(label.text))
+
+
+def _table(coverage, names: dict) -> str:
+    """A line for each segment, as HTML: what was met, what of it squarely, and what is expected to show."""
+    rows = [(names.get(int(label), _("Label {number}").format(number=label)), share) for label, share in coverage.by_label.items()]
+    if coverage.interspinous.reachable_cm2:
+        rows.append((_("Borders of the gaps"), coverage.interspinous))
+    rows.append((_("All bone"), coverage.all))
+    heads = (_("Bone"), _("met"), _("squarely"), _("will show"))
+    lines = ["".join(f"<th align='{_side(n)}'>{escape(head)}</th>" for n, head in enumerate(heads))]
+    for name, share in rows:
+        cells = (escape(name), *map(_percent, (share.met, share.below_45_deg, share.expected_visibility)))
+        lines.append("".join(f"<td align='{_side(n)}'>{cell}</td>" for n, cell in enumerate(cells)))
+    return f"<table width='100%' cellspacing='0' cellpadding='2'>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
+
+
+def _side(column: int) -> str:
+    return "right" if column else "left"
+
+
+def _percent(share: float) -> str:
+    return "-" if share != share else f"{share:.0%}"

@@ -1,0 +1,137 @@
+"""Bone in the colors of how squarely a scan has met it: a model of its own, with display, colors and legend of its own."""
+
+import numpy as np
+import slicer
+import vtk
+from slicer.i18n import tr as _
+from vtk.util import numpy_support
+
+from ..sceneNodes import nodesOfClass, removeNodes
+
+MET = "Met"
+"""The array of the model's points."""
+
+COLORS = ((0.32, 0.30, 0.29), (0.72, 0.72, 0.72), (0.00, 0.27, 0.68), (0.35, 0.76, 1.00), (1.00, 0.62, 0.00))
+"""Of `AIFReconLib.guidance.mesh.OUT_OF_REACH` to `SQUARELY`: grays where nothing was met, blue to orange where something was. No two
+of them are alike to the color-blind."""
+
+LEGEND, LETTERS = (0.16, 0.42), 16
+"""Part of a view that the legend takes, across and up, and its letters in points."""
+
+
+class BoneColors:
+    """One model node in the bone's own coordinates, under the bone's transform: it goes where the CT goes.
+
+    Notes
+    -----
+    It is drawn from the scan, so it is neither saved with the scene nor offered where a model can be chosen. While nothing but colors
+    changes, one array is written anew and nothing else is touched.
+    """
+
+    def __init__(self):
+        self._modelID, self._ownIDs = None, []
+        self._colored = self._levels = None
+
+    @property
+    def node(self):
+        """The model node, or None where nothing is drawn."""
+        return slicer.mrmlScene.GetNodeByID(self._modelID) if self._modelID else None
+
+    def show(self, bone, colored, levels: np.ndarray):
+        """Draw a `ColoredBone` of a node of bone, with the level of each corner (n,); the model node."""
+        node = self.node
+        if node is None or node.GetPolyData() is None or self._colored is not colored:
+            node = node or self._made()
+            node.SetAndObservePolyData(_surface(colored.mesh, levels))
+            self._colored = colored
+        elif not np.array_equal(levels, self._levels):
+            array = node.GetPolyData().GetPointData().GetArray(MET)
+            numpy_support.vtk_to_numpy(array)[:] = levels
+            array.Modified()
+            node.GetPolyData().Modified()
+        self._levels = levels
+        if node.GetTransformNodeID() != bone.GetTransformNodeID():
+            node.SetAndObserveTransformNodeID(bone.GetTransformNodeID())
+        return node
+
+    def clear(self) -> None:
+        """Remove everything, also what is left where somebody has deleted the model alone."""
+        scene = slicer.mrmlScene
+        removeNodes([scene.GetNodeByID(each) for each in self._ownIDs], scene)
+        self._modelID, self._ownIDs, self._colored, self._levels = None, [], None, None
+
+    def _made(self):
+        self.clear()
+        colors, node = _colors(), slicer.mrmlScene.AddNewNodeByClass("vtkMRMLModelNode", "Bone met")
+        node.CreateDefaultDisplayNodes()
+        display = node.GetDisplayNode()
+        with slicer.util.NodeModify(display):
+            display.SetAndObserveColorNodeID(colors.GetID())
+            display.SetActiveScalar(MET, vtk.vtkAssignAttribute.POINT_DATA)
+            display.SetScalarRangeFlag(slicer.vtkMRMLDisplayNode.UseManualScalarRange)
+            display.SetScalarRange(-0.5, len(COLORS) - 0.5)
+            display.SetScalarVisibility(True)
+            # Slices show bone already, and would have to cut this surface anew wherever the probe goes
+            display.SetVisibility2D(False)
+        legend = slicer.modules.colors.logic().AddDefaultColorLegendDisplayNode(node)
+        if legend is not None:
+            _arrange(legend)
+        own = (colors, *(node.GetNthDisplayNode(number) for number in range(node.GetNumberOfDisplayNodes())), node)
+        for each in own:
+            each.SetSaveWithScene(False)
+        node.SetSelectable(False)
+        self._modelID, self._ownIDs = node.GetID(), [each.GetID() for each in own]
+        return node
+
+
+def _colors():
+    node = slicer.vtkMRMLColorTableNode()
+    node.SetName("Colors of bone met")
+    node.SetTypeToUser()
+    node.SetHideFromEditors(True)
+    node.SetNumberOfColors(len(COLORS))
+    for number, (name, color) in enumerate(zip(levelNames(), COLORS)):
+        node.SetColor(number, name, *color, 1.0)
+    return slicer.mrmlScene.AddNode(node)
+
+
+def levelNames() -> tuple:
+    """What the colors stand for, in the user's language."""
+    return _("out of reach"), _("not met"), _("grazed, over 60\u00b0"), _("aslant, 45 to 60\u00b0"), _("squarely, below 45\u00b0")
+
+
+def _arrange(legend) -> None:
+    with slicer.util.NodeModify(legend):
+        legend.SetTitleText(_("Bone met by beams"))
+        legend.SetUseColorNamesForLabels(True)
+        legend.SetMaxNumberOfColors(len(COLORS))
+        legend.SetNumberOfLabels(len(COLORS))
+        legend.SetSize(*LEGEND)
+        legend.SetPosition(0.97, 0.1)
+        for letters in (legend.GetTitleTextProperty(), legend.GetLabelTextProperty()):
+            letters.SetFontFamilyToArial()
+            letters.SetFontSize(LETTERS)
+        # Slice views do not show these colors
+        for view in nodesOfClass("vtkMRMLViewNode", slicer.mrmlScene):
+            legend.AddViewNodeID(view.GetID())
+
+
+def _surface(mesh, levels: np.ndarray) -> vtk.vtkPolyData:
+    """Triangles as polydata with normals, which would otherwise be made at every change of color."""
+    points, cells = vtk.vtkPoints(), vtk.vtkCellArray()
+    points.SetData(numpy_support.numpy_to_vtk(np.ascontiguousarray(mesh.points_reference, dtype=np.float32), deep=True))
+    cells.SetData(3, numpy_support.numpy_to_vtkIdTypeArray(np.ascontiguousarray(mesh.triangles.ravel(), dtype=np.int64), deep=True))
+    drawn = vtk.vtkPolyData()
+    drawn.SetPoints(points)
+    drawn.SetPolys(cells)
+    normals = vtk.vtkPolyDataNormals()
+    normals.SetInputData(drawn)
+    normals.SplittingOff()
+    normals.ConsistencyOff()
+    normals.Update()
+    result = vtk.vtkPolyData()
+    result.ShallowCopy(normals.GetOutput())
+    scalars = numpy_support.numpy_to_vtk(levels.astype(np.int16), deep=True)
+    scalars.SetName(MET)
+    result.GetPointData().SetScalars(scalars)
+    return result

@@ -1,0 +1,173 @@
+"""All that guidance has to show, of a recorded sweep or of a scan that goes on: bone in colors, shares, and where to go next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Bytes, Floats, Matrix
+from ..geometry.transforms import invert, transform_points
+from ..geometry.volume import Volume, VoxelGrid
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion
+from ..message import Message
+from ..progress import Progress, part
+from ..sweep.frames import TrackedSequence
+from ..sweep.joined import joined
+from ..sweep.poses import sweep_poses, time_order
+from .bone import GuidedBone
+from .coverage import Coverage, coverage, covered
+from .directions import Direction, directions, labels_under
+from .mesh import ColoredBone
+from .met import BoneMet
+from .next_move import Move, NextMove
+from .probe import ProbeOnBack, Skin, images_like
+
+FAR = Message("No frame has come near the bone of the CT. Place the CT on the patient first.")
+NOT_IN_BOX = Message("The box to be reconstructed holds no bone of the CT. Move the box, or place the CT on the patient.")
+
+
+@dataclass(frozen=True, eq=False)
+class Guidance:
+    """What is known now.
+
+    Parameters
+    ----------
+    colored : ColoredBone or None
+        The surface in the labels' own coordinates.
+    levels : (n,) uint8 array or None
+        Of its corners; see `AIFReconLib.guidance.mesh`.
+    coverage : Coverage or None
+        While a scan goes on its `met` goes on changing; its shares do not.
+    best_cosine : (n,) float64 array or None
+        Of the points of `coverage.met.bone`, as they were when this was told.
+    advice : Advice or None
+        None while candidate passes are looked at.
+    problem : Message or None
+        Why nothing can be told.
+    """
+
+    colored: ColoredBone | None = None
+    levels: Bytes | None = None
+    coverage: Coverage | None = None
+    best_cosine: Floats | None = None
+    advice: Advice | None = None
+    problem: Message | None = None
+
+    @classmethod
+    def before(cls, colored: ColoredBone, bone: GuidedBone, problem: Message | None = None) -> Guidance:
+        """Bone that nothing has met yet."""
+        return cls(colored, colored.levels(np.full(len(bone), np.nan)), problem=problem)
+
+    @classmethod
+    def of(cls, colored: ColoredBone, met: BoneMet, advice: Advice | None = None, notes: tuple[str, ...] = ()) -> Guidance:
+        """What was met until now, and the advice if there is one."""
+        best = met.best_cosine.copy()
+        return cls(colored, colored.levels(best), covered(met, notes), best, advice)
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What to do next.
+
+    Parameters
+    ----------
+    move : Move or None
+        None when nothing is worth its labor any more.
+    directions : tuple of Direction
+        The way there from where the probe is.
+    over : tuple of int
+        The label, or the two labels, that the probe will stand over.
+    """
+
+    move: Move | None
+    directions: tuple[Direction, ...] = ()
+    over: tuple[int, ...] = ()
+
+
+class Advisor:
+    """Advises moves over bone, as a probe was moved over it.
+
+    Parameters
+    ----------
+    met : BoneMet
+    image_to_reference : (n, 4, 4) array
+        Poses so far: they tell where the skin is.
+    progress : Progress or None
+        Of looking at candidate passes, which takes some seconds.
+    """
+
+    def __init__(self, met: BoneMet, image_to_reference: Matrix, progress: Progress | None = None):
+        bone, beams = met.bone, met.geometry.beams
+        images = images_like(image_to_reference[0], beams.frame_size, beams.probe, beams.region)
+        skin = Skin.through(transform_points(invert(bone.patient_to_reference), images.faces(image_to_reference)))
+        self._bone, self._probe = bone, ProbeOnBack(images, skin, bone.patient_to_reference)
+        self._next = NextMove(bone, self._probe, bone.aim, progress)
+
+    def advise(self, met: BoneMet, image_to_reference: Matrix) -> Advice:
+        """What to do next, from a pose."""
+        return self.to(self._next.advise(met, image_to_reference), image_to_reference)
+
+    def to(self, move: Move | None, image_to_reference: Matrix) -> Advice:
+        """The way to a move that was advised before, from another pose."""
+        if move is None:
+            return Advice(None)
+        there = move.planned.placements(1)[0]
+        return Advice(move, directions(self._probe.placement(image_to_reference), there), labels_under(self._bone, there))
+
+
+def has_come_near(met: BoneMet) -> bool:
+    """Whether any point was in any beam."""
+    return bool(met.frames.any() or met.shadowed.any() or met.dark.any())
+
+
+def holds_bone(grid: VoxelGrid, bone: GuidedBone) -> bool:
+    """Whether any of the bone that can be reached lies in a box."""
+    ijk = transform_points(grid.reference_to_ijk, bone.surface.points_reference)
+    return bool(((ijk >= -0.5) & (ijk <= np.array(grid.size) - 0.5)).all(axis=1).any())
+
+
+def guidance_of_sweep(
+    sequences: TrackedSequence | Iterable[TrackedSequence],
+    labels: Volume,
+    labels_to_reference: Matrix,
+    *,
+    grid: VoxelGrid | None = None,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+    progress: Progress | None = None,
+) -> Guidance:
+    """What recorded sweeps have met, and the next move from where the last one ended.
+
+    Parameters
+    ----------
+    sequences : TrackedSequence or several in one Reference
+    labels : Volume of integers
+    labels_to_reference : (4, 4) array, mm
+        Rigid.
+    grid : VoxelGrid or None
+        The box that is to be reconstructed, if it is known.
+    region, probe : ImageRegion, ProbeGeometry or None
+        As in `reconstruct`.
+    progress : Progress or None
+
+    Raises
+    ------
+    AIFReconError
+        As `coverage`.
+    """
+    sequence = joined(sequences)
+    found = coverage(sequence, labels, labels_to_reference, region=region, probe=probe, progress=part(progress, 0.0, 0.5))
+    colored = ColoredBone.of(found.met.bone).placed_by(invert(np.asarray(labels_to_reference, dtype=np.float64)))
+    problem = None if has_come_near(found.met) else FAR
+    if grid is not None and not holds_bone(grid, found.met.bone):
+        problem = NOT_IN_BOX
+    if problem is not None:
+        return Guidance.before(colored, found.met.bone, problem)
+    poses = sweep_poses(sequence)
+    order = time_order(sequence)
+    order = order[np.isin(order, poses.usable)]
+    advisor = Advisor(found.met, poses.image_to_reference[order], part(progress, 0.5, 1.0))
+    return Guidance.of(colored, found.met, advisor.advise(found.met, poses.image_to_reference[order[-1]]), found.notes)

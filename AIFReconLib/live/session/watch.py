@@ -1,0 +1,126 @@
+"""What is found out beside a scan, on a thread of its own: reception and insertion never wait for it, nor share their moments with it."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from abc import ABC, abstractmethod
+
+from ...imaging.beams import ProbeGeometry
+from ...imaging.region import ImageRegion
+from ...message import Message, said
+from ...resolve import Imaging, known_imaging, recognized_imaging
+from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
+from ..pairing.synchronizer import LiveFrame
+from .scouting import ScoutedFrames
+from .session import FRAMES_LOOKED_AT, LiveSession
+
+logger = logging.getLogger(__name__)
+
+PATIENCE = 0.05
+"""s after which it looks though nothing was inserted: while a scan is scouted or paused."""
+
+REST = 1.0
+"""By how many times longer it rests than it worked: at most half of one core is taken, however fast frames come."""
+
+
+class Watch(ABC):
+    """Looks at the newest frame of a session, again and again.
+
+    Parameters
+    ----------
+    session : LiveSession
+        Of which `latest` and `wait_for_rest` are used.
+    name : str
+        Of the thread.
+    period : float, s
+        Between two looks at least.
+    configuration : PlusConfiguration or None
+    region, probe : ImageRegion, ProbeGeometry or None
+        As for the session; what they and the configuration leave open is recognized in the first frames.
+
+    Notes
+    -----
+    Work begins when a frame was just inserted and none waits: until the next one comes, cores, memory and interpreter are free. Steps that
+    take longer than some 10 ms should be parted by `_breathe`. What goes wrong is told and kept; the scan goes on.
+    """
+
+    def __init__(
+        self,
+        session: LiveSession,
+        name: str,
+        period: float,
+        configuration: PlusConfiguration | None = None,
+        region: ImageRegion | None = None,
+        probe: ProbeGeometry | None = None,
+    ):
+        self._session, self._period = session, period
+        self._configuration, self._region, self._probe = configuration or NO_CONFIGURATION, region, probe
+        self._known: Imaging | None = known_imaging(self._configuration, True, region, probe)
+        self._first = ScoutedFrames()
+        self._last: LiveFrame | None = None
+        self._closing = threading.Event()
+        self._resumed = time.monotonic()
+        self._logged: Message | None = None
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+
+    def stop(self, wait: bool = True) -> None:
+        """Look at no more frames; where asked to, it waits for the step under way."""
+        self._closing.set()
+        if wait and self._thread.ident is not None:
+            self._thread.join()
+
+    @abstractmethod
+    def _look(self, frame: LiveFrame | None) -> None:
+        """Look at a frame with image and pose that was not seen before; None: there is no new one."""
+
+    @abstractmethod
+    def _tell_problem(self, problem: Message) -> None:
+        """Say why nothing can be told."""
+
+    def _run(self) -> None:
+        while self._breathe():
+            self._attempt()
+
+    def _breathe(self) -> bool:
+        """Wait for the next moment in which nothing is received or inserted; False when the end has come."""
+        rest = max(self._period, REST * (time.monotonic() - self._resumed))
+        if not self._closing.wait(rest):
+            self._session.wait_for_rest(PATIENCE)
+        self._resumed = time.monotonic()
+        return not self._closing.is_set()
+
+    def _attempt(self) -> None:
+        """One look, whatever comes of it."""
+        try:
+            self._look(self._next_frame())
+        except Exception as error:  # kept and told: the scan goes on
+            problem = said(error)
+            if problem != self._logged:  # it may come again with every frame
+                self._logged = problem
+                logger.exception("Something that is told beside a live scan could not be told")
+            self._tell_problem(problem)
+
+    def _next_frame(self) -> LiveFrame | None:
+        frame = self._session.latest
+        if frame is None or frame is self._last or frame.status != "OK" or frame.image is None or frame.image_to_reference is None:
+            return None
+        self._last = frame
+        return frame
+
+    def _imaging(self, frame: LiveFrame) -> Imaging | None:
+        """Region and probe, where need be as the first frames show them, with this one among them; None while they are too few.
+
+        Raises
+        ------
+        BeamGeometryError
+            When they cannot be told from these; it begins anew with the next.
+        """
+        if self._known is None:
+            self._first.add(frame, 0)
+            if self._first.usable >= FRAMES_LOOKED_AT:
+                kept, self._first = self._first, ScoutedFrames()
+                sequence, poses = kept.sequence()
+                self._known = recognized_imaging(sequence.images, poses, self._configuration, True, self._region, self._probe)
+        return self._known

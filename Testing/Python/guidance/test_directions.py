@@ -1,0 +1,64 @@
+"""The way to the next move, as steps for a hand: moved that way, the probe stands where it should."""
+
+from __future__ import annotations
+
+import pytest
+from sweeps import two_vertebrae
+
+from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.directions import DOWN, HERE, TO_LEFT, TO_RIGHT, TURN, UP, directions, labels_under
+from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
+
+HEAD, RIGHT = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def bone():
+    return guided_bone(two_vertebrae())
+
+
+def arrows(now, there):
+    return "".join(step.arrow for step in directions(now, there))
+
+
+@pytest.mark.parametrize(
+    ("there", "arrow", "words"),
+    [
+        (Placement(0.0, 12.0), UP, "slide 12 mm toward the head"),
+        (Placement(0.0, -12.0), DOWN, "slide 12 mm toward the feet"),
+        (Placement(9.0, 0.0), TO_RIGHT, "slide 9 mm toward the right"),
+        (Placement(-9.0, 0.0), TO_LEFT, "slide 9 mm toward the left"),
+        (Placement(0.0, 0.0, 90.0), TURN, "turn to sagittal"),
+        (Placement(0.0, 0.0), HERE, "sweep on here"),
+    ],
+)
+def test_a_step_has_an_arrow_and_words(there, arrow, words):
+    (step,) = directions(Placement(0.0, 0.0), there)
+    assert (step.arrow, str(step.words)) == (arrow, words)
+
+
+@pytest.mark.parametrize("turn", [0.0, 90.0])
+@pytest.mark.parametrize("tilts", [(20.0, 0.0), (-20.0, 0.0), (0.0, 20.0), (0.0, -20.0)])
+def test_a_tilt_points_where_the_middle_beam_turns_to(bone, turn, tilts):
+    probe = ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference)
+    there = Placement(0.0, 0.0, turn, *tilts)
+    beam = probe.pose(there)[:3, 1] / probe.images.spacing[1]
+    expected = {
+        UP: beam @ bone.patient_to_reference[:3, 2],
+        DOWN: -beam @ bone.patient_to_reference[:3, 2],
+        TO_RIGHT: beam @ bone.patient_to_reference[:3, 0],
+        TO_LEFT: -beam @ bone.patient_to_reference[:3, 0],
+    }
+    assert expected[arrows(Placement(0.0, 0.0, turn), there)] > 0.3
+
+
+def test_a_probe_that_is_held_the_other_way_round_is_tilted_the_same_way():
+    there = Placement(0.0, 0.0, 90.0, 20.0, 0.0)
+    assert arrows(Placement(0.0, 0.0, -90.0, 10.0, 0.0), there) == UP
+    assert str(directions(Placement(0.0, 0.0, -90.0, 10.0, 0.0), there)[0].words) == "tilt 30 degrees toward the head"
+
+
+@pytest.mark.parametrize(("share", "expected"), [(-1.0, (1,)), (0.1, (1,)), (0.5, (2, 1)), (0.9, (2,)), (2.0, (2,))])
+def test_a_place_is_over_one_label_or_between_two_from_head_to_feet(bone, share, expected):
+    low, high = (bone.centers[label] @ HEAD - bone.patient_to_reference[2, 3] for label in (1, 2))
+    assert labels_under(bone, Placement(0.0, low + share * (high - low))) == expected

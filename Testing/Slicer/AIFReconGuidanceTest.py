@@ -1,0 +1,347 @@
+"""Self tests of guidance: bone colored by what a recorded sweep or a scan has met, shares, the next move, and sentences in their place."""
+
+import pathlib
+import sys
+import unittest
+
+import numpy as np
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+from AIFReconLiveTest import waitFor
+from simulatedPatient import FRAMES, addPatient
+
+OWN = ("Bone met", "Colors of bone met", "Advised probe")
+
+COLOR_BLIND = {
+    "none": np.eye(3),
+    "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+}
+"""Linear RGB as it is seen: Machado, Oliveira and Fernandes (2009), severity 1."""
+
+
+def lab(linear: np.ndarray) -> np.ndarray:
+    """CIE L*a*b* of linear sRGB (n, 3), by D65."""
+    toXYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    x, y, z = np.cbrt(linear @ toXYZ.T / toXYZ.sum(axis=1)).T
+    return np.stack([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)], axis=1)
+
+
+class AIFReconGuidanceTest(unittest.TestCase):
+    """The box *Guidance* on a simulated patient."""
+
+    def setUp(self):
+        from AIFReconScene.inputs.parameters import LiveSource
+
+        from AIFReconLib.guidance import passes
+        from AIFReconLib.live.session import guidance_watch
+
+        for module, name, value in (
+            (passes, "SAGITTAL_TILTS_DEG", (-38.0, 38.0)),
+            (passes, "SAGITTAL_ACROSS_DEG", (0.0,)),
+            (passes, "TRANSVERSE_TILTS_DEG", (0.0,)),
+            (guidance_watch, "SKIN_AFTER", 3),
+            (guidance_watch, "FAR_AFTER", 10),
+        ):
+            self.addCleanup(setattr, module, name, getattr(module, name))
+            setattr(module, name, value)
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters, self.live = self.widget.ui, self.widget._parameterNode, self.widget._live
+        self.nodes = addPatient()
+        self.widget.initializeParameterNode()
+        sweep = self.nodes.browser
+        self.parameters.liveSource = LiveSource.SCENE
+        self.parameters.liveImage = sweep.GetProxyNode(sweep.GetMasterSequenceNode())
+        self.parameters.spacing = 2.0
+        self.ui.liveCollapsibleButton.collapsed = False
+
+    def tearDown(self):
+        self.live.close()
+        slicer.mrmlScene.Clear()
+
+    # ---- what tests do
+
+    def setBox(self, wanted=True):
+        """Click the box, if it is not so already."""
+        if self.ui.guidanceCheckBox.checked != wanted:
+            self.ui.guidanceCheckBox.click()
+
+    def start(self):
+        """Begin a scan with the box set."""
+        self.parameters.guidance = True
+        self.show(FRAMES - 1)
+        self.ui.liveStartButton.click()
+
+    def show(self, number):
+        """Put a frame of the sweep into the image that a scan follows."""
+        self.nodes.browser.SetSelectedItemNumber(number)
+        slicer.modules.sequences.logic().UpdateProxyNodesFromSequences(self.nodes.browser)
+
+    def play(self, frames=range(FRAMES)):
+        """Show frames one by one, each until the scan has received it."""
+        for number in frames:
+            seen = self.live._live.statistics.frames_received
+            self.show(number)
+            self.assertTrue(waitFor(lambda seen=seen: self.live._live.statistics.frames_received > seen))
+
+    def playUntil(self, condition):
+        """Show the sweep again and again until something holds."""
+        for _round in range(10):
+            self.play()
+            if waitFor(condition, 0.5):
+                return
+        self.assertTrue(waitFor(condition))
+
+    def model(self, name="Bone met"):
+        """A node of ours, or None."""
+        return slicer.mrmlScene.GetFirstNodeByName(name)
+
+    def levels(self):
+        """What the corners of the bone in color say."""
+        return slicer.util.arrayFromModelPointData(self.model(), "Met")
+
+    def colored(self):
+        """Whether some bone was met in color."""
+        return self.model() is not None and (self.levels() > 1).any()
+
+    def own(self):
+        """All nodes that guidance has made."""
+        scene = slicer.mrmlScene
+        nodes = [scene.GetNthNode(number) for number in range(scene.GetNumberOfNodes())]
+        return [node for node in nodes if node.GetName() in OWN or node.IsA("vtkMRMLColorLegendDisplayNode")]
+
+    # ---- a recorded sweep
+
+    def test_the_box_colors_the_bone_by_the_chosen_sweep(self):
+        self.setBox()
+        self.assertTrue(self.colored(), self.ui.guidanceLabel.text)
+        self.assertEqual(self.model().GetTransformNodeID(), self.nodes.segmentation.GetTransformNodeID())
+
+    def test_the_colors_are_those_that_the_library_tells(self):
+        from AIFReconScene.inputs.boneNodes import labelsFromNode
+        from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
+
+        from AIFReconLib.guidance.coverage import coverage
+
+        self.setBox()
+        labels = labelsFromNode(self.nodes.segmentation, world=False)
+        found = coverage(sequenceFromBrowser(self.nodes.browser), labels, tinyScene.worldOf(self.nodes.segmentation))
+        levels = self.levels()
+        reachable = levels > 0
+        self.assertAlmostEqual((levels[reachable] > 1).mean(), found.all.met, delta=0.06)
+        self.assertAlmostEqual((levels[reachable] == 4).mean(), found.all.below_45_deg, delta=0.06)
+        self.assertIn(f"{found.all.met:.0%}", self.ui.guidanceTableLabel.text)
+
+    def test_segments_and_moves_are_told_by_the_names_of_the_segments(self):
+        segmentation = self.nodes.segmentation.GetSegmentation()
+        names = [f"Vertebra {number}" for number in range(segmentation.GetNumberOfSegments())]
+        for number, name in enumerate(names):
+            segmentation.GetNthSegment(number).SetName(name)
+        self.setBox()
+        for name in names:
+            self.assertIn(name, self.ui.guidanceTableLabel.text)
+        self.assertRegex(self.ui.guidanceLabel.text, r"over Vertebra \d.*, adds [\d.]+ cm")
+
+    def test_the_next_move_is_in_large_type_with_an_arrow_in_panel_and_3d_view(self):
+        self.setBox()
+        text = self.ui.guidanceMoveLabel.text
+        self.assertRegex(text, "^[\u2190-\u2193\u21bb\u25cf]  ")
+        self.assertIn("26px", self.ui.guidanceMoveLabel.styleSheet)
+        view = slicer.app.layoutManager().threeDWidget(0).threeDView()
+        self.assertEqual(view.cornerAnnotation().GetText(2), text)
+
+    def test_the_ghost_stands_where_the_move_leads(self):
+        self.setBox()
+        advice = self.widget._guidance._shown.advice
+        bounds = np.zeros(6)
+        self.model("Advised probe").GetRASBounds(bounds)
+        face = advice.move.image_to_reference @ [self.widget._guidance._shown.coverage.met.geometry.beams.frame_size[0] / 2, 40.0, 0.0, 1.0]
+        self.assertTrue((bounds[::2] <= face[:3]).all() and (face[:3] <= bounds[1::2]).all())
+        self.assertTrue(self.model("Advised probe").GetDisplayNode().GetVisibility2D())
+
+    def test_nothing_is_drawn_into_the_nodes_of_ct_and_segmentation(self):
+        segmentation, ct = self.nodes.segmentation, self.nodes.ct
+        nodes = [ct, *(node.GetNthDisplayNode(n) for node in (ct, segmentation) for n in range(node.GetNumberOfDisplayNodes()))]
+        before = [node.GetMTime() for node in nodes], segmentation.GetNumberOfDisplayNodes(), segmentation.GetTransformNodeID()
+        self.setBox()
+        after = [node.GetMTime() for node in nodes], segmentation.GetNumberOfDisplayNodes(), segmentation.GetTransformNodeID()
+        self.assertEqual(after, before)
+
+    def test_without_the_box_nothing_is_left(self):
+        self.setBox()
+        self.assertTrue(self.own())
+        self.setBox(False)
+        self.assertEqual(self.own(), [])
+        self.assertFalse(self.ui.guidanceMoveLabel.visible)
+        self.assertFalse(slicer.app.layoutManager().threeDWidget(0).threeDView().cornerAnnotation().GetText(2))
+
+    def test_another_sweep_or_bone_takes_the_colors_away(self):
+        self.setBox()
+        self.parameters.boneSegments = [self.nodes.segmentation.GetSegmentation().GetNthSegmentID(0)]
+        self.assertEqual(self.own(), [])
+        self.ui.guidanceSweepButton.click()
+        self.assertTrue(self.colored())
+
+    def test_the_legend_says_what_the_colors_stand_for(self):
+        self.setBox()
+        legend = slicer.modules.colors.logic().GetColorLegendDisplayNode(self.model())
+        self.assertTrue(legend.GetVisibility() and legend.GetUseColorNamesForLabels())
+        table = self.model().GetDisplayNode().GetColorNode()
+        self.assertEqual([table.GetColorName(number).split(",")[0] for number in (1, 2, 4)], ["not met", "grazed", "squarely"])
+
+    def test_the_colors_are_told_apart_by_the_color_blind(self):
+        from AIFReconScene.display.boneColors import COLORS
+
+        linear = np.array(COLORS) ** 2.2
+        for kind, matrix in COLOR_BLIND.items():
+            seen = lab(np.clip(linear @ np.array(matrix).T, 0.0, 1.0))
+            apart = np.linalg.norm(seen[:, None] - seen, axis=2) + 1e3 * np.eye(len(seen))
+            self.assertGreater(apart.min(), 20.0, kind)
+
+    def test_a_cancel_leaves_the_scene_as_it_was(self):
+        from AIFReconGui.progressDialog import ProgressDialog
+
+        call = ProgressDialog.__call__
+        self.addCleanup(setattr, ProgressDialog, "__call__", call)
+        ProgressDialog.__call__ = lambda dialog, share, message: False
+        self.setBox()
+        self.assertEqual(self.own(), [])
+
+    def test_the_ct_takes_its_colors_along(self):
+        self.setBox()
+        before = np.zeros(6)
+        self.model().GetRASBounds(before)
+        motion = tinyScene.moved(0.0, 0.0, 50.0)
+        tinyScene.setMatrix(self.nodes.ctToReference, motion @ tinyScene.matrixOf(self.nodes.ctToReference))
+        after = np.zeros(6)
+        self.model().GetRASBounds(after)
+        np.testing.assert_allclose(after - before, [0, 0, 0, 0, 50, 50], atol=1e-3)
+
+    # ---- sentences instead of colors
+
+    def test_without_bone_a_sentence_says_what_is_missing(self):
+        self.setBox()
+        self.parameters.bone = None
+        self.assertEqual(self.own(), [])
+        self.assertIn("bone", self.ui.guidanceLabel.text)
+        self.assertFalse(self.ui.guidanceSweepButton.enabled)
+
+    def test_a_ct_that_is_not_placed_is_a_sentence(self):
+        tinyScene.setMatrix(self.nodes.ctToReference, tinyScene.moved(400.0, 0.0, 0.0))
+        self.setBox()
+        self.assertIn("No frame has come near", self.ui.guidanceLabel.text)
+        self.assertFalse(self.colored())
+
+    def test_a_box_without_bone_is_a_sentence(self):
+        from AIFReconScene.inputs.parameters import Region
+
+        roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Box")
+        roi.SetCenterWorld(500.0, 0.0, 0.0)
+        roi.SetSize(20.0, 20.0, 20.0)
+        self.parameters.roi, self.parameters.region = roi, Region.BOX
+        self.setBox()
+        self.assertIn("holds no bone", self.ui.guidanceLabel.text)
+
+    def test_a_ct_that_is_scaled_is_refused_in_a_sentence(self):
+        shown, display = [], slicer.util.infoDisplay
+        slicer.util.infoDisplay = lambda text, **options: shown.append(text)
+        self.addCleanup(setattr, slicer.util, "infoDisplay", display)
+        tinyScene.setMatrix(self.nodes.ctToReference, np.diag([2.0, 2.0, 2.0, 1.0]))
+        self.setBox()
+        self.assertIn("must be rigid", shown[0])
+
+    # ---- a scan
+
+    def test_a_scan_colors_the_bone_and_says_the_next_move(self):
+        self.start()
+        self.playUntil(lambda: self.colored() and self.ui.guidanceMoveLabel.text)
+        self.assertIn("%", self.ui.guidanceTableLabel.text)
+        self.assertIsNotNone(self.model("Advised probe"))
+
+    def test_what_a_scan_has_met_is_still_seen_when_it_is_over(self):
+        self.start()
+        self.playUntil(self.colored)
+        self.ui.liveStopButton.click()
+        self.assertTrue(self.colored())
+        self.setBox(False)
+        self.assertEqual(self.own(), [])
+
+    def test_the_box_can_be_set_and_taken_while_scanning(self):
+        self.start()
+        self.playUntil(self.colored)
+        self.setBox(False)
+        self.assertEqual(self.own(), [])
+        self.assertIsNone(self.live.guidance)
+        self.setBox()
+        self.playUntil(self.colored)
+
+    def test_a_scan_without_bone_says_so_and_takes_bone_that_is_chosen_later(self):
+        bone, self.parameters.bone = self.parameters.bone, None
+        self.start()
+        self.assertTrue(waitFor(lambda: "Select the bone" in self.ui.guidanceLabel.text))
+        self.parameters.bone = bone
+        self.playUntil(self.colored)
+
+    def test_labels_that_change_while_scanning_are_followed(self):
+        from AIFReconScene.live import liveGuidance
+
+        self.addCleanup(setattr, liveGuidance, "SETTLED", liveGuidance.SETTLED)
+        liveGuidance.SETTLED = 0.05
+        self.start()
+        self.playUntil(self.colored)
+        corners = self.model().GetPolyData().GetNumberOfPoints()
+        segmentation = self.nodes.segmentation.GetSegmentation()
+        segmentation.RemoveSegment(segmentation.GetNthSegmentID(0))
+        self.playUntil(lambda: self.colored() and self.model().GetPolyData().GetNumberOfPoints() < corners)
+
+    def test_a_segmentation_that_is_deleted_while_scanning_leaves_a_sentence(self):
+        self.start()
+        self.playUntil(self.colored)
+        slicer.mrmlScene.RemoveNode(self.nodes.segmentation)
+        self.playUntil(lambda: "Select the bone" in self.ui.guidanceLabel.text)
+        self.assertEqual(self.own(), [])
+        self.assertIsNone(self.live._live.displayProblem)
+
+    def test_a_model_that_is_deleted_while_scanning_comes_back(self):
+        self.start()
+        self.playUntil(self.colored)
+        slicer.mrmlScene.RemoveNode(self.model())
+        self.playUntil(self.colored)
+
+    def test_a_scene_that_is_closed_while_scanning_takes_everything_with_it(self):
+        import threading
+
+        self.start()
+        self.playUntil(self.colored)
+        slicer.mrmlScene.Clear()
+        self.assertFalse(self.live.isRunning)
+        self.assertEqual(self.own(), [])
+        self.assertNotIn("aifrecon guidance", [thread.name for thread in threading.enumerate()])
+
+    def test_a_ct_that_is_moved_while_scanning_is_told_anew(self):
+        self.start()
+        self.playUntil(self.colored)
+        tinyScene.setMatrix(self.nodes.ctToReference, tinyScene.moved(400.0, 0.0, 0.0))
+        self.playUntil(lambda: "No frame has come near" in self.ui.guidanceLabel.text)
+
+    # ---- saved
+
+    def test_the_box_is_saved_with_the_scene_and_what_it_draws_is_not(self):
+        self.setBox()
+        for node in self.own():
+            self.assertFalse(node.GetSaveWithScene(), node.GetName())
+        self.assertTrue(type(self.parameters)(self.parameters.parameterNode).guidance)
+
+    def test_one_array_is_written_while_only_colors_change(self):
+        self.setBox()
+        node, shown = self.model(), self.widget._guidance._shown
+        mesh = node.GetPolyData()
+        self.widget._guidance._colors.show(self.nodes.segmentation, shown.colored, np.full_like(shown.levels, 4))
+        self.assertIs(self.model().GetPolyData(), mesh)
+        self.assertTrue((self.levels() == 4).all())
