@@ -21,7 +21,7 @@ from ..io.disk.small_files import read_bytes
 from ..io.metafile.opening import data_files
 from ..message import Message, said
 from ..settings import is_own_method
-from ..terminal.options import check_bone_options, settings_from
+from ..terminal.options import PARAMETERS, check_bone_options, settings_from
 from ..terminal.sequence_options import of_each
 from .columns import CASE, METHOD, REQUIRED, SWEEPS, Columns, in_column_words
 
@@ -185,6 +185,7 @@ class _Reading:
         self._columns = columns
         self._head = head
         self._looked_at = cache(_why_not_a_file)
+        self._of_settings: dict[str, Message | None] = {}
 
     def case(self, row: int, cells: list[str]) -> Case:
         """The case of a row."""
@@ -274,12 +275,21 @@ class _Reading:
             yield Problem(case.row, column, in_column_words(said(error)))
         has_bone = bool(arguments.bone_labels or arguments.bone_probability or arguments.bone_from_sweep)
         for method in case.methods:
-            try:
-                settings = replace(settings_from(with_method(arguments, method)), best_cosine=bool(arguments.cosine))
-                require_bone(settings.method_for(has_bone), settings, has_bone)
-            except AIFReconError as error:
-                message = said(error)
+            message = self._why_not_settings(with_method(arguments, method), has_bone)
+            if message is not None:
                 yield Problem(case.row, _column_of(message, self._columns.names), in_column_words(message))
+
+    def _why_not_settings(self, arguments: argparse.Namespace, has_bone: bool) -> Message | None:
+        """What is wrong with the parameters of a reconstruction; most rows have those of another."""
+        key = repr([has_bone, bool(arguments.cosine), *(getattr(arguments, name, None) for name in PARAMETERS)])
+        if key not in self._of_settings:
+            try:
+                settings = replace(settings_from(arguments), best_cosine=bool(arguments.cosine))
+                require_bone(settings.method_for(has_bone), settings, has_bone)
+                self._of_settings[key] = None
+            except AIFReconError as error:
+                self._of_settings[key] = said(error)
+        return self._of_settings[key]
 
 
 def with_method(arguments: argparse.Namespace, method: str | None) -> argparse.Namespace:
