@@ -40,6 +40,18 @@ THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_
 """What tells the engine and the linear algebra behind numpy how many threads to use."""
 
 
+_SETTINGS = {
+    "distributed.scheduler.allowed-failures": TRIES - 1,
+    # Nothing is spilled to the disk, and a process whose memory is not all given back between cases is not paused: only what passes the
+    # limit is ended
+    **dict.fromkeys((f"distributed.worker.memory.{name}" for name in ("target", "spill", "pause")), False),
+    # By default a process that a busy computer does not start anew within 15 s is given up, and nobody is left
+    "distributed.deploy.lost-worker-timeout": "1 hour",
+    "distributed.scheduler.no-workers-timeout": "10 minutes",
+}
+"""Of our own workers; read when their cluster is made, and handed to them."""
+
+
 @dataclass(frozen=True)
 class Lost:
     """Work that its process did not survive, as often as it was tried; `reason` is an end of a sentence."""
@@ -82,12 +94,7 @@ def local_workers(count: int, threads: int = 1, memory: int | None = None) -> It
     """
     distributed, config = require("distributed"), require("dask.config")
     with ExitStack() as stack:
-        # Read when a cluster is made, and handed to its workers. Nothing is spilled to the disk, and a process whose memory is not all
-        # given back between cases is not paused: only what passes the limit is ended
-        never = dict.fromkeys((f"distributed.worker.memory.{name}" for name in ("target", "spill", "pause")), False)
-        stack.enter_context(
-            config.set({**never, "distributed.scheduler.allowed-failures": TRIES - 1, "distributed.comm.timeouts.connect": "30s"})
-        )
+        stack.enter_context(config.set(_SETTINGS))
         folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="aifrecon-", ignore_cleanup_errors=True))
         stack.enter_context(_quiet())
         cluster = stack.enter_context(
@@ -199,7 +206,7 @@ def completed(client: Client, work: Callable[[Given], Made], given: Mapping[str,
     Dask blames the end of a process on all work that was sent to it. So no more is sent than there are threads, and nothing waits behind
     what may end the process.
     """
-    distributed = require("distributed")
+    distributed, scheduler = require("distributed"), require("distributed.scheduler")
     left = iter(given.items())
     names: dict[Any, str] = {}
     waiting = distributed.as_completed()
@@ -220,6 +227,8 @@ def completed(client: Client, work: Callable[[Given], Made], given: Mapping[str,
                 made: Made | Lost = future.result()
             except distributed.KilledWorker:
                 made = Lost(Message("its process was ended {count} times while it ran", count=TRIES))
+            except scheduler.NoValidWorkerError:
+                made = Lost(Message("no process was there to run it"))
             # Dask keeps what a future stands for
             future.release()
             send()
