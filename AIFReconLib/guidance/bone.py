@@ -79,7 +79,13 @@ class GuidedBone:
             normals_reference=self.surface.normals_reference @ motion[:3, :3].T,
         )
         centers = {label: transform_points(motion, center[None])[0] for label, center in self.centers.items()}
-        return GuidedBone(surface, self.border, self.distance.placed_by(motion), centers, motion @ self.patient_to_reference)
+        return replace(
+            self,
+            surface=surface,
+            distance=self.distance.placed_by(motion),
+            centers=centers,
+            patient_to_reference=motion @ self.patient_to_reference,
+        )
 
     def part(self, name: str) -> Mask:
         """The points of `all`, `interspinous` (borders) or `posterior` (facing the back), or of a label by its number.

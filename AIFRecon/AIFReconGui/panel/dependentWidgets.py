@@ -4,7 +4,7 @@ from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.parameters import ProbeShape, Region
 from slicer.i18n import tr as _
 
-from .wrappedText import say
+from .layout import say
 
 
 def updateDependentWidgets(ui, parameters, sweepText: str) -> None:

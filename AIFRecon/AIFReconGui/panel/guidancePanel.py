@@ -10,8 +10,8 @@ from AIFReconScene.inputs.boneNodes import boneNames
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
+from .layout import say
 from .livePanel import IDLE_COLOR, largeType
-from .wrappedText import say
 
 SHOWN_EVERY = 150
 """ms between two looks at what the scan has met: colors change five times a second and more."""
@@ -195,7 +195,8 @@ class GuidancePanel:
 
 def _table(coverage, names: dict) -> str:
     """A line for each segment, as HTML: what was met, what of it squarely, and what is expected to show."""
-    rows = [(names.get(int(label), _("Label {number}").format(number=label)), share) for label, share in coverage.by_label.items()]
+    known = {str(label): name for label, name in names.items()}
+    rows = [(known.get(label) or _("Label {number}").format(number=label), share) for label, share in coverage.by_label.items()]
     if coverage.interspinous.reachable_cm2:
         rows.append((_("Borders of the gaps"), coverage.interspinous))
     rows.append((_("All bone"), coverage.all))

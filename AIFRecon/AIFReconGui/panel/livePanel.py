@@ -7,8 +7,7 @@ from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
 from ..errorsShown import errorsShown
-from .scrolling import reveal
-from .wrappedText import say
+from .layout import reveal, say
 
 COLLECTED_EVERY, SHOWN_EVERY = 10, 100
 """ms between two looks at the scene's image, and between two updates of what is shown."""

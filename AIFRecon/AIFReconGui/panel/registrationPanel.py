@@ -11,7 +11,7 @@ from AIFReconScene.registration.ctRegistration import CTRegistration, rigidPlace
 from slicer.i18n import tr as _
 
 from ..errorsShown import errorsShown
-from .wrappedText import say
+from .layout import say
 
 LANDMARK_MODULES = ("LandmarkRegistration", "FiducialRegistration")
 """Slicer's own ways to a start, the more comfortable one first; a build may lack either."""

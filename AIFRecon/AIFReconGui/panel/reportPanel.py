@@ -6,7 +6,7 @@ import qt
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
-from .wrappedText import say
+from .layout import say
 
 
 class ReportPanel:

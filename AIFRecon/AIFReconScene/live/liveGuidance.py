@@ -37,10 +37,11 @@ class LiveGuidance:
 
     def __init__(self, session, parameters, imaging: dict):
         self._session, self._parameters, self._imaging = session, parameters, imaging
-        self._watch = self._place = self._problem = None
-        self._key = None
+        self._watch: GuidanceWatch | None = None
+        self._problem: Message | None = None
+        self._place = np.eye(4)
+        self._key = self._pending = None
         self._changed = 0.0
-        self._pending = None
         self.bone = None
 
     def begin(self, progress=None) -> None:

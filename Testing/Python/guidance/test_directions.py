@@ -6,7 +6,7 @@ import pytest
 from sweeps import two_vertebrae
 
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.guidance.directions import DOWN, HERE, TO_LEFT, TO_RIGHT, TURN, UP, directions, labels_under
+from AIFReconLib.guidance.guidance import DOWN, HERE, TO_LEFT, TO_RIGHT, TURN, UP, directions, labels_under
 from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
 
 HEAD, RIGHT = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)

@@ -1,9 +1,21 @@
-"""Bringing parts of the panel into view: Slicer shows every module in an area that scrolls."""
+"""What the panel's layouts do not do by themselves: room for texts of several lines, and what has changed brought into view."""
 
 import qt
 
 SETTLED = 100
 """ms until every layout around a widget that has changed has asked the next one for room."""
+
+
+def say(label, text: str) -> None:
+    """Show a text in a label that wraps its words, with room for all of its lines.
+
+    Notes
+    -----
+    The panel's layouts hear of a least height at once, but go by what they knew of the height that a width asks for: without a least
+    height a text that grows squeezes the sections around it, in Slicer itself though not everywhere.
+    """
+    label.text = text
+    label.minimumHeight = label.heightForWidth(label.width) if text and label.visible else 0
 
 
 def reveal(widget) -> None:

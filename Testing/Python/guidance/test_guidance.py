@@ -1,0 +1,60 @@
+"""What guidance tells of a recorded sweep does not depend on where the patient lies, and is a sentence where nothing can be told."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from sweeps import rigid, two_vertebrae
+
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, guidance_of_sweep
+from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.sweep.frames import TrackedSequence
+
+IMAGES = ProbeImages.simulated()
+ELSEWHERE = rigid((20.0, -30.0, 40.0), (300.0, 20.0, -50.0))
+
+
+def told(place=None, moved=None, **options):
+    """Guidance of a few sagittal frames over two vertebrae, the patient being at `place`, the CT moved from there by `moved`."""
+    place = np.eye(4) if place is None else place
+    bone = guided_bone(two_vertebrae())
+    on = ProbeOnBack(IMAGES, Skin.over(bone), bone.patient_to_reference)
+    poses = np.stack([place @ on.pose(Placement(x, 0.0, 90.0, -30.0)) for x in (-6.0, 0.0, 6.0)])
+    images = np.full((len(poses), *IMAGES.frame_size[::-1]), 120, np.uint8)
+    sweep = TrackedSequence.from_arrays(images, poses, np.arange(len(poses)) * 0.1)
+    known = {"region": IMAGES.region, "probe": IMAGES.geometry}
+    return guidance_of_sweep(sweep, two_vertebrae(), place if moved is None else moved @ place, **known, **options)
+
+
+@pytest.fixture(scope="module")
+def here():
+    return told()
+
+
+def test_a_patient_who_lies_elsewhere_is_told_the_same(here):
+    there = told(ELSEWHERE)
+    assert (there.levels == here.levels).mean() > 0.99
+    np.testing.assert_allclose(there.colored.mesh.points_reference, here.colored.mesh.points_reference, atol=1e-6)
+    assert [step.words for step in there.advice.directions] == [step.words for step in here.advice.directions]
+    np.testing.assert_allclose(there.advice.move.image_to_reference, ELSEWHERE @ here.advice.move.image_to_reference, atol=1e-6)
+
+
+def test_a_sweep_that_leaves_bone_out_gets_a_move_that_adds_some(here):
+    assert here.problem is None
+    assert here.advice.move.adds_cm2 > 0
+    assert set(here.advice.over) <= {1, 2}
+
+
+@pytest.mark.parametrize(
+    ("options", "problem"),
+    [
+        ({"moved": rigid(translation=(300.0, 0.0, 0.0))}, FAR),
+        ({"grid": VoxelGrid.from_spacing((200.0, 0.0, 0.0), (10, 10, 10), 1.0)}, NOT_IN_BOX),
+    ],
+)
+def test_where_nothing_can_be_told_a_sentence_stands_and_no_color(options, problem):
+    guidance = told(**options)
+    assert (guidance.problem, guidance.advice) == (problem, None)
+    assert guidance.levels.max() == 1
