@@ -6,7 +6,6 @@ import argparse
 import json
 from pathlib import Path
 
-from ..evaluation.visibility import BEAM_THICKNESS
 from ..guidance.coverage import Coverage, coverage
 from ..guidance.mesh import bone_mesh, met_on_mesh
 from ..io.disk.atomic import check_writable, write_text
@@ -15,9 +14,8 @@ from ..io.volume.files import read_label_names, read_labels
 from ..io.volume.surfaces import check_surface_path, write_surface
 from ..progress import part
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
-from ..terminal.sequence_options import add_sequence_options, of_each, sequence_from, sequence_inputs
-from .reconstruct import add_tracking_options
+from ..terminal.options import Commands, add_beam_option, add_imaging_options, imaging_from, refuse_to_overwrite
+from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
   aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm
@@ -44,13 +42,7 @@ def add_to(commands: Commands) -> None:
         "--surface", type=Path, metavar="FILE.vtp", help="also write the bone's surface, with best cosine and frames at its points"
     )
     result.add_argument("--report", type=Path, metavar="FILE.json", help="also write the table as JSON")
-    result.add_argument(
-        "--beam-thickness",
-        type=float,
-        default=BEAM_THICKNESS,
-        metavar="MM",
-        help="width of the beams across the image plane (default: %(default)g)",
-    )
+    add_beam_option(result)
     add_tracking_options(parser, several=True)
     add_sequence_options(parser)
     add_imaging_options(parser)

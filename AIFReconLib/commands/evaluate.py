@@ -14,7 +14,7 @@ from ..evaluation.figures import comparison_png, require_matplotlib, within_spin
 from ..evaluation.metrics import BoneMetrics, evaluate
 from ..evaluation.quantities import metrics_csv, table, what_counted
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
-from ..evaluation.visibility import BEAM_THICKNESS, SweepBeams, bone_truth
+from ..evaluation.visibility import SweepBeams, bone_truth
 from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable, write_text
 from ..io.sequence.files import read_sequence
@@ -24,9 +24,8 @@ from ..message import columns
 from ..progress import part
 from ..sweep.joined import joined
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_imaging_options, imaging_from, real_path, refuse_to_overwrite
-from ..terminal.sequence_options import of_each
-from .reconstruct import add_tracking_options
+from ..terminal.options import Commands, add_beam_option, add_imaging_options, imaging_from, real_path, refuse_to_overwrite
+from ..terminal.sequence_options import add_tracking_options, of_each
 
 EXAMPLE = """examples:
   aifrecon evaluate average.nrrd weighted.nrrd --bone lumbar.nrrd --bone-transform CTToReference.tfm \\
@@ -72,13 +71,7 @@ def add_to(commands: Commands) -> None:
         metavar="SEQUENCE",
         help="frames that the volumes were made from, one or more sweeps",
     )
-    sweep.add_argument(
-        "--beam-thickness",
-        type=float,
-        default=BEAM_THICKNESS,
-        metavar="MM",
-        help="width of the beam across the image plane (default: %(default)g)",
-    )
+    add_beam_option(sweep)
     add_tracking_options(parser, several=True)
     add_imaging_options(parser)
     parser.set_defaults(run=run)

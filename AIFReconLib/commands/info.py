@@ -16,8 +16,7 @@ from ..reconstruction import Plan, plan
 from ..sweep.pose_tracks import LONGEST_GAP
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands
-from ..terminal.sequence_options import add_sequence_options, of_each, sequence_from
-from .reconstruct import add_tracking_options
+from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from
 
 NOT_READY = 1
 """Exit code where a sequence cannot be reconstructed."""

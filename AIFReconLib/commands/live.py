@@ -38,9 +38,11 @@ from ..terminal.options import (
     refuse_to_overwrite,
     settings_from,
 )
+from ..terminal.sequence_options import add_tracking_options
 from ..terminal.settings_options import OF_A_RECORDING, add_settings_options, check_save_settings, save_settings, with_provenance
+from ..terminal.volume_options import SIDE_OUTPUTS, add_tuning_options, add_volume_options, grid_from
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
-from .reconstruct import FIRST_OPTIONS, SIDE_OUTPUTS, add_tracking_options, add_tuning_options, add_volume_options, describe, grid_from
+from .reconstruct import FIRST_OPTIONS, describe
 
 EXAMPLE = """examples:
   aifrecon live --host 192.168.0.12 --output volume.nrrd

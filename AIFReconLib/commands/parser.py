@@ -1,8 +1,8 @@
 """The command line: one parser, one place where errors become a line and an exit code.
 
-Exit codes: 0 success; 1 a registration that is ambiguous or does not agree, and is not written, or a sequence that `info` says cannot be
-reconstructed; 2 wrong arguments or input; but for `info` with one line on standard error that says what is wrong and what to do; 130
-interrupted (143 by SIGTERM, 129 by a terminal that was closed).
+Exit codes: 0 success; 1 a registration that is ambiguous or does not agree, and is not written, a sequence that `info` says cannot be
+reconstructed, or cases of a `batch` that are not done; 2 wrong arguments or input; but for `info` with one line on standard error that
+says what is wrong and what to do; 130 interrupted (143 by SIGTERM, 129 by a terminal that was closed).
 Whatever fails, no file is left half-written.
 """
 
@@ -22,6 +22,7 @@ from ..terminal.log import add_log_options, logging_as_asked, quiet_as_asked
 from ..terminal.one_line_parser import BAD_INPUT, OneLineParser
 from ..terminal.signals import OrderlyEnd, orderly_end
 from . import (
+    batch,
     benchmark,
     bone_map,
     convert,
@@ -40,7 +41,7 @@ from . import (
 )
 
 COMMANDS = (
-    *(demo, reconstruct, preview, register, coverage, plan, bone_map, info, import_frames),
+    *(demo, reconstruct, preview, register, coverage, plan, batch, bone_map, info, import_frames),
     *(convert, live, replay, evaluate, simulate, benchmark),
 )
 

@@ -26,10 +26,9 @@ from ..resolve import resolve_imaging
 from ..sweep.poses import sweep_poses
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
-from ..terminal.sequence_options import add_sequence_options, sequence_from, sequence_inputs
+from ..terminal.sequence_options import add_sequence_options, add_tracking_options, sequence_from, sequence_inputs
 from .coverage import add_labels_options
 from .preview import check_preview
-from .reconstruct import add_tracking_options
 
 EXAMPLE = """examples:
   aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --output plan.json

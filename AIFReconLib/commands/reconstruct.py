@@ -13,7 +13,6 @@ import numpy as np
 from ..compounding.needs import method_needs_bone
 from ..compounding.state import Reconstruction
 from ..errors import BeamGeometryError, GeometryError
-from ..geometry.volume import VoxelGrid
 from ..guidance.coverage import coverage
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
@@ -21,16 +20,14 @@ from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform
-from ..io.volume.files import check_volume_path, read_label_names, read_labels, read_volume
+from ..io.volume.files import check_volume_path, read_label_names, read_labels
 from ..progress import part
-from ..provenance.kept import KeptSettings
 from ..reconstruction import reconstruct
 from ..registration.comparison import compared_lines
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
 from ..terminal.console import ProgressBar
-from ..terminal.one_line_parser import NumbersAction, numbers
 from ..terminal.options import (
     Commands,
     add_bone_options,
@@ -43,8 +40,9 @@ from ..terminal.options import (
     refuse_to_overwrite,
     settings_from,
 )
-from ..terminal.sequence_options import add_sequence_options, of_each, sequence_from, sequence_inputs
+from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
+from ..terminal.volume_options import SIDE_OUTPUTS, add_tuning_options, add_volume_options, grid_from
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 
 EXAMPLE = """examples:
@@ -55,8 +53,6 @@ EXAMPLE = """examples:
 
 FIRST_OPTIONS = ("config", "bone_labels", "bone_transform", "bone_from_sweep", "method", "spacing", "grid_like", "hole_limit", "preview")
 """What most need, here and in a live scan."""
-
-SIDE_OUTPUTS = ("score", "hits", "mask", "cosine")
 
 
 def add_to(commands: Commands) -> None:
@@ -90,54 +86,6 @@ def add_to(commands: Commands) -> None:
     add_settings_options(parser)
     parser.show_first(*FIRST_OPTIONS, "report", "quiet")
     parser.set_defaults(run=run)
-
-
-def add_tracking_options(parser: argparse.ArgumentParser, several: bool = False) -> None:
-    """Configuration, or one for each of several sequences, and frames of reference."""
-    tracking = parser.add_argument_group("tracking")
-    meaning = "Plus configuration: calibration, region, spacing"
-    if several:
-        meaning += "; of several sequences once, or once for each"
-    tracking.add_argument("--config", type=Path, action="append" if several else "store", metavar="PLUS.xml", help=meaning)
-    tracking.add_argument(
-        "--image-to-reference",
-        metavar="NAME",
-        help="transform that places the image, as recorded or as a chain (default: ImageToReference)",
-    )
-    tracking.add_argument("--reference", metavar="FRAME", help="frame to reconstruct in, e.g. Tracker (default: Reference)")
-
-
-def add_volume_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
-    """The volumes to make, and their voxels; the answer is the group, for more of the kind."""
-    volume = parser.add_argument_group("volume")
-    where = volume.add_mutually_exclusive_group()
-    where.add_argument("--grid-like", type=Path, metavar="VOLUME", help="use the voxels of this volume (any orientation)")
-    where.add_argument("--spacing", action=NumbersAction, type=numbers, metavar="MM", help="voxel size, one number or x y z")
-    add_setting(volume, "hole_limit", metavar="MM")
-    add_setting(volume, "holes")
-    add_setting(volume, "output_type")
-    for name, meaning in zip(
-        SIDE_OUTPUTS, ("sum of weights", "pixels per voxel", "0 empty, 1 measured, 2 filled", "best cosine of incidence"), strict=True
-    ):
-        volume.add_argument(f"--{name}", type=Path, metavar="FILE", help=f"also write this volume: {meaning}")
-    return volume
-
-
-def add_tuning_options(parser: argparse.ArgumentParser) -> None:
-    """The parameters of the methods."""
-    tuning = parser.add_argument_group("tuning")
-    for name in ("alpha", "beta", "bone_gain", "weight_floor", "interpolation", "pixel_rejection", "intensity_maximum", "skip", "engine"):
-        add_setting(tuning, name)
-    for name in ("speed_of_sound", "scanner_speed_of_sound"):
-        add_setting(tuning, name)
-
-
-def grid_from(arguments: argparse.Namespace) -> VoxelGrid | None:
-    """The voxels that the options name; None where they leave them open."""
-    if arguments.grid_like:
-        return read_volume(arguments.grid_like).grid
-    kept: KeptSettings | None = arguments.kept
-    return None if kept is None else kept.grid
 
 
 def run(arguments: argparse.Namespace) -> None:

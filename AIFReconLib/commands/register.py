@@ -17,9 +17,8 @@ from ..progress import part
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
-from ..terminal.sequence_options import add_sequence_options, of_each, sequence_from, sequence_inputs
-from .reconstruct import add_tracking_options
+from ..terminal.options import Commands, add_imaging_options, add_placing_options, imaging_from, refuse_to_overwrite
+from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
   aifrecon register sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output CTToReference.tfm
@@ -51,7 +50,7 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument("--bone-transform", type=Path, metavar="START", help="CT -> Reference to start from; default: look for it")
     result = parser.add_argument_group("result")
-    result.add_argument("--per-segment", action="store_true", help="let each label move on its own: the spine has bent since the CT")
+    add_placing_options(result)
     result.add_argument(
         "--labels-output",
         type=Path,
@@ -60,8 +59,6 @@ def add_to(commands: Commands) -> None:
         metavar="FILE",
         help="also write the labels in Reference, where they came to lie; their surface if FILE ends in .vtp (give it twice for both)",
     )
-    result.add_argument("--level", type=int, metavar="N", help="write the place N levels higher (negative: lower) than the best one")
-    result.add_argument("--accept", action="store_true", help="write the best place even if it is ambiguous or does not agree")
     result.add_argument("--report", type=Path, metavar="FILE.json", help="also write numbers, alternatives and what is not held")
     result.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes on the bone (needs matplotlib)")
     add_tracking_options(parser, several=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..io.sequence.files import read_sequence
 from ..live.replay.server import PLUS_PORT, ReplayServer
 from ..terminal.options import Commands
-from .reconstruct import add_tracking_options
+from ..terminal.sequence_options import add_tracking_options
 
 EXAMPLE = """examples:
   aifrecon replay sweep.igs.mha --config PlusDeviceSet.xml

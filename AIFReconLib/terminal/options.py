@@ -15,6 +15,7 @@ from ..bone.from_sweep import bone_from_sweep
 from ..bone.map import SIGMA_VOXELS, BoneMap
 from ..compounding.own.method import load_method
 from ..errors import MethodError, OutputError, SettingsError
+from ..evaluation.visibility import BEAM_THICKNESS
 from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ..imaging.detection import detect_imaging
 from ..imaging.images import ImageStack
@@ -156,6 +157,24 @@ def sigma_from(arguments: argparse.Namespace) -> tuple[float, float | None]:
     return SIGMA_VOXELS if voxels is None else voxels, arguments.bone_sigma_mm
 
 
+def check_bone_options(arguments: argparse.Namespace) -> None:
+    """Return if the options that say where bone is go together.
+
+    Raises
+    ------
+    SettingsError
+    """
+    if arguments.bone_from_sweep:
+        if arguments.bone_transform:
+            raise SettingsError("--bone-transform places a CT, and --bone-from-sweep needs none. Leave out one of them.")
+        if getattr(arguments, "speed_of_sound", None) is not None:
+            raise SettingsError(
+                "--bone-from-sweep takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels."
+            )
+    elif arguments.bone_transform and not (arguments.bone_labels or arguments.bone_probability):
+        raise SettingsError("--bone-transform places a bone input, and there is none. Give --bone-labels or --bone-probability.")
+
+
 def bone_from(
     arguments: argparse.Namespace,
     sequence: TrackedSequence | None,
@@ -167,13 +186,8 @@ def bone_from(
 
     `sequence`, `region` and `probe` (as `imaging_from` returns them) are looked at for --bone-from-sweep alone; a live scan has none yet.
     """
+    check_bone_options(arguments)
     if arguments.bone_from_sweep:
-        if arguments.bone_transform:
-            raise SettingsError("--bone-transform places a CT, and --bone-from-sweep needs none. Leave out one of them.")
-        if getattr(arguments, "speed_of_sound", None) is not None:
-            raise SettingsError(
-                "--bone-from-sweep takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels."
-            )
         if sequence is None:
             raise SettingsError("--bone-from-sweep looks at a recorded sweep. Give --bone-labels or --bone-probability.")
         poses = sweep_poses(sequence, arguments.image_to_reference, arguments.reference)
@@ -184,8 +198,6 @@ def bone_from(
         return BoneMap.from_labels(read_labels(arguments.bone_labels), *sigma_from(arguments), to_reference, progress)
     if arguments.bone_probability:
         return BoneMap.from_probability(read_volume(arguments.bone_probability), to_reference)
-    if to_reference is not None:
-        raise SettingsError("--bone-transform places a bone input, and there is none. Give --bone-labels or --bone-probability.")
     return None
 
 
@@ -200,6 +212,24 @@ def add_imaging_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGr
     image.add_argument("--fan-angles-deg", type=float, nargs=2, metavar=("A", "B"), help="use this fan about the apex, from +y toward +x")
     image.add_argument("--fan-radius-px", type=float, nargs=2, metavar=("R0", "R1"), help="between these radii about the apex")
     return image
+
+
+def add_placing_options(group: argparse._ActionsContainer) -> None:
+    """How a CT is laid on a sweep, and when the answer is taken."""
+    group.add_argument("--per-segment", action="store_true", help="let each label move on its own: the spine has bent since the CT")
+    group.add_argument("--level", type=int, metavar="N", help="write the place N levels higher (negative: lower) than the best one")
+    group.add_argument("--accept", action="store_true", help="write the best place even if it is ambiguous or does not agree")
+
+
+def add_beam_option(group: argparse._ActionsContainer) -> None:
+    """How wide beams are where the bone that they reach is looked for."""
+    group.add_argument(
+        "--beam-thickness",
+        type=float,
+        default=BEAM_THICKNESS,
+        metavar="MM",
+        help="width of the beams across the image plane (default: %(default)g)",
+    )
 
 
 def add_importance_option(group: argparse._ActionsContainer) -> None:

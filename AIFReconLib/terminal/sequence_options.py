@@ -35,6 +35,21 @@ class NamedFileAction(argparse.Action):
         setattr(namespace, self.dest, {**collected, name.strip(): Path(file.strip())})
 
 
+def add_tracking_options(parser: argparse.ArgumentParser, several: bool = False) -> None:
+    """Configuration, or one for each of several sequences, and frames of reference."""
+    tracking = parser.add_argument_group("tracking")
+    meaning = "Plus configuration: calibration, region, spacing"
+    if several:
+        meaning += "; of several sequences once, or once for each"
+    tracking.add_argument("--config", type=Path, action="append" if several else "store", metavar="PLUS.xml", help=meaning)
+    tracking.add_argument(
+        "--image-to-reference",
+        metavar="NAME",
+        help="transform that places the image, as recorded or as a chain (default: ImageToReference)",
+    )
+    tracking.add_argument("--reference", metavar="FRAME", help="frame to reconstruct in, e.g. Tracker (default: Reference)")
+
+
 def add_sequence_options(parser: argparse.ArgumentParser) -> None:
     """What a file does not say, or says wrongly: transforms beside it, orientation, time offset."""
     reading = parser.add_argument_group("recording", "what the file does not say, or says wrongly")

@@ -4,18 +4,16 @@ where it stopped."""
 from __future__ import annotations
 
 import json
-import signal
 import statistics
-from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from AIFReconLib.batch.engine import Lost, completed, local_workers
 from AIFReconLib.errors import FileFormatError, InsufficientMemoryError
 from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.machine.threads import usable_cores
 from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress, report
 
@@ -25,8 +23,8 @@ if TYPE_CHECKING:
 Row = TypeVar("Row", bound="DataclassInstance")
 """A dataclass of what JSON can hold: one reconstruction of a patient, and its numbers."""
 
-MOST_JOBS = 61
-"""Windows waits for no more processes at a time."""
+Given = TypeVar("Given")
+"""What a task is called with."""
 
 
 @dataclass(frozen=True)
@@ -71,31 +69,55 @@ def run_study(
     FileFormatError
         When a file of an earlier run cannot be read.
     """
-    seeds = list(seeds)
-    missing = [seed for seed in seeds if not _file(folder, seed).exists()]
-    done = len(seeds) - len(missing)
-    report(progress, done / max(len(seeds), 1), Message("{done} of {count} patients done", done=done, count=len(seeds)))
-    # Not forked: the same on every system, and safe beside other threads
-    pool = ProcessPoolExecutor(
-        max_workers=max(min(jobs, len(missing), MOST_JOBS), 1), mp_context=get_context("spawn"), initializer=_leave_ctrl_c
-    )
-    try:
-        tasks = {pool.submit(work, seed): seed for seed in missing}
-        for task in as_completed(tasks):
-            rows = [asdict(each) for each in task.result()]
-            write_text(_file(folder, tasks[task]), json.dumps(rows, indent=1) + "\n")
-            done += 1
-            report(progress, done / len(seeds), Message("{done} of {count} patients done", done=done, count=len(seeds)))
-    except BrokenProcessPool:
-        raise InsufficientMemoryError(
-            "A process of the study was ended from outside, for memory most likely, after {done} of {count} patients. "
-            "Run it again with fewer --jobs; it goes on where it stopped.",
-            done=done,
-            count=len(seeds),
-        ) from None
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-    return [each for seed in seeds for each in read_rows(_file(folder, seed), row)]
+    return run_tasks(work, {_name(seed): seed for seed in seeds}, row, folder, jobs, progress, "patients")
+
+
+def run_tasks(
+    work: Callable[[Given], list[Row]],
+    given: Mapping[str, Given],
+    row: type[Row],
+    folder: Path,
+    jobs: int = 2,
+    progress: Progress | None = None,
+    counted: str = "tasks",
+) -> list[Row]:
+    """Make, or read where they are there already, the rows of every task, by the workers of `aifrecon batch`.
+
+    Parameters
+    ----------
+    work : callable
+        The rows of one task. A function of a module: it runs in another process.
+    given : mapping of str to object
+        What it is called with, by the name of the file that keeps its rows.
+    row, folder, jobs, progress
+        As in `run_study`.
+    counted : str
+        What tasks are called.
+    """
+    missing = {name: one for name, one in given.items() if not _file(folder, name).exists()}
+
+    def tell(done: int) -> None:
+        values = {"done": done, "count": len(given), "counted": counted}
+        report(progress, done / max(len(given), 1), Message("{done} of {count} {counted} done", **values))
+
+    done = len(given) - len(missing)
+    tell(done)
+    if missing:
+        processes = min(jobs, len(missing))
+        with local_workers(processes, max(usable_cores() // processes, 1)) as client:
+            for name, made in completed(client, work, missing):
+                if isinstance(made, Lost):
+                    raise InsufficientMemoryError(
+                        "A process of the study was ended from outside, for memory most likely, after {done} of {count} {counted}. "
+                        "Run it again with fewer --jobs; it goes on where it stopped.",
+                        done=done,
+                        count=len(given),
+                        counted=counted,
+                    )
+                write_text(_file(folder, name), json.dumps([asdict(each) for each in made], indent=1) + "\n")
+                done += 1
+                tell(done)
+    return [each for name in given for each in read_rows(_file(folder, name), row)]
 
 
 def read_rows(path: Path, row: type[Row]) -> list[Row]:
@@ -113,10 +135,9 @@ def spread_of(rows: Iterable[Any], name: str, **wanted: str) -> Spread:
     return Spread.of(row.metrics[name] for row in rows if all(getattr(row, key) == value for key, value in wanted.items()))
 
 
-def _leave_ctrl_c() -> None:
-    """In a worker: Ctrl-C is for the process that the user talks to."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _name(seed: int) -> str:
+    return f"patient-{seed:03d}"
 
 
-def _file(folder: Path, seed: int) -> Path:
-    return folder / f"patient-{seed:03d}.json"
+def _file(folder: Path, name: str) -> Path:
+    return folder / f"{name}.json"

@@ -74,7 +74,7 @@ def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
         raise OutputError(
             "Cannot write {path}: its files must lie in one folder, but one of them is a link. Remove the link.", path=paths[-1]
         )
-    with _output_errors(paths[-1]), workspace(targets[0].parent) as folder:
+    with output_errors(paths[-1]), workspace(targets[0].parent) as folder:
         temporaries = tuple(folder / target.name for target in targets)
         yield temporaries
         if not temporaries[-1].exists():
@@ -113,14 +113,14 @@ def check_writable(path: str | Path) -> None:
         When its folder does not exist or cannot be written to, its name is impossible, or it is no regular file.
     """
     target = _target(path)
-    with _output_errors(path), workspace(target.parent) as folder:
+    with output_errors(path), workspace(target.parent) as folder:
         (folder / target.name).touch()
 
 
 def _target(path: str | Path) -> Path:
     """Where `path` leads to, links followed, so that a link stays a link; only a regular file may be replaced."""
     target = Path(os.path.realpath(path))
-    with _output_errors(path):
+    with output_errors(path):
         if target.is_dir():
             raise OutputError("Cannot write {path}: it is a folder. Give the name of a file.", path=path)
         if target.exists() and not target.is_file():
@@ -137,7 +137,7 @@ def _target(path: str | Path) -> Path:
 
 
 @contextlib.contextmanager
-def _output_errors(path: str | Path) -> Iterator[None]:
+def output_errors(path: str | Path) -> Iterator[None]:
     """Turn an OSError into an `OutputError` of one sentence on the cause and one on the remedy."""
     try:
         yield

@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
+from AIFReconLib.batch.case import TRANSFORM, Task, carry_out
+from AIFReconLib.batch.records import RECORDS
+from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import main
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.geometry.transforms import transform_points
@@ -42,6 +45,18 @@ def test_the_transform_is_the_true_one(patient, done):
     found, truth = read_transform(done / "found.tfm"), read_transform(patient.ct_to_reference)
     off = (found @ np.linalg.inv(truth)) @ np.append(patient.center_ras, 1.0) - np.append(patient.center_ras, 1.0)
     assert np.linalg.norm(off) < 0.5
+
+
+def test_a_case_of_a_batch_is_registered_to_the_same_transform(patient, done, tmp_path):
+    head = "case,sweeps,config,bone_labels,bone_transform,register,method,spacing,preview"
+    files = (patient.sequence, patient.configuration, patient.labels, done / "rough.tfm")
+    (tmp_path / "cases.csv").write_text(f"{head}\nP1,{','.join(map(str, files))},yes,average,3,no\n")
+    (tmp_path / RECORDS).mkdir()
+    (case,) = read_cases(tmp_path / "cases.csv").cases
+    record = carry_out(Task(case, tmp_path, tmp_path, "now"))
+    assert (tmp_path / "P1" / TRANSFORM).read_bytes() == (done / "found.tfm").read_bytes()
+    assert record.results[0]["registration_agreement"] > 0.5
+    assert 0 < record.results[0]["sweep_met"] < 1
 
 
 def test_the_report_has_what_it_promises(done):

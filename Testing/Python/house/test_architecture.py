@@ -19,7 +19,7 @@ ROOMS = (
     *("AIFReconScene/live", "AIFReconScene/registration", "AIFReconScene/display"),
     *("AIFReconScene/volumes", "AIFReconScene/inputs", "AIFReconScene/sweep"),
     "AIFReconScene",
-    *("commands", "terminal"),
+    *("commands", "batch", "terminal"),
     *("live/replay", "live/session", "live/pairing", "live/wire"),
     "guidance",
     *("evaluation", "simulation", "reconstruction", "inspection", "provenance", "compounding", "registration", "bone", "resolve"),

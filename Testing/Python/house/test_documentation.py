@@ -23,6 +23,7 @@ LONG_RUNNING = {
     "simulate": "commands/test_demo.py",
     "register": "commands/test_register_command.py",
     "plan": "guidance/test_plan.py",
+    "batch": "batch/test_batch_command.py",
 }
 """Commands that are only parsed here, for they take long or more than the workplace's made-up images, and where they are run."""
 

@@ -17,7 +17,12 @@ PYTHON_FILES = [
     path for path in sorted(REPOSITORY.rglob("*.py")) if not {".venv", "build", "dist"} & set(path.relative_to(REPOSITORY).parts)
 ]
 EVERYWHERE = {"numpy", "scipy", "AIFReconLib"}
-IN_ROOMS = {"io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg"}, "live": {"pyigtl"}, "evaluation": {"matplotlib", "vtk"}}
+IN_ROOMS = {
+    "batch": {"dask", "distributed", "pyarrow"},
+    "evaluation": {"matplotlib", "vtk"},
+    "io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg"},
+    "live": {"pyigtl"},
+}
 LONGEST_FILE = 400
 
 
@@ -34,7 +39,13 @@ def imports_of(tree: ast.AST) -> set[str]:
             packages |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
             packages.add((node.module or "").split(".")[0])
-        elif isinstance(node, ast.Call) and ast.unparse(node.func) in ("importlib.import_module", "import_module", "__import__", "library"):
+        elif isinstance(node, ast.Call) and ast.unparse(node.func) in (
+            "importlib.import_module",
+            "import_module",
+            "__import__",
+            "library",
+            "require",
+        ):
             # A name that is put together at run time, as the lazy names of __init__ are, cannot be judged here
             packages |= {str(word.value).split(".")[0] for word in node.args[:1] if isinstance(word, ast.Constant)}
     return packages - {""}
@@ -165,6 +176,8 @@ def test_a_relative_import_is_no_package():
         ("compounding/numpy_engine.py", "numba", False),
         ("evaluation/figures.py", "matplotlib", True),
         ("commands/parser.py", "matplotlib", False),
+        ("batch/engine.py", "distributed", True),
+        ("commands/batch.py", "distributed", False),
         ("commands/parser.py", "slicer", False),
     ],
 )

@@ -1,0 +1,322 @@
+"""One case from its row to a folder of results: reading, registration, reconstruction, coverage, metrics, previews.
+
+The same as `aifrecon register`, `reconstruct`, `coverage` and `evaluate` one after the other, with the recording, the bone and what it is
+measured against made once for all methods.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import time
+import traceback
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from .. import __version__
+from ..arrays import Matrix
+from ..bone.map import BoneMap
+from ..compounding.state import Reconstruction
+from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError, RegistrationRefused
+from ..evaluation.figures import require_matplotlib
+from ..evaluation.metrics import evaluate
+from ..evaluation.preview import preview
+from ..evaluation.visibility import BoneTruth, SweepBeams, bone_truth
+from ..geometry.volume import Volume, VoxelGrid
+from ..guidance.coverage import Coverage, coverage
+from ..inspection.tracking_report import tracking_report
+from ..io.disk.atomic import output_errors, write_text
+from ..io.disk.workspace import workspace
+from ..io.transform.files import read_transform, write_transform
+from ..io.volume.files import read_labels, read_volume, write_volume
+from ..message import Message, listed, said
+from ..reconstruction import reconstruct
+from ..registration.registration import Registration, as_report, register
+from ..registration.segments import placed_labels
+from ..settings import is_own_method
+from ..sweep.frames import TrackedSequence
+from ..sweep.joined import joined
+from ..sweep.poses import sweep_poses
+from ..terminal.options import bone_from, imaging_from, importance_from, load_method_here, settings_from
+from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
+from ..terminal.settings_options import with_provenance
+from ..terminal.volume_options import SIDE_OUTPUTS, grid_from
+from .columns import in_column_words
+from .records import DONE, FAILED, LOST, RECORDS, RUNNING, Record, Row, made_of, read_record, write_record
+from .table import Case, with_method
+
+ALTERNATIVES = ".json.registration"
+"""End of the name of a refused registration's report, which no record's name has."""
+
+TRANSFORM, LABELS, REPORT = "CTToReference.tfm", "labels-as-scanned.nrrd", "report.json"
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What a worker is given.
+
+    Parameters
+    ----------
+    case : Case
+    table_folder, output : Path
+        Folders of the table, and of all results.
+    run : str
+        Name of this run of the command.
+    version : str
+        Of the program that sends it.
+    """
+
+    case: Case
+    table_folder: Path
+    output: Path
+    run: str
+    version: str = __version__
+
+
+def carry_out(task: Task) -> Record:
+    """Compute a case and put its results into their folder, all of them or none; whatever goes wrong is said in the record.
+
+    Notes
+    -----
+    A function of a worker: it may be ended in any place, and begun again by another.
+    """
+    started = time.perf_counter()
+    case, output = task.case, task.output
+    before = read_record(output, case.name)
+    attempts = before.attempts + 1 if before is not None and before.run == task.run else 1
+    record = Record(case.name, RUNNING, made_of(case, task.table_folder), run=task.run, attempts=attempts)
+    try:
+        _require_version(task)
+        write_record(output, record)
+        results, outputs = _computed(case, output)
+        record = replace(record, state=DONE, results=results, outputs=outputs)
+    except (OutputError, MemoryError) as error:
+        record = replace(
+            record,
+            state=LOST,
+            message=said(error) if str(error) else "There was not enough memory. Give --memory more, or fewer --workers.",
+        )
+    except AIFReconError as error:
+        record = replace(record, state=FAILED, message=in_column_words(said(error)))
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        record = replace(record, state=LOST, message=f"{where}{error.strerror or error}. Check that the file exists and may be used.")
+    except Exception as error:
+        # A mistake of ours in one case must not cost the others; what is needed to find it is kept
+        told = traceback.format_exc(limit=-3)
+        record = replace(record, state=FAILED, message=f"A mistake in AIFRecon, please report it: {type(error).__name__}: {error}\n{told}")
+    record = replace(record, seconds=round(time.perf_counter() - started, 3))
+    try:
+        write_record(output, record)
+    except OutputError as error:
+        record = replace(record, state=LOST, message=said(error))
+    return record
+
+
+def _require_version(task: Task) -> None:
+    if task.version != __version__:
+        raise OutputError(
+            "The worker has AIFRecon {theirs}, and the table was read by {ours}. Install the same on both.",
+            theirs=__version__,
+            ours=task.version,
+        )
+
+
+def _computed(case: Case, output: Path) -> tuple[list[Row], dict[str, int]]:
+    """The flat results, a row per method, and the files that now lie in the folder of the case."""
+    with output_errors(output / case.name), workspace(output) as room:
+        folder = room / case.name
+        folder.mkdir()
+        results = _Work(case, folder).results()
+        outputs = {path.relative_to(folder).as_posix(): path.stat().st_size for path in sorted(folder.rglob("*")) if path.is_file()}
+        _replace_folder(folder, output / case.name, room / "before")
+    return results, outputs
+
+
+def _replace_folder(new: Path, target: Path, aside: Path) -> None:
+    """Put a folder in the place of another; should that fail, the other is back."""
+    if target.exists():
+        os.rename(target, aside)
+    try:
+        os.rename(new, target)
+    except OSError:
+        if aside.exists():
+            os.rename(aside, target)
+        raise
+
+
+class _Work:
+    """What the steps of a case share."""
+
+    def __init__(self, case: Case, folder: Path):
+        self._case, self._folder = case, folder
+        self._arguments = case.arguments
+        each = of_each(self._arguments, self._arguments.sequences)
+        self._sequence_files = [path for one in each for path in sequence_inputs(one)]
+        self._parts = [sequence_from(one) for one in each]
+        self._sequence: TrackedSequence = joined(self._parts)
+        self._region, self._probe = imaging_from(self._arguments, self._sequence.configuration, self._sequence.images)
+        placed = self._arguments.bone_transform
+        self._ct_to_reference = read_transform(placed) if placed else None
+        self._report: dict[str, Any] = {}
+        self._numbers: Row = {}
+        self._notes: list[str] = []
+
+    @property
+    def _how(self) -> dict[str, Any]:
+        """How beams lie in the images, and the images in Reference, for all that looks at the sweep."""
+        arguments = self._arguments
+        names = {"image_to_reference": arguments.image_to_reference, "reference": arguments.reference}
+        return {"region": self._region, "probe": self._probe, **names}
+
+    def results(self) -> list[Row]:
+        """Do all of it."""
+        if self._arguments.register:
+            self._register()
+        labels = self._labels()
+        if labels is not None:
+            self._cover(labels)
+        truth = self._truth(labels)
+        bone = bone_from(self._arguments, self._sequence, self._region, self._probe)
+        grid, ct = grid_from(self._arguments), self._ct()
+        rows = [self._of_method(method, bone, grid, truth, labels, ct) for method in self._case.methods]
+        write_text(self._folder / REPORT, json.dumps(self._report, indent=1) + "\n")
+        return rows
+
+    def _register(self) -> None:
+        arguments = self._arguments
+        labels = read_labels(arguments.bone_labels)
+        found = register(
+            self._parts, labels, self._ct_to_reference, per_segment=arguments.per_segment, level=arguments.level or 0, **self._how
+        )
+        self._report["registration"] = as_report(found)
+        if not (found.accepted or arguments.accept or arguments.level is not None):
+            path = self._folder.parents[1] / RECORDS / f"{self._case.name}{ALTERNATIVES}"
+            write_text(path, json.dumps(self._report, indent=1) + "\n")
+            raise RegistrationRefused("No transform is written. {reason} The report is {path}.", reason=found.said, path=path)
+        self._arguments = self._placed(found, labels)
+        agreement = found.agreement
+        self._numbers["registration_agreement"] = float(agreement.share)
+        self._numbers["registration_median_distance_mm"] = float(agreement.median_distance)
+        self._numbers["registration_moved_mm"] = None if found.moved is None else float(found.moved)
+        if found.uncertain:
+            self._notes.append(Message("Not held by this sweep: {what}.", what=listed(found.uncertain, "; ")))
+
+    def _placed(self, found: Registration, labels: Volume) -> argparse.Namespace:
+        """The options with the place that was found, as if it had been given: by files, so that the numbers are those of the files."""
+        write_transform(found.transform, self._folder / TRANSFORM)
+        self._ct_to_reference = found.transform
+        place: dict[str, Path | None] = {"bone_transform": self._folder / TRANSFORM}
+        if found.segments:
+            write_volume(placed_labels(labels, found.segments.transforms), self._folder / LABELS)
+            place = {"bone_labels": self._folder / LABELS, "bone_transform": None}
+        return argparse.Namespace(**{**vars(self._arguments), **place})
+
+    def _labels(self) -> Volume | None:
+        """The labels where they lie in Reference."""
+        path, placed = self._arguments.bone_labels, self._arguments.bone_transform
+        return _in_reference(read_labels(path), read_transform(placed) if placed else None) if path else None
+
+    def _cover(self, labels: Volume) -> None:
+        try:
+            found: Coverage = coverage(self._parts, labels, thickness=self._arguments.beam_thickness, **self._how)
+        except (BeamGeometryError, GeometryError) as problem:
+            self._notes.append(said(problem))
+            return
+        self._report["coverage"] = found.to_dict()
+        for name, share in (("sweep", found.all), ("sweep_interspinous", found.interspinous)):
+            self._numbers |= {f"{name}_{key}": value for key, value in share.to_dict().items()}
+
+    def _truth(self, labels: Volume | None) -> BoneTruth | None:
+        """What volumes are measured against."""
+        arguments = self._arguments
+        true = _in_reference(read_labels(arguments.bone), self._ct_to_reference) if arguments.bone else labels
+        if true is None:
+            return None
+        try:
+            return bone_truth(true, SweepBeams.of_sequence(self._parts, thickness=arguments.beam_thickness, **self._how))
+        except (BeamGeometryError, GeometryError) as problem:
+            self._notes.append(said(problem))
+            return None
+
+    def _ct(self) -> Volume | None:
+        return _in_reference(read_volume(self._arguments.ct), self._ct_to_reference) if self._arguments.ct else None
+
+    def _of_method(
+        self,
+        method: str | None,
+        bone: BoneMap | None,
+        grid: VoxelGrid | None,
+        truth: BoneTruth | None,
+        labels: Volume | None,
+        ct: Volume | None,
+    ) -> Row:
+        """Reconstruct, write, measure and draw; the answer is the row."""
+        arguments = with_method(self._arguments, method)
+        if method is not None and is_own_method(method):
+            load_method_here(method)
+        settings = replace(settings_from(arguments), best_cosine=bool(arguments.cosine))
+        result = reconstruct(self._sequence, settings, bone, grid, importance=importance_from(arguments), **self._how)
+        of_bone = [arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.importance_mask]
+        result = with_provenance(result, arguments, [*self._sequence_files, *of_bone])
+        stem = result.method.replace(":", "-")
+        volume = self._folder / f"{stem}.nrrd"
+        result.intensity.write(volume)
+        for name in SIDE_OUTPUTS:
+            if getattr(arguments, name):
+                getattr(result, name).write(self._folder / f"{stem}-{name}.nrrd")
+        said_by_it = [str(in_column_words(note)) for note in result.said]
+        self._report[result.method] = {"tracking": self._tracking(result), "notes": said_by_it}
+        notes = [*self._notes, *said_by_it]
+        return {
+            "method": result.method,
+            "frames": result.frames_inserted,
+            "frames_skipped": sum(map(len, result.skipped.values())),
+            "spacing_mm": " x ".join(f"{mm:.3g}" for mm in result.grid.spacing),
+            "size": " x ".join(map(str, result.grid.size)),
+            "hole_limit_mm": float(result.hole_limit),
+            "volume": f"{self._case.name}/{volume.name}",
+            "preview": self._drawn(stem, result, labels, ct, notes),
+            **self._numbers,
+            **self._measured(result, truth, notes),
+            "notes": " ".join(dict.fromkeys(map(str, notes))),
+        }
+
+    def _tracking(self, result: Reconstruction) -> list[dict[str, object]]:
+        """How each sweep was tracked."""
+        names = self._arguments.image_to_reference, self._arguments.reference
+        shares = zip(result.sweeps, self._sequence.parts, strict=True)
+        reports = [(share.name, tracking_report(one, sweep_poses(one, *names), result, n)) for n, (share, one) in enumerate(shares)]
+        return [{"sequence": name, **report.to_dict()} for name, report in reports]
+
+    def _measured(self, result: Reconstruction, truth: BoneTruth | None, notes: list[str]) -> dict[str, float | None]:
+        if truth is None:
+            return {}
+        try:
+            metrics = evaluate(result.intensity, truth, result.mask)
+        except GeometryError as problem:
+            notes.append(said(problem))
+            return {}
+        if metrics.bone.area == 0:
+            notes.append(Message("No bone surface that the sweep reaches lies where it was measured."))
+            return {}
+        return {name: None if value != value else float(value) for name, value in metrics.to_dict().items()}
+
+    def _drawn(self, stem: str, result: Reconstruction, labels: Volume | None, ct: Volume | None, notes: list[str]) -> str:
+        """The picture's path; empty where none is wanted, or can be drawn."""
+        if not self._arguments.preview:
+            return ""
+        try:
+            require_matplotlib()
+        except OutputError as missing:
+            notes.append(said(missing))
+            return ""
+        title = f"{self._case.name}: {result.method}, {result.frames_inserted} frames"
+        preview(result.intensity, result.mask, labels, ct, title).write(self._folder / f"{stem}.png")
+        return f"{self._case.name}/{stem}.png"
+
+
+def _in_reference(volume: Volume, to_reference: Matrix | None) -> Volume:
+    return volume if to_reference is None else volume.placed_by(to_reference)

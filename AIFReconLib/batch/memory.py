@@ -1,0 +1,127 @@
+"""How many processes there is memory for, and how many threads each of them gets."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..errors import AIFReconError, FileFormatError, SettingsError
+from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
+from ..machine.memory import SAFETY, available_memory
+from ..machine.threads import usable_cores
+from ..message import Message
+from ..reconstruction import plan
+from ..settings import DEFAULT_SPACING
+from ..terminal.options import settings_from
+from ..terminal.sequence_options import of_each, sequence_from
+from .table import Case, with_method
+
+PROCESS = 450_000_000
+"""Bytes of a worker with all libraries, pictures drawn; measured."""
+
+OURS = 300_000_000
+"""Bytes of the process that the user talks to, in which Dask's scheduler runs."""
+
+PER_LABEL = 24
+"""Bytes per voxel of the labels: bone map, distances and what they are made of."""
+
+OVER_PLAN = 1.2
+"""What a reconstruction takes in all, against what its voxels do."""
+
+LOOKED_AT = 3
+"""Cases that are opened to find out what the largest one needs."""
+
+
+@dataclass(frozen=True)
+class Shares:
+    """How this computer is shared out.
+
+    Parameters
+    ----------
+    workers, threads : int
+        Processes, and threads of the engine in each.
+    memory : int or None
+        Bytes that each process may take.
+    needed : int
+        Bytes that the largest case is expected to need.
+    """
+
+    workers: int
+    threads: int
+    memory: int | None
+    needed: int
+
+    def __str__(self) -> str:
+        each = Message("{threads} thread(s)", threads=self.threads)
+        if self.memory is not None:
+            each = Message("{threads} and {memory:.1f} GB", threads=each, memory=self.memory / 1e9)
+        said = Message("{workers} process(es) with {each} each", workers=self.workers, each=each)
+        if self.memory is None or self.needed <= self.memory:
+            return said
+        return Message("{said}; the largest case may need {needed:.1f} GB", said=said, needed=self.needed / 1e9)
+
+
+def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | None = None) -> Shares:
+    """Processes, as many as cores and memory allow, among which the threads of the engine are divided.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        That are to be computed.
+    workers : int or None
+        As many as the user asks for.
+    memory : int or None
+        Bytes for all together, this process included; by default what is free.
+
+    Raises
+    ------
+    SettingsError
+        When that is too little for a single process.
+    """
+    if memory is not None and memory < OURS + PROCESS:
+        raise SettingsError(
+            "Input --memory must be at least {least:.2f} GB, which one process and this one take; got {memory:.2f}. Give more.",
+            least=(OURS + PROCESS) / 1e9,
+            memory=memory / 1e9,
+        )
+    cores, needed = usable_cores(), memory_needed(cases)
+    if memory is None and (free := available_memory()) is not None:
+        memory = max(int(SAFETY * free), OURS + PROCESS)
+    if memory is None:
+        count = workers or min(cores, len(cases))
+        return Shares(count, max(cores // count, 1), None, needed)
+    left = memory - OURS
+    # Asked for or not, more processes than can be there at all are none
+    count = min(workers, left // PROCESS) if workers else min(cores, left // needed, len(cases))
+    count = max(count, 1)
+    return Shares(count, max(cores // count, 1), left // count, needed)
+
+
+def memory_needed(cases: Sequence[Case]) -> int:
+    """Bytes that a worker is expected to need for the largest of these cases."""
+    largest = sorted(cases, key=_weight, reverse=True)[:LOOKED_AT]
+    return PROCESS + max((_of_case(case) for case in largest), default=0)
+
+
+def _weight(case: Case) -> float:
+    """How large a case is against others, as far as can be told without opening it."""
+    spacing = case.arguments.spacing or DEFAULT_SPACING
+    finest = min(spacing) if isinstance(spacing, tuple) else spacing
+    return float(sum(path.stat().st_size for path in case.inputs if path.is_file()) / finest**3)
+
+
+def _of_case(case: Case) -> int:
+    """Bytes of the volume and of the bone; 0 of a case that cannot be opened, as its worker will say."""
+    arguments = with_method(case.arguments, case.methods[0])
+    has_bone = bool(arguments.bone_labels or arguments.bone_probability or arguments.bone_from_sweep)
+    try:
+        sequences = [sequence_from(one) for one in of_each(arguments, arguments.sequences)]
+        names = {"image_to_reference": arguments.image_to_reference, "reference": arguments.reference}
+        planned = plan(sequences, settings_from(arguments), has_bone=has_bone, **names).memory
+        if arguments.bone_labels and arguments.bone_labels.suffix.lower() in (*METAIMAGE_SUFFIXES, *NRRD_SUFFIXES):
+            labels = read_metafile(arguments.bone_labels, FileFormatError)
+            planned += PER_LABEL * math.prod(labels.size)
+    except (AIFReconError, OSError):
+        return 0
+    return int(OVER_PLAN * planned)

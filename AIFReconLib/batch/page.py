@@ -1,0 +1,207 @@
+"""One page for all cases: what failed and why, how the numbers are distributed, and a table that sorts, with pictures.
+
+It needs nothing from elsewhere; pictures are the files beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from datetime import datetime
+from html import escape
+from pathlib import Path
+from urllib.parse import quote
+
+from .. import __version__
+from ..evaluation.quantities import HEADINGS, QUANTITIES
+from ..evaluation.report import STYLE
+from ..io.disk.atomic import write_text
+from ..message import Message
+from .distributions import strip_plot
+from .records import DONE, FAILED, LOST, Row
+
+PAGE = "index.html"
+
+OF_BONE = (
+    *("bone_cnr", "oblique_cnr", "bone_coverage", "oblique_coverage", "interspinous_coverage"),
+    *("bone_thickness", "bone_localization_error"),
+)
+
+NUMBERS = {
+    **{name: (HEADINGS[name], QUANTITIES[name].form) for name in OF_BONE},
+    "sweep_met": (Message("bone met"), ".0%"),
+    "sweep_interspinous_met": (Message("gaps met"), ".0%"),
+    "registration_agreement": (Message("CT agrees"), ".0%"),
+    "registration_median_distance_mm": (Message("CT off by mm"), ".2f"),
+    "frames": (Message("frames"), ".0f"),
+    "seconds": (Message("seconds"), ".1f"),
+}
+"""What the page shows of a row, with its heading and format; all numbers are in the tables beside it."""
+
+DRAWN = tuple(name for name in NUMBERS if name not in ("frames", "seconds"))
+
+OF_CASE = ("sweep_", "registration_")
+"""How the names of numbers begin that all methods of a case share."""
+
+OWN_STYLE = """
+body { max-width: 90rem; }
+:root { --mark: #2f6f9f; --bad: #a3261d; --wait: #8a5a00; }
+@media screen and (prefers-color-scheme: dark) { :root { --mark: #7fb6dc; --bad: #ff9b90; --wait: #e6b860; } }
+.counts { display: flex; flex-wrap: wrap; gap: 0.25rem 2rem; margin: 1rem 0 0; padding: 0; list-style: none; }
+.counts b { font-size: 1.5rem; font-weight: 600; font-variant-numeric: tabular-nums; margin-right: 0.35rem; }
+.failed { color: var(--bad); } .not-finished { color: var(--wait); }
+.failures { list-style: none; margin: 0.5rem 0 0; padding: 0; border-top: 1px solid var(--line); }
+.failures li { display: grid; grid-template-columns: 9rem 7rem 1fr; gap: 0 1rem; padding: 0.4rem 0; border-bottom: 1px solid var(--line); }
+.failures b { font-weight: 600; overflow-wrap: anywhere; } .failures p { margin: 0; overflow-wrap: anywhere; white-space: pre-line; }
+.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(17rem, 100%), 1fr)); gap: 1.25rem 2.5rem; margin-top: 0.75rem; }
+.plots h3 { margin: 0; } .plots figure { margin: 0; border-top: 1px solid var(--line); padding-top: 0.5rem; }
+svg { display: block; width: 100%; } svg text { font-size: 11px; fill: var(--ink); }
+svg .axis { fill: var(--soft); } svg .number, svg .end { text-anchor: end; font-variant-numeric: tabular-nums; }
+svg .cases { fill: var(--mark); fill-opacity: 0.55; } svg .spread { stroke: var(--mark); stroke-width: 2; }
+svg .median { stroke: var(--ink); stroke-width: 2; }
+.cases-table { width: 100%; } .cases-table td, .cases-table th { vertical-align: middle; }
+.cases-table td:nth-child(-n+4), .cases-table th:nth-child(-n+4) { text-align: left; }
+.cases-table thead th { overflow-wrap: normal; }
+.cases-table th button { all: unset; cursor: pointer; font: inherit; }
+.cases-table th button:focus-visible { outline: 2px solid var(--mark); }
+.cases-table th[aria-sort] button::after { content: " \\2191"; color: var(--mark); }
+.cases-table th[aria-sort="descending"] button::after { content: " \\2193"; }
+.cases-table img { min-width: 0; width: 9rem; height: 4.5rem; object-fit: cover; object-position: 50% 22%; border-radius: 3px; }
+.cases-table tbody th { font-weight: 600; overflow-wrap: anywhere; min-width: 5rem; }
+.cases-table tbody tr:nth-child(n+40) { content-visibility: auto; }
+@media screen and (max-width: 40rem) {
+  .cases-table img { width: 6rem; height: 3rem; } .counts b { font-size: 1.2rem; }
+  .failures li { grid-template-columns: 1fr auto; } .failures p { grid-column: 1 / -1; margin-top: 0.2rem; }
+}
+"""
+
+SCRIPT = """
+for (const button of document.querySelectorAll(".cases-table th button")) button.onclick = () => {
+  const head = button.parentElement, body = head.closest("table").tBodies[0], column = head.cellIndex;
+  const down = head.getAttribute("aria-sort") === "ascending";
+  for (const other of head.parentElement.cells) other.removeAttribute("aria-sort");
+  head.setAttribute("aria-sort", down ? "descending" : "ascending");
+  const key = row => { const d = row.cells[column].dataset; return "n" in d ? (d.n === "" ? NaN : +d.n) : row.cells[column].textContent; };
+  const order = (a, b) => a === b ? 0 : a !== a ? (b !== b ? 0 : 1) : b !== b ? -1
+    : (typeof a === "number" ? a - b : a.localeCompare(b, undefined, { numeric: true })) * (down ? -1 : 1);
+  body.append(...[...body.rows].map(row => [key(row), row]).sort((a, b) => order(a[0], b[0])).map(pair => pair[1]));
+};
+"""
+
+
+def write_page(output: Path, title: str, rows: list[Row]) -> Path:
+    """Write the page; the answer is its path.
+
+    Parameters
+    ----------
+    output : Path
+        Folder of all results.
+    title : str
+    rows : list of dict
+        As `flat_rows` returns them.
+
+    Raises
+    ------
+    OutputError
+        When it cannot be written.
+    """
+    write_text(output / PAGE, page(title, rows))
+    return output / PAGE
+
+
+def page(title: str, rows: list[Row]) -> str:
+    """The page as text."""
+    shown = [name for name in NUMBERS if any(row.get(name) is not None for row in rows)]
+    parts = [
+        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f"<title>{escape(title)}</title><style>{STYLE}{OWN_STYLE}</style></head><body>",
+        f"<header><h1>{escape(title)}</h1>{_counts(rows)}</header>",
+        *_failures(rows),
+        *_plots(rows, [name for name in DRAWN if name in shown]),
+        *_table(rows, shown),
+        f'<p class="notes">AIFRecon {__version__}, {datetime.now():%Y-%m-%d %H:%M}. All numbers, settings and notes: '
+        '<a href="results.csv">results.csv</a>, <a href="results.parquet">results.parquet</a>.</p>',
+        f"<script>{SCRIPT}</script></body></html>",
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def _counts(rows: list[Row]) -> str:
+    states = {row["case"]: _text(row, "state") for row in rows}
+    counts = [(state, sum(each == state for each in states.values())) for state in (DONE, FAILED, LOST)]
+    items = (f'<li class="{_css(state)}"><b>{count}</b>{state}</li>' for state, count in counts if count or state == DONE)
+    return f'<ul class="counts">{"".join(items)}</ul>'
+
+
+def _css(state: str) -> str:
+    return state.replace(" ", "-")
+
+
+def _failures(rows: list[Row]) -> Iterable[str]:
+    said = {_text(row, "case"): (_text(row, "state"), _text(row, "message")) for row in rows if row["message"]}
+    if not said:
+        return
+    yield '<section><h2>What went wrong</h2><ul class="failures">'
+    for case, (state, message) in said.items():
+        yield f'<li><b>{escape(case)}</b><span class="{_css(state)}">{state}</span><p>{escape(message)}</p></li>'
+    yield "</ul></section>"
+
+
+def _plots(rows: list[Row], names: list[str]) -> Iterable[str]:
+    if not names:
+        return
+    yield '<section><h2>Distributions</h2><p class="notes">A dot is a case; below, the quartiles, and the median with its number.</p>'
+    yield '<div class="plots">'
+    for name in names:
+        heading, form = NUMBERS[name]
+        yield f"<figure><h3>{escape(_sentence(heading))}</h3>{strip_plot(_values(rows, name), form)}</figure>"
+    yield "</div></section>"
+
+
+def _values(rows: list[Row], name: str) -> dict[str, list[float]]:
+    """A number by method, or once for each case where methods share it."""
+    values: dict[str, dict[str, float]] = {}
+    for row in rows:
+        number = row.get(name)
+        if isinstance(number, int | float):
+            method = "all methods" if name.startswith(OF_CASE) else _text(row, "method")
+            values.setdefault(method, {})[_text(row, "case")] = number
+    return {method: list(of_cases.values()) for method, of_cases in values.items()}
+
+
+def _text(row: Row, name: str) -> str:
+    return str(row.get(name) or "")
+
+
+def _sentence(heading: str) -> str:
+    return heading[:1].upper() + heading[1:]
+
+
+def _table(rows: list[Row], shown: list[str]) -> Iterable[str]:
+    heads = ["case", "", "method", "state", *(str(NUMBERS[name][0]) for name in shown)]
+    cells = "".join(f'<th scope="col"><button type="button">{escape(head)}</button></th>' if head else "<td></td>" for head in heads)
+    yield '<section><h2>Cases</h2><div class="wide"><table class="cases-table"><thead>'
+    yield f"<tr>{cells}</tr></thead><tbody>"
+    for row in rows:
+        numbers = "".join(_number(row.get(name), NUMBERS[name][1]) for name in shown)
+        case, method, state = (_text(row, name) for name in ("case", "method", "state"))
+        yield (
+            f'<tr><th scope="row">{escape(case)}</th><td>{_picture(row)}</td><td>{escape(method)}</td>'
+            f'<td class="{_css(state)}">{state}</td>{numbers}</tr>'
+        )
+    yield "</tbody></table></div></section>"
+
+
+def _number(value: float | str | None, form: str) -> str:
+    if not isinstance(value, int | float):
+        return '<td data-n="">\N{EN DASH}</td>'
+    shown = format(value, form).replace("-", "\N{MINUS SIGN}")
+    return f'<td data-n="{value:.6g}">{shown}</td>'
+
+
+def _picture(row: Row) -> str:
+    if not row.get("preview"):
+        return ""
+    path, volume = (quote(_text(row, name)) for name in ("preview", "volume"))
+    what = escape(f"{row['case']}, {row['method']}")
+    return f'<a href="{path}" title="{volume}"><img loading="lazy" src="{path}" alt="{what}"></a>'

@@ -1,0 +1,325 @@
+"""A table of cases: read, and everything found that is wrong with it before anything is computed."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import difflib
+import io
+import math
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+from ..compounding.needs import require_bone
+from ..errors import AIFReconError, FileFormatError, SettingsError
+from ..io.disk.regular_files import require_regular_file
+from ..io.disk.small_files import read_bytes
+from ..io.metafile.opening import data_files
+from ..message import Message, said
+from ..settings import is_own_method
+from ..terminal.options import PARAMETERS, check_bone_options, settings_from
+from ..terminal.sequence_options import of_each
+from .columns import CASE, METHOD, REQUIRED, SWEEPS, Columns, in_column_words
+
+MOST_BYTES = 2**28
+LONGEST_NAME = 100
+
+_NAME = re.compile(rf"\w[\w .+-]{{0,{LONGEST_NAME - 1}}}")
+_OF_WINDOWS = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
+
+_OF_REGISTER = ("per_segment", "level", "accept")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is wrong with a table: the row as a spreadsheet counts it, the column ("" for the whole row), and a sentence."""
+
+    row: int
+    column: str
+    sentence: Message
+
+    def __str__(self) -> str:
+        where = Message("row {row}, {column}", row=self.row, column=self.column) if self.column else Message("row {row}", row=self.row)
+        return Message("{where}: {sentence}", where=where, sentence=self.sentence)
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One row.
+
+    Parameters
+    ----------
+    name : str
+        Of the folder of its results.
+    row : int
+    arguments : Namespace
+        The options that the row fills, and the defaults of the others; paths are whole.
+    methods : tuple of str or None
+        None: the default.
+    given : dict of str to str
+        The cells, by column, without those that say nothing.
+    inputs : tuple of Path
+        Files that are read.
+    problems : tuple of Problem
+        Why it cannot be computed.
+    """
+
+    name: str
+    row: int
+    arguments: argparse.Namespace
+    methods: tuple[str | None, ...]
+    given: dict[str, str]
+    inputs: tuple[Path, ...]
+    problems: tuple[Problem, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Cases:
+    """All rows of a table.
+
+    Parameters
+    ----------
+    cases : tuple of Case
+    problems : tuple of Problem
+        Of the table as a whole: with any of these nothing can be computed.
+    """
+
+    cases: tuple[Case, ...]
+    problems: tuple[Problem, ...]
+
+    @property
+    def all_problems(self) -> list[Problem]:
+        """Of the table and of every row, from top to bottom."""
+        return sorted([*self.problems, *(each for case in self.cases for each in case.problems)], key=lambda each: each.row)
+
+
+def read_cases(path: str | Path) -> Cases:
+    """The cases of a table, with what is wrong with each.
+
+    Parameters
+    ----------
+    path : str or Path
+        CSV in UTF-8, separated by commas, semicolons or tabs, with a line of column names.
+
+    Raises
+    ------
+    FileFormatError
+        When the file is no such table.
+    """
+    path = Path(path).absolute()
+    columns = Columns()
+    rows = _rows(path)
+    head = [cell.strip().lower().replace("-", "_") for cell in next(rows, (0, []))[1]]
+    problems = [*_of_head(head, columns)]
+    reading = _Reading(path.parent, columns, head)
+    cases = []
+    seen: dict[str, int] = {}
+    for number, cells in rows:
+        if not any(cell.strip() for cell in cells):
+            continue
+        case = reading.case(number, cells)
+        cases.append(case)
+        problem = _of_name(case.name, number, seen)
+        if problem is not None:
+            problems.append(problem)
+        seen.setdefault(case.name.casefold(), number)
+    if not cases:
+        problems.append(Problem(1, "", Message("there are no cases below the column names. Add a row for each.")))
+    return Cases(tuple(cases), tuple(problems))
+
+
+def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Cells, with the number of the row as a spreadsheet counts it."""
+    data = read_bytes(path, MOST_BYTES, FileFormatError)
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileFormatError("{path}: it is not text in UTF-8. Save it as CSV UTF-8.", path=path) from None
+    first = text.partition("\n")[0]
+    delimiter = max(",;\t", key=first.count)
+    try:
+        yield from enumerate(csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True), start=1)
+    except csv.Error as error:
+        raise FileFormatError("{path}: it cannot be read as CSV ({reason}). Save it as CSV UTF-8.", path=path, reason=str(error)) from None
+
+
+def _of_head(head: list[str], columns: Columns) -> Iterator[Problem]:
+    for name in REQUIRED:
+        if name not in head:
+            yield Problem(1, name, Message("the table has no such column, which every case needs. Add it."))
+    for name in dict.fromkeys(head):
+        if head.count(name) > 1 and name:
+            yield Problem(1, name, Message("the column is there twice. Remove one."))
+        if name and name not in columns.names:
+            near = difflib.get_close_matches(name, columns.names, n=1)
+            if near:
+                yield Problem(1, name, Message("there is no such column, perhaps {near} is meant. Correct it.", near=near[0]))
+            else:
+                yield Problem(1, name, Message("there is no such column. Remove it; aifrecon batch --help lists all."))
+
+
+def _of_name(name: str, row: int, seen: dict[str, int]) -> Problem | None:
+    """What is wrong with the name of a case, which is that of a folder on every system."""
+    if not name:
+        return Problem(row, CASE, Message("the case has no name. Give each its own."))
+    if not _NAME.fullmatch(name) or name.endswith((" ", ".")) or _OF_WINDOWS.fullmatch(name):
+        return Problem(
+            row, CASE, Message("{name!r} cannot be the name of a folder. Use letters, digits, and . _ + - between them.", name=name)
+        )
+    if name.casefold() in seen:
+        return Problem(
+            row, CASE, Message("{name} is the name of row {other} too. Give each its own.", name=name, other=seen[name.casefold()])
+        )
+    return None
+
+
+class _Reading:
+    """Rows become cases; a file that many rows name is looked at once."""
+
+    def __init__(self, folder: Path, columns: Columns, head: list[str]):
+        self._folder = folder
+        self._columns = columns
+        self._head = head
+        self._looked_at = cache(_why_not_a_file)
+        self._of_settings: dict[str, Message | None] = {}
+
+    def case(self, row: int, cells: list[str]) -> Case:
+        """The case of a row."""
+        given = {name: cell.strip() for name, cell in zip(self._head, cells, strict=False) if cell.strip() and name}
+        problems = []
+        if len(cells) > len(self._head):
+            extra = Message(
+                "there are more cells than columns: {cell!r} has no column. Quote cells that hold a comma.", cell=cells[len(self._head)]
+            )
+            problems.append(Problem(row, "", extra))
+        values: dict[str, object] = {}
+        for column in given:
+            if column == CASE or column not in self._columns.names:
+                continue
+            try:
+                value = self._columns.read(column, given[column], self._folder)
+            except AIFReconError as error:
+                problems.append(Problem(row, column, in_column_words(said(error))))
+                continue
+            if value is not None:
+                values[column] = value
+        methods = values.pop(METHOD, (None,))
+        arguments = argparse.Namespace(**{**vars(self._columns.defaults), **values, "sequences": values.get(SWEEPS, [])})
+        readable = not problems
+        inputs, missing = self._inputs(row, values)
+        problems += missing
+        case = Case(given.get(CASE, ""), row, arguments, tuple(methods), given, inputs, ())  # type: ignore[arg-type]  # of METHOD
+        if readable:
+            # What a file of settings says is known only now
+            case = replace(case, arguments=self._with_settings(case, values, problems))
+            problems += self._contradictions(case, values)
+        return replace(case, problems=tuple(problems))
+
+    def _inputs(self, row: int, values: dict[str, object]) -> tuple[tuple[Path, ...], list[Problem]]:
+        """All files that a row names, and those that are not there."""
+        named: list[tuple[str, Path]] = []
+        for column, value in values.items():
+            if isinstance(value, Path):
+                named.append((column, value))
+            elif isinstance(value, list):
+                named += [(column, each) for each in value if isinstance(each, Path)]
+            elif isinstance(value, dict):
+                named += [(column, each) for each in value.values()]
+        problems = []
+        if SWEEPS not in values and SWEEPS in self._head:
+            problems.append(Problem(row, SWEEPS, Message("no recording is named. Give one or more, with ; between them.")))
+        for column, path in named:
+            why = self._looked_at(path)
+            if why is not None:
+                problems.append(Problem(row, column, why))
+        files = [path for _, path in named]
+        detached = [data for path in files if path.suffix.lower() in (".mhd", ".nhdr") for data in data_files(path)]
+        return tuple(dict.fromkeys([*files, *detached])), problems
+
+    def _with_settings(self, case: Case, values: dict[str, object], problems: list[Problem]) -> argparse.Namespace:
+        if "settings" not in values or self._columns.defaults_from is None or self._looked_at(case.arguments.settings) is not None:
+            return case.arguments
+        try:
+            kept = dict(self._columns.defaults_from(case.arguments))
+        except AIFReconError as error:
+            problems.append(Problem(case.row, "settings", said(error)))
+            return case.arguments
+        return argparse.Namespace(**{**vars(case.arguments), **kept, **values})
+
+    def _contradictions(self, case: Case, values: dict[str, object]) -> Iterator[Problem]:
+        """What does not go together."""
+        for rivals in self._columns.rivals:
+            both = [name for name in rivals if values.get(name)]
+            if len(both) > 1:
+                yield Problem(case.row, both[1], Message("{one} is given too. Give one of them.", one=both[0]))
+        arguments = case.arguments
+        for name in _OF_REGISTER:
+            if values.get(name) and not arguments.register:
+                yield Problem(case.row, name, Message("it says how a CT is registered. Say yes under register too."))
+        if arguments.register and not arguments.bone_labels:
+            yield Problem(case.row, "register", Message("a CT is registered by its labels. Name them under bone_labels."))
+        if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):
+            yield Problem(case.row, "beam_thickness", Message("must be positive mm; got {mm:g}.", mm=arguments.beam_thickness))
+        try:
+            of_each(arguments, arguments.sequences)
+        except SettingsError as error:
+            yield Problem(case.row, "config", in_column_words(said(error)))
+        try:
+            check_bone_options(arguments)
+        except SettingsError as error:
+            column = "bone_from_sweep" if arguments.bone_from_sweep else "bone_transform"
+            yield Problem(case.row, column, in_column_words(said(error)))
+        has_bone = bool(arguments.bone_labels or arguments.bone_probability or arguments.bone_from_sweep)
+        for method in case.methods:
+            message = self._why_not_settings(with_method(arguments, method), has_bone)
+            if message is not None:
+                yield Problem(case.row, _column_of(message, self._columns.names), in_column_words(message))
+
+    def _why_not_settings(self, arguments: argparse.Namespace, has_bone: bool) -> Message | None:
+        """What is wrong with the parameters of a reconstruction; most rows have those of another."""
+        key = repr([has_bone, bool(arguments.cosine), *(getattr(arguments, name, None) for name in PARAMETERS)])
+        if key not in self._of_settings:
+            try:
+                settings = replace(settings_from(arguments), best_cosine=bool(arguments.cosine))
+                require_bone(settings.method_for(has_bone), settings, has_bone)
+                self._of_settings[key] = None
+            except AIFReconError as error:
+                self._of_settings[key] = said(error)
+        return self._of_settings[key]
+
+
+def with_method(arguments: argparse.Namespace, method: str | None) -> argparse.Namespace:
+    """The same options with one of the methods; None leaves it as it is."""
+    return arguments if method is None else argparse.Namespace(**{**vars(arguments), METHOD: method})
+
+
+def method_files(case: Case) -> Iterator[Path]:
+    """The modules of the methods of one's own, whose results change with them."""
+    for method in case.methods:
+        if method is not None and is_own_method(method):
+            file = getattr(sys.modules.get(method.partition(":")[0]), "__file__", None)
+            if file:
+                yield Path(file)
+
+
+def _column_of(message: Message, names: tuple[str, ...]) -> str:
+    """The column that a sentence about a setting is about."""
+    name = str(message.values.get("name", METHOD))
+    return name if name in names else METHOD
+
+
+def _why_not_a_file(path: Path) -> Message | None:
+    """What is wrong with a file, as far as can be told without reading it."""
+    try:
+        require_regular_file(path, FileFormatError)
+        if path.stat().st_size == 0:
+            return Message("{path}: the file is empty. Copy it again.", path=path)
+    except FileFormatError as error:
+        return said(error)
+    except OSError as error:
+        return Message("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=error.strerror or str(error))
+    return None

@@ -1,0 +1,143 @@
+"""`aifrecon batch` from its table to its page, in processes of its own; what it refuses; what a page draws."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from files import write_patient
+
+from AIFReconLib.batch import engine
+from AIFReconLib.batch.cohort import duration
+from AIFReconLib.batch.distributions import MOST_DOTS, strip_plot
+from AIFReconLib.batch.memory import OURS, shared_out
+from AIFReconLib.batch.page import page
+from AIFReconLib.batch.table import read_cases
+from AIFReconLib.commands.parser import main
+
+HEAD = "case,sweeps,config,spacing,preview\n"
+
+
+@pytest.fixture
+def table(tmp_path):
+    write_patient(tmp_path)
+    (tmp_path / "cases.csv").write_text(HEAD + "P1,sweep.igs.mha,PlusDeviceSet.xml,1,no\n")
+    return tmp_path / "cases.csv"
+
+
+def test_a_run_ends_with_tables_and_a_page_and_ctrl_c_with_whole_cases(table, tmp_path):
+    pytest.importorskip("distributed", reason="dask.distributed is not installed")
+    results = tmp_path / "results"
+    with table.open("a") as file:
+        file.writelines(f"Q{n},sweep.igs.mha,PlusDeviceSet.xml,1,no\n" for n in range(400))
+    command = [sys.executable, "-m", "AIFReconLib", "batch", table, "--output", results, "--workers", "1"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        while process.poll() is None and len(list(results.glob("[PQ]*/average.nrrd"))) < 2:
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT) if os.name == "posix" else process.terminate()
+        out, err = process.communicate(timeout=120)
+    if os.name == "posix":
+        assert process.returncode == 130, err
+        assert "process(es) with" in err
+        assert "Traceback" not in out + err
+        # The last one may lie there whole without being known as done; then it is done again
+        assert 0 < (results / "results.csv").read_text().count(",done,") <= len(list(results.glob("[PQ]*")))
+        assert (results / "index.html").stat().st_size > 0
+    assert all((folder / "average.nrrd").is_file() for folder in results.glob("[PQ]*"))
+
+
+def test_a_dry_run_lists_what_is_wrong_and_writes_nothing(table, tmp_path, capsys):
+    table.write_text(HEAD + "P1,sweep.igs.mha,PlusDeviceSet.xml,1,no\nP2,no.mha,,x,no\n")
+    assert main(["batch", str(table), "--output", str(tmp_path / "out"), "--dry-run"]) == 2
+    said = capsys.readouterr().out.splitlines()
+    assert [line.split(":")[0] for line in said] == ["row 3, spacing", "row 3, sweeps", "2 cases, 1 row(s) with problems"]
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_dry_run_of_a_right_table_says_so(table, tmp_path, capsys):
+    assert main(["batch", str(table), "--output", str(tmp_path / "out"), "--dry-run"]) == 0
+    assert capsys.readouterr().out == "1 cases, nothing wrong\n"
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--workers", "0"], "must be at least 1"),
+        (["--memory", "-1"], "must be positive GB"),
+        (["--memory", "0.5"], "must be at least 0.75 GB"),
+        (["--scheduler", "tcp://h:1", "--workers", "2"], "a cluster has its own"),
+        (["--method", "nowhere:mine"], "there is no module nowhere"),
+    ],
+)
+def test_what_cannot_be_asked_for_is_one_line(table, tmp_path, capsys, options, words):
+    assert main(["batch", str(table), "--output", str(tmp_path / "out"), *options]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_table_that_cannot_be_computed_is_one_line(table, tmp_path, capsys):
+    table.write_text("case,sweep\nP1,a.mha\n")
+    assert main(["batch", str(table), "--output", str(tmp_path / "out")]) == 2
+    assert "row 1, sweeps: the table has no such column" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_without_dask_a_sentence_says_how_to_get_it(table, tmp_path, capsys, monkeypatch):
+    def missing(name):
+        raise ImportError(name)
+
+    monkeypatch.setattr(engine, "import_module", missing)
+    assert main(["batch", str(table), "--output", str(tmp_path / "out")]) == 2
+    assert 'pip install "dask[distributed]" pyarrow' in capsys.readouterr().err
+
+
+# ---- how the computer is shared out
+
+
+@pytest.mark.parametrize(("cores", "memory", "expected"), [(8, 1e12, (8, 1)), (8, None, (8, 1)), (2, 0.0, (1, 2))])
+def test_processes_follow_cores_and_memory(table, monkeypatch, cores, memory, expected):
+    cases = list(read_cases(table).cases) * 20
+    monkeypatch.setattr("AIFReconLib.batch.memory.usable_cores", lambda: cores)
+    monkeypatch.setattr("AIFReconLib.batch.memory.available_memory", lambda: memory)
+    shares = shared_out(cases)
+    assert (shares.workers, shares.threads) == expected
+
+
+def test_all_processes_together_get_no_more_than_the_memory_that_is_given(table):
+    for workers in (1, 2, 3, 50):
+        shares = shared_out(read_cases(table).cases, workers, int(4e9))
+        assert shares.workers * shares.memory + OURS <= 4e9
+
+
+def test_a_finer_case_is_expected_to_need_more_memory(table, tmp_path):
+    coarse = shared_out(read_cases(table).cases).needed
+    table.write_text(HEAD + "P1,sweep.igs.mha,PlusDeviceSet.xml,0.2,no\n")
+    assert shared_out(read_cases(table).cases).needed > coarse
+
+
+# ---- the page
+
+
+@pytest.mark.parametrize("count", [1, 2, MOST_DOTS, MOST_DOTS + 1])
+def test_a_distribution_shows_every_case_and_the_median(count):
+    drawn = strip_plot({"average": [float(n) for n in range(count)]}, ".1f")
+    assert drawn.count("<circle") == (count if count <= MOST_DOTS else 0)
+    assert f">{(count - 1) / 2:.1f}<" in drawn
+    heights = [float(height) for height in re.findall(r'<rect [^>]*height="([\d.]+)"', drawn)]
+    assert bool(heights) == (count > MOST_DOTS)
+
+
+def test_names_and_reasons_cannot_write_into_the_page():
+    text = page("<b>", [{"case": "<i>", "method": "<u>", "state": "failed", "message": "<script>x</script>", "seconds": 0.0}])
+    assert "<b>" not in text.replace("<b>1</b>", "").replace("<b>0</b>", "").replace("<b>&lt;i&gt;</b>", "")
+    assert "<i>" not in text
+    assert "<script>x" not in text
+
+
+@pytest.mark.parametrize(("seconds", "words"), [(45, "45 s"), (720, "12 min"), (11100, "3 h 05 min")])
+def test_a_time_is_said_as_one_says_it(seconds, words):
+    assert duration(seconds) == words

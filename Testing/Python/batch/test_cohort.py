@@ -1,0 +1,302 @@
+"""Cases computed by real workers: what is done, what is not and why, and what a second run does."""
+
+from __future__ import annotations
+
+import csv
+import errno
+import os
+import shutil
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from files import tracked_sequence, write_patient
+from worker_tasks import double_or_die, look_in
+
+from AIFReconLib.batch import engine
+from AIFReconLib.batch.case import Task, carry_out
+from AIFReconLib.batch.cohort import Cohort
+from AIFReconLib.batch.engine import Lost, cluster_at, completed, local_workers
+from AIFReconLib.batch.page import page
+from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, Record, read_record, write_record
+from AIFReconLib.batch.results import flat_rows, write_tables
+from AIFReconLib.batch.table import read_cases
+from AIFReconLib.commands.parser import main
+from AIFReconLib.compounding.own.method import load_method
+from AIFReconLib.errors import SettingsError
+
+pytest.importorskip("distributed", reason="dask.distributed is not installed")
+parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+
+HEAD = "case,sweeps,config,bone_labels,bone_transform,bone_sigma_mm,method,spacing,mask,preview"
+DEADLY = """
+import os
+import signal
+from pathlib import Path
+
+from AIFReconLib import register_method
+
+
+@register_method
+def deadly(intensity):
+    if not Path("{pardon}").exists():
+        os.kill(os.getpid(), getattr(signal, "SIGKILL", signal.SIGTERM))
+    return 1.0, intensity
+"""
+"""A method of one's own that ends its process."""
+
+
+@dataclass
+class Lab:
+    """A folder of patients, the table of their cases and the folder of their results."""
+
+    folder: Path
+    output: Path
+
+    def write(self, *rows: str) -> None:
+        (self.folder / "cases.csv").write_text("\n".join([HEAD, *rows]))
+
+    def prepared(self, retry_failed: bool = False) -> Cohort:
+        cohort = Cohort(list(read_cases(self.folder / "cases.csv").cases), self.folder, self.output)
+        cohort.prepare(retry_failed)
+        return cohort
+
+    def run(self, client, progress=None, retry_failed: bool = False) -> Cohort:
+        cohort = self.prepared(retry_failed)
+        cohort.compute(nullcontext(client), lambda _: None, progress)
+        return cohort
+
+    def states(self, cohort: Cohort) -> dict[str, str]:
+        return {name: record.state for name, record in cohort.records.items()}
+
+    def done(self) -> list[str]:
+        """Folders of results; whatever else lies about is no whole case."""
+        return sorted(path.name for path in self.output.iterdir() if path.name != RECORDS)
+
+
+def row(name: str, method: str = "average", spacing: str = "1", preview: str = "no") -> str:
+    patient = ",".join(f"{name}/{file}" for file in ("sweep.igs.mha", "PlusDeviceSet.xml", "labels.nrrd", "CTToReference.tfm"))
+    return f"{name},{patient},1.6,{method},{spacing},yes,{preview}"
+
+
+@pytest.fixture(scope="module")
+def originals(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("lab")
+    for seed, name in enumerate(("P1", "P2", "P3")):
+        (folder / name).mkdir()
+        write_patient(folder / name, tracked_sequence(seed=seed), compress=False)
+    return folder
+
+
+@pytest.fixture
+def lab(originals, tmp_path):
+    lab = Lab(tmp_path / "lab", tmp_path / "results")
+    shutil.copytree(originals, lab.folder)
+    lab.write(row("P1"), row("P2"), row("P3"))
+    return lab
+
+
+@pytest.fixture(scope="module")
+def client():
+    with local_workers(2) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def finished(originals, client, tmp_path_factory):
+    """A lab whose cases were computed by two workers, of which one sweep is cut short."""
+    lab = Lab(tmp_path_factory.mktemp("finished") / "lab", tmp_path_factory.mktemp("results"))
+    shutil.copytree(originals, lab.folder)
+    sweep = lab.folder / "P2" / "sweep.igs.mha"
+    sweep.write_bytes(sweep.read_bytes()[:-2000])
+    lab.write(row("P1", "average;weighted", preview="yes"), row("P2"), row("P3"), row("P4"))
+    said = []
+    return lab, lab.run(client, lambda fraction, message: said.append((fraction, message)) or True), said
+
+
+# ---- what comes out
+
+
+def test_a_volume_has_the_bytes_that_the_command_by_hand_writes(finished, tmp_path):
+    lab, _, _ = finished
+    patient = lab.folder / "P1"
+    words = [patient / "sweep.igs.mha", "--config", patient / "PlusDeviceSet.xml", "--bone-labels", patient / "labels.nrrd"]
+    words += ["--bone-transform", patient / "CTToReference.tfm", "--bone-sigma-mm", "1.6", "--spacing", "1", "--method", "weighted"]
+    words += ["--output", tmp_path / "weighted.nrrd", "--mask", tmp_path / "weighted-mask.nrrd"]
+    assert main(["reconstruct", *map(str, words)]) == 0
+    for name in ("weighted.nrrd", "weighted-mask.nrrd"):
+        assert (lab.output / "P1" / name).read_bytes() == (tmp_path / name).read_bytes()
+
+
+def test_two_workers_write_the_bytes_that_one_process_writes(finished, tmp_path):
+    lab, cohort, _ = finished
+    (tmp_path / RECORDS).mkdir()
+    assert carry_out(Task(cohort.cases[2], lab.folder, tmp_path, "here")).state == DONE
+    for path in (tmp_path / "P3").glob("*.nrrd"):
+        assert path.read_bytes() == (lab.output / "P3" / path.name).read_bytes()
+
+
+def test_a_sweep_that_is_cut_short_and_a_missing_file_cost_no_other_case(finished):
+    lab, cohort, _ = finished
+    assert lab.states(cohort) == {"P1": DONE, "P2": FAILED, "P3": DONE, "P4": FAILED}
+    assert "sweep.igs.mha" in cohort.records["P2"].message
+    assert "no such file" in cohort.records["P4"].message
+    assert lab.done() == ["P1", "P3"]
+
+
+def test_the_progress_counts_cases_and_failures(finished):
+    _, _, said = finished
+    assert said[0] == (0.25, "1 of 4 cases, 1 failed")
+    assert said[-1] == (1.0, "4 of 4 cases, 2 failed")
+
+
+def test_both_tables_hold_a_row_for_each_case_and_method(finished, tmp_path):
+    _, cohort, _ = finished
+    rows = flat_rows(cohort.cases, cohort.records)
+    write_tables(tmp_path, rows)
+    with open(tmp_path / "results.csv", newline="", encoding="utf-8") as file:
+        text = list(csv.DictReader(file))
+    methods = [("P1", "average"), ("P1", "weighted"), ("P2", "average"), ("P3", "average"), ("P4", "average")]
+    assert [(each["case"], each["method"]) for each in text] == methods
+    table = parquet.read_table(tmp_path / "results.parquet").to_pydict()
+    assert table["case"] == [each["case"] for each in text]
+    assert [f"{value:.6g}" for value in table["bone_cnr"] if value is not None] == [each["bone_cnr"] for each in text if each["bone_cnr"]]
+
+
+def test_the_page_names_every_case_and_says_what_went_wrong(finished):
+    lab, cohort, _ = finished
+    text = page("cases", flat_rows(cohort.cases, cohort.records))
+    assert all(f">{name}<" in text for name in ("P1", "P2", "P3", "P4"))
+    assert "no such file" in text
+    assert 'src="P1/weighted.png"' in text
+    assert (lab.output / "P1" / "weighted.png").is_file()
+    assert "http" not in text.replace("http://www.w3.org", "")
+
+
+# ---- a second run
+
+
+def test_what_is_done_and_unchanged_is_not_done_again(finished):
+    lab, _, _ = finished
+    assert lab.prepared().to_do == []
+    assert [case.name for case in lab.prepared(retry_failed=True).to_do] == ["P2"]
+
+
+@pytest.mark.parametrize("change", ["input", "settings", "result", "version"])
+def test_what_has_changed_is_done_again(finished, lab, monkeypatch, change):
+    shutil.copytree(finished[0].output, lab.output)
+    for path in lab.folder.rglob("*.*"):
+        original = finished[0].folder / path.relative_to(lab.folder)
+        shutil.copystat(original, path)
+    lab.write(row("P3"))
+    assert lab.prepared().to_do == []
+    if change == "input":
+        os.utime(lab.folder / "P3" / "sweep.igs.mha", ns=(1, 1))
+    elif change == "settings":
+        lab.write(row("P3", spacing="2"))
+    elif change == "result":
+        (lab.output / "P3" / "average.nrrd").unlink()
+    else:
+        monkeypatch.setattr("AIFReconLib.batch.records.__version__", "0.0.1")
+    assert [case.name for case in lab.prepared().to_do] == ["P3"]
+
+
+# ---- what goes wrong outside
+
+
+def test_a_case_whose_process_is_killed_is_given_up_after_two_tries_and_done_by_the_next_run(lab, client, monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(lab.folder)
+    client.run(look_in, str(lab.folder))
+    pardon = tmp_path / "pardon"
+    (lab.folder / "deadly_method.py").write_text(DEADLY.format(pardon=pardon.as_posix()))
+    load_method("deadly_method:deadly")
+    lab.write(row("P1", "deadly_method:deadly"), row("P2"))
+    cohort = lab.run(client)
+    assert lab.states(cohort) == {"P1": LOST, "P2": DONE}
+    assert "its process was ended 2 times" in cohort.records["P1"].message
+    assert lab.done() == ["P2"]
+    pardon.touch()
+    cohort = lab.run(client)
+    assert [case.name for case in cohort.to_do] == ["P1"]
+    assert cohort.count(DONE) == 2
+
+
+def test_a_case_that_was_begun_before_says_so_when_it_is_done(lab):
+    (case, *_) = read_cases(lab.folder / "cases.csv").cases
+    (lab.output / RECORDS).mkdir(parents=True)
+    write_record(lab.output, Record("P1", "running", {}, run="tonight", attempts=1))
+    record = carry_out(Task(case, lab.folder, lab.output, "tonight"))
+    assert flat_rows([case], {"P1": record})[0]["message"].startswith("Done at try 2: its process was ended")
+
+
+def test_a_full_disk_is_a_sentence_and_leaves_what_was_there(lab, monkeypatch):
+    (case, *_) = read_cases(lab.folder / "cases.csv").cases
+    (lab.output / RECORDS).mkdir(parents=True)
+    (lab.output / "P1").mkdir()
+    (lab.output / "P1" / "before.nrrd").touch()
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "rename", full)
+        record = carry_out(Task(case, lab.folder, lab.output, "tonight"))
+    assert (record.state, "the disk is full" in record.message) == (LOST, True)
+    assert [path.name for path in (lab.output / "P1").iterdir()] == ["before.nrrd"]
+    assert lab.done() == ["P1"]
+    assert [each.name for each in lab.prepared().to_do] == ["P1", "P2", "P3"]
+
+
+def test_a_mistake_of_ours_in_one_case_is_said_and_costs_no_other(lab, monkeypatch):
+    (case, *_) = read_cases(lab.folder / "cases.csv").cases
+    (lab.output / RECORDS).mkdir(parents=True)
+    monkeypatch.setattr("AIFReconLib.batch.case.reconstruct", lambda *_, **__: 1 / 0)
+    record = carry_out(Task(case, lab.folder, lab.output, "tonight"))
+    assert (record.state, "please report it: ZeroDivisionError" in record.message) == (FAILED, True)
+    assert lab.done() == []
+
+
+def test_an_interrupt_leaves_whole_cases_only_and_the_next_run_goes_on(lab, client):
+    def stop_after_the_first(fraction, _message):
+        if fraction > 0:
+            raise KeyboardInterrupt
+        return True
+
+    with pytest.raises(KeyboardInterrupt):
+        lab.run(client, stop_after_the_first)
+    records = [read_record(lab.output, name) for name in lab.done() if not name.startswith(".")]
+    assert all(record is not None and record.state == DONE for record in records)
+    assert lab.run(client).count(DONE) == 3
+
+
+# ---- the engine
+
+
+def test_work_whose_process_ends_is_lost_and_no_other_work(client):
+    made = dict(completed(client, double_or_die, {str(n): n for n in (1, -1, 2, 3, 4)}))
+    assert isinstance(made.pop("-1"), Lost)
+    assert made == {"1": 2, "2": 4, "3": 6, "4": 8}
+
+
+def test_a_scheduler_that_is_there_is_used(lab, client):
+    with cluster_at(client.scheduler.address, lab.folder) as other:
+        assert dict(completed(other, double_or_die, {"a": 1})) == {"a": 2}
+
+
+def test_workers_of_another_version_are_refused(lab, client, monkeypatch):
+    monkeypatch.setattr(engine, "__version__", "9.9")
+    with pytest.raises(SettingsError, match=r"has AIFRecon .*, and this is 9\.9"), cluster_at(client.scheduler.address, lab.folder):
+        pass
+
+
+def test_workers_that_do_not_see_the_folder_are_refused(lab, client):
+    with pytest.raises(SettingsError, match="does not see the folder"), cluster_at(client.scheduler.address, lab.folder / "nowhere"):
+        pass
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense://x"])
+def test_a_scheduler_that_is_not_there_is_one_sentence(lab, monkeypatch, address):
+    monkeypatch.setattr(engine, "SCHEDULER_WAIT", 0.3)
+    with pytest.raises(SettingsError, match="Dask scheduler"), cluster_at(address, lab.folder):
+        pass

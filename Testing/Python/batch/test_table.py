@@ -1,0 +1,117 @@
+"""A table of cases: its columns are the options of four commands, and all that is wrong with it is said with row and column."""
+
+from __future__ import annotations
+
+import argparse
+
+import pytest
+from files import write_patient
+
+from AIFReconLib.batch.columns import CASE, SWEEPS, Columns
+from AIFReconLib.batch.table import read_cases
+from AIFReconLib.commands.parser import build_parser
+from AIFReconLib.errors import FileFormatError
+
+HEAD = "case,sweeps,config"
+ROW = "P1,sweep.igs.mha,PlusDeviceSet.xml"
+
+NO_COLUMN = {
+    **dict.fromkeys(("output", "report", "csv", "surface", "labels_output"), "results, which a case has in its folder"),
+    **dict.fromkeys(("sequences", "volumes", "sweep"), "recordings and volumes: the column sweeps, and what is made of them"),
+    **dict.fromkeys(("save_settings", "quiet", "verbose", "log", "help", "help_all"), "of a command as a whole"),
+}
+"""Options that are no columns, and why."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("table")
+    write_patient(folder)
+    (folder / "empty.mha").touch()
+    return folder
+
+
+def read(folder, text, name="cases.csv", encoding="utf-8"):
+    (folder / name).write_bytes(text.encode(encoding))
+    return read_cases(folder / name)
+
+
+def test_every_option_of_the_four_commands_is_a_column_or_has_a_reason_not_to_be():
+    commands = next(action for action in build_parser()._actions if isinstance(action, argparse._SubParsersAction)).choices
+    options = {action.dest for name in ("reconstruct", "register", "coverage", "evaluate") for action in commands[name]._actions}
+    assert options - set(Columns().names) == set(NO_COLUMN)
+
+
+def test_a_whole_row_has_nothing_wrong_and_paths_beside_the_table(folder):
+    table = read(folder, f"{HEAD},bone-labels,Method,spacing\n{ROW},labels.nrrd,average;weighted,1 1 2\n")
+    (case,) = table.cases
+    assert table.all_problems == []
+    assert case.methods == ("average", "weighted")
+    assert case.arguments.sequences == [folder / "sweep.igs.mha"]
+    assert case.arguments.spacing == (1.0, 1.0, 2.0)
+    assert folder / "labels.nrrd" in case.inputs
+
+
+@pytest.mark.parametrize(("delimiter", "encoding"), [(";", "utf-8-sig"), ("\t", "utf-8")])
+def test_a_table_as_spreadsheets_save_it_is_read(folder, delimiter, encoding):
+    text = f"{HEAD}\n{ROW}\n".replace(",", delimiter).replace("\n", "\r\n")
+    assert read(folder, text, encoding=encoding).all_problems == []
+
+
+@pytest.mark.parametrize(
+    ("columns", "cells", "where", "words"),
+    [
+        ("", "P2,nowhere.mha,PlusDeviceSet.xml", "row 3, sweeps", "no such file"),
+        ("", "P2,empty.mha,PlusDeviceSet.xml", "row 3, sweeps", "the file is empty"),
+        ("", "P2,,PlusDeviceSet.xml", "row 3, sweeps", "no recording is named"),
+        ("", "P2,sweep.igs.mha,PlusDeviceSet.xml;PlusDeviceSet.xml", "row 3, config", "config is given 2 times"),
+        ("", "p1,sweep.igs.mha,", "row 3, case", "the name of row 2 too"),
+        ("", ",sweep.igs.mha,", "row 3, case", "has no name"),
+        ("", "a/b,sweep.igs.mha,", "row 3, case", "cannot be the name of a folder"),
+        ("", "nul,sweep.igs.mha,", "row 3, case", "cannot be the name of a folder"),
+        ("", "P2,sweep.igs.mha,,more", "row 3", "more cells than columns"),
+        (",spacng", "P2,sweep.igs.mha,,1", "row 1, spacng", "perhaps spacing is meant"),
+        (",sweeps", "P2,sweep.igs.mha,,", "row 1, sweeps", "there twice"),
+        (",spacing", "P2,sweep.igs.mha,,1 2", "row 3, spacing", "one number or three"),
+        (",spacing", "P2,sweep.igs.mha,,0.001", "row 3, spacing", "at least 0.01 mm"),
+        (",alpha", "P2,sweep.igs.mha,,0.1 mm", "row 3, alpha", "without a unit"),
+        (",method", "P2,sweep.igs.mha,,averge", "row 3, method", "invalid choice"),
+        (",method", "P2,sweep.igs.mha,,weighted", "row 3, method", "needs to know where bone is"),
+        (",method", "P2,sweep.igs.mha,,no_such_module:f", "row 3, method", "Give --method no_such_module:f too"),
+        (",register", "P2,sweep.igs.mha,,perhaps", "row 3, register", "yes or no"),
+        (",register", "P2,sweep.igs.mha,,yes", "row 3, register", "under bone_labels"),
+        (",accept", "P2,sweep.igs.mha,,yes", "row 3, accept", "under register"),
+        (",bone_transform", "P2,sweep.igs.mha,,CTToReference.tfm", "row 3, bone_transform", "Give bone_labels"),
+        (",bone_labels,bone_probability", "P2,sweep.igs.mha,,labels.nrrd,labels.nrrd", "row 3, bone_probability", "bone_labels is given"),
+        (",beam_thickness", "P2,sweep.igs.mha,,-1", "row 3, beam_thickness", "positive mm"),
+        (",settings", "P2,sweep.igs.mha,,sweep.igs.mha", "row 3, settings", "does not say how it was made"),
+        (",bone_from_sweep,speed_of_sound", "P2,sweep.igs.mha,,yes,1480", "row 3, bone_from_sweep", "Leave out speed_of_sound"),
+    ],
+)
+def test_what_is_wrong_is_said_with_row_and_column(folder, columns, cells, where, words):
+    said = [str(problem) for problem in read(folder, f"{HEAD}{columns}\n{ROW}\n{cells}\n").all_problems]
+    assert [line for line in said if line.startswith(f"{where}: ") and words in line], said
+
+
+def test_all_that_is_wrong_is_listed_from_top_to_bottom(folder):
+    table = read(folder, f"{HEAD},alpha,beta\n{ROW},x,y\nP2,nowhere.mha,PlusDeviceSet.xml,-1,\n")
+    assert [(each.row, each.column) for each in table.all_problems] == [(2, "alpha"), (2, "beta"), (3, "sweeps"), (3, "alpha")]
+
+
+def test_a_table_without_cases_says_so(folder):
+    assert "no cases" in str(read(folder, f"{HEAD}\n").all_problems[0])
+    assert {each.column for each in read(folder, "a,b\n1,2\n").problems} >= {CASE, SWEEPS}
+
+
+@pytest.mark.parametrize(("data", "words"), [(b"case\n\xff\xfe", "not text in UTF-8"), (b'case\n"P1\n', "cannot be read as CSV")])
+def test_a_file_that_is_no_table_is_refused(folder, data, words):
+    (folder / "no.csv").write_bytes(data)
+    with pytest.raises(FileFormatError, match=words):
+        read_cases(folder / "no.csv")
+
+
+def test_a_file_that_many_rows_name_is_looked_at_once(folder, monkeypatch):
+    looked = []
+    monkeypatch.setattr("AIFReconLib.batch.table._why_not_a_file", lambda path: looked.append(path))
+    read(folder, "\n".join([HEAD, *(ROW.replace("P1", f"P{n}") for n in range(50))]))
+    assert len(looked) == 2
