@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import Floats, Integers, Matrix
+from ..arrays import Floats, Integers, Matrix, Singles
 from ..progress import Progress, report
 from .bone import GuidedBone
-from .expectation import evidence_for, evidence_of, expected_visibility
+from .expectation import MOST, evidence_for, evidence_of, expected_visibility, unseen
 from .hand import Hand
 from .met import MET, FrameGeometry
 from .passes import Pass
@@ -83,7 +83,8 @@ class Candidates:
             points.append(met)
             found.append(evidence[:, met])
         self._points: Integers = np.concatenate(points)
-        self._met = np.concatenate(found, axis=1)
+        # In single precision, for they are asked while a scan goes on
+        self._met: Singles = np.concatenate(found, axis=1).astype(np.float32)
         self._owner = np.repeat(np.arange(len(passes)), [len(each) for each in points])
 
     @property
@@ -106,9 +107,9 @@ class Candidates:
         rounds : int
             How many times `least` frames the pass has.
         """
-        before = expected_visibility(evidence)
-        more = expected_visibility(evidence[self._points] + rounds * self._met).mean(axis=0) - before[self._points]
-        return np.asarray(np.bincount(self._owner, self._weights[self._points] * more, len(self.passes)), dtype=np.float64)
+        there = evidence.astype(np.float32)
+        more = unseen(there)[self._points] - unseen(there[self._points] + np.float32(rounds) * self._met).mean(axis=0)
+        return np.asarray(MOST * np.bincount(self._owner, self._weights[self._points] * more, len(self.passes)), dtype=np.float64)
 
     def make(self, number: int, evidence: Floats) -> Floats:
         """Evidence after a pass, which a sure hand would need for what this hand is expected to show."""

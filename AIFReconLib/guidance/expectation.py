@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 
-from ..arrays import Floats
+from ..arrays import Floats, Singles
+
+Number = TypeVar("Number", Floats, Singles)
 
 ANGLES_DEG = np.array([0.0, 35.0, 42.5, 52.5, 57.5, 62.5, 67.5, 72.5, 77.5, 85.0])
 EVIDENCE = np.array([3.7, 3.4, 1.5, 1.05, 0.8, 0.52, 0.27, 0.11, 0.04, 0.02])
@@ -29,8 +33,14 @@ def expected_visibility(evidence: Floats) -> Floats:
     MOST (1 - exp(-sqrt(evidence))). Were frames independent, the root would not be there; but bone that many frames did not show is bone
     that is hard to show.
     """
-    shown: Floats = MOST * -np.expm1(-np.sqrt(evidence))
+    shown: Floats = MOST * (1.0 - unseen(evidence))
     return shown
+
+
+def unseen(evidence: Number) -> Number:
+    """The part of `MOST` that is still missing, in the precision of the evidence."""
+    missing: Number = np.exp(-np.sqrt(evidence))
+    return missing
 
 
 def evidence_for(visibility: Floats) -> Floats:
