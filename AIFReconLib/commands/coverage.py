@@ -10,7 +10,7 @@ from ..guidance.coverage import Coverage, coverage
 from ..guidance.mesh import bone_mesh, met_on_mesh
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform
-from ..io.volume.files import read_labels
+from ..io.volume.files import read_label_names, read_labels
 from ..io.volume.surfaces import check_surface_path, write_surface
 from ..progress import part
 from ..terminal.console import ProgressBar
@@ -80,6 +80,7 @@ def run(arguments: argparse.Namespace) -> None:
             image_to_reference=arguments.image_to_reference,
             reference=arguments.reference,
             thickness=arguments.beam_thickness,
+            names=read_label_names(arguments.bone_labels),
             progress=part(progress, 0.05, 0.95),
         )
         written = _write(arguments, found)

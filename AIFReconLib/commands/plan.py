@@ -19,7 +19,7 @@ from ..guidance.plan import CANDIDATES, FREEHAND, ScanPlan, plan_scan
 from ..guidance.probe import ProbeImages, ProbeOnBack, Skin, images_like
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform
-from ..io.volume.files import read_labels
+from ..io.volume.files import read_label_names, read_labels
 from ..message import columns
 from ..progress import Progress, part, report
 from ..resolve import resolve_imaging
@@ -57,7 +57,8 @@ def add_to(commands: Commands) -> None:
         "--target",
         default="interspinous",
         metavar="NAME",
-        help="interspinous (borders of the gaps), posterior (bone that faces the back), all, or a label's number (default: %(default)s)",
+        help="interspinous (borders of the gaps), posterior (bone that faces the back), all, or a label, by name or number "
+        "(default: %(default)s)",
     )
     parser.add_argument("--frames", type=int, default=FRAMES, metavar="N", help="of all passes together (default: %(default)s)")
     parser.add_argument(
@@ -103,10 +104,10 @@ def run(arguments: argparse.Namespace) -> None:
 def _patient(arguments: argparse.Namespace, progress: Progress | None) -> tuple[GuidedBone, ProbeOnBack, tuple[str, ...]]:
     """The bone, the probe on its back, and what was assumed."""
     report(progress, 0.0, "Finding the bone surface")
-    labels = read_labels(arguments.bone_labels)
+    labels, names = read_labels(arguments.bone_labels), read_label_names(arguments.bone_labels)
     placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
     if not arguments.probe_like:
-        bone = guided_bone(labels, placed)
+        bone = guided_bone(labels, placed, names=names)
         assumed = ("the probe is taken for a phased array of 84 degrees and 88 mm, and the skin to lie 15 mm behind the spinous processes",)
         return bone, ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), assumed
     sequence = sequence_from(arguments)
@@ -115,7 +116,7 @@ def _patient(arguments: argparse.Namespace, progress: Progress | None) -> tuple[
     usable = poses.image_to_reference[poses.require_usable(sequence.name)]
     imaging = resolve_imaging(sequence, poses, True, region, kind)
     looks = usable[:, :3, 1] / np.linalg.norm(usable[:, :3, 1], axis=1)[:, None]
-    bone, notes = bone_before(labels, placed, looks.mean(axis=0))
+    bone, notes = bone_before(labels, placed, looks.mean(axis=0), names)
     images = images_like(usable[0], sequence.frame_size, imaging.known_probe(), imaging.region)
     skin, more = _skin(bone, transform_points(invert(bone.patient_to_reference), images.faces(usable)))
     return bone, ProbeOnBack(images, skin, bone.patient_to_reference), (*notes, *more)

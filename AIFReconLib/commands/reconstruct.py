@@ -20,7 +20,7 @@ from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform
-from ..io.volume.files import check_volume_path, read_labels
+from ..io.volume.files import check_volume_path, read_label_names, read_labels
 from ..progress import part
 from ..reconstruction import reconstruct
 from ..registration.comparison import compared_lines
@@ -179,6 +179,7 @@ def _met(
             probe=probe,
             image_to_reference=arguments.image_to_reference,
             reference=arguments.reference,
+            names=read_label_names(arguments.bone_labels),
         )
     except (BeamGeometryError, GeometryError) as problem:
         return {"coverage": None, "coverage_problem": str(problem)}

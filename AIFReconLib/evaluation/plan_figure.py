@@ -13,8 +13,8 @@ from .figures import BACKGROUND, DPI, INK
 LEVELS_DEG = (45.0, 60.0, 70.0, 85.0)
 """Where the colors change: squarely met, obliquely, steeply, grazed."""
 
-COLORS = ("#fde725", "#5ec962", "#21918c", "#3b528b", "#4a4d57")
-"""Of viridis, which every eye tells apart, from squarely met to grazed; last, not met."""
+COLORS = ("#fde725", "#5ec962", "#21918c", "#4b6bff", "#73767d")
+"""Of viridis, which every eye tells apart, from squarely met on; grazed a blue that is far from the last, the gray of what was not met."""
 
 WORDS = ("met below 45 degrees", "45 to 60", "60 to 70", "grazed", "not met")
 BEAM = "#ff8c42"
@@ -55,7 +55,7 @@ def plan_figure(path: str | Path, points_patient: Floats, best_cosine: Floats, f
         # What lies nearest to the viewer is drawn last
         order = np.argsort(points_patient[:, depth] * (1 if depth == 0 else -1))
         order = order[np.argsort(kinds[order] < len(COLORS) - 1, kind="stable")] if depth == 0 else order
-        ax.scatter(*points_patient[order][:, [across, up]].T, c=np.array(COLORS)[kinds[order]], s=2.0, linewidths=0)
+        ax.scatter(*points_patient[order][:, [across, up]].T, c=np.array(COLORS)[kinds[order]], s=7.0, linewidths=0)
         ax.plot(*np.stack([faces_patient, ends])[:, :, [across, up]].transpose(2, 0, 1), color=BEAM, linewidth=0.7, alpha=0.6)
         ax.plot(*faces_patient[:, [across, up]].T, ".", color=BEAM, markersize=3)
         ax.set_aspect("equal")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..arrays import Floats, Mask, Matrix
+from ..arrays import Floats, Integers, Mask, Matrix
 from ..errors import GeometryError
 from ..evaluation.surface import BoneSurface, bone_surface, centers_of_mass, interspinous_border
 from ..evaluation.visibility import GRAZING_DEG, LIFT, BoneRays
@@ -44,6 +45,8 @@ class GuidedBone:
         Each label's center of mass in Reference.
     patient_to_reference : (4, 4) float64 array, mm
         Patient: to the right, to the front, to the head; its origin is the middle of the points.
+    names : mapping of int to str
+        What labels are called, such as those of a segmentation's segments; a label without a name goes by its number.
     """
 
     surface: BoneSurface
@@ -51,6 +54,7 @@ class GuidedBone:
     distance: Volume
     centers: dict[int, Floats]
     patient_to_reference: Matrix
+    names: Mapping[int, str] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.surface)
@@ -60,6 +64,19 @@ class GuidedBone:
         """Where beams to the points must be free of bone, just above the surface, (n, 3) mm in Reference."""
         lift = max(LIFT, float(self.distance.grid.spacing.max()))
         return self.surface.points_reference + lift * self.surface.normals_reference
+
+    def only(self, points: Integers) -> GuidedBone:
+        """Some of the points, by their numbers, still in the shadow of all bone."""
+        whole = self.surface
+        some = BoneSurface(whole.points_reference[points], whole.normals_reference[points], whole.areas[points], whole.labels[points])
+        return replace(self, surface=some, border=self.border[points])
+
+    def name_of(self, label: int) -> str:
+        """What a label is called: its name, with its number where others have that name too, else its number."""
+        name = self.names.get(label, "")
+        if not name:
+            return str(label)
+        return name if list(self.names.values()).count(name) == 1 else f"{name} ({label})"
 
     @property
     def aim(self) -> str:
@@ -88,7 +105,7 @@ class GuidedBone:
         )
 
     def part(self, name: str) -> Mask:
-        """The points of `all`, `interspinous` (borders) or `posterior` (facing the back), or of a label by its number.
+        """The points of `all`, `interspinous` (borders) or `posterior` (facing the back), or of a label by its name or number.
 
         Raises
         ------
@@ -101,21 +118,25 @@ class GuidedBone:
             chosen = self.border
         elif name == "posterior":
             chosen = self._posterior
-        elif name.isdecimal():
-            chosen = self.surface.labels == int(name)
         else:
-            chosen = np.zeros(len(self), dtype=bool)
+            called = [label for label in np.unique(self.surface.labels) if name in (self.name_of(label), str(label))]
+            chosen = np.isin(self.surface.labels, called)
         if not chosen.any():
             raise GeometryError(
                 "Input target must be all, interspinous, posterior or a label of the segmentation ({labels}) that a probe on the back can "
                 "reach; got {target!r}. Borders of interspinous gaps need one label per vertebra.",
-                labels=", ".join(map(str, np.unique(self.surface.labels))),
+                labels=", ".join(self.name_of(label) for label in np.unique(self.surface.labels)),
                 target=name,
             )
         return chosen
 
 
-def guided_bone(labels: Volume, labels_to_reference: Matrix | None = None, anterior_reference: Floats | None = None) -> GuidedBone:
+def guided_bone(
+    labels: Volume,
+    labels_to_reference: Matrix | None = None,
+    anterior_reference: Floats | None = None,
+    names: Mapping[int, str] | None = None,
+) -> GuidedBone:
     """The reachable bone of a segmentation.
 
     Parameters
@@ -128,6 +149,8 @@ def guided_bone(labels: Volume, labels_to_reference: Matrix | None = None, anter
     anterior_reference : (3,) unit vector or None
         Which way the probe looks, where the labels' own axes do not say: with it the patient's head is where the labels' is, as far as
         that leaves.
+    names : mapping of int to str or None
+        What the labels are called; see `read_label_names`.
 
     Raises
     ------
@@ -152,7 +175,7 @@ def guided_bone(labels: Volume, labels_to_reference: Matrix | None = None, anter
     patient = np.eye(4)
     patient[:3, :3] = axes
     patient[:3, 3] = surface.points_reference.mean(axis=0)
-    return GuidedBone(surface, border[reached], distance, centers, patient)
+    return GuidedBone(surface, border[reached], distance, centers, patient, dict(names or {}))
 
 
 def _axes(rotation: Floats, anterior: Floats | None) -> Floats:

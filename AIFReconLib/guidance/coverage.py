@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,14 +12,13 @@ from ..evaluation.visibility import BEAM_THICKNESS
 from ..geometry.volume import Volume
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
-from ..message import columns
+from ..message import columns, one_line
 from ..progress import Progress, part, report
 from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses, time_order, tracked_frames
 from .bone import GuidedBone, guided_bone
-from .expectation import expected_visibility
 from .met import BoneMet, FrameGeometry
 
 BELOW_60, BELOW_45 = np.cos(np.radians((60.0, 45.0)))
@@ -41,7 +40,7 @@ class Share:
     below_60_deg, below_45_deg : float, 0 to 1
         Met with a best angle of incidence below this.
     expected_visibility : float, 0 to 1
-        Share that `weighted` is expected to show; see `expected_visibility`.
+        Share that `weighted` is expected to show; see `BoneMet.expected`.
     """
 
     reachable_cm2: float
@@ -65,7 +64,7 @@ class Coverage:
         Point by point.
     all, interspinous : Share
     by_label : dict of str to Share
-        By the number of the label.
+        By the name of the label, or its number where it has none.
     notes : tuple of str
         What was assumed.
     """
@@ -84,8 +83,9 @@ class Coverage:
     def lines(self) -> list[str]:
         """A table for a terminal, a line each."""
         rows: list[tuple[str, ...]] = [("bone", "reachable", "met", "below 60 deg", "below 45 deg", "expected to show")]
-        named = [*((f"label {name}", share) for name, share in self.by_label.items()), ("interspinous borders", self.interspinous)]
-        rows += [(name, *_cells(share)) for name, share in [*named, ("all", self.all)]]
+        named = [*((f"label {name}" if name.isdecimal() else name, share) for name, share in self.by_label.items())]
+        named.append(("interspinous borders", self.interspinous))
+        rows += [(one_line(name), *_cells(share)) for name, share in [*named, ("all", self.all)]]
         return columns(rows).split("\n")
 
 
@@ -104,6 +104,7 @@ def coverage(
     image_to_reference: str | None = None,
     reference: str | None = None,
     thickness: float = BEAM_THICKNESS,
+    names: Mapping[int, str] | None = None,
     progress: Progress | None = None,
 ) -> Coverage:
     """How much of each bone the frames of one or more sweeps met, and how squarely.
@@ -119,6 +120,8 @@ def coverage(
         As in `reconstruct`.
     thickness : float, mm
         Full width of the beam across the image plane.
+    names : mapping of int to str or None
+        What the labels are called; see `read_label_names`.
     progress : Progress or None
 
     Raises
@@ -133,7 +136,7 @@ def coverage(
     report(progress, 0.0, "Finding the bone surface")
     looks = poses.image_to_reference[usable][:, :3, 1]
     mean = (looks / np.linalg.norm(looks, axis=1)[:, None]).mean(axis=0)
-    bone, notes = bone_before(labels, labels_to_reference, mean)
+    bone, notes = bone_before(labels, labels_to_reference, mean, names)
     met = BoneMet(FrameGeometry(bone, sequence.frame_size, imaging.known_probe(), imaging.region, thickness))
     order = time_order(sequence)
     order = order[np.isin(order, usable)]
@@ -147,13 +150,15 @@ def coverage(
     return covered(met, notes)
 
 
-def bone_before(labels: Volume, labels_to_reference: Matrix | None, looks: Floats) -> tuple[GuidedBone, tuple[str, ...]]:
+def bone_before(
+    labels: Volume, labels_to_reference: Matrix | None, looks: Floats, names: Mapping[int, str] | None = None
+) -> tuple[GuidedBone, tuple[str, ...]]:
     """The bone that can be reached by a probe that looks that way, (3,) in Reference on the mean; and what was assumed."""
     front = (np.eye(4) if labels_to_reference is None else np.asarray(labels_to_reference, dtype=np.float64))[:3, 1]
     if not is_awry(front, looks):
-        return guided_bone(labels, labels_to_reference), ()
+        return guided_bone(labels, labels_to_reference, names=names), ()
     note = "The labels' axes are not the patient's: the frames do not look toward their front. What can be reached is told from the frames."
-    return guided_bone(labels, labels_to_reference, looks / np.linalg.norm(looks)), (note,)
+    return guided_bone(labels, labels_to_reference, looks / np.linalg.norm(looks), names), (note,)
 
 
 def is_awry(front: Floats, looks: Floats) -> bool:
@@ -169,7 +174,7 @@ def covered(met: BoneMet, notes: tuple[str, ...] = ()) -> Coverage:
 
 def _shares(met: BoneMet) -> tuple[Share, Share, dict[str, Share]]:
     bone = met.bone
-    labels = {str(label): share_of(met, bone.surface.labels == label) for label in _labels(bone)}
+    labels = {bone.name_of(label): share_of(met, bone.surface.labels == label) for label in _labels(bone)}
     return share_of(met, np.ones(len(bone), dtype=bool)), share_of(met, bone.border), labels
 
 
@@ -185,7 +190,7 @@ def share_of(met: BoneMet, chosen: Mask) -> Share:
         return Share(0.0, *[float("nan")] * 4)
     with np.errstate(invalid="ignore"):
         any_angle, below_60, below_45 = (float(areas @ of_it) / total for of_it in (np.isfinite(best), best > BELOW_60, best > BELOW_45))
-    return Share(total / 100.0, any_angle, below_60, below_45, float(areas @ expected_visibility(best)) / total)
+    return Share(total / 100.0, any_angle, below_60, below_45, float(areas @ met.expected[chosen]) / total)
 
 
 def _full_scale(sequence: TrackedSequence) -> float:

@@ -1,4 +1,4 @@
-"""From the best angle at which bone was met to the chance that `weighted` shows it."""
+"""From the angles at which frames meet bone to the chance that `weighted` shows it."""
 
 from __future__ import annotations
 
@@ -6,15 +6,34 @@ import numpy as np
 
 from ..arrays import Floats
 
-ANGLES_DEG = np.array([0.0, 38.0, 52.5, 65.0, 72.5, 77.5, 85.0])
-SHOWN = np.array([0.96, 0.95, 0.80, 0.56, 0.34, 0.24, 0.12])
-"""Part of bone at these best angles of incidence that stands out in `weighted`, each at the middle of its range: about the mean of planned
-and followed scans of 120 and 360 frames of two simulated patients (docs/guidance.md). A scan whose frames lie far apart shows less, one
-that returns to the same place often more."""
+ANGLES_DEG = np.array([0.0, 35.0, 42.5, 52.5, 57.5, 62.5, 67.5, 72.5, 77.5, 85.0])
+EVIDENCE = np.array([3.7, 3.4, 1.5, 1.05, 0.8, 0.52, 0.27, 0.11, 0.04, 0.02])
+"""What a frame at these angles of incidence adds. Most likely for what ten scans of 120 and 360 frames of two simulated patients, 100 and
+101, showed (docs/guidance.md)."""
+
+MOST = 0.995
+"""The chance that bone shows which was met squarely without end."""
 
 
-def expected_visibility(best_cosine: Floats) -> Floats:
-    """The chance that bone shows, 0 to 1, of points whose best cosines of incidence are given (NaN: not met, chance 0)."""
-    met = np.isfinite(best_cosine)
-    angles = np.degrees(np.arccos(np.clip(np.where(met, best_cosine, 0.0), -1.0, 1.0)))
-    return np.where(met, np.interp(angles, ANGLES_DEG, SHOWN), 0.0)
+def evidence_of(cosines: Floats) -> Floats:
+    """What each of some frames that meet a point adds to its evidence, by the cosine of its angle of incidence."""
+    evidence: Floats = np.interp(np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0))), ANGLES_DEG, EVIDENCE)
+    return evidence
+
+
+def expected_visibility(evidence: Floats) -> Floats:
+    """The chance that bone shows, 0 to 1, by the sum of the evidence of all frames that meet it.
+
+    Notes
+    -----
+    MOST (1 - exp(-sqrt(evidence))). Were frames independent, the root would not be there; but bone that many frames did not show is bone
+    that is hard to show.
+    """
+    shown: Floats = MOST * -np.expm1(-np.sqrt(evidence))
+    return shown
+
+
+def evidence_for(visibility: Floats) -> Floats:
+    """The evidence by which bone is expected to show so likely: the inverse of `expected_visibility`."""
+    evidence: Floats = np.log1p(-visibility / MOST) ** 2
+    return evidence

@@ -14,6 +14,7 @@ from ..geometry.transforms import pixel_spacing
 from ..imaging.beams import LINEAR, ProbeGeometry
 from ..imaging.region import ImageRegion
 from .bone import GuidedBone
+from .expectation import evidence_of, expected_visibility
 
 BEFORE = 5.0
 """mm before bone from which on its scan line must be lit somewhere: the tissue that sound passed, the echo, or what lies behind a bone that
@@ -145,6 +146,8 @@ class BoneMet:
     ----------
     best_cosine : (n,) float64 array
         Of the smallest angle of incidence so far; NaN where no frame has met the point.
+    evidence : (n,) float64 array
+        Sum over the frames that met the point; see `evidence_of`.
     frames, shadowed, dark : (n,) int32 arrays
         Frames that met the point; in whose beams it lay behind other bone; whose images were dark there.
     """
@@ -153,12 +156,18 @@ class BoneMet:
         self.geometry = geometry
         count = len(geometry.bone)
         self.best_cosine = np.full(count, np.nan)
+        self.evidence = np.zeros(count)
         self.frames, self.shadowed, self.dark = (np.zeros(count, dtype=np.int32) for _ in range(3))
 
     @property
     def bone(self) -> GuidedBone:
         """The bone."""
         return self.geometry.bone
+
+    @property
+    def expected(self) -> Floats:
+        """The chance that `weighted` shows each point, (n,), 0 to 1."""
+        return expected_visibility(self.evidence)
 
     def insert(self, image_to_reference: Matrix, image: Numbers | None = None, full_scale: float = 255.0) -> None:
         """Add a frame; the arguments are those of `FrameGeometry.view`."""
@@ -169,6 +178,7 @@ class BoneMet:
         met = view.status == MET
         points = view.points[met]
         self.best_cosine[points] = np.fmax(self.best_cosine[points], view.cosines[met])
+        self.evidence[points] += evidence_of(view.cosines[met])
         self.frames[points] += 1
         self.shadowed[view.points[view.status == SHADOWED]] += 1
         self.dark[view.points[view.status == DARK]] += 1

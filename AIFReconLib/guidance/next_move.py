@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Floats, Matrix
+from ..arrays import Matrix
 from ..message import Message
 from ..progress import Progress
 from .bone import GuidedBone
-from .candidates import LEAST_GAIN, candidates_of, geometry_of, target_weights
-from .expectation import expected_visibility
+from .candidates import Candidates
+from .hand import HAND, Hand
 from .met import BoneMet
 from .passes import Pass, freehand_passes, name_of_place
 from .probe import Placement, ProbeOnBack
@@ -23,6 +23,9 @@ FAR_MM, FAR_DEG = 60.0, 60.0
 """A slide or a tilt as laborious as one other; moves are weighed by what they add over 1 and half their labor."""
 
 LABOR = 0.5
+
+ROUNDS = 3
+"""Times as many frames as a pass needs at least, in which a pass is thought to be made: 18 for a slide of 18 mm, a second or two."""
 
 HEAD, FEET, LEFT, RIGHT = Message("head"), Message("feet"), Message("left"), Message("right")
 
@@ -44,12 +47,15 @@ class Move:
         Where the probe is in the middle of that pass: for a ghost.
     planned : Pass
         The pass.
+    frames : int
+        In which that pass is thought to be made.
     """
 
     words: Message
     adds_cm2: float
     image_to_reference: Matrix
     planned: Pass
+    frames: int
 
 
 class NextMove:
@@ -63,6 +69,10 @@ class NextMove:
         See `GuidedBone.part`.
     progress : Progress or None
         Of looking at all candidate passes, which takes some seconds.
+    hand : Hand or None
+        By how much moves are expected to miss; None: not at all.
+    looked : Candidates or None
+        Freehand passes that were looked at before, for this target and hand.
 
     Notes
     -----
@@ -71,32 +81,37 @@ class NextMove:
     another is better by `STABLE` or it has nothing more to add.
     """
 
-    def __init__(self, bone: GuidedBone, probe: ProbeOnBack, target: str = "interspinous", progress: Progress | None = None):
+    def __init__(
+        self,
+        bone: GuidedBone,
+        probe: ProbeOnBack,
+        target: str = "interspinous",
+        progress: Progress | None = None,
+        hand: Hand | None = HAND,
+        looked: Candidates | None = None,
+    ):
         self._bone, self._probe = bone, probe
-        self._weights = target_weights(bone, target)
-        self._candidates = candidates_of(freehand_passes(bone), probe, geometry_of(bone, probe), progress)
-        levels = {label: float(z) for label, z in zip(bone.centers, _patient_z(bone, probe))}
-        self._levels: dict[int, float] = levels
+        self._candidates = looked or Candidates(freehand_passes(bone), bone, probe, target, hand, progress)
+        self._passes = self._candidates.passes
         self._advised: Pass | None = None
 
     def advise(self, met: BoneMet, image_to_reference: Matrix) -> Move | None:
         """What to do next from a pose; None when nothing is worth its labor any more."""
-        shown = expected_visibility(met.best_cosine)
         now = self._probe.placement(image_to_reference)
-        gains = np.array([one.gain(self._weights, shown) for one in self._candidates])
-        values = gains / np.array([one.planned.least * (1.0 + LABOR * _labor(now, _middle(one.planned))) for one in self._candidates])
-        worth = gains >= LEAST_GAIN * float(self._weights.sum())
+        gains = self._candidates.gains(self._candidates.looked(met.evidence), ROUNDS)
+        values = gains / np.array([one.least * (1.0 + LABOR * _labor(now, _middle(one))) for one in self._passes])
+        worth = gains >= self._candidates.worth
         if not worth.any():
             self._advised = None
             return None
         best = int(np.argmax(np.where(worth, values, -1.0)))
-        held = next((n for n, one in enumerate(self._candidates) if one.planned is self._advised), None)
+        held = next((n for n, one in enumerate(self._passes) if one is self._advised), None)
         if held is not None and worth[held] and values[best] <= (1.0 + STABLE) * values[held]:
             best = held
-        planned = self._candidates[best].planned
+        planned = self._passes[best]
         self._advised = planned
         there, adds = _middle(planned), float(gains[best]) / 100.0
-        return Move(self._words(now, there, adds), adds, self._probe.pose(there), planned)
+        return Move(self._words(now, there, adds), adds, self._probe.pose(there), planned, ROUNDS * planned.least)
 
     def _words(self, now: Placement, there: Placement, adds: float) -> Message:
         steps = []
@@ -113,13 +128,8 @@ class NextMove:
                 way = positive if degrees > 0 else negative
                 steps.append(Message("tilt {degrees:.0f} degrees toward the {way}", degrees=abs(degrees), way=way))
         steps = steps or [Message("sweep on here")]
-        where = name_of_place(there.z, self._levels)
+        where = name_of_place(self._bone, there.z)
         return Message("{steps} over {where}, adds {adds:.1f} cm2", steps=", ".join(map(str, steps)), where=where, adds=adds)
-
-
-def _patient_z(bone: GuidedBone, probe: ProbeOnBack) -> Floats:
-    to_patient = np.linalg.inv(probe.patient_to_reference)
-    return np.array([(to_patient[:3, :3] @ center + to_patient[:3, 3])[2] for center in bone.centers.values()])
 
 
 def _middle(planned: Pass) -> Placement:

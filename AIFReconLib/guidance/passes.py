@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arrays import Floats, Matrix
 from ..geometry.transforms import invert, transform_points
+from ..message import Message
 from .bone import GuidedBone
 from .probe import Placement, ProbeOnBack
 
@@ -72,17 +73,16 @@ class Pass:
 
     def poses(self, probe: ProbeOnBack, frames: int | None = None) -> Matrix:
         """image_to_reference of its frames, (frames, 4, 4); `least` of them by default."""
-        return np.array([probe.pose(placement) for placement in self.placements(frames or self.least)])
+        return probe.poses(self.placements(frames or self.least))
 
 
 def freehand_passes(bone: GuidedBone) -> list[Pass]:
     """Passes that a hand can make: sagittal ones across the spine, transverse ones along it."""
     points = _patient(bone, bone.surface.points_reference)
     low, high = np.quantile(points[:, 2], (0.02, 0.98))
-    levels = {label: _patient(bone, center[None])[0][2] for label, center in bone.centers.items()}
     passes = []
     for z in _spread(low + 6.0, high - 6.0, BETWEEN_PLACES):
-        where = name_of_place(z, levels)
+        where = name_of_place(bone, z)
         for tilt in SAGITTAL_TILTS_DEG:
             for across in SAGITTAL_ACROSS_DEG:
                 # The normal of a sagittal image points to the left
@@ -94,7 +94,7 @@ def freehand_passes(bone: GuidedBone) -> list[Pass]:
                         place = f"sagittal {'right' if side > 0 else 'left'} of {where}"
                         passes.append(_sagittal(", ".join([place, *words]), z, tilt, across, side * NARROW, side * WIDE))
     for z in _spread(low, high, ALONG):
-        where = name_of_place(z, levels)
+        where = name_of_place(bone, z)
         for across in TRANSVERSE_TILTS_DEG:
             for in_plane in TRANSVERSE_TILTS_DEG:
                 start = Placement(0.0, z - ALONG / 2, 0.0, in_plane, across)
@@ -127,13 +127,23 @@ def wearable_places(bone: GuidedBone, target: Floats) -> list[tuple[float, float
     return [(0.0, z + shift) for shift in (-BETWEEN_PLACES, 0.0, BETWEEN_PLACES)]
 
 
-def name_of_place(z: float, levels: dict[int, float]) -> str:
-    """The level, or the two levels, that a place along the spine (mm to the head) lies over: ``label 2``, ``labels 2 and 3``."""
-    nearest = sorted(levels, key=lambda label: abs(levels[label] - z))[:2]
-    if len(nearest) < 2 or abs(levels[nearest[0]] - z) < 0.25 * abs(levels[nearest[0]] - levels[nearest[1]]):
-        return f"label {nearest[0]}"
-    between = min(levels[nearest[0]], levels[nearest[1]]) <= z <= max(levels[nearest[0]], levels[nearest[1]])
-    return f"labels {min(nearest)} and {max(nearest)}" if between else f"label {nearest[0]}"
+def name_of_place(bone: GuidedBone, z: float) -> Message:
+    """The level, or the two from head to feet, that a place along the spine (mm to the head) lies over: ``L3``, ``labels 2 and 3``."""
+    levels = {label: float(_patient(bone, center[None])[0][2]) for label, center in bone.centers.items()}
+    first, *others = sorted(levels, key=lambda label: abs(levels[label] - z))
+    second = others[0] if others else first
+    apart = abs(levels[first] - levels[second])
+    if abs(levels[first] - z) < 0.25 * apart or not min(levels[first], levels[second]) <= z <= max(levels[first], levels[second]):
+        second = first
+    upper, lower = sorted((first, second), key=lambda label: -levels[label])
+    if not bone.names.get(first) or not bone.names.get(second):
+        one, two = Message("label {upper}", upper=upper), Message("labels {upper} and {lower}", upper=upper, lower=lower)
+    else:
+        one, two = (
+            Message("{upper}", upper=bone.name_of(upper)),
+            Message("{upper} and {lower}", upper=bone.name_of(upper), lower=bone.name_of(lower)),
+        )
+    return one if upper == lower else two
 
 
 def _looking(tilt: float, positive: str, negative: str) -> str:

@@ -6,19 +6,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Floats, Matrix
+from ..arrays import Floats, Integers, Matrix
 from ..errors import GeometryError, SettingsError
 from ..geometry.transforms import as_matrix
 from ..progress import Progress, part, report
 from .bone import GuidedBone
-from .candidates import LEAST_GAIN, Candidate, candidates_of, geometry_of, target_weights
-from .expectation import expected_visibility
-from .met import BoneMet, FrameGeometry
+from .candidates import Candidates, geometry_of
+from .hand import HAND, Hand
+from .met import BoneMet
 from .passes import Pass, freehand_passes, wearable_passes, wearable_places
 from .probe import ProbeOnBack
 
 FREEHAND, WEARABLE = "freehand", "wearable"
 CANDIDATES = (FREEHAND, WEARABLE)
+
+FOLLOWED = 8
+"""How often a plan is followed, by hands that miss as they do, to say what it will show."""
+
+NEW_PASS = 3
+"""Frames that the beginning of another pass counts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,11 +38,14 @@ class PlannedPass:
         In the order of scanning.
     adds_cm2 : float
         Area of the target that it is expected to show beyond what the passes before it show.
+    planned : Pass
+        From where to where it goes.
     """
 
     name: str
     image_to_reference: Matrix
     adds_cm2: float
+    planned: Pass
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +98,8 @@ def plan_scan(
     frames: int = 180,
     candidates: str = FREEHAND,
     before: BoneMet | None = None,
+    hand: Hand | None = HAND,
+    looked: Candidates | None = None,
     progress: Progress | None = None,
 ) -> ScanPlan:
     """The passes that show most of a target with a number of frames.
@@ -98,13 +109,17 @@ def plan_scan(
     bone : GuidedBone
     probe : ProbeOnBack
     target : str
-        `interspinous`, `posterior`, `all` or a label's number; see `GuidedBone.part`.
+        `interspinous`, `posterior`, `all` or a label's name or number; see `GuidedBone.part`.
     frames : int
         Of all passes together.
     candidates : "freehand" or "wearable"
         What the probe can do: slide and tilt by hand, or tilt about two axes where it is strapped on.
     before : BoneMet or None
         What was met already.
+    hand : Hand or None
+        By how much passes are expected to miss; None: not at all, as a wearable device's motors in any case.
+    looked : Candidates or None
+        Freehand passes that were looked at before, for this target and hand.
     progress : Progress or None
 
     Raises
@@ -117,79 +132,98 @@ def plan_scan(
     Notes
     -----
     Greedy: of all candidates the one that adds most expected area per frame, again and again, until the frames are used or nothing is
-    worth adding; as what a pass adds only shrinks with what others have shown, this comes within a factor of 1 - 1/e of the best choice
-    for equally long passes [1]_. Frames that are left over make the chosen passes denser.
+    worth adding; a pass that is chosen again becomes denser. As what a pass adds only shrinks with what others have shown, this comes
+    within a factor of 1 - 1/e of the best choice for equally long passes [1]_. A pass that was not chosen before counts `NEW_PASS` frames
+    more, for people rather make few long passes than many short ones.
 
     References
     ----------
     .. [1] Nemhauser, Wolsey and Fisher (1978), An analysis of approximations for maximizing submodular set functions, Mathematical
        Programming 14:265-294, doi:10.1007/BF01588971.
     """
-    chosen_points = bone.part(target)
-    areas = bone.surface.areas
-    weights = target_weights(bone, target)
-    geometry = geometry_of(bone, probe)
+    chosen = bone.part(target)
     options: list[list[Pass]] = [freehand_passes(bone)]
     if candidates == WEARABLE:
-        places = wearable_places(bone, bone.surface.points_reference[chosen_points])
+        hand = None
+        places = wearable_places(bone, bone.surface.points_reference[chosen])
         options = [wearable_passes(bone, place, turn) for place in places for turn in (0.0, 90.0)]
     if frames < min(one.least for passes in options for one in passes):
         raise SettingsError(
             "Input frames must be enough for one pass, some 6 to 25; got {frames!r}. Give more, or choose another target.", frames=frames
         )
-    shown = np.zeros(len(bone)) if before is None else expected_visibility(before.best_cosine)
-    best: tuple[float, list[Candidate]] = (-1.0, [])
+    evidence = np.zeros(len(bone)) if before is None else before.evidence
+    best: tuple[float, list[tuple[Pass, int]]] = (0.0, [])
     for number, passes in enumerate(options):
-        share = part(progress, 0.9 * number / len(options), 0.9 * (number + 1) / len(options))
-        looked = candidates_of(passes, probe, geometry, share)
-        chosen, value = _greedy(looked, weights, shown.copy(), frames)
-        if value > best[0]:
-            best = (value, chosen)
+        share = part(progress, 0.8 * number / len(options), 0.8 * (number + 1) / len(options))
+        seen = looked if looked and candidates == FREEHAND else Candidates(passes, bone, probe, target, hand, share)
+        best = max(best, _greedy(seen, seen.looked(evidence), frames), key=lambda option: option[0])
     if not best[1]:
         raise GeometryError(
             "No pass of this probe would show more of {target}. Check that --bone-transform places the labels where the patient was.",
             target=target,
         )
-    report(progress, 0.95, "Following the plan")
-    return _planned(target, best[1], frames, probe, geometry, np.where(chosen_points, areas, 0.0), shown)
+    return _planned(target, _filled(best[1], frames), probe, bone, np.flatnonzero(chosen), evidence, hand, part(progress, 0.8, 1.0))
 
 
-def _greedy(candidates: list[Candidate], weights: Floats, shown: Floats, frames: int) -> tuple[list[Candidate], float]:
-    """The passes in the order of their choice, and the weighted area that they are expected to add."""
-    left, chosen, added = frames, [], 0.0
-    open_ = list(candidates)
-    while open_:
-        open_ = [one for one in open_ if one.planned.least <= left]
-        gains = [one.gain(weights, shown) for one in open_]
-        per_frame = [gain / one.planned.least for gain, one in zip(gains, open_, strict=True)]
-        if not open_ or max(gains) < LEAST_GAIN * float(weights.sum()):
-            break
+def _greedy(candidates: Candidates, evidence: Floats, frames: int) -> tuple[float, list[tuple[Pass, int]]]:
+    """The weighted area that they are expected to add, and the passes in the order of their choice, each with its frames."""
+    least = np.array([one.least for one in candidates.passes])
+    counts: dict[int, int] = {}
+    new = np.full(len(least), NEW_PASS)
+    left, added = frames, 0.0
+    while True:
+        gains = candidates.gains(evidence)
+        per_frame = np.where(least <= left, gains / (least + new), -1.0)
         best = int(np.argmax(per_frame))
-        one = open_.pop(best)
-        chosen.append(one)
-        added += gains[best]
-        left -= one.planned.least
-        shown[one.points] = np.maximum(shown[one.points], one.shown)
-    return chosen, added
+        if per_frame[best] < 0 or gains[best] < candidates.worth:
+            break
+        count = int(least[best])
+        added, left, new[best] = added + float(gains[best]), left - count, 0
+        counts[best] = counts.get(best, 0) + count
+        evidence = candidates.make(best, evidence)
+    return added, [(candidates.passes[number], count) for number, count in counts.items()]
+
+
+def _filled(passes: list[tuple[Pass, int]], frames: int) -> list[tuple[Pass, int]]:
+    """The passes with all frames that there are, dealt out in proportion."""
+    ends = np.cumsum([count for _, count in passes])
+    counts = np.diff(np.round(ends / ends[-1] * frames).astype(int), prepend=0)
+    return [(one, int(count)) for (one, _), count in zip(passes, counts, strict=True)]
 
 
 def _planned(
-    target: str, chosen: list[Candidate], frames: int, probe: ProbeOnBack, geometry: FrameGeometry, areas: Floats, shown: Floats
+    target: str,
+    passes: list[tuple[Pass, int]],
+    probe: ProbeOnBack,
+    bone: GuidedBone,
+    chosen: Integers,
+    evidence: Floats,
+    hand: Hand | None,
+    progress: Progress | None,
 ) -> ScanPlan:
-    """The chosen passes with all their frames, looked at again as they will be scanned."""
-    least = np.array([one.planned.least for one in chosen])
-    ends = np.round(np.cumsum(least) / least.sum() * max(frames, least.sum())).astype(int)
-    counts = np.diff(ends, prepend=0)
-    met, passes, before = BoneMet(geometry), [], float(areas @ shown)
-    for one, count in zip(chosen, counts, strict=True):
-        poses = one.planned.poses(probe, int(count))
-        for pose in poses:
-            met.insert(pose)
-        after = float(areas @ np.maximum(expected_visibility(met.best_cosine), shown))
-        passes.append(PlannedPass(one.planned.name, poses, (after - before) / 100.0))
-        before = after
-    reached = float(areas[np.isfinite(met.best_cosine) | (shown > 0)].sum())
-    return ScanPlan(target, tuple(passes), before / reached if reached else 0.0, before / float(areas.sum()), met)
+    """The plan with what it meets, and what it shows as hands happen to make it."""
+    areas, geometry = bone.surface.areas[chosen], geometry_of(bone.only(chosen), probe)
+    rng = np.random.default_rng(1)
+    draws = 1 if hand is None else FOLLOWED
+    shown, shares = np.zeros((draws, len(passes) + 1)), np.zeros(draws)
+    for draw in range(draws):
+        met = BoneMet(geometry)
+        met.evidence += evidence[chosen]
+        shown[draw, 0] = areas @ met.expected
+        for number, (one, count) in enumerate(passes):
+            report(progress, (draw + number / len(passes)) / (draws + 1), "Following the plan")
+            placements = one.placements(count)
+            for pose in probe.poses(placements if hand is None else hand.follow(placements, rng)):
+                met.insert(pose)
+            shown[draw, number + 1] = areas @ met.expected
+        shares[draw] = shown[draw, -1] / max(float(areas[met.evidence > 0].sum()), 1e-9)
+    adds = np.diff(shown.mean(axis=0)) / 100.0
+    planned = [PlannedPass(one.name, one.poses(probe, count), float(added), one) for (one, count), added in zip(passes, adds, strict=True)]
+    exact = BoneMet(geometry_of(bone, probe))
+    for pose in np.concatenate([one.image_to_reference for one in planned]):
+        exact.insert(pose)
+    of_reachable = float(shown[:, -1].mean()) / float(areas.sum())
+    return ScanPlan(target, tuple(planned), float(shares.mean()), of_reachable, exact)
 
 
 def passes_of(document: object) -> list[tuple[str, Matrix]]:

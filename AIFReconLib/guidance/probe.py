@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -172,16 +173,23 @@ class ProbeOnBack:
 
     def pose(self, placement: Placement) -> Matrix:
         """image_to_reference of a probe that stands so, (4, 4)."""
-        turn = Rotation.from_euler("YZX", [-placement.turn_deg, -placement.in_plane_deg, placement.across_deg], degrees=True).as_matrix()
-        beam = turn[:, 1]
-        target = np.array([placement.x, float(self.skin.at(placement.x, placement.z)) + AIM_DEPTH, placement.z])
-        way = AIM_DEPTH
+        pose: Matrix = self.poses([placement])[0]
+        return pose
+
+    def poses(self, placements: Sequence[Placement]) -> Matrix:
+        """image_to_reference of a probe that stands so, one after the other, (n, 4, 4)."""
+        x, z, *angles = np.array([(one.x, one.z, -one.turn_deg, -one.in_plane_deg, one.across_deg) for one in placements]).T
+        turns = Rotation.from_euler("YZX", np.stack(angles, axis=1), degrees=True).as_matrix()
+        beams = turns[:, :, 1]
+        targets = np.stack([x, self.skin.at(x, z) + AIM_DEPTH, z], axis=1)
+        ways = np.full(len(x), AIM_DEPTH)
         for _ in range(20):
-            point = target - way * beam
-            way += (point[1] - float(self.skin.at(point[0], point[2]))) / max(beam[1], 0.3)
-        face = np.eye(4)
-        face[:3, :3], face[:3, 3] = turn, target - way * beam
-        return self.patient_to_reference @ face @ self._to_face
+            points = targets - ways[:, None] * beams
+            ways += (points[:, 1] - self.skin.at(points[:, 0], points[:, 2])) / np.maximum(beams[:, 1], 0.3)
+        faces = np.tile(np.eye(4), (len(x), 1, 1))
+        faces[:, :3, :3], faces[:, :3, 3] = turns, targets - ways[:, None] * beams
+        poses: Matrix = self.patient_to_reference @ faces @ self._to_face
+        return poses
 
     def placement(self, image_to_reference: Matrix) -> Placement:
         """How a probe stands whose image is there: the inverse of `pose`, wherever the skin is."""

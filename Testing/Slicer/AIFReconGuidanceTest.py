@@ -178,6 +178,17 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertTrue((bounds[::2] <= face[:3]).all() and (face[:3] <= bounds[1::2]).all())
         self.assertTrue(self.model("Advised probe").GetDisplayNode().GetVisibility2D())
 
+    def test_the_3d_view_looks_at_the_side_that_takes_on_color_and_stays_where_the_user_turns_it(self):
+        self.setToldBox()
+        camera = slicer.app.layoutManager().threeDWidget(0).threeDView().cameraNode()
+        looks = np.subtract(camera.GetFocalPoint(), camera.GetPosition())
+        toFront = self.widget._guidance._shown.coverage.met.bone.patient_to_reference[:3, 1]
+        self.assertGreater(looks @ toFront / np.linalg.norm(looks), 0.999)
+        camera.SetPosition(np.add(camera.GetFocalPoint(), [300.0, 0.0, 0.0]))
+        before = camera.GetPosition()
+        self.widget._guidance._show(self.widget._guidance._shown, self.parameters.bone)
+        self.assertEqual(camera.GetPosition(), before)
+
     def test_nothing_is_drawn_into_the_nodes_of_ct_and_segmentation(self):
         segmentation, ct = self.nodes.segmentation, self.nodes.ct
         nodes = [ct, *(node.GetNthDisplayNode(n) for node in (ct, segmentation) for n in range(node.GetNumberOfDisplayNodes()))]

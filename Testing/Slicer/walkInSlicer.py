@@ -208,6 +208,15 @@ def register(walk: Walk) -> None:
         raise RuntimeError(f"the CT lies {missed:.1f} mm off: {walk.ui.registrationLabel.text}")
 
 
+def guidance(walk: Walk) -> None:
+    """The bone takes on the colors of what the sweep met, and the next move is told."""
+    walk.ui.liveCollapsibleButton.collapsed = False
+    walk.settle()
+    walk.press(walk.ui.guidanceCheckBox)
+    if not walk.ui.guidanceMoveLabel.text or not walk.ui.guidanceTableLabel.text:
+        raise RuntimeError(f"no next move was told: {walk.ui.guidanceLabel.text}")
+
+
 def box(walk: Walk) -> None:
     """A new box lies around the sweep, and is reconstructed."""
     from AIFReconScene.inputs.parameters import Region
@@ -306,7 +315,7 @@ def live(walk: Walk) -> None:
         raise RuntimeError(f"the scan left no volume: {walk.ui.liveStatisticsLabel.text}")
 
 
-STEPS = (sampleData, apply, compare, single, register, box, saveAndLoad, recording, live)
+STEPS = (sampleData, apply, compare, single, register, guidance, box, saveAndLoad, recording, live)
 
 
 def logged() -> list[str]:

@@ -2,25 +2,32 @@
 
     python Testing/study guidance --output study-output/guidance
 
-writes guidance.md. Some five minutes per patient and core; an interrupted study goes on where it stopped.
+writes guidance.md. Some three minutes per patient and core; an interrupted study goes on where it stopped.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 from .command import carry_out, page_writer, parsed, study_parser
 from .guidance_cases import Row, patient_rows
 from .patients import Spread
 
 COLUMNS = (
-    ("interspinous %", "interspinous", 100),
-    ("predicted %", "predicted", 100),
-    ("expected %", "expected", 100),
-    ("below 45 deg %", "below_45", 100),
-    ("best %", "best", 100),
-    ("coverage %", "coverage", 100),
-    ("reached cm2", "reached_cm2", 1),
-    ("CNR", "cnr", 1),
+    ("passes", "passes", "{:.0f}"),
+    ("interspinous", "interspinous", "{:.0%}"),
+    ("predicted", "predicted", "{:.0%}"),
+    ("expected", "expected", "{:.0%}"),
+    ("interspinous, of all", "of_reachable", "{:.0%}"),
+    ("predicted, of all", "predicted_of_reachable", "{:.0%}"),
+    ("coverage", "coverage", "{:.0%}"),
+    ("reached cm2", "reached_cm2", "{:.0f}"),
+    ("CNR", "cnr", "{:.2f}"),
 )
+
+
+NEAR = 7
+"""Points by which a prediction may be off."""
 
 
 def main(words: list[str]) -> int:
@@ -30,18 +37,26 @@ def main(words: list[str]) -> int:
 
 
 def page_of(rows: list[Row]) -> str:
-    """A table: medians with quartiles, a line per way of scanning and number of frames."""
+    """A table: medians with quartiles, a line per way of scanning and number of frames; then how far predictions are off."""
     names = [name for name, _, _ in COLUMNS]
-    lines = ["| | frames | " + " | ".join(names) + " |", "|---" * (len(names) + 2) + "|"]
-    for scan, frames in dict.fromkeys((row.scan, row.frames) for row in rows):
+    lines = ["| | patients | frames | " + " | ".join(names) + " |", "|---" * (len(names) + 3) + "|"]
+    off = []
+    for scan, frames in sorted({(row.scan, row.frames) for row in rows}):
         these = [row for row in rows if (row.scan, row.frames) == (scan, frames)]
-        spreads = [(Spread.of(getattr(row, name) for row in these), scale) for _, name, scale in COLUMNS]
-        lines.append(f"| {scan} | {frames} | " + " | ".join(_cell(spread, scale) for spread, scale in spreads) + " |")
-    return "\n".join(lines) + "\n"
+        cells = [_cell((getattr(row, name) for row in these), form) for _, name, form in COLUMNS]
+        lines.append(f"| {scan} | {len(these)} | {frames} | " + " | ".join(cells) + " |")
+        for said in ("predicted", "expected"):
+            points = [100 * (getattr(row, said) - row.interspinous) for row in these if getattr(row, said) == getattr(row, said)]
+            if points:
+                mean = sum(points) / len(points)
+                told = f"{mean:+.0f} | {min(points):+.0f} to {max(points):+.0f} | {sum(abs(p) <= NEAR for p in points)} of {len(points)}"
+                off.append(f"| {scan}, {frames} frames, {said} | {told} |")
+    head = f"| points above what came | mean | range | within {NEAR} |"
+    return "\n".join([*lines, "", head, "|---|---|---|---|", *off]) + "\n"
 
 
-def _cell(spread: Spread, scale: float) -> str:
+def _cell(numbers: Iterable[float], form: str) -> str:
+    spread = Spread.of(numbers)
     if spread.median != spread.median:
         return ""
-    digits = 0 if scale > 1 or spread.median > 20 else 2
-    return f"{scale * spread.median:.{digits}f} [{scale * spread.low:.{digits}f}, {scale * spread.high:.{digits}f}]"
+    return f"{form.format(spread.median)} [{form.format(spread.low)}, {form.format(spread.high)}]"

@@ -129,7 +129,11 @@ def _row(seed: int, scan_name: str, condition: str, method: str, scan: Scan, lab
 
 def simulated_scan(phantom: LumbarPhantom, probe: PhasedArray, path: ProbePath, seed: int) -> Scan:
     """A simulated sweep along a path, with a configuration as a recording has one, and the bone that its beams could show."""
-    sequence = _configured(simulate_sweep(phantom, probe, path, seed=seed), probe)
+    return scan_of(_configured(simulate_sweep(phantom, probe, path, seed=seed), probe), phantom, probe)
+
+
+def scan_of(sequence: TrackedSequence, phantom: LumbarPhantom, probe: PhasedArray) -> Scan:
+    """A simulated sweep with the bone that its beams could show."""
     poses = sweep_poses(sequence)
     beams = SweepBeams(poses.image_to_reference[poses.usable], sequence.frame_size, probe.geometry, probe.region, BEAM_THICKNESS)
     return Scan(sequence, bone_truth(phantom.labels.placed_by(phantom.ct_to_reference), beams, distance=phantom.bone_distance))

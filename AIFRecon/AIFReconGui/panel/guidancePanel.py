@@ -37,6 +37,7 @@ class GuidancePanel:
         self._colors, self._ghost = BoneColors(), GhostProbe()
         self._shown = self._about = None
         self._told = ""
+        self._isTurned = False
         self._showing = qt.QTimer()
         self._showing.setInterval(SHOWN_EVERY)
         self._showing.connect("timeout()", self._showScan)
@@ -70,6 +71,7 @@ class GuidancePanel:
     def forget(self) -> None:
         """Take everything out of the scene and the views, and the words with it."""
         self._shown = self._about = None
+        self._isTurned = False
         self._colors.clear()
         self._clearMove()
         self._say("")
@@ -144,7 +146,14 @@ class GuidancePanel:
         else:
             self._ui.guidanceTableLabel.text = _table(guidance.coverage, names)
             self._showMove(guidance, names)
+            self._turn(guidance.coverage.met.bone.patient_to_reference)
         self._arrange()
+
+    def _turn(self, patientToWorld) -> None:
+        """The first time, look at the bone as the probe does, from the back: the side that takes on color."""
+        if not self._isTurned:
+            self._isTurned = True
+            threeDViews.lookAlong(patientToWorld[:3, 1], patientToWorld[:3, 2])
 
     def _segments(self):
         return list(self._parameterNode.boneSegments) if self._parameterNode is not None else None

@@ -10,8 +10,8 @@ from AIFReconLib.imaging.region import extreme_pixels
 
 from ..sceneNodes import removeNodes
 
-COLOR = (1.00, 0.62, 0.00)
-"""That of bone that is met squarely, which is where it leads."""
+COLOR = (1.00, 0.93, 0.25)
+"""None of the bone's."""
 
 OPACITY = 0.45
 

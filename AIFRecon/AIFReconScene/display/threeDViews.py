@@ -1,5 +1,6 @@
 """What the 3D views show: the surface of bone, and all that appears in their middle."""
 
+import numpy as np
 import slicer
 
 from AIFReconLib.message import Message
@@ -13,25 +14,39 @@ LETTERS = 30
 
 def center() -> None:
     """Have every 3D view look at the middle of what appears in it, from the side that the user has chosen; they never do by themselves."""
-    layoutManager = slicer.app.layoutManager()
-    for number in range(layoutManager.threeDViewCount if layoutManager is not None else 0):
-        view = layoutManager.threeDWidget(number).threeDView()
+    for view in _views():
         view.resetFocalPoint()
         # Where it is and how far away, not how it is turned
         view.resetCamera(False, True, True)
 
 
+def lookAlong(direction, up) -> None:
+    """Have every 3D view look in this direction (RAS) at the middle of what appears in it, with `up` upward."""
+    for view in _views():
+        view.resetFocalPoint()
+        camera = view.cameraNode()
+        middle = np.array(camera.GetFocalPoint())
+        away = np.linalg.norm(np.array(camera.GetPosition()) - middle) or 1.0
+        with slicer.util.NodeModify(camera):
+            camera.SetPosition(middle - away * np.asarray(direction) / np.linalg.norm(direction))
+            camera.SetViewUp(up)
+        view.resetCamera(False, True, True)
+
+
 def say(text: str) -> None:
     """Show a text in the upper left corner of every 3D view, in large letters; an empty one takes it away."""
-    layoutManager = slicer.app.layoutManager()
-    for number in range(layoutManager.threeDViewCount if layoutManager is not None else 0):
-        view = layoutManager.threeDWidget(number).threeDView()
+    for view in _views():
         annotation = view.cornerAnnotation()
         if annotation.GetText(UPPER_LEFT) != (text or None):
             annotation.SetText(UPPER_LEFT, text)
             annotation.SetMaximumFontSize(LETTERS)
             annotation.GetTextProperty().SetShadow(True)
             view.scheduleRender()
+
+
+def _views() -> list:
+    layoutManager = slicer.app.layoutManager()
+    return [layoutManager.threeDWidget(n).threeDView() for n in range(layoutManager.threeDViewCount if layoutManager is not None else 0)]
 
 
 def makeSurface(segmentationNode, progress=None) -> None:

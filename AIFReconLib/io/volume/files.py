@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,15 @@ from .itk_images import to_sitk
 from .metafile_volumes import StoredVolume, read_metafile_volume
 from .nifti_payload import check_nifti
 
-__all__ = ["check_volume_path", "read_labels", "read_transform", "read_volume", "write_transform", "write_volume"]
+__all__ = [
+    "check_volume_path",
+    "read_label_names",
+    "read_labels",
+    "read_transform",
+    "read_volume",
+    "write_transform",
+    "write_volume",
+]
 
 NIFTI_SUFFIXES = (".nii", ".nii.gz")
 READABLE_SUFFIXES = METAIMAGE_SUFFIXES + NRRD_SUFFIXES + NIFTI_SUFFIXES
@@ -83,6 +92,24 @@ def read_labels(path: str | Path) -> Volume:
             )
         array = np.asarray((array > 0).any(axis=-1), dtype=np.uint8)
     return _as_volume(stored, _as_labels(stored.path, array))
+
+
+def read_label_names(path: str | Path) -> dict[int, str]:
+    """What the labels in a file are called, by their numbers, where it is a segmentation as Slicer saves it (.seg.nrrd); else nothing.
+
+    Raises
+    ------
+    VolumeFormatError
+        When the file cannot be read.
+    """
+    path = Path(path)
+    if _suffix(path) not in NRRD_SUFFIXES:
+        return {}
+    fields = read_metafile(path, VolumeFormatError).fields
+    if any(re.fullmatch(r"Segment\d+_Layer", key) and text.strip() != "0" for key, text in fields.items()):
+        return {}  # of several layers `read_labels` keeps no numbers
+    numbers = {key: fields.get(key.replace("_Name", "_LabelValue"), "") for key in fields if re.fullmatch(r"Segment\d+_Name", key)}
+    return {int(number): fields[key] for key, number in numbers.items() if number.strip().isdecimal()}
 
 
 def write_volume(volume: Volume, path: str | Path) -> None:

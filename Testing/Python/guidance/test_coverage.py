@@ -28,22 +28,30 @@ def known():
         def __len__(self):
             return 5
 
-    bone = Bone(surface=surface, border=np.array([False, False, True, True, False]))
-    return SimpleNamespace(bone=bone, best_cosine=best)
+    names = {1: "L3", 2: "2"}
+    bone = Bone(surface=surface, border=np.array([False, False, True, True, False]), name_of=names.get)
+    return SimpleNamespace(bone=bone, best_cosine=best, expected=np.array([0.0, 0.4, 0.8, 1.0, 0.0]))
 
 
 def test_shares_are_of_area(known):
     share = share_of(known, np.ones(5, dtype=bool))
     assert (share.reachable_cm2, share.met, share.below_60_deg, share.below_45_deg) == pytest.approx((6.0, 4 / 6, 3 / 6, 1 / 6))
+    assert share.expected_visibility == pytest.approx((0.4 + 2 * 0.8 + 1.0) / 6)
 
 
 def test_the_report_has_all_borders_and_every_label(known):
     report = covered(known).to_dict()
     assert set(report) == {"all", "interspinous", "labels"}
-    assert set(report["labels"]) == {"1", "2"}
+    assert set(report["labels"]) == {"L3", "2"}
     assert all(set(part) == set(SHARES) for part in (report["all"], report["interspinous"], *report["labels"].values()))
     assert report["interspinous"]["met"] == 1.0
     assert report["labels"]["2"]["met"] == 0.5
+
+
+def test_the_table_calls_labels_as_their_segments_are_called(known):
+    first, second = (line.strip() for line in covered(known).lines()[1:3])
+    assert first.startswith("L3 ")
+    assert second.startswith("label 2 ")
 
 
 def test_shares_of_nothing_are_not_numbers_in_the_report(known):

@@ -14,8 +14,10 @@ from AIFReconLib.errors import FileFormatError, SettingsError
 from AIFReconLib.evaluation.visibility import SweepBeams, look
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.guidance.expectation import expected_visibility
-from AIFReconLib.guidance.passes import WEARABLE_TILT_DEG
+from AIFReconLib.guidance.candidates import Candidates
+from AIFReconLib.guidance.expectation import evidence_for, evidence_of, expected_visibility
+from AIFReconLib.guidance.hand import Hand
+from AIFReconLib.guidance.passes import WEARABLE_TILT_DEG, freehand_passes
 from AIFReconLib.guidance.plan import WEARABLE, plan_scan
 from AIFReconLib.guidance.probe import AIM_DEPTH, Placement, ProbeImages, ProbeOnBack, Skin
 from AIFReconLib.simulation.phased_array import PhasedArray
@@ -44,7 +46,7 @@ def probe(bone):
 
 @pytest.fixture(scope="module")
 def plan(bone, probe):
-    return plan_scan(bone, probe, "interspinous", FRAMES)
+    return plan_scan(bone, probe, "interspinous", FRAMES, hand=None)
 
 
 def test_the_face_is_where_the_simulated_transducer_has_it():
@@ -89,21 +91,87 @@ def test_a_plan_has_the_frames_that_were_asked_for(plan):
 
 
 def test_what_a_plan_predicts_is_what_its_beams_reach(plan, bone, probe):
-    poses = np.concatenate([one.image_to_reference for one in plan.passes])
-    beams = SweepBeams(poses, probe.images.frame_size, probe.images.geometry, probe.images.region)
-    _, best = look(bone.surface.points_reference, beams, bone.distance, bone.surface.normals_reference)
-    areas = np.where(bone.border, bone.surface.areas, 0.0)
-    assert plan.predicted_of_reachable == pytest.approx(areas @ expected_visibility(best) / areas.sum(), abs=1e-9)
-    assert plan.predicted_visibility == pytest.approx(areas @ expected_visibility(best) / areas[np.isfinite(best)].sum(), abs=1e-9)
-    assert sum(one.adds_cm2 for one in plan.passes) == pytest.approx(areas @ expected_visibility(best) / 100, abs=1e-9)
+    shown, areas = expected(bone, probe, np.concatenate([one.image_to_reference for one in plan.passes]))
+    assert plan.predicted_of_reachable == pytest.approx(areas @ shown / areas.sum(), abs=1e-9)
+    assert plan.predicted_visibility == pytest.approx(areas @ shown / areas[shown > 0].sum(), abs=1e-9)
+    assert sum(one.adds_cm2 for one in plan.passes) == pytest.approx(areas @ shown / 100, abs=1e-9)
+
+
+def expected(bone, probe, poses):
+    """The chance of each point of the border to show, by another search for what each frame meets, and its area."""
+    points, evidence = np.flatnonzero(bone.border), np.zeros(len(bone))
+    for pose in poses:
+        beams = SweepBeams(pose[None], probe.images.frame_size, probe.images.geometry, probe.images.region)
+        _, best = look(bone.surface.points_reference[points], beams, bone.distance, bone.surface.normals_reference[points])
+        evidence[points] += np.where(np.isfinite(best), evidence_of(np.nan_to_num(best)), 0.0)
+    return expected_visibility(evidence), np.where(bone.border, bone.surface.areas, 0.0)
+
+
+def test_a_pass_adds_the_area_that_its_frames_show_and_again_what_is_left(bone, probe):
+    passes = freehand_passes(bone)[4:7]
+    candidates = Candidates(passes, bone, probe, "interspinous")
+    nothing = candidates.looked(np.zeros(len(bone)))
+    for number, one in enumerate(passes):
+        first, _ = expected(bone, probe, one.poses(probe))
+        twice, areas = expected(bone, probe, np.concatenate([one.poses(probe)] * 2))
+        beside = candidates.gains(nothing)[number] - areas @ first
+        assert 0 <= beside < 0.02 * bone.surface.areas.sum()  # bone beside the target counts a little
+        again = candidates.gains(candidates.make(number, nothing))[number]
+        assert again == pytest.approx(areas @ (twice - first), abs=beside + 1e-6)
+        assert candidates.gains(nothing, 2)[number] == pytest.approx(candidates.gains(nothing)[number] + again, abs=1e-6)
+
+
+def test_a_pass_adds_the_less_the_more_is_shown(bone, probe):
+    candidates = Candidates(freehand_passes(bone)[:12:3], bone, probe, "all", Hand())
+    evidence, rng = candidates.looked(np.zeros(len(bone))), np.random.default_rng(2)
+    before = candidates.gains(evidence)
+    for _ in range(3):
+        evidence = evidence + rng.exponential(0.3, len(evidence))
+        after = candidates.gains(evidence)
+        assert (after <= before + 1e-9).all()
+        before = after
+
+
+def test_evidence_is_what_is_needed_for_what_is_expected():
+    evidence = np.array([0.0, 0.01, 0.5, 3.0, 20.0])
+    np.testing.assert_allclose(evidence_for(expected_visibility(evidence)), evidence, rtol=1e-6)
+
+
+def test_a_hand_that_never_errs_makes_the_pass_that_was_planned(bone, probe):
+    passes = freehand_passes(bone)[:4]
+    exact, steady = (Candidates(passes, bone, probe, "interspinous", hand) for hand in (None, Hand(0.0, 0.0, 0.0, 0.0)))
+    nothing = exact.looked(np.zeros(len(bone)))
+    np.testing.assert_allclose(steady.gains(nothing), exact.gains(nothing), rtol=1e-12)
+
+
+def test_a_plan_is_a_few_long_passes(plan):
+    assert len(plan.passes) <= FRAMES / 10
+
+
+def test_a_hand_misses_by_what_it_is_said_to():
+    rng = np.random.default_rng(0)
+    starts = [Placement(1.0, 2.0, 90.0, 10.0, -20.0)] * 3
+    made = np.array(
+        [[(p.x, p.z, p.turn_deg, p.in_plane_deg, p.across_deg) for p in Hand(4, 3, 1, 2).follow(starts, rng)] for _ in range(3000)]
+    )
+    np.testing.assert_allclose(made.mean(axis=(0, 1)), (1.0, 2.0, 90.0, 10.0, -20.0), atol=0.3)
+    np.testing.assert_allclose(made.mean(axis=1).std(axis=0), np.hypot((4, 4, 3, 3, 3), np.array((1, 1, 2, 2, 2)) / np.sqrt(3)), rtol=0.05)
+    np.testing.assert_allclose((made - made.mean(axis=1, keepdims=True)).std() * np.sqrt(3 / 2), np.sqrt((2 + 3 * 4) / 5), rtol=0.05)
+
+
+def test_what_a_plan_predicts_for_a_hand_is_what_many_such_hands_show(bone, probe):
+    plan, rng = plan_scan(bone, probe, "interspinous", FRAMES), np.random.default_rng(5)
+    shown = []
+    for _ in range(5):
+        made = [Hand().follow(one.planned.placements(len(one.image_to_reference)), rng) for one in plan.passes]
+        chances, areas = expected(bone, probe, probe.poses([one for each in made for one in each]))
+        shown.append(areas @ chances / areas.sum())
+    assert plan.predicted_of_reachable == pytest.approx(np.mean(shown), abs=0.12)
 
 
 def test_a_plan_shows_far_more_of_its_target_than_a_plain_pass(plan, bone, probe):
-    poses = [probe.pose(Placement(0.0, z)) for z in np.linspace(-40, 40, FRAMES)]
-    beams = SweepBeams(np.array(poses), probe.images.frame_size, probe.images.geometry, probe.images.region)
-    _, best = look(bone.surface.points_reference, beams, bone.distance, bone.surface.normals_reference)
-    plain = (bone.surface.areas * expected_visibility(best))[bone.border].sum() / bone.surface.areas[bone.border].sum()
-    assert plan.predicted_of_reachable > max(2 * plain, 0.6)
+    shown, areas = expected(bone, probe, probe.poses([Placement(0.0, z) for z in np.linspace(-40, 40, FRAMES)]))
+    assert plan.predicted_of_reachable > max(2 * areas @ shown / areas.sum(), 0.5)
 
 
 def test_a_wearable_device_does_not_slide_and_tilts_no_farther_than_it_can(bone, probe):

@@ -18,7 +18,7 @@ from AIFReconLib.errors import OutputError, TransformFileError, VolumeFormatErro
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.transform.files import read_transform, write_transform
-from AIFReconLib.io.volume.files import read_labels, read_volume, write_volume
+from AIFReconLib.io.volume.files import read_label_names, read_labels, read_volume, write_volume
 
 SUFFIXES = (".nrrd", ".mha", ".mhd", ".nii", ".nii.gz")
 COMPRESSED_SUFFIXES = (".nrrd", ".mha", ".nii.gz")
@@ -328,6 +328,24 @@ def test_overlapping_segments_are_merged(tmp_path):
     labels = read_labels(layered_segmentation(tmp_path / "bone.seg.nrrd", "Segment0_ID:=a\n"))
     assert np.argwhere(labels.array).tolist() == [[0, 0, 1], [0, 0, 2]]
     np.testing.assert_allclose(labels.grid.origin, (-10, -20, 30))
+
+
+def test_segments_have_names(tmp_path):
+    path = tmp_path / "bone.seg.nrrd"
+    Volume(np.ones((2, 3, 4), np.uint8), np.eye(4), {}).write(path)
+    fields = b"Segment0_LabelValue:=7\nSegment0_Layer:=0\nSegment0_Name:=vertebra L3\nSegment1_Name:=no number\n"
+    path.write_bytes(path.read_bytes().replace(b"\n\n", b"\n" + fields + b"\n", 1))
+    assert read_label_names(path) == {7: "vertebra L3"}
+
+
+def test_overlapping_segments_lost_their_numbers_and_have_no_names(tmp_path):
+    fields = "Segment0_Layer:=0\nSegment0_LabelValue:=1\nSegment0_Name:=a\nSegment1_Layer:=1\nSegment1_LabelValue:=1\nSegment1_Name:=b\n"
+    assert read_label_names(layered_segmentation(tmp_path / "bone.seg.nrrd", fields)) == {}
+
+
+def test_other_files_name_no_labels(tmp_path):
+    write_volume(Volume(np.ones((2, 3, 4), np.uint8), np.eye(4)), tmp_path / "labels.nii.gz")
+    assert read_label_names(tmp_path / "labels.nii.gz") == {}
 
 
 def test_vectors_that_are_no_segmentation_are_no_labels(tmp_path):
