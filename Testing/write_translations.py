@@ -22,7 +22,7 @@ MODULE, LIBRARY = REPOSITORY / "AIFRecon", REPOSITORY / "AIFReconLib"
 TARGET = REPOSITORY / "Resources" / "Translations" / "AIFRecon_en-US.ts"
 
 LIBRARY_CONTEXT = "AIFReconLib"
-COMMAND_LINE = ("commands", "terminal", "__main__.py")
+COMMAND_LINE = ("batch", "commands", "terminal", "__main__.py")
 """Of the library: what only its command line says."""
 
 Texts = dict[str, dict[str, set[str]]]

@@ -48,6 +48,8 @@ _SETTINGS = {
     # By default a process that a busy computer does not start anew within 15 s is given up, and nobody is left
     "distributed.deploy.lost-worker-timeout": "1 hour",
     "distributed.scheduler.no-workers-timeout": "10 minutes",
+    # Looks at what a worker does a hundred times a second
+    "distributed.worker.profile.enabled": False,
 }
 """Of our own workers; read when their cluster is made, and handed to them."""
 
