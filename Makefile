@@ -8,11 +8,12 @@ DEMO_STAMP := $(VENV)/.installed-for-demo
 STAMP := $(VENV)/.installed
 DEMO_OUTPUT ?= demo-output
 STUDY_OUTPUT ?= study-output
+REAL_BONE_OUTPUT ?= real-bone-output
 FUZZ_SECONDS ?= 600
 FAULTS_SECONDS ?= 3600
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test coverage slicer-test screenshots translations figures lint format bench study soak fuzz faults clean
+.PHONY: help setup demo test coverage slicer-test screenshots translations figures lint format bench study real-bone soak fuzz faults clean
 
 help:
 	@echo "make demo         reconstruct a simulated lumbar scan and draw it, into $(DEMO_OUTPUT)/"
@@ -27,6 +28,7 @@ help:
 	@echo "make format       reformat the code"
 	@echo "make bench        measure the speed of this machine"
 	@echo "make study        compare all methods, register CTs and scan by guidance, on simulated patients, into $(STUDY_OUTPUT)/ (two hours)"
+	@echo "make real-bone    compare all methods on a recorded sweep of real bone with its CT, into $(REAL_BONE_OUTPUT)/ (half an hour)"
 	@echo "make soak         an hour of live reconstruction from a server that fails at random, in simulated time (half an hour)"
 	@echo "make faults       kill, fill and cut whatever can be for FAULTS_SECONDS ($(FAULTS_SECONDS)); nothing may be lost (Linux, best as root)"
 	@echo "make fuzz         damage input on purpose for FUZZ_SECONDS ($(FUZZ_SECONDS)); only clear refusals may come out"
@@ -92,6 +94,10 @@ study: setup
 	@$(BIN)/python Testing/study registration --output "$(STUDY_OUTPUT)/registration"
 	@$(BIN)/python Testing/study guidance --output "$(STUDY_OUTPUT)/guidance"
 
+# Not run by continuous integration: the recording is not part of the project
+real-bone: setup
+	@$(BIN)/python Testing/study real_bone --output "$(REAL_BONE_OUTPUT)"
+
 # Shorter, or with other faults: make soak SOAK="--minutes 5 --seed 7"
 soak: setup
 	@$(BIN)/python Testing/soak $(SOAK)
@@ -110,4 +116,4 @@ fuzz: setup
 	@$(BIN)/python Testing/fuzz/run.py --seconds $(FUZZ_SECONDS)
 
 clean:
-	rm -rf $(VENV) demo-output study-output Resources/Translations htmlcov build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis .coverage *.egg-info
+	rm -rf $(VENV) demo-output study-output real-bone-output Resources/Translations htmlcov build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis .coverage *.egg-info

@@ -166,7 +166,7 @@ def _yes_or_no(text: str) -> bool:
 
 def in_column_words(problem: str) -> Message:
     """A sentence of the command line with its options as the columns of a table are called."""
-    return Message(problem.translated(_without_dashes) if isinstance(problem, Message) else problem)
+    return Message("{problem}", problem=problem.translated(_without_dashes) if isinstance(problem, Message) else problem)
 
 
 def _without_dashes(template: str) -> str:

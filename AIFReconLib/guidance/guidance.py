@@ -21,17 +21,12 @@ from .bone import GuidedBone
 from .coverage import Coverage, coverage, covered
 from .mesh import ColoredBone
 from .met import BoneMet
-from .next_move import FEET, HEAD, LEFT, RIGHT, SMALLEST_DEG, SMALLEST_MM, Move, NextMove
-from .probe import Placement, ProbeOnBack, Skin, images_like
+from .next_move import Direction, Move, NextMove, directions
+from .passes import labels_under
+from .probe import ProbeOnBack, Skin, images_like
 
 FAR = Message("No frame has come near the bone of the CT. Place the CT on the patient first.")
 NOT_IN_BOX = Message("The box to be reconstructed holds no bone of the CT. Move the box, or place the CT on the patient.")
-
-TURN, UP, DOWN, TO_LEFT, TO_RIGHT, HERE = "\u21bb", "\u2191", "\u2193", "\u2190", "\u2192", "\u25cf"
-"""As on a prone patient's back, with the head up."""
-
-TURNED_DEG = 45.0
-"""Between a transverse and a sagittal image."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,14 +66,6 @@ class Guidance:
         """What was met until now, and the advice if there is one."""
         best = met.best_cosine.copy()
         return cls(colored, colored.levels(best), covered(met, notes), best, advice)
-
-
-@dataclass(frozen=True)
-class Direction:
-    """One step: an arrow for the eye, and words."""
-
-    arrow: str
-    words: Message
 
 
 @dataclass(frozen=True)
@@ -128,48 +115,7 @@ class Advisor:
         if move is None:
             return Advice(None)
         there = move.planned.placements(1)[0]
-        return Advice(move, directions(self._probe.placement(image_to_reference), there), labels_under(self._bone, there))
-
-
-def directions(now: Placement, there: Placement) -> tuple[Direction, ...]:
-    """Turn, slide, then tilt; where nothing of it is left, to sweep on."""
-    steps = []
-    if np.cos(np.radians(there.turn_deg - now.turn_deg)) < 0:
-        # The same plane, held the other way round
-        now = Placement(now.x, now.z, now.turn_deg + 180.0, -now.in_plane_deg, -now.across_deg)
-    if abs((there.turn_deg - now.turn_deg + 90.0) % 180.0 - 90.0) > TURNED_DEG:
-        plane = Message("sagittal") if abs(there.turn_deg) > TURNED_DEG else Message("transverse")
-        steps.append(Direction(TURN, Message("turn to {plane}", plane=plane)))
-        now = Placement(now.x, now.z, there.turn_deg)
-    for (arrow, way), mm in (
-        ((UP, HEAD), there.z - now.z),
-        ((DOWN, FEET), now.z - there.z),
-        ((TO_RIGHT, RIGHT), there.x - now.x),
-        ((TO_LEFT, LEFT), now.x - there.x),
-    ):
-        if mm >= SMALLEST_MM:
-            steps.append(Direction(arrow, Message("slide {mm:.0f} mm toward the {way}", mm=mm, way=way)))
-    along, sideways = ((UP, HEAD), (DOWN, FEET)), ((TO_RIGHT, RIGHT), (TO_LEFT, LEFT))
-    # The normal of a sagittal image points to the left
-    in_plane, across = (along, sideways[::-1]) if abs(there.turn_deg) > TURNED_DEG else (sideways, along)
-    for ways, degrees in ((in_plane, there.in_plane_deg - now.in_plane_deg), (across, there.across_deg - now.across_deg)):
-        if abs(degrees) >= SMALLEST_DEG:
-            arrow, way = ways[degrees < 0]
-            steps.append(Direction(arrow, Message("tilt {degrees:.0f} degrees toward the {way}", degrees=abs(degrees), way=way)))
-    return tuple(steps) or (Direction(HERE, Message("sweep on here")),)
-
-
-def labels_under(bone: GuidedBone, placement: Placement) -> tuple[int, ...]:
-    """The label, or the two labels, that a probe stands over, from head to feet."""
-    to_patient = invert(bone.patient_to_reference)
-    levels = {label: float(transform_points(to_patient, center[None])[0, 2]) for label, center in bone.centers.items()}
-    nearest, *others = sorted(levels, key=lambda label: abs(levels[label] - placement.z))
-    if others:
-        # Within a quarter of the way to the next one, or beyond the last, it is over one alone
-        way, off = levels[others[0]] - levels[nearest], placement.z - levels[nearest]
-        if off * way > 0 and abs(off) >= 0.25 * abs(way):
-            return tuple(sorted((nearest, others[0]), key=lambda label: -levels[label]))
-    return (nearest,)
+        return Advice(move, directions(self._probe.placement(image_to_reference), there), labels_under(self._bone, there.z))
 
 
 def has_come_near(met: BoneMet) -> bool:

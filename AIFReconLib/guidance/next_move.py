@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Matrix
-from ..message import Message
+from ..message import Message, listed
 from ..progress import Progress
 from .bone import GuidedBone
 from .candidates import Candidates
@@ -31,6 +31,21 @@ HEAD, FEET, LEFT, RIGHT = Message("head"), Message("feet"), Message("left"), Mes
 
 SMALLEST_MM, SMALLEST_DEG = 4.0, 4.0
 """What a hand does not notice is not said."""
+
+
+TURN, UP, DOWN, TO_LEFT, TO_RIGHT, HERE = "\u21bb", "\u2191", "\u2193", "\u2190", "\u2192", "\u25cf"
+"""As on a prone patient's back, with the head up."""
+
+TURNED_DEG = 45.0
+"""Between a transverse and a sagittal image."""
+
+
+@dataclass(frozen=True)
+class Direction:
+    """One step: an arrow for the eye, and words."""
+
+    arrow: str
+    words: Message
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,22 +129,36 @@ class NextMove:
         return Move(self._words(now, there, adds), adds, self._probe.pose(there), planned, ROUNDS * planned.least)
 
     def _words(self, now: Placement, there: Placement, adds: float) -> Message:
-        steps = []
-        if abs((there.turn_deg - now.turn_deg + 90.0) % 180.0 - 90.0) > 30.0:
-            steps.append(Message("turn to {plane}", plane=Message("sagittal") if there.turn_deg else Message("transverse")))
-            now = Placement(now.x, now.z, there.turn_deg, 0.0, 0.0)
-        for way, mm in ((HEAD, there.z - now.z), (FEET, now.z - there.z), (RIGHT, there.x - now.x), (LEFT, now.x - there.x)):
-            if mm >= SMALLEST_MM:
-                steps.append(Message("slide {mm:.0f} mm toward the {way}", mm=mm, way=way))
-        sagittal = abs(there.turn_deg) > 45.0
-        ways = ((HEAD, FEET), (LEFT, RIGHT)) if sagittal else ((RIGHT, LEFT), (HEAD, FEET))
-        for (positive, negative), degrees in zip(ways, (there.in_plane_deg - now.in_plane_deg, there.across_deg - now.across_deg)):
-            if abs(degrees) >= SMALLEST_DEG:
-                way = positive if degrees > 0 else negative
-                steps.append(Message("tilt {degrees:.0f} degrees toward the {way}", degrees=abs(degrees), way=way))
-        steps = steps or [Message("sweep on here")]
-        where = name_of_place(self._bone, there.z)
-        return Message("{steps} over {where}, adds {adds:.1f} cm2", steps=", ".join(map(str, steps)), where=where, adds=adds)
+        steps = listed(step.words for step in directions(now, there))
+        return Message("{steps} over {where}, adds {adds:.1f} cm2", steps=steps, where=name_of_place(self._bone, there.z), adds=adds)
+
+
+def directions(now: Placement, there: Placement) -> tuple[Direction, ...]:
+    """Turn, slide, then tilt; where nothing of it is left, to sweep on."""
+    steps = []
+    if np.cos(np.radians(there.turn_deg - now.turn_deg)) < 0:
+        # The same plane, held the other way round
+        now = Placement(now.x, now.z, now.turn_deg + 180.0, -now.in_plane_deg, -now.across_deg)
+    if abs((there.turn_deg - now.turn_deg + 90.0) % 180.0 - 90.0) > TURNED_DEG:
+        plane = Message("sagittal") if abs(there.turn_deg) > TURNED_DEG else Message("transverse")
+        steps.append(Direction(TURN, Message("turn to {plane}", plane=plane)))
+        now = Placement(now.x, now.z, there.turn_deg)
+    for (arrow, way), mm in (
+        ((UP, HEAD), there.z - now.z),
+        ((DOWN, FEET), now.z - there.z),
+        ((TO_RIGHT, RIGHT), there.x - now.x),
+        ((TO_LEFT, LEFT), now.x - there.x),
+    ):
+        if mm >= SMALLEST_MM:
+            steps.append(Direction(arrow, Message("slide {mm:.0f} mm toward the {way}", mm=mm, way=way)))
+    along, sideways = ((UP, HEAD), (DOWN, FEET)), ((TO_RIGHT, RIGHT), (TO_LEFT, LEFT))
+    # The normal of a sagittal image points to the left
+    in_plane, across = (along, sideways[::-1]) if abs(there.turn_deg) > TURNED_DEG else (sideways, along)
+    for ways, degrees in ((in_plane, there.in_plane_deg - now.in_plane_deg), (across, there.across_deg - now.across_deg)):
+        if abs(degrees) >= SMALLEST_DEG:
+            arrow, way = ways[degrees < 0]
+            steps.append(Direction(arrow, Message("tilt {degrees:.0f} degrees toward the {way}", degrees=abs(degrees), way=way)))
+    return tuple(steps) or (Direction(HERE, Message("sweep on here")),)
 
 
 def _middle(planned: Pass) -> Placement:

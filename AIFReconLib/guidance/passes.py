@@ -127,23 +127,26 @@ def wearable_places(bone: GuidedBone, target: Floats) -> list[tuple[float, float
     return [(0.0, z + shift) for shift in (-BETWEEN_PLACES, 0.0, BETWEEN_PLACES)]
 
 
-def name_of_place(bone: GuidedBone, z: float) -> Message:
-    """The level, or the two from head to feet, that a place along the spine (mm to the head) lies over: ``L3``, ``labels 2 and 3``."""
+def labels_under(bone: GuidedBone, z: float) -> tuple[int, ...]:
+    """The label, or the two from head to feet, that a place along the spine (mm to the head) lies over."""
     levels = {label: float(_patient(bone, center[None])[0][2]) for label, center in bone.centers.items()}
-    first, *others = sorted(levels, key=lambda label: abs(levels[label] - z))
-    second = others[0] if others else first
-    apart = abs(levels[first] - levels[second])
-    if abs(levels[first] - z) < 0.25 * apart or not min(levels[first], levels[second]) <= z <= max(levels[first], levels[second]):
-        second = first
-    upper, lower = sorted((first, second), key=lambda label: -levels[label])
-    if not bone.names.get(first) or not bone.names.get(second):
-        one, two = Message("label {upper}", upper=upper), Message("labels {upper} and {lower}", upper=upper, lower=lower)
-    else:
-        one, two = (
-            Message("{upper}", upper=bone.name_of(upper)),
-            Message("{upper} and {lower}", upper=bone.name_of(upper), lower=bone.name_of(lower)),
-        )
-    return one if upper == lower else two
+    nearest, *others = sorted(levels, key=lambda label: abs(levels[label] - z))
+    if others:
+        # Within a quarter of the way to the next one, or beyond the last, it is over one alone
+        way, off = levels[others[0]] - levels[nearest], z - levels[nearest]
+        if off * way > 0 and abs(off) >= 0.25 * abs(way):
+            return tuple(sorted((nearest, others[0]), key=lambda label: -levels[label]))
+    return (nearest,)
+
+
+def name_of_place(bone: GuidedBone, z: float) -> Message:
+    """What it lies over, in words: ``L3``, ``L3 and L4``, ``labels 2 and 3``."""
+    upper, lower = (*(under := labels_under(bone, z)), under[-1])[:2]
+    if upper == lower:
+        return Message("{upper}", upper=bone.name_of(upper)) if bone.names.get(upper) else Message("label {upper}", upper=upper)
+    if bone.names.get(upper) and bone.names.get(lower):
+        return Message("{upper} and {lower}", upper=bone.name_of(upper), lower=bone.name_of(lower))
+    return Message("labels {upper} and {lower}", upper=upper, lower=lower)
 
 
 def _looking(tilt: float, positive: str, negative: str) -> str:

@@ -6,7 +6,8 @@ import pytest
 from sweeps import two_vertebrae
 
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.guidance.guidance import DOWN, HERE, TO_LEFT, TO_RIGHT, TURN, UP, directions, labels_under
+from AIFReconLib.guidance.next_move import DOWN, HERE, TO_LEFT, TO_RIGHT, TURN, UP, directions
+from AIFReconLib.guidance.passes import labels_under
 from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
 
 HEAD, RIGHT = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
@@ -61,4 +62,4 @@ def test_a_probe_that_is_held_the_other_way_round_is_tilted_the_same_way():
 @pytest.mark.parametrize(("share", "expected"), [(-1.0, (1,)), (0.1, (1,)), (0.5, (2, 1)), (0.9, (2,)), (2.0, (2,))])
 def test_a_place_is_over_one_label_or_between_two_from_head_to_feet(bone, share, expected):
     low, high = (bone.centers[label] @ HEAD - bone.patient_to_reference[2, 3] for label in (1, 2))
-    assert labels_under(bone, Placement(0.0, low + share * (high - low))) == expected
+    assert labels_under(bone, low + share * (high - low)) == expected

@@ -1,0 +1,131 @@
+"""The study on real bone: its measures on volumes whose numbers are known without computing, its cases, its page."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from AIFReconLib.evaluation.visibility import bone_truth
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from study.real_bone import main
+from study.real_bone_cases import ALL, RealBone, Row
+from study.real_bone_measures import INCIDENCES, THRESHOLDS, by_incidence, false_bone, precision
+from study.real_bone_page import COLUMNS, real_bone_page
+
+GRID = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (24, 24, 40), 1.0)
+TOP = 20
+"""The first plane of voxels that is bone; its surface is half a voxel before, and faces lower k."""
+
+
+@pytest.fixture(scope="module")
+def truth():
+    labels = np.zeros(GRID.shape, np.uint8)
+    labels[TOP:] = 1
+    flat = bone_truth(Volume(labels, GRID.ijk_to_reference))
+    return replace(flat, best_cosine=np.where(flat.surface.points_reference[:, 0] < 11.5, 1.0, np.cos(np.radians(50.0))))
+
+
+def volume(**planes):
+    gray = np.full(GRID.shape, 40, np.uint8)
+    for plane, level in planes.items():
+        gray[int(plane[1:])] = level
+    return Volume(gray, GRID.ijk_to_reference)
+
+
+def moved(mm):
+    error = np.eye(4)
+    error[2, 3] = mm
+    return error
+
+
+def test_precision_tells_bright_voxels_on_the_surface_from_those_inside_and_outside(truth):
+    found = precision(volume(k19=200, k20=200, k24=200, k14=200), truth)
+    assert [found[f"{name}_180"] for name in ("precision", "inside", "outside")] == [0.5, 0.25, 0.25]
+    assert found["shown_180"] == pytest.approx(1.0)
+
+
+def test_what_is_not_above_a_threshold_counts_as_neither_bright_nor_shown(truth):
+    found = precision(volume(k19=150), truth)
+    assert found["precision_140"] == 1.0
+    assert found["shown_140"] == pytest.approx(1.0)
+    assert np.isnan(found["precision_180"])
+    assert found["shown_180"] == 0.0
+
+
+def test_what_is_far_from_bone_is_not_judged(truth):
+    assert precision(volume(k19=200, k5=200), truth)["precision_180"] == 1.0
+
+
+def test_a_line_where_the_misplaced_ct_expects_bone_is_false_bone(truth):
+    found = false_bone(volume(k13=255), truth, moved(-6.0))
+    assert found["false_bone"] == 1.0
+    assert found["false_area"] == pytest.approx(truth.surface.areas.sum())
+
+
+def test_the_true_line_is_no_false_bone_however_the_ct_lies(truth):
+    assert false_bone(volume(k19=255, k20=255), truth, moved(-6.0))["false_bone"] == 0.0
+
+
+def test_nothing_can_be_false_where_the_ct_is_hardly_moved(truth):
+    assert np.isnan(false_bone(volume(k19=255), truth, moved(1.0))["false_bone"])
+
+
+def test_bone_counts_at_its_own_angle_of_incidence(truth):
+    gray = volume(k19=40).array.copy()
+    gray[:, :, ::2] += 10
+    gray[19:21, :, 13:] = 250
+    found = by_incidence(Volume(gray, GRID.ijk_to_reference), truth, volume(k0=1))
+    assert found["bone_coverage_0"] == 0.0
+    assert found["bone_coverage_45"] > 0.8
+    assert found["bone_area_15"] != found["bone_area_15"], "there is none"
+
+
+def test_without_the_recording_one_sentence_says_what_to_do(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("AIFRECON_DATA_DIR", str(tmp_path))
+    assert main(["--output", str(tmp_path / "results")]) == 2
+    assert (
+        capsys.readouterr().err == f"study: {tmp_path / 'fibula'} is not there. Set AIFRECON_DATA_DIR to the folder that holds fibula/.\n"
+    )
+
+
+@pytest.fixture(scope="module")
+def real_bone(data_dir):
+    if not (data_dir / "fibula").is_dir():
+        pytest.skip("the fibula is not there")
+    return RealBone(data_dir / "fibula")
+
+
+def test_the_recording_falls_into_the_three_passes_that_its_page_names(real_bone):
+    passes = {name: len(sequence) for name, sequence in real_bone.passes.items()}
+    assert list(passes) == [ALL, "pass 1", "pass 2", "pass 3"]
+    assert passes[ALL] == 568
+    assert 560 < sum(passes.values()) - 568 <= 568
+
+
+def test_the_page_has_a_line_for_every_method_and_error():
+    names = [name for _, name, _ in COLUMNS]
+    names += [f"{what}_{level}" for what in ("precision", "shown") for level in THRESHOLDS]
+    names += [
+        f"{what}_{low}"
+        for what in ("bone_cnr", "bone_coverage", "bone_thickness", "bone_localization_error", "bone_area")
+        for low in INCIDENCES
+    ]
+    numbers = {**dict.fromkeys(names, 0.5), "false_bone": 0.25}
+    rows = [Row("CT in place", ALL, "average", 0.0, numbers), Row("CT in place", ALL, "weighted", 4.0, numbers)]
+    for error in ("1 mm", "2 mm", "4 mm", "6 mm", "2 degrees", "5 degrees"):
+        for side, false in (("one way", 0.25), ("another way", 0.75)):
+            rows.append(Row(f"CT {error} {side}", ALL, "average", 0.0, numbers))
+            rows += [
+                Row(f"CT {error} {side}", ALL, method, 4.0, {**numbers, "false_bone": false})
+                for method in ("aif", "aif-compensated", "weighted")
+            ]
+    page = real_bone_page(rows)
+    assert "CC BY 4.0" in page
+    assert "| 6 mm, weighted | 0.50 | 0.50 | 50.0% | 50.0% | 0.50 | 50.0% | 50.0% | 25.0% | 50.0% |" in page

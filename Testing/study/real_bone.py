@@ -1,0 +1,45 @@
+"""What does each method make of real bone? A cadaver's fibula swept from several angles, its CT in place and misplaced.
+
+    python Testing/study real_bone --output real-bone-output
+
+writes real-bone.md and three pictures; an interrupted run goes on where it stopped. Half an hour on one core.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from AIFReconLib.errors import AIFReconError
+from AIFReconLib.evaluation.figures import require_matplotlib
+from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.terminal.console import ProgressBar
+
+from .real_bone_cases import RealBone
+from .real_bone_figures import real_bone_figures
+from .real_bone_page import real_bone_page
+
+
+def main(words: list[str]) -> int:
+    """Run what is missing, then write the page and the pictures; the answer is the exit status."""
+    parser = argparse.ArgumentParser(prog="python Testing/study real_bone", description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder to keep the results in; made if it is not there")
+    output: Path = parser.parse_args(words).output
+    try:
+        require_matplotlib()
+        bone = RealBone.found()
+        output.mkdir(parents=True, exist_ok=True)
+        with ProgressBar() as progress:
+            rows = bone.rows(output, progress)
+            page = output / "real-bone.md"
+            write_text(page, real_bone_page(rows))
+            written = [page, *real_bone_figures(output, bone, rows)]
+    except (AIFReconError, OSError) as error:
+        print(f"study: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("study: interrupted; the same command goes on where it stopped", file=sys.stderr)
+        return 130
+    print("\n  wrote ".join([f"{len(rows)} reconstructions of a real bone", *map(str, written)]))
+    return 0

@@ -1,0 +1,209 @@
+"""The cases of the study on real bone: a recorded sweep of a fibula with its CT, in place and misplaced, and what methods make of it."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.compounding.state import Reconstruction
+from AIFReconLib.errors import FileFormatError
+from AIFReconLib.evaluation.metrics import evaluate
+from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.volume.files import read_labels
+from AIFReconLib.message import Message
+from AIFReconLib.progress import Progress, report
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.settings import BONE_METHODS, ReconstructionSettings
+from AIFReconLib.sweep.edits import select_frames
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
+
+from .patients import read_rows
+from .real_bone_measures import by_incidence, false_bone, precision, reached_points
+
+SPACING, HOLE_LIMIT = 0.5, 1.0
+SIGMA = 4.0
+"""mm; width of the bone map, for every method alike, where a case does not say otherwise."""
+
+PROBE = ProbeGeometry(LINEAR)
+ALL = "all"
+PASS_GAP, PASS_FRAMES = 1.0, 20
+"""s without a frame that part two passes, and the fewest frames of one."""
+
+SHIFTS, TURNS, WIDTHS = (1.0, 2.0, 4.0, 6.0), (2.0, 5.0), (1.5, 2.0, 6.0)
+"""mm, degrees, and mm of the bone map."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One reconstruction and its numbers."""
+
+    condition: str
+    frames: str
+    method: str
+    sigma: float
+    metrics: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """Frames, a place of the CT, a width of its bone map, and the methods that are tried with them."""
+
+    condition: str
+    methods: tuple[str, ...]
+    frames: str = ALL
+    sigma: float = SIGMA
+    ct_error: np.ndarray = field(default_factory=lambda: np.eye(4))
+
+    @property
+    def name(self) -> str:
+        """Tells it from the others; names its files."""
+        return f"{self.condition} {self.frames} map {self.sigma:g} mm".replace(" ", "-")
+
+
+class RealBone:
+    """The recording, its truth, and the cases; `folder` holds ``fibula-distal.igs.mha`` and ``fibula-labels.nrrd``."""
+
+    def __init__(self, folder: Path):
+        self.sequence: TrackedSequence = read_sequence(folder / "fibula-distal.igs.mha")
+        self.labels: Volume = read_labels(folder / "fibula-labels.nrrd")
+
+    @classmethod
+    def found(cls) -> RealBone:
+        """That in AIFRECON_DATA_DIR, else in shared/data beside the repository, where the tests look too.
+
+        Raises
+        ------
+        FileFormatError
+            When it is not there.
+        """
+        beside = Path(__file__).resolve().parents[3] / "shared" / "data"
+        folder = Path(os.environ.get("AIFRECON_DATA_DIR") or beside) / "fibula"
+        if not folder.is_dir():
+            raise FileFormatError("{folder} is not there. Set AIFRECON_DATA_DIR to the folder that holds fibula/.", folder=folder)
+        return cls(folder)
+
+    @cached_property
+    def truth(self) -> BoneTruth:
+        """The surface from CT, and what the beams of all passes could reach of it."""
+        return bone_truth(self.labels, SweepBeams.of_sequence(self.sequence, probe=PROBE))
+
+    @cached_property
+    def seen(self) -> np.ndarray:
+        """Which points of the surface beams could reach, (n,) bool."""
+        return reached_points(self.truth)
+
+    @cached_property
+    def reached(self) -> tuple[np.ndarray, np.ndarray]:
+        """These points and their normals, (m, 3) each."""
+        return self.truth.surface.points_reference[self.seen], self.truth.surface.normals_reference[self.seen]
+
+    @cached_property
+    def passes(self) -> dict[str, TrackedSequence]:
+        """All frames, and those of each pass along the bone, by name."""
+        times = np.array([record.timestamp for record in self.sequence.records])
+        edges = [0, *(np.flatnonzero(np.diff(times) > PASS_GAP) + 1), len(times)]
+        pieces = [(start, stop) for start, stop in pairwise(edges) if stop - start >= PASS_FRAMES]
+        single = {f"pass {n}": select_frames(self.sequence, start, stop - 1) for n, (start, stop) in enumerate(pieces, 1)}
+        return {ALL: self.sequence, **single}
+
+    def cases(self) -> Iterator[Case]:
+        """Everything that is tried."""
+        with_bone = ("average", *BONE_METHODS)
+        yield Case("CT in place", ("average", "latest", "maximum", *BONE_METHODS))
+        for name in self.passes:
+            if name != ALL:
+                yield Case("CT in place", with_bone, name)
+        for sigma in WIDTHS:
+            yield Case("CT in place", BONE_METHODS, sigma=sigma)
+        axes = self.axes
+        for mm in SHIFTS:
+            for name, sign, axis in (("away from the probe", 1, 0), ("toward it", -1, 0), ("to one side", 1, 1), ("to the other", -1, 1)):
+                moved = np.eye(4)
+                moved[:3, 3] = sign * mm * axes[axis]
+                yield Case(f"CT {mm:g} mm {name}", with_bone, ct_error=moved)
+        for degrees in TURNS:
+            for name, axis in (("across the beams", 1), ("along the beams", 0)):
+                yield Case(f"CT {degrees:g} degrees about an axis {name}", with_bone, ct_error=self._turned(axes[axis], degrees))
+
+    def rows(self, folder: Path, progress: Progress | None = None) -> list[Row]:
+        """The rows of all cases, made or, where an earlier run has written them to `folder`, read: one file for each."""
+        tasks, rows = [(case, method) for case in self.cases() for method in case.methods], []
+        for number, (case, method) in enumerate(tasks):
+            report(progress, number / len(tasks), Message("{done} of {count} reconstructions done", done=number, count=len(tasks)))
+            path = folder / f"{case.name}-{method}.json"
+            if not path.exists():
+                write_text(path, json.dumps([asdict(self.row(case, method))], indent=1) + "\n")
+            rows += read_rows(path, Row)
+        return rows
+
+    def row(self, case: Case, method: str) -> Row:
+        """Reconstruct and measure."""
+        result, metrics = self.reconstructed(case, method), {}
+        metrics.update(evaluate(result.intensity, self.truth, result.mask).to_dict())
+        metrics.update(precision(result.intensity, self.truth))
+        if np.array_equal(case.ct_error, np.eye(4)):
+            metrics.update(by_incidence(result.intensity, self.truth, result.mask))
+        else:
+            metrics.update(false_bone(result.intensity, self.truth, case.ct_error))
+        return Row(case.condition, case.frames, method, case.sigma if method in BONE_METHODS else 0.0, metrics)
+
+    def reconstructed(self, case: Case, method: str) -> Reconstruction:
+        """The volume of a case by a method; where none of it depends on the CT, that made before."""
+        if method in BONE_METHODS:
+            bone = self._map(case.sigma)
+            inside = bone.inside.placed_by(case.ct_error) if bone.inside else None
+            return self._reconstruct(self.passes[case.frames], method, BoneMap(bone.probability.placed_by(case.ct_error), inside))
+        if (method, case.frames) not in self._without_ct:
+            self._without_ct[method, case.frames] = self._reconstruct(self.passes[case.frames], method, None)
+        return self._without_ct[method, case.frames]
+
+    @cached_property
+    def _without_ct(self) -> dict[tuple[str, str], Reconstruction]:
+        return {}
+
+    @cached_property
+    def _maps(self) -> dict[float, BoneMap]:
+        return {}
+
+    def _map(self, sigma: float) -> BoneMap:
+        if sigma not in self._maps:
+            self._maps[sigma] = BoneMap.from_labels(self.labels, sigma_mm=sigma)
+        return self._maps[sigma]
+
+    def _reconstruct(self, sequence: TrackedSequence, method: str, bone: BoneMap | None) -> Reconstruction:
+        settings = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT)
+        return reconstruct(sequence, settings, bone, probe=PROBE)
+
+    @cached_property
+    def axes(self) -> np.ndarray:
+        """Unit vectors in Reference as rows: along the mean beam, across the beams and the bone, and along the bone."""
+        poses = sweep_poses(self.sequence)
+        beam = poses.image_to_reference[poses.usable][:, :3, 1].mean(axis=0)
+        points = self.reached[0]
+        along = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0]
+        beam = beam - (beam @ along) * along
+        beam /= np.linalg.norm(beam)
+        return np.stack([beam, np.cross(along, beam), along])
+
+    def _turned(self, axis: np.ndarray, degrees: float) -> np.ndarray:
+        """A turn about an axis through the middle of the bone that beams reached."""
+        angle, (x, y, z) = np.radians(degrees), axis
+        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        turn = np.eye(4)
+        turn[:3, :3] = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+        middle = self.reached[0].mean(axis=0)
+        turn[:3, 3] = middle - turn[:3, :3] @ middle
+        return turn

@@ -1,0 +1,147 @@
+"""The study on real bone in pictures: cuts across it, its surface seen from the probe, and curves."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import ndimage
+
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.disk.atomic import atomic_output
+from AIFReconLib.settings import BONE_METHODS
+
+from .method_figure import COLORS
+from .real_bone_cases import ALL, SIGMA, Case, RealBone, Row
+from .real_bone_measures import INCIDENCES, THRESHOLDS, incidence, surface_response
+from .real_bone_page import IN_PLACE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SOURCE = "Ultrasound and CT: UltraBones100k (Wu, Cavalcanti, Seibold et al.), CC BY 4.0; reconstructed by AIFRecon."
+SHOWN = ("average", *BONE_METHODS)
+PLACES = (0.15, 0.4, 0.65, 0.9)
+"""Of the cuts along the bone: parts of its points that lie before."""
+
+CUT, PITCH = 30.0, 0.25
+"""mm. Side of a cut and of its pixels."""
+
+
+def real_bone_figures(folder: Path, bone: RealBone, rows: list[Row]) -> list[Path]:
+    """Draw all three; the answer names the files.
+
+    Raises
+    ------
+    OutputError
+        When a file cannot be written.
+    """
+    case = Case(IN_PLACE, SHOWN)
+    volumes = {method: bone.reconstructed(case, method).intensity for method in SHOWN}
+    drawn = {
+        "real-bone-cuts.png": _cuts(bone, volumes),
+        "real-bone-surface.png": _surface(bone, volumes),
+        "real-bone-curves.png": _curves(
+            [row for row in rows if row.frames == ALL and row.condition == IN_PLACE and row.sigma in (0, SIGMA)]
+        ),
+    }
+    for name, figure in drawn.items():
+        with atomic_output(folder / name) as temporary:
+            figure.savefig(temporary, dpi=110, format="png")
+    return [folder / name for name in drawn]
+
+
+def _figure(width: float, height: float) -> Figure:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained", facecolor="white")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _cuts(bone: RealBone, volumes: dict[str, Volume]) -> Figure:
+    """Cuts across the bone, the probe above, the CT's outline over them."""
+    down, across, _ = bone.axes
+    points = bone.reached[0]
+    figure = _figure(2.6 * len(volumes), 2.7 * len(PLACES))
+    axes = figure.subplots(len(PLACES), len(volumes))
+    pixels = (np.arange(-CUT / 2, CUT / 2, PITCH) + PITCH / 2)[:, None]
+    plane = pixels[None] * across + pixels[:, None] * down
+    along = points @ bone.axes[2]
+    for ax, method in zip(axes[0], volumes, strict=True):
+        ax.set_title(method, fontsize=11)
+    for line, place in zip(axes, PLACES, strict=True):
+        near = np.abs(along - np.quantile(along, place)) < 2.0
+        middle = points[near].mean(axis=0) + 3.0 * down
+        outline = _sampled(bone.truth.distance, middle + plane, outside=1.0)
+        for ax, volume in zip(line, volumes.values(), strict=True):
+            ax.imshow(_sampled(volume, middle + plane), cmap="gray", vmin=0, vmax=255, extent=(0, CUT, CUT, 0))
+            ax.contour(outline, [0.0], colors="#ff9a1f", linewidths=0.7, extent=(0, CUT, 0, CUT))
+            ax.set_axis_off()
+    axes[0, 0].plot([2, 12], [28, 28], color="white", linewidth=2)
+    axes[0, 0].text(7, 27, "10 mm", color="white", fontsize=8, ha="center", va="bottom")
+    figure.supxlabel(f"{SOURCE} Orange: the bone from CT.", fontsize=8)
+    return figure
+
+
+def _surface(bone: RealBone, volumes: dict[str, Volume]) -> Figure:
+    """The surface that beams reached, its points in the gray level that the volume shows there."""
+    points, normals = bone.reached
+    down, across, along = bone.axes
+    beside, length, height = points @ across, points @ along, points @ down
+    angle = np.radians(20.0)
+    # Seen from the probe, from one side a little, so that both flanks show
+    x, depth = beside * np.cos(angle) - height * np.sin(angle), height * np.cos(angle) + beside * np.sin(angle)
+    order = np.argsort(-depth)
+    figure = _figure(10.0, 1.6 * (len(volumes) + 1))
+    axes = figure.subplots(len(volumes) + 1, 1)
+    steep = incidence(bone.truth)[bone.seen]
+    drawn = [("best angle of incidence", steep, "viridis", 85)]
+    drawn += [(method, surface_response(volume, points, normals), "gray", 255) for method, volume in volumes.items()]
+    for ax, (name, values, colors, most) in zip(axes, drawn, strict=True):
+        shown = ax.scatter(length[order], x[order], c=values[order], s=11, cmap=colors, vmin=0, vmax=most, linewidths=0)
+        ax.set_facecolor("black")
+        ax.set_aspect("equal")
+        ax.set_xticks([])
+        ax.set_yticks([])
+        ax.set_title(name, fontsize=10, loc="left")
+        figure.colorbar(shown, ax=ax, label="degrees" if most == 85 else "gray level", pad=0.01)
+    figure.supxlabel(f"{SOURCE} The brightest within 1.5 mm of each point of bone.", fontsize=8)
+    return figure
+
+
+def _curves(rows: list[Row]) -> Figure:
+    """Coverage and CNR against incidence, and precision against what is shown."""
+    figure = _figure(12.0, 3.8)
+    covered, contrast, precise = figure.subplots(1, 3)
+    middles = [(low + high) / 2 for low, high in pairwise(INCIDENCES)]
+    for row in rows:
+        if row.method in COLORS:
+            look = {"color": COLORS[row.method], "label": row.method, "marker": "o", "markersize": 3.5}
+            covered.plot(middles, [100 * row.metrics[f"bone_coverage_{low}"] for low in INCIDENCES[:-1]], **look)
+            contrast.plot(middles, [row.metrics[f"bone_cnr_{low}"] for low in INCIDENCES[:-1]], **look)
+            curve = [(100 * row.metrics[f"shown_{level}"], 100 * row.metrics[f"precision_{level}"]) for level in THRESHOLDS]
+            precise.plot(*np.array(curve).T, **look)
+    for ax, title, label in (
+        (covered, "coverage, %", "best angle of incidence, degrees"),
+        (contrast, "CNR", "best angle of incidence, degrees"),
+        (precise, "of bright voxels near bone, % within 1.5 mm of it", "of bone that beams reached, % shown so bright"),
+    ):
+        ax.set_title(title, fontsize=10, loc="left")
+        ax.set_xlabel(label, fontsize=9)
+        ax.grid(linewidth=0.3)
+        for side in ("top", "right"):
+            ax.spines[side].set_visible(False)
+    handles, labels = covered.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(handles), frameon=False, fontsize=10)
+    return figure
+
+
+def _sampled(volume: Volume, points: np.ndarray, outside: float = 0.0) -> np.ndarray:
+    ijk = transform_points(volume.grid.reference_to_ijk, points.reshape(-1, 3))
+    values = ndimage.map_coordinates(volume.array, ijk.T[::-1], output=np.float32, order=1, cval=outside)
+    return values.reshape(points.shape[:-1])

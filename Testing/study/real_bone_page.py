@@ -1,0 +1,126 @@
+"""The numbers of the study on real bone as a page of tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import pairwise
+
+import numpy as np
+
+from AIFReconLib.settings import BONE_METHODS
+
+from .real_bone_cases import ALL, HOLE_LIMIT, SHIFTS, SIGMA, SPACING, TURNS, WIDTHS, Row
+from .real_bone_measures import BRIGHT, ELSEWHERE, INCIDENCES
+
+SOURCE = (
+    "Ultrasound and CT: the example record of UltraBones100k (Wu, Cavalcanti, Seibold and others), published under "
+    "[CC BY 4.0](https://creativecommons.org/licenses/by/4.0/); reconstructed here, which changed the images."
+)
+COLUMNS = (
+    ("CNR", "bone_cnr", ".2f"),
+    ("CNR oblique", "oblique_cnr", ".2f"),
+    ("coverage %", "bone_coverage", ".1%"),
+    ("coverage oblique %", "oblique_coverage", ".1%"),
+    ("thickness mm", "bone_thickness", ".2f"),
+    ("off mm", "bone_localization_error", ".2f"),
+    ("shadow", "shadow_mean", ".1f"),
+    ("speckle SNR", "speckle_snr", ".2f"),
+    (f"on bone above {BRIGHT}", f"precision_{BRIGHT}", ".1%"),
+    ("inside it", f"inside_{BRIGHT}", ".1%"),
+    ("outside", f"outside_{BRIGHT}", ".1%"),
+)
+MISPLACED = ("CNR", "CNR oblique", "coverage %", "coverage oblique %", "off mm", f"on bone above {BRIGHT}")
+IN_PLACE = "CT in place"
+METHODS = ("average", *BONE_METHODS)
+SHOWN = (120, 150, BRIGHT, 210)
+
+
+def real_bone_page(rows: list[Row]) -> str:
+    """The tables as Markdown."""
+    sections = {
+        "CT in place, all frames": _table(COLUMNS, [(row.method, row) for row in rows if _exact(row)]),
+        "CT in place, single passes": _table(
+            COLUMNS, [(f"{row.frames}, {row.method}", row) for row in rows if row.condition == IN_PLACE and row.frames != ALL]
+        ),
+        "By the best angle of incidence": _by_incidence(rows),
+        "Bright voxels": _bright(rows),
+        "Width of the bone map": _table(
+            COLUMNS,
+            [
+                (f"{row.sigma:g} mm, {row.method}", row)
+                for sigma in sorted({*WIDTHS, SIGMA})
+                for row in rows
+                if row.condition == IN_PLACE and row.frames == ALL and row.sigma == sigma
+            ],
+        ),
+        "A misplaced CT": _misplaced(rows),
+    }
+    head = (
+        f"Voxels of {SPACING:g} mm, holes to {HOLE_LIMIT:g} mm, bone map of {SIGMA:g} mm where nothing else is said. Of the voxels above "
+        f"a gray level within 8 mm of the bone, so many lie within 1.5 mm of its surface, deeper inside it, and farther outside. {SOURCE}"
+    )
+    return "\n\n".join([head, *(f"### {title}\n\n{table}" for title, table in sections.items())]) + "\n"
+
+
+def _exact(row: Row) -> bool:
+    return row.condition == IN_PLACE and row.frames == ALL and row.sigma in (0.0, SIGMA)
+
+
+def _table(columns: Iterable[tuple[str, str, str]], lines: Iterable[tuple[str, Row]]) -> str:
+    columns = tuple(columns)
+    text = _head(label for label, _, _ in columns)
+    for name, row in lines:
+        text.append(_line(name, (_cell(row.metrics[metric], form) for _, metric, form in columns)))
+    return "\n".join(text)
+
+
+def _by_incidence(rows: list[Row]) -> str:
+    bins = [f"{low} to {high}" for low, high in pairwise(INCIDENCES)]
+    text = _head(bins)
+    exact = [row for row in rows if _exact(row)]
+    text.append(_line("cm², of bone reached", (_cell(exact[0].metrics[f"bone_area_{low}"] / 100, ".1f") for low in INCIDENCES[:-1])))
+    for label, metric, form in (COLUMNS[2], COLUMNS[0], COLUMNS[4], COLUMNS[5]):
+        for row in exact:
+            if row.method in METHODS:
+                cells = (_cell(row.metrics[f"{metric}_{low}"], form) for low in INCIDENCES[:-1])
+                text.append(_line(f"{label}, {row.method}", cells))
+    return "\n".join(text)
+
+
+def _bright(rows: list[Row]) -> str:
+    text = _head(f"{what} {level}" for level in SHOWN for what in ("on bone above", "of bone shown above"))
+    for row in rows:
+        if _exact(row):
+            numbers = (row.metrics[f"{what}_{level}"] for level in SHOWN for what in ("precision", "shown"))
+            text.append(_line(row.method, (_cell(number, ".1%") for number in numbers)))
+    return "\n".join(text)
+
+
+def _misplaced(rows: list[Row]) -> str:
+    """Means over the directions; of false bone beyond average's the mean and the worst."""
+    columns = [each for each in COLUMNS if each[0] in MISPLACED]
+    text = _head([*(label for label, _, _ in columns), "false bone", "beyond average's", "at worst"])
+    for error in (*(f"{mm:g} mm" for mm in SHIFTS), *(f"{degrees:g} degrees" for degrees in TURNS)):
+        of_error = [row for row in rows if row.condition.startswith(f"CT {error}")]
+        average = {row.condition: row.metrics["false_bone"] for row in of_error if row.method == "average"}
+        for method in METHODS:
+            some = [row for row in of_error if row.method == method]
+            beyond = np.array([row.metrics["false_bone"] - average[row.condition] for row in some])
+            cells = [_cell(float(np.mean([row.metrics[metric] for row in some])), form) for _, metric, form in columns]
+            false = float(np.nanmean([row.metrics["false_bone"] for row in some])) if np.isfinite(beyond).any() else float("nan")
+            most = (float(np.nanmean(beyond)), float(np.nanmax(beyond))) if np.isfinite(beyond).any() else (float("nan"),) * 2
+            text.append(_line(f"{error}, {method}", [*cells, *(_cell(each, ".1%") for each in (false, *most))]))
+    return "\n".join([*text, "", f"False bone: bright where the misplaced CT expects bone {ELSEWHERE:g} mm or more from where it is."])
+
+
+def _head(labels: Iterable[str]) -> list[str]:
+    labels = tuple(labels)
+    return ["| | " + " | ".join(labels) + " |", "|---" * (len(labels) + 1) + "|"]
+
+
+def _line(name: str, cells: Iterable[str]) -> str:
+    return f"| {name} | " + " | ".join(cells) + " |"
+
+
+def _cell(number: float, form: str) -> str:
+    return "-" if number != number else format(number, form)
