@@ -16,7 +16,7 @@ from AIFReconLib.evaluation.figures import require_matplotlib
 from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.terminal.console import ProgressBar
 
-from .real_bone_cases import RealBone
+from .real_bone_cases import RealBone, real_bone_rows
 from .real_bone_figures import real_bone_figures
 from .real_bone_page import real_bone_page
 
@@ -25,13 +25,17 @@ def main(words: list[str]) -> int:
     """Run what is missing, then write the page and the pictures; the answer is the exit status."""
     parser = argparse.ArgumentParser(prog="python Testing/study real_bone", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder to keep the results in; made if it is not there")
-    output: Path = parser.parse_args(words).output
+    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="reconstructions at a time (default: %(default)s)")
+    arguments = parser.parse_args(words)
+    if arguments.jobs < 1:
+        parser.error("a study takes at least 1 job")
+    output: Path = arguments.output
     try:
         require_matplotlib()
         bone = RealBone.found()
         output.mkdir(parents=True, exist_ok=True)
         with ProgressBar() as progress:
-            rows = bone.rows(output, progress)
+            rows = real_bone_rows(bone, output, arguments.jobs, progress)
             page = output / "real-bone.md"
             write_text(page, real_bone_page(rows))
             written = [page, *real_bone_figures(output, bone, rows)]

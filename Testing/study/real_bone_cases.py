@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import cache, cached_property
 from itertools import pairwise
 from pathlib import Path
 
@@ -19,18 +18,16 @@ from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
-from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_labels
-from AIFReconLib.message import Message
-from AIFReconLib.progress import Progress, report
+from AIFReconLib.progress import Progress
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import BONE_METHODS, ReconstructionSettings
 from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
-from .patients import read_rows
+from .patients import run_tasks
 from .real_bone_measures import by_incidence, false_bone, precision, reached_points
 
 SPACING, HOLE_LIMIT = 0.5, 1.0
@@ -77,6 +74,7 @@ class RealBone:
     """The recording, its truth, and the cases; `folder` holds ``fibula-distal.igs.mha`` and ``fibula-labels.nrrd``."""
 
     def __init__(self, folder: Path):
+        self.folder = folder
         self.sequence: TrackedSequence = read_sequence(folder / "fibula-distal.igs.mha")
         self.labels: Volume = read_labels(folder / "fibula-labels.nrrd")
 
@@ -138,17 +136,6 @@ class RealBone:
             for name, axis in (("across the beams", 1), ("along the beams", 0)):
                 yield Case(f"CT {degrees:g} degrees about an axis {name}", with_bone, ct_error=self._turned(axes[axis], degrees))
 
-    def rows(self, folder: Path, progress: Progress | None = None) -> list[Row]:
-        """The rows of all cases, made or, where an earlier run has written them to `folder`, read: one file for each."""
-        tasks, rows = [(case, method) for case in self.cases() for method in case.methods], []
-        for number, (case, method) in enumerate(tasks):
-            report(progress, number / len(tasks), Message("{done} of {count} reconstructions done", done=number, count=len(tasks)))
-            path = folder / f"{case.name}-{method}.json"
-            if not path.exists():
-                write_text(path, json.dumps([asdict(self.row(case, method))], indent=1) + "\n")
-            rows += read_rows(path, Row)
-        return rows
-
     def row(self, case: Case, method: str) -> Row:
         """Reconstruct and measure."""
         result, metrics = self.reconstructed(case, method), {}
@@ -207,3 +194,20 @@ class RealBone:
         middle = self.reached[0].mean(axis=0)
         turn[:3, 3] = middle - turn[:3, :3] @ middle
         return turn
+
+
+def real_bone_rows(bone: RealBone, folder: Path, jobs: int = 2, progress: Progress | None = None) -> list[Row]:
+    """The rows of all cases, made or, where an earlier run has written them to `folder`, read: one file for each case and method."""
+    given = {f"{case.name}-{method}": (bone.folder, case, method) for case in bone.cases() for method in case.methods}
+    return run_tasks(_rows_of, given, Row, folder, jobs, progress, "reconstructions")
+
+
+def _rows_of(given: tuple[Path, Case, str]) -> list[Row]:
+    folder, case, method = given
+    return [_opened(folder).row(case, method)]
+
+
+@cache
+def _opened(folder: Path) -> RealBone:
+    """Once in a process: it takes seconds."""
+    return RealBone(folder)
