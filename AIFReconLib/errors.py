@@ -28,6 +28,10 @@ class AIFReconError(Exception):
     def __init__(self, message: str = "", /, **values: object):
         super().__init__(message if isinstance(message, Message) and not values else Message(message, **values))
 
+    def __reduce__(self) -> tuple[type[AIFReconError], tuple[object, ...], dict[str, object]]:
+        """Made anew from its message in another process; Dask takes errors apart that do not say how."""
+        return type(self), self.args, self.__dict__
+
     def __str__(self) -> str:
         """The sentence for who calls the library from Python; `said` has it for the command line."""
         sentence: Message = self.args[0]

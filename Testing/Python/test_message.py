@@ -67,6 +67,14 @@ def test_every_error_keeps_its_template_through_a_process_boundary(kind):
     assert translated(error, german) == "Bild 3 fehlt"
 
 
+@pytest.mark.parametrize("kind", DOMAIN_ERRORS)
+def test_every_error_comes_back_from_a_worker_of_dask(kind):
+    # What Dask does with every kind of error as soon as it is imported
+    pytest.importorskip("tblib.pickling_support").install(kind)
+    error = pickle.loads(pickle.dumps(kind("frame {number} is missing", number=3)))
+    assert translated(error, german) == "Bild 3 fehlt"
+
+
 def test_an_error_made_of_another_message_keeps_it():
     error = OutputError(SettingsError("frame {number} is missing", number=3).args[0])
     assert translated(error, german) == "Bild 3 fehlt"
