@@ -54,19 +54,28 @@ def carry_out(
     prepare : callable
         Called before anything else; may refuse.
     """
-    try:
+
+    def work_through() -> list[str]:
         prepare()
         arguments.output.mkdir(parents=True, exist_ok=True)
         with ProgressBar() as progress:
             rows = run_study(work, row, arguments.output, range(arguments.patients), arguments.jobs, progress)
-        written = write(rows)
+        return [f"{len(rows)} {counted} of {arguments.patients} simulated patients", *map(str, write(rows))]
+
+    return reported(work_through)
+
+
+def reported(work_through: Callable[[], list[str]]) -> int:
+    """Work, and print what was done and the files that it wrote, or in one line why not; the answer is the exit status."""
+    try:
+        done = work_through()
     except (AIFReconError, OSError) as error:
         print(f"study: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("study: interrupted; the same command goes on where it stopped", file=sys.stderr)
         return 130
-    print("\n  wrote ".join([f"{len(rows)} {counted} of {arguments.patients} simulated patients", *map(str, written)]))
+    print("\n  wrote ".join(done))
     return 0
 
 

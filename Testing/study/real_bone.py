@@ -8,14 +8,13 @@ writes real-bone.md and three pictures; an interrupted run goes on where it stop
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
-from AIFReconLib.errors import AIFReconError
 from AIFReconLib.evaluation.figures import require_matplotlib
 from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.terminal.console import ProgressBar
 
+from .command import reported
 from .real_bone_cases import RealBone, real_bone_rows
 from .real_bone_figures import real_bone_figures
 from .real_bone_page import real_bone_page
@@ -30,7 +29,8 @@ def main(words: list[str]) -> int:
     if arguments.jobs < 1:
         parser.error("a study takes at least 1 job")
     output: Path = arguments.output
-    try:
+
+    def work_through() -> list[str]:
         require_matplotlib()
         bone = RealBone.found()
         output.mkdir(parents=True, exist_ok=True)
@@ -39,11 +39,6 @@ def main(words: list[str]) -> int:
             page = output / "real-bone.md"
             write_text(page, real_bone_page(rows))
             written = [page, *real_bone_figures(output, bone, rows)]
-    except (AIFReconError, OSError) as error:
-        print(f"study: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("study: interrupted; the same command goes on where it stopped", file=sys.stderr)
-        return 130
-    print("\n  wrote ".join([f"{len(rows)} reconstructions of a real bone", *map(str, written)]))
-    return 0
+        return [f"{len(rows)} reconstructions of a real bone", *map(str, written)]
+
+    return reported(work_through)
