@@ -125,3 +125,5 @@ class AIFReconParameterNode:
     volumeRendering: bool = False
     showProbe: bool = False
     showOutlines: bool = False
+    showMeasured: bool = False
+    showRaised: bool = True

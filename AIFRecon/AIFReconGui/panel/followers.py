@@ -3,6 +3,7 @@
 from AIFReconScene.display.boneOutlines import BoneOutlines
 
 from ..methodChooser import MethodChooser
+from ..picture.picturePanel import PicturePanel
 from .boxChooser import BoxChooser
 from .pathField import PATHS, PathField
 from .reportPanel import ReportPanel
@@ -26,4 +27,5 @@ def followersOf(ui, logic) -> tuple:
         BoxChooser(),
         BoneOutlines(),
         ReportPanel(ui, logic.trackingReport),
+        PicturePanel(ui.displayCollapsibleButton.layout()),
     )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from AIFReconLib.errors import SettingsError
+from AIFReconLib.errors import AIFReconError, OperationCanceled, SettingsError
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion, chosen_region
 from AIFReconLib.progress import part
 
@@ -253,18 +253,41 @@ class PreparedInputs:
 
         return inBackground(work, progress)
 
+    def measured(self, settings, result, progress=None) -> Volume:
+        """The plain mean of the echoes on the voxels of a result that a method has made, with the same holes filled."""
+
+        from AIFReconLib import reconstruct
+
+        plain = replace(settings, method="average", best_cosine=False, hole_limit=result.hole_limit or settings.hole_limit)
+
+        def work(progress):
+            imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}
+            return reconstruct(self.sequence, plain, None, result.grid, progress=progress, **imaging).intensity
+
+        return inBackground(work, progress)
+
 
 def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False) -> tuple:
-    """A `Reconstruction`, the sequence it was made from, and what was done, a line each: where `compared`, also how well the CT agrees."""
+    """A `Reconstruction`, the sequence it was made from, what was done, a line each, and what `outputNodes` keeps beside it, by name.
+
+    Where `compared`, of a method that weights by bone: how well the CT agrees, and the plain echo.
+    """
     from AIFReconLib.inspection.summary import summary_lines
-    from AIFReconLib.message import listed
+    from AIFReconLib.message import Message, listed
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
-    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95))
+    result = prepared.reconstruct(settings, part(progress, 0.1, 0.75))
     lines = summary_lines(result, len(prepared.sequence))
+    beside = {}
     if compared and needsBone(result.method):
-        lines += prepared.comparedLines(part(progress, 0.95, 1.0))
-    return result, prepared.sequence, listed(lines, "\n")
+        lines += prepared.comparedLines(part(progress, 0.75, 0.8))
+        try:
+            beside["measured"] = prepared.measured(settings, result, part(progress, 0.8, 1.0))
+        except OperationCanceled:
+            raise
+        except AIFReconError as error:
+            lines.append(Message("The plain echo was not kept. {error}", error=error))
+    return result, prepared.sequence, listed(lines, "\n"), beside
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:
