@@ -103,7 +103,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._live = LivePanel(self.ui, self._work, self._onParametersModified)
         onBone = (self.ui, self._work, self._live, self.logic.whyNotRegister, self._onParametersModified)
         self._registration, self._guidance = RegistrationPanel(*onBone), GuidancePanel(*onBone)
-        self._followers: tuple[Any, ...] = (*followersOf(self.ui, self.logic), self._registration, self._guidance)
+        self._followers: tuple[Any, ...] = (*followersOf(self.ui, self.logic, self._work), self._registration, self._guidance)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
         self._isSetUp = True
 
@@ -362,13 +362,12 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def _reconstruct(self, inputs, settings, output, keep, progress, compared=False):
         from AIFReconScene.inputs.inputs import reconstructed
-        from AIFReconScene.volumes.volumeNodes import outputNodes
+        from AIFReconScene.picture.kept import keptNodes
 
         result, sequence, report, beside = reconstructed(inputs, settings, part(progress, 0.0, 0.95), compared)
         self._tracking.remember(inputs, sequence, result)
         slicer.mrmlScene.SaveStateForUndo()
-        nodes = outputNodes(result, inputs.name, ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes(), **beside)
-        return nodes, report
+        return keptNodes(result, beside, inputs, output, keep), report
 
 
 class AIFReconTest(ScriptedLoadableModuleTest):

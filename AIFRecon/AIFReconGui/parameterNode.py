@@ -127,3 +127,5 @@ class AIFReconParameterNode:
     showOutlines: bool = False
     showMeasured: bool = False
     showRaised: bool = True
+    showSpine: bool = True
+    probeUp: bool = False

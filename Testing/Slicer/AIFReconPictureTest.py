@@ -2,9 +2,11 @@
 
 import pathlib
 import sys
+import tempfile
 import unittest
 
 import numpy as np
+import qt
 import slicer
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
@@ -21,7 +23,8 @@ class AIFReconPictureTest(unittest.TestCase):
         slicer.util.selectModule("AIFRecon")
         self.widget = slicer.modules.AIFReconWidget
         self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
-        self.picture = next(each for each in self.widget._followers if type(each).__name__ == "PicturePanel")
+        followers = getattr(self.widget, "_followers", None) or self.widget._recorded._followers
+        self.picture = next(each for each in followers if type(each).__name__ == "PicturePanel")
 
     def tearDown(self):
         slicer.mrmlScene.Clear()
@@ -121,3 +124,134 @@ class AIFReconPictureTest(unittest.TestCase):
         self.reconstruct()
         self.assertEqual(self.composite("Green").GetLabelVolumeID(), other.GetID())
         self.assertNotEqual(self.composite("Red").GetLabelVolumeID(), other.GetID())
+
+    # ---- bone in 3D
+
+    def showBone(self):
+        """Apply is pressed, and bone shows as a plate on the near face of the slab; the model that is kept beside the output."""
+        from AIFReconScene.inputs.boneNodes import labelsFromNode
+        from AIFReconScene.picture.spineView import keepSpine
+
+        from AIFReconLib.geometry.volume import Volume
+        from AIFReconLib.inspection.shown_bone import ShownBone
+        from AIFReconLib.registration.bone_field import BoneField
+
+        self.reconstruct()
+        plate = np.zeros((24, 9, 24), np.float32)
+        plate[4:20, 3:6, 4:20] = 1.0
+        bone = BoneField.from_labels(labelsFromNode(self.parameters.bone))
+        field = Volume(plate, tinyScene.moved(-12.0, tinyScene.FACE - 4.0, -12.0))
+        model = keepSpine(self.parameters.output, ShownBone(field, 1, 0, bone, np.eye(4)), "Sweep")
+        self.parameters.opacity = 0.5
+        return model
+
+    def test_the_bone_that_shows_is_a_surface_in_3d_and_the_ct_s_bone_is_translucent_behind(self):
+        model, bone = self.showBone(), self.parameters.bone.GetDisplayNode()
+        self.assertTrue(model.GetDisplayVisibility())
+        points = slicer.util.arrayFromModelPoints(model)
+        self.assertAlmostEqual(points[:, 1].mean(), tinyScene.FACE, delta=0.5)
+        # On a plate that lies on the face, no corner is farther than half of its thickness
+        distances = slicer.util.arrayFromModelPointData(model, model.GetDisplayNode().GetActiveScalarName())
+        self.assertLess(distances.max(), 3.0)
+        self.assertLess(bone.GetOpacity3D(), 0.5)
+        self.parameters.showSpine = False
+        self.assertFalse(model.GetDisplayVisibility())
+        self.assertEqual(bone.GetOpacity3D(), 1.0)
+
+    def test_bone_is_looked_at_from_behind_once_and_then_the_view_is_the_user_s(self):
+        self.showBone()
+        camera = slicer.app.layoutManager().threeDWidget(0).threeDView().cameraNode()
+        looks = np.subtract(camera.GetFocalPoint(), camera.GetPosition())
+        np.testing.assert_allclose(looks / np.linalg.norm(looks), tinyScene.CT_TO_WORLD[:3, 1], atol=1e-6)
+        camera.SetPosition(500.0, 0.0, 0.0)
+        self.parameters.opacity = 0.7
+        self.assertEqual(camera.GetPosition(), (500.0, 0.0, 0.0))
+
+    def test_bone_in_3d_goes_with_the_volume_that_shows_it(self):
+        model, output = self.showBone(), self.parameters.output
+        self.parameters.output = None
+        self.assertFalse(model.GetDisplayVisibility())
+        self.parameters.output = output
+        self.assertTrue(model.GetDisplayVisibility())
+        # Of the slab no frame shows a shadow that is long enough: none of its bone shows
+        self.ui.applyButton.click()
+        self.assertIsNone(model.GetScene())
+        self.assertFalse(self.picture._ui.showSpineCheckBox.enabled)
+        self.assertEqual(self.parameters.bone.GetDisplayNode().GetOpacity3D(), 1.0)
+
+    # ---- slice views
+
+    def axes(self, name):
+        """Right and up of a slice view, RAS."""
+        place = tinyScene.placeOf(slicer.app.layoutManager().sliceWidget(name).mrmlSliceNode())
+        return place[:3, 0], place[:3, 1]
+
+    def test_with_the_probe_s_side_up_the_red_view_lies_as_the_frames_do_and_comes_back(self):
+        self.parameters.sweep = tinyScene.addSweep()
+        before = self.axes("Red")
+        self.picture._ui.probeUpCheckBox.click()
+        right, up = self.axes("Red")
+        # On the mean the frames' rows run along +y, and their columns along +x
+        np.testing.assert_allclose(up, [0.0, -1.0, 0.0], atol=0.1)
+        np.testing.assert_allclose(right, [1.0, 0.0, 0.0], atol=0.1)
+        head_on_the_left, up = self.axes("Yellow")
+        np.testing.assert_allclose((head_on_the_left, up), [[0.0, 0.0, -1.0], [0.0, -1.0, 0.0]], atol=0.1)
+        right, up = self.axes("Green")
+        np.testing.assert_allclose((right, up), [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=0.1)
+        self.picture._ui.probeUpCheckBox.click()
+        np.testing.assert_allclose(self.axes("Red"), before, atol=1e-6)
+
+    def test_gray_levels_of_a_preset_are_those_of_ultrasound_and_ct_and_no_voxel_changes(self):
+        output = self.reconstruct()
+        voxels = slicer.util.arrayFromVolume(output).copy()
+        brightest = output.GetDisplayNode().GetWindowLevelMax()
+        self.picture.onWindow(1)
+        ct = self.parameters.ctVolume.GetDisplayNode()
+        self.assertEqual((ct.GetWindowLevelMin(), ct.GetWindowLevelMax()), (-200.0, 900.0))
+        for node in (output, self.measured()):
+            self.assertAlmostEqual(node.GetDisplayNode().GetWindowLevelMin(), 0.2 * brightest)
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(output), voxels)
+
+    # ---- report
+
+    def test_the_line_says_what_is_to_be_known(self):
+        self.reconstruct()
+        self.picture._ui.copyLineButton.click()
+        line = qt.QApplication.clipboard().text()
+        self.assertNotIn("\n", line)
+        for words in (
+            self.parameters.output.GetName(),
+            f"{tinyScene.FRAMES - 1} of {tinyScene.FRAMES} frames",
+            "CT agrees",
+            "bone met",
+            "AIFRecon",
+        ):
+            self.assertIn(words, line)
+
+    def test_the_page_stands_alone_with_pictures_sweep_agreement_coverage_and_settings(self):
+        self.showBone()
+        with tempfile.TemporaryDirectory() as folder:
+            self.picture.saveReport(pathlib.Path(folder) / "one")
+            page = (pathlib.Path(folder) / "one.html").read_text("utf-8")
+        self.assertEqual(page.count("data:image/png;base64,"), 7)
+        for words in ("as measured", "CT and sweep", "Bone met by the beams", "weight_floor", "frames used".capitalize(), "AIFRecon"):
+            self.assertIn(words, page)
+        self.assertNotIn("://", page)
+
+    def test_where_it_cannot_be_written_one_message_says_so_and_nothing_is_left(self):
+        self.reconstruct()
+        with tempfile.TemporaryDirectory() as folder:
+            place = pathlib.Path(folder) / "missing" / "report.html"
+            said = []
+            shown, slicer.util.infoDisplay = slicer.util.infoDisplay, lambda text, **_more: said.append(text)
+            try:
+                self.picture.saveReport(place)
+            finally:
+                slicer.util.infoDisplay = shown
+            self.assertEqual(list(pathlib.Path(folder).iterdir()), [])
+        self.assertEqual(len(said), 1)
+        self.assertIn("does not exist", said[0])
+
+    def test_without_a_reconstruction_nothing_can_be_told_and_the_buttons_say_why(self):
+        self.assertFalse(self.picture._ui.saveReportButton.enabled)
+        self.assertIn("Reconstruct", self.picture._ui.saveReportButton.toolTip)

@@ -11,13 +11,14 @@ from .segmentsChooser import SegmentsChooser
 from .sweepsChooser import SweepsChooser
 
 
-def followersOf(ui, logic) -> tuple:
+def followersOf(ui, logic, work) -> tuple:
     """Those of the panel; each has `setParameterNode`, and `update` for when a parameter has changed.
 
     Parameters
     ----------
     ui : the panel's widgets by name
     logic : AIFReconLogic
+    work : LongWork
     """
     return (
         SweepsChooser(ui.otherSweepsComboBox, ui.otherSweepsLabel, logic.offeredSweeps),
@@ -27,5 +28,5 @@ def followersOf(ui, logic) -> tuple:
         BoxChooser(),
         BoneOutlines(),
         ReportPanel(ui, logic.trackingReport),
-        PicturePanel(ui.displayCollapsibleButton.layout()),
+        PicturePanel(ui.opacitySliderWidget.parentWidget().layout(), work, logic.trackingReport),
     )

@@ -22,6 +22,7 @@ from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom, need
 if TYPE_CHECKING:
     from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence, Volume
     from AIFReconLib.geometry.volume import VoxelGrid
+    from AIFReconLib.inspection.shown_bone import ShownBone
 
 
 @dataclass(frozen=True)
@@ -266,11 +267,25 @@ class PreparedInputs:
 
         return inBackground(work, progress)
 
+    def shown(self, result, progress=None) -> ShownBone:
+        """The bone that a result shows, for 3D."""
+        from AIFReconLib.inspection.shown_bone import shown_bone
+
+        return inBackground(lambda _progress: shown_bone(result, self.labels, self.labelsToReference), progress)
+
+
+@dataclass(frozen=True)
+class Beside:
+    """What is kept beside a reconstruction for the views: the `Volume` of its plain echo, and the `ShownBone`; None where there is none."""
+
+    measured: Volume | None = None
+    shown: ShownBone | None = None
+
 
 def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False) -> tuple:
-    """A `Reconstruction`, the sequence it was made from, what was done, a line each, and what `outputNodes` keeps beside it, by name.
+    """A `Reconstruction`, the sequence it was made from, what was done, a line each, and what is kept beside it for the views.
 
-    Where `compared`, of a method that weights by bone: how well the CT agrees, and the plain echo.
+    Where `compared`, of a method that weights by bone: how well the CT agrees, and a `Beside`.
     """
     from AIFReconLib.inspection.summary import summary_lines
     from AIFReconLib.message import Message, listed
@@ -278,15 +293,16 @@ def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = Fals
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
     result = prepared.reconstruct(settings, part(progress, 0.1, 0.75))
     lines = summary_lines(result, len(prepared.sequence))
-    beside = {}
+    beside = Beside()
     if compared and needsBone(result.method):
         lines += prepared.comparedLines(part(progress, 0.75, 0.8))
         try:
-            beside["measured"] = prepared.measured(settings, result, part(progress, 0.8, 1.0))
+            measured = prepared.measured(settings, result, part(progress, 0.8, 0.95))
+            beside = Beside(measured, prepared.shown(result, part(progress, 0.95, 1.0)))
         except OperationCanceled:
             raise
         except AIFReconError as error:
-            lines.append(Message("The plain echo was not kept. {error}", error=error))
+            lines.append(Message("The plain echo and the bone in 3D were not made. {error}", error=error))
     return result, prepared.sequence, listed(lines, "\n"), beside
 
 
