@@ -8,8 +8,6 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from ..compounding.needs import method_needs_bone
 from ..compounding.state import Reconstruction
 from ..errors import BeamGeometryError, GeometryError
@@ -23,7 +21,6 @@ from ..io.transform.files import read_transform
 from ..io.volume.files import check_volume_path, read_label_names, read_labels
 from ..progress import part
 from ..reconstruction import reconstruct
-from ..registration.comparison import compared_lines
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
@@ -37,6 +34,7 @@ from ..terminal.options import (
     bone_from,
     imaging_from,
     importance_from,
+    labeled_bone_from,
     refuse_to_overwrite,
     settings_from,
 )
@@ -112,7 +110,8 @@ def run(arguments: argparse.Namespace) -> None:
     with ProgressBar() as progress:
         sequence = joined(sequence_from(one) for one in each)
         region, probe = imaging_from(arguments, sequence.configuration, sequence.images)
-        bone = bone_from(arguments, sequence, region, probe, part(progress, 0.0, 0.1))
+        labeled = labeled_bone_from(arguments, sequence, region, probe)
+        bone = bone_from(arguments, settings.method_for(True), labeled, sequence, region, probe, part(progress, 0.0, 0.1))
         grid = grid_from(arguments)
         result = reconstruct(
             sequence,
@@ -126,12 +125,14 @@ def run(arguments: argparse.Namespace) -> None:
             reference=arguments.reference,
             progress=part(progress, 0.1, 0.95),
         )
-        result = with_provenance(result, arguments, inputs)
+        result = with_provenance(result, arguments, inputs, labeled.settings(result.method) if labeled else None)
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
         drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
-    agreement = _agreement(arguments, sequence, region, probe, result.method)
+        # What the sweep's own bone says of the CT's place
+        lines = labeled.lines(result.method) if labeled is not None and method_needs_bone(result.method) else []
+    agreement = [str(line) for line in lines]
     tracking = {
         share.name: tracking_report(part_of_it, sweep_poses(part_of_it, arguments.image_to_reference, arguments.reference), result, number)
         for number, (share, part_of_it) in enumerate(zip(result.sweeps, sequence.parts, strict=True))
@@ -142,25 +143,6 @@ def run(arguments: argparse.Namespace) -> None:
     files = [path for path in (*outputs.values(), *drawn, arguments.report) if path]
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
     print(*(f"  {line}\n" for line in how_to_look(arguments)), sep="", end="")
-
-
-def _agreement(
-    arguments: argparse.Namespace, sequence: TrackedSequence, region: ImageRegion | None, probe: ProbeGeometry | None, method: str
-) -> list[str]:
-    """What the sweep's own bone says of the CT's registration, a line each; nothing where no labels were used."""
-    if not arguments.bone_labels or not method_needs_bone(method):
-        return []
-    to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else np.eye(4)
-    lines = compared_lines(
-        sequence,
-        read_labels(arguments.bone_labels),
-        to_reference,
-        region=region,
-        probe=probe,
-        image_to_reference=arguments.image_to_reference,
-        reference=arguments.reference,
-    )
-    return [str(line) for line in lines]
 
 
 def _met(

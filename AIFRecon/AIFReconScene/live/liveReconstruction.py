@@ -57,8 +57,8 @@ class LiveReconstruction:
         inputs = Inputs.fromParameters(parameters)
         settings = settingsFrom(parameters)
         labels, configuration = inputs.labels(), _configurationFrom(parameters)
-        grid, bone = inputs.grid(settings), inputs.boneMap(progress, labels)
-        self._bone, self._inputs = parameters.bone, inputs
+        grid, bone = inputs.grid(settings), inputs.boneMap(progress, labels, settings.method_for(True))
+        self._bone, self._inputs, self._method = parameters.bone, inputs, settings.method_for(True)
         field, region = _fieldOf(labels), inputs.imageRegion(configuration)
         self._source = _sourceFrom(parameters)
         self.session = LiveSession(
@@ -130,7 +130,7 @@ class LiveReconstruction:
 
     def followBone(self, progress=None) -> bool:
         """Weight by the bone where it lies now; True where a volume is growing already, which keeps the weights that it began with."""
-        self.session.use_bone(self._inputs.boneMap(progress))
+        self.session.use_bone(self._inputs.boneMap(progress, method=self._method))
         return not self.isScouting
 
     @property
@@ -253,7 +253,7 @@ class LiveReconstruction:
         return self._frame.goOn() if self._frame.isUnderWay else self._frame.show(self.session.latest)
 
     def _fillVolume(self, result) -> None:
-        result = with_settings(result, self._inputs.boneSettings())
+        result = with_settings(result, self._inputs.boneSettings(self._method))
         known = self.volumeNode
         if known is not None and known.GetImageData() is not None:
             updateVolumeNode(known, result.intensity)
