@@ -30,7 +30,7 @@ def notes_of(changelog: str, heading: str) -> str:
     LookupError
         When there is no such heading, or nothing below it.
     """
-    found = re.search(rf"^## {re.escape(heading)}\b[^\n]*\n(.*?)(?=^## |\Z)", changelog, re.DOTALL | re.MULTILINE)
+    found = re.search(rf"^## {re.escape(heading)}(?![\w.])[^\n]*\n(.*?)(?=^## |\Z)", changelog, re.DOTALL | re.MULTILINE)
     if found is None or not found.group(1).strip():
         raise LookupError(f'CHANGELOG.md has nothing under "## {heading}". Give "Unreleased" that name, and the day.')
     return re.sub(r"\[([^\]]+)\]\((?!https?:)[^)]+\)", r"\1", found.group(1)).strip()
