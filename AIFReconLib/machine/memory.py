@@ -91,7 +91,7 @@ def _spacing_that_fits(size: tuple[int, int, int], spacing: Sequence[float] | Fl
 def _system_free() -> int | None:
     meminfo = Path("/proc/meminfo")
     if meminfo.is_file():
-        for line in meminfo.read_text().splitlines():
+        for line in meminfo.read_text("utf-8").splitlines():
             if line.startswith("MemAvailable:"):
                 return int(line.split()[1]) * 1024
     if sys.platform == "win32":
@@ -124,11 +124,11 @@ def _windows_free() -> int | None:
 def _cgroup_free() -> int | None:
     # What files left in the cache counts as used, but is given back on demand
     try:
-        limit = (CONTROL_GROUP / "memory.max").read_text().strip()
+        limit = (CONTROL_GROUP / "memory.max").read_text("utf-8").strip()
         if limit == "max":
             return None
-        statistics = dict(line.split() for line in (CONTROL_GROUP / "memory.stat").read_text().splitlines())
-        return int(limit) - int((CONTROL_GROUP / "memory.current").read_text()) + int(statistics.get("inactive_file", 0))
+        statistics = dict(line.split() for line in (CONTROL_GROUP / "memory.stat").read_text("utf-8").splitlines())
+        return int(limit) - int((CONTROL_GROUP / "memory.current").read_text("utf-8")) + int(statistics.get("inactive_file", 0))
     except (OSError, ValueError):
         return None
 
@@ -140,7 +140,7 @@ def _address_space_free() -> int | None:
         limit = resource.getrlimit(resource.RLIMIT_AS)[0]
         if limit == resource.RLIM_INFINITY:
             return None
-        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        used = int(Path("/proc/self/statm").read_text("utf-8").split()[0]) * resource.getpagesize()
         return limit - used
     except (ImportError, OSError, ValueError):
         return None
