@@ -240,7 +240,7 @@ class PreparedInputs:
 
         return [] if self.labels is None else inBackground(work, progress)
 
-    def reconstruct(self, settings, progress=None):
+    def reconstruct(self, settings, progress=None, beside=()):
         """One call of the library: `settings` to a `Reconstruction` in RAS, whose volumes know how they were made."""
 
         from AIFReconLib import reconstruct
@@ -248,19 +248,19 @@ class PreparedInputs:
 
         def work(progress):
             imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}
-            result = reconstruct(self.sequence, settings, self.bone, self.grid, progress=progress, **imaging)
+            result = reconstruct(self.sequence, settings, self.bone, self.grid, beside=beside, progress=progress, **imaging)
             return with_settings(result, self.boneSettings)
 
         return inBackground(work, progress)
 
 
-def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False) -> tuple:
+def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False, beside=()) -> tuple:
     """A `Reconstruction`, the sequence it was made from, and what was done, a line each: where `compared`, also how well the CT agrees."""
     from AIFReconLib.inspection.summary import summary_lines
     from AIFReconLib.message import listed
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
-    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95))
+    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), [name for name in beside if name in ("score", "hits")])
     lines = summary_lines(result, len(prepared.sequence))
     if compared and needsBone(result.method):
         lines += prepared.comparedLines(part(progress, 0.95, 1.0))
