@@ -256,7 +256,7 @@ class PreparedInputs:
         labeled = self.labeledBone
         return [] if labeled is None else inBackground(lambda progress: labeled.lines(method, progress), progress)
 
-    def reconstruct(self, settings, progress=None):
+    def reconstruct(self, settings, progress=None, beside=()):
         """One call of the library: `settings` to a `Reconstruction` in RAS, whose volumes know how they were made."""
 
         from AIFReconLib import reconstruct
@@ -269,19 +269,19 @@ class PreparedInputs:
                 bone = self.labeledBone.map(method, part(progress, 0.0, 0.1))
                 ofMap = self.labeledBone.settings(method)
             imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}
-            result = reconstruct(self.sequence, settings, bone, self.grid, progress=part(progress, 0.1, 1.0), **imaging)
+            result = reconstruct(self.sequence, settings, bone, self.grid, beside=beside, progress=part(progress, 0.1, 1.0), **imaging)
             return with_settings(result, ofMap)
 
         return inBackground(work, progress)
 
 
-def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False) -> tuple:
+def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False, beside=()) -> tuple:
     """A `Reconstruction`, the sequence it was made from, and what was done, a line each: where `compared`, also how well the CT agrees."""
     from AIFReconLib.inspection.summary import summary_lines
     from AIFReconLib.message import listed
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
-    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95))
+    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), [name for name in beside if name in ("score", "hits")])
     lines = summary_lines(result, len(prepared.sequence))
     if compared and needsBone(result.method):
         lines += prepared.comparedLines(result.method, part(progress, 0.95, 1.0))
