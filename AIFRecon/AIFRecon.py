@@ -26,6 +26,7 @@ except ImportError:
     # Loaded from source: Slicer knows this folder alone, and the library stands beside it
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
+from AIFReconGui.packages import offerSpeed
 from AIFReconGui.panel.dependentWidgets import updateButtons, updateDependentWidgets
 from AIFReconScene.background import inBackground
 from AIFReconScene.inputs import readiness
@@ -214,6 +215,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def _run(self, title: str, failure: str, work) -> None:
         """Do long work with progress and cancel; its errors are shown, a cancel leaves the scene as it was."""
         self._report = ""
+        offerSpeed()
         try:
             self._report = self._work.run(title, failure, work, self._parameterNode)
         finally:
@@ -364,7 +366,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         from AIFReconScene.inputs.inputs import reconstructed
         from AIFReconScene.picture.kept import keptNodes
 
-        result, sequence, report, beside = reconstructed(inputs, settings, part(progress, 0.0, 0.95), compared)
+        result, sequence, report, beside = reconstructed(inputs, settings, part(progress, 0.0, 0.95), compared, keep)
         self._tracking.remember(inputs, sequence, result)
         slicer.mrmlScene.SaveStateForUndo()
         return keptNodes(result, beside, inputs, output, keep), report

@@ -9,6 +9,7 @@ from scipy import ndimage
 
 from ..arrays import Floats, Integers, Matrix, Numbers, Singles
 from ..compounding.state import Reconstruction
+from ..errors import SettingsError
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
 from ..registration.bone_field import BoneField
@@ -74,9 +75,15 @@ def shown_bone(result: Reconstruction, labels: Volume | None = None, labels_to_r
     Parameters
     ----------
     result : Reconstruction
+        With score and hits.
     labels : Volume of integers or None
         Of the CT, for `ShownBone.distances`.
     labels_to_reference : (4, 4) array, mm, or None
+
+    Raises
+    ------
+    SettingsError
+        When score or hits were not kept.
 
     Notes
     -----
@@ -88,6 +95,8 @@ def shown_bone(result: Reconstruction, labels: Volume | None = None, labels_to_r
     ----------
     .. [1] Knutsson and Westin (1993), Normalized and differential convolution, CVPR.
     """
+    if result.score is None or result.hits is None:
+        raise SettingsError("Input result must have score and hits; got one without. Ask for them: reconstruct(..., beside=BESIDE).")
     measured = result.hits.array > 0
     weight = np.zeros(measured.shape, dtype=np.float32)
     np.divide(result.score.array, result.hits.array, out=weight, where=measured)
@@ -97,7 +106,9 @@ def shown_bone(result: Reconstruction, labels: Volume | None = None, labels_to_r
     weight -= np.float32(most)
     weight *= np.float32(1.0 / max(strong - most, 1e-9))
     np.clip(weight, 0.0, 1.0, out=weight)
-    weight *= np.minimum(result.intensity.array * np.float32(1.0 / max(bright, 1e-9)), np.float32(1.0))
+    brightness = result.intensity.array.astype(np.float32)
+    brightness *= np.float32(1.0 / max(bright, 1e-9))
+    weight *= np.minimum(brightness, np.float32(1.0), out=brightness)
     spacing = result.grid.spacing
     factors = np.clip(np.floor(CELL / spacing + 0.5), 1, result.grid.size).astype(int)
     evidence, seen = (_averaged(array, factors) for array in (weight, measured))

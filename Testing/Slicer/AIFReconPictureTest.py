@@ -212,6 +212,24 @@ class AIFReconPictureTest(unittest.TestCase):
             self.assertAlmostEqual(node.GetDisplayNode().GetWindowLevelMin(), 0.2 * brightest)
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(output), voxels)
 
+    def namesIn(self, name):
+        """Names that are written into a slice view."""
+        node = slicer.mrmlScene.GetFirstNodeByName(f"Levels {name}")
+        return [] if node is None else [node.GetNthControlPointLabel(number) for number in range(node.GetNumberOfControlPoints())]
+
+    def test_a_level_is_named_in_the_slices_near_its_middle_and_nowhere_after_that(self):
+        self.parameters.ctVolume, bone, _registration = tinyScene.addCT()
+        bone.GetSegmentation().GetNthSegment(0).SetName("L3")
+        self.parameters.bone = bone
+        self.picture._ui.showLevelsCheckBox.click()
+        green = slicer.app.layoutManager().sliceWidget("Green").mrmlSliceNode()
+        for away, names in ((0.0, ["L3"]), (60.0, [])):
+            with self.subTest(away=away):
+                green.JumpSliceByCentering(0.0, tinyScene.FACE + 4.0 + away, 0.0)
+                self.assertEqual(self.namesIn("Green"), names)
+        self.picture._ui.showLevelsCheckBox.click()
+        self.assertIsNone(slicer.mrmlScene.GetFirstNodeByName("Levels Green"))
+
     # ---- report
 
     def test_the_line_says_what_is_to_be_known(self):

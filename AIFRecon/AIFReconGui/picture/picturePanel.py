@@ -7,6 +7,7 @@ import slicer
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.picture import windows
 from AIFReconScene.picture.echoView import EchoView
+from AIFReconScene.picture.levelNames import LevelNames
 from AIFReconScene.picture.probeUp import ProbeUp
 from AIFReconScene.picture.spineView import SpineView, spineOf
 from AIFReconScene.volumes.volumeNodes import measuredOf
@@ -33,7 +34,7 @@ class PicturePanel:
         self._ui = ui = slicer.util.childWidgetVariables(widget)
         self._work, self._trackingOf = work, trackingOf
         self._parameterNode = self._bound = None
-        self._views = EchoView(), SpineView(), ProbeUp()
+        self._views = EchoView(), SpineView(), ProbeUp(), LevelNames()
         self._presets = windows.presets()
         for label in (_("as they are"), *(preset.label for preset in self._presets)):
             ui.windowComboBox.addItem(label)

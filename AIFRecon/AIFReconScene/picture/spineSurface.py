@@ -10,7 +10,8 @@ DISTANCE = "Distance to the CT's bone (mm)"
 FARTHEST = 6.0
 """mm that has the last color, as has all beyond."""
 
-COLORS = ((0.0, (0.94, 0.88, 0.76)), (2.5, (0.94, 0.88, 0.76)), (4.0, (1.00, 0.62, 0.10)), (FARTHEST, (0.80, 0.05, 0.10)))
+AT = (0.0, 2.5, 4.0, FARTHEST)
+COLORS = np.array([(0.94, 0.88, 0.76), (0.94, 0.88, 0.76), (1.00, 0.62, 0.10), (0.80, 0.05, 0.10)])
 """Bone keeps the color of bone where the CT has it too: the surface lies up to 2 mm outside of what it is drawn around."""
 
 ITERATIONS, PASS_BAND = 25, 0.08
@@ -68,6 +69,5 @@ def spineSurface(shown) -> vtk.vtkPolyData:
 
 def distanceColors(count: int = 256) -> np.ndarray:
     """(count, 3) colors from 0 to `FARTHEST` mm."""
-    at, colors = zip(*COLORS)
-    shares = np.linspace(0.0, FARTHEST, count)
-    return np.column_stack([np.interp(shares, at, channel) for channel in zip(*colors)])
+    distances = np.linspace(0.0, FARTHEST, count)
+    return np.column_stack([np.interp(distances, AT, channel) for channel in COLORS.T])
