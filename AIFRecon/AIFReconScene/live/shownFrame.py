@@ -76,7 +76,7 @@ class ShownFrame:
         self._node = self.frame = None
 
     def _isThere(self) -> bool:
-        return self._node is not None and self._node.GetScene() is not None
+        return bool(self._node and self._node.GetScene())
 
     def _stepsTo(self, frame):
         if not self._isThere():
