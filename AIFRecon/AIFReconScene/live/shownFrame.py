@@ -1,5 +1,7 @@
 """The frame that is seen now, as a volume in its place that the red view follows: shown in steps, between which windows can breathe."""
 
+from typing import Any
+
 import slicer
 
 from AIFReconLib.geometry.volume import Volume
@@ -33,7 +35,7 @@ class ShownFrame:
     def __init__(self, views: LiveViews):
         self._views = views
         self._steps = None
-        self._node = None
+        self._node: Any = None
         self.frame = None
 
     @property
