@@ -12,12 +12,51 @@ from ..imaging.region import ImageRegion
 from ..message import Message
 from ..progress import Progress
 from ..sweep.frames import TrackedSequence
-from .agreement import check
+from .agreement import Agreement, check
 from .bone_field import BoneField
 from .echoes import sweep_echoes
 
 COMPARED_FRAMES = 90
 """Frames of the sweep in which bone is looked for: enough to judge by, in less than a second."""
+
+
+def compared(
+    sequences: TrackedSequence | Iterable[TrackedSequence],
+    labels: Volume,
+    labels_to_reference: Floats,
+    *,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+    image_to_reference: str | None = None,
+    reference: str | None = None,
+    progress: Progress | None = None,
+) -> Agreement:
+    """How well a sweep and placed labels agree, by some of its frames.
+
+    Parameters
+    ----------
+    sequences : TrackedSequence or several in one Reference
+    labels : Volume of integers
+    labels_to_reference : (4, 4) array, mm
+    region, probe, image_to_reference, reference
+        As in `reconstruct`.
+    progress : Progress or None
+
+    Raises
+    ------
+    AIFReconError
+        When the sweep cannot be compared.
+    """
+    echoes = sweep_echoes(
+        sequences,
+        region=region,
+        probe=probe,
+        image_to_reference=image_to_reference,
+        reference=reference,
+        most_frames=COMPARED_FRAMES,
+        progress=progress,
+    )
+    return check(echoes, BoneField.from_labels(labels), labels_to_reference)
 
 
 def compared_lines(
@@ -51,16 +90,16 @@ def compared_lines(
     It follows a reconstruction and cannot spoil it: a sweep that cannot be compared is said to be so.
     """
     try:
-        echoes = sweep_echoes(
+        agreement = compared(
             sequences,
+            labels,
+            labels_to_reference,
             region=region,
             probe=probe,
             image_to_reference=image_to_reference,
             reference=reference,
-            most_frames=COMPARED_FRAMES,
             progress=progress,
         )
-        agreement = check(echoes, BoneField.from_labels(labels), labels_to_reference)
     except OperationCanceled:
         raise
     except AIFReconError as error:

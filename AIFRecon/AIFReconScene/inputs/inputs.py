@@ -17,7 +17,7 @@ from ..sceneNodes import proxiesOf
 from ..sweep.severalSweeps import furtherSweeps
 from ..transforms import matrixToWorld
 from .imagingChoices import imageRegionFrom, probeFrom
-from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom, needsBone
+from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom
 
 if TYPE_CHECKING:
     from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence, Volume
@@ -230,15 +230,15 @@ class PreparedInputs:
     labelsToReference: np.ndarray | None = None
     boneSettings: dict = field(default_factory=dict)
 
-    def comparedLines(self, progress=None) -> list:
-        """What the sweep's own bone says of the place of the labels, a line each; nothing without labels. See `compared_lines`."""
-        from AIFReconLib.registration.comparison import compared_lines
+    def agreement(self, progress=None):
+        """The `Agreement` of the sweep's own bone with the labels; an AIFReconError says why the two cannot be compared."""
+        from AIFReconLib.registration.comparison import compared
 
         def work(progress):
             imaging = {"region": self.imageRegion, "probe": self.probe}
-            return compared_lines(self.sequence, self.labels, self.labelsToReference, progress=progress, **imaging)
+            return compared(self.sequence, self.labels, self.labelsToReference, progress=progress, **imaging)
 
-        return [] if self.labels is None else inBackground(work, progress)
+        return inBackground(work, progress)
 
     def reconstruct(self, settings, progress=None):
         """One call of the library: `settings` to a `Reconstruction` in RAS, whose volumes know how they were made."""
@@ -254,17 +254,14 @@ class PreparedInputs:
         return inBackground(work, progress)
 
 
-def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False) -> tuple:
-    """A `Reconstruction`, the sequence it was made from, and what was done, a line each: where `compared`, also how well the CT agrees."""
+def reconstructed(inputs: Inputs, settings, progress=None) -> tuple:
+    """A `Reconstruction`, the `PreparedInputs` that it was made from, and what was done, a line each."""
     from AIFReconLib.inspection.summary import summary_lines
     from AIFReconLib.message import listed
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
-    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95))
-    lines = summary_lines(result, len(prepared.sequence))
-    if compared and needsBone(result.method):
-        lines += prepared.comparedLines(part(progress, 0.95, 1.0))
-    return result, prepared.sequence, listed(lines, "\n")
+    result = prepared.reconstruct(settings, part(progress, 0.1, 1.0))
+    return result, prepared, listed(summary_lines(result, len(prepared.sequence)), "\n")
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:
