@@ -336,7 +336,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         from AIFReconScene.inputs.inputs import reconstructed
         from AIFReconScene.volumes.volumeNodes import outputNodes
 
-        result, prepared, said = reconstructed(inputs, settings, part(progress, 0.0, 0.95))
+        result, prepared, said = reconstructed(inputs, settings, part(progress, 0.0, 0.95), keep)
         self._tracking.remember(inputs, prepared.sequence, result)
         slicer.mrmlScene.SaveStateForUndo()
         nodes = outputNodes(result, inputs.name, ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())

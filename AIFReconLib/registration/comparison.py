@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from ..arrays import Floats
 from ..errors import AIFReconError, OperationCanceled
@@ -20,6 +21,25 @@ COMPARED_FRAMES = 90
 """Frames of the sweep in which bone is looked for: enough to judge by, in less than a second."""
 
 
+@dataclass(frozen=True)
+class Comparison:
+    """How a sweep and placed labels agree, or why that cannot be told.
+
+    Parameters
+    ----------
+    agreement : Agreement or None
+    lines : tuple of Message
+        The same in words, and what to do where they do not agree.
+    """
+
+    agreement: Agreement | None
+    lines: tuple[Message, ...]
+
+    def bone_width(self, unknown: float) -> float:
+        """Width of the bone map that goes with it, mm; `unknown` where it cannot be told."""
+        return unknown if self.agreement is None else self.agreement.bone_width
+
+
 def compared(
     sequences: TrackedSequence | Iterable[TrackedSequence],
     labels: Volume,
@@ -30,47 +50,8 @@ def compared(
     image_to_reference: str | None = None,
     reference: str | None = None,
     progress: Progress | None = None,
-) -> Agreement:
-    """How well a sweep and placed labels agree, by some of its frames.
-
-    Parameters
-    ----------
-    sequences : TrackedSequence or several in one Reference
-    labels : Volume of integers
-    labels_to_reference : (4, 4) array, mm
-    region, probe, image_to_reference, reference
-        As in `reconstruct`.
-    progress : Progress or None
-
-    Raises
-    ------
-    AIFReconError
-        When the sweep cannot be compared.
-    """
-    echoes = sweep_echoes(
-        sequences,
-        region=region,
-        probe=probe,
-        image_to_reference=image_to_reference,
-        reference=reference,
-        most_frames=COMPARED_FRAMES,
-        progress=progress,
-    )
-    return check(echoes, BoneField.from_labels(labels), labels_to_reference)
-
-
-def compared_lines(
-    sequences: TrackedSequence | Iterable[TrackedSequence],
-    labels: Volume,
-    labels_to_reference: Floats,
-    *,
-    region: ImageRegion | None = None,
-    probe: ProbeGeometry | None = None,
-    image_to_reference: str | None = None,
-    reference: str | None = None,
-    progress: Progress | None = None,
-) -> list[Message]:
-    """How well a sweep and placed labels agree, and what to do where they do not: a line each.
+) -> Comparison:
+    """How well a sweep and placed labels agree, and what to do where they do not.
 
     Parameters
     ----------
@@ -87,23 +68,24 @@ def compared_lines(
 
     Notes
     -----
-    It follows a reconstruction and cannot spoil it: a sweep that cannot be compared is said to be so.
+    It goes with a reconstruction and cannot spoil it: a sweep that cannot be compared is said to be so.
     """
     try:
-        agreement = compared(
+        echoes = sweep_echoes(
             sequences,
-            labels,
-            labels_to_reference,
             region=region,
             probe=probe,
             image_to_reference=image_to_reference,
             reference=reference,
+            most_frames=COMPARED_FRAMES,
             progress=progress,
         )
+        agreement = check(echoes, BoneField.from_labels(labels), labels_to_reference)
     except OperationCanceled:
         raise
     except AIFReconError as error:
-        return [Message("CT and sweep were not compared. {error}", error=error)]
-    warning = agreement.warning()
-    lines = [agreement.sentence()]
-    return lines if warning is None else [*lines, Message("WARNING: {warning} See aifrecon register.", warning=warning)]
+        return Comparison(None, (Message("CT and sweep were not compared. {error}", error=error),))
+    warning, sentence = agreement.warning(), agreement.sentence()
+    if warning is None:
+        return Comparison(agreement, (sentence,))
+    return Comparison(agreement, (sentence, Message("WARNING: {warning} See aifrecon register.", warning=warning)))

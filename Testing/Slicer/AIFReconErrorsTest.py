@@ -1,6 +1,6 @@
 """Self tests of what the panel says when something cannot be done: once, in its own words, and without the marks of a bug."""
 
-import importlib.util
+import importlib.metadata
 import logging
 import pathlib
 import sys
@@ -65,9 +65,15 @@ class AIFReconErrorsTest(unittest.TestCase):
         self.assertNotIn("Like volume", said)
 
     def test_a_package_that_is_not_installed_keeps_a_scan_from_starting_and_is_no_bug(self):
-        find = importlib.util.find_spec
-        self.addCleanup(setattr, importlib.util, "find_spec", find)
-        importlib.util.find_spec = lambda name, *package: None if name == "pyigtl" else find(name, *package)
+        find = importlib.metadata.version
+
+        def without(name):
+            if name == "pyigtl":
+                raise importlib.metadata.PackageNotFoundError(name)
+            return find(name)
+
+        self.addCleanup(setattr, importlib.metadata, "version", find)
+        importlib.metadata.version = without
         said = self.told(self.widget._live.onStart)
         self.assertIn("pyigtl", said)
         self.assertFalse(self.widget._live.isRunning)

@@ -105,6 +105,7 @@ class AIFReconWindowTest(unittest.TestCase):
     def test_a_scan_can_be_steered_without_scrolling_in_a_window_of_1000_pixels(self):
         from AIFReconLib.live.replay.server import ReplayServer
 
+        tinyScene.requireLivePackages()
         self.window.resize(1400, 1000)
         self.ui.tabWidget.currentIndex = 1
         with ReplayServer(tinyScene.makeSequence(), 0, rate=20.0, loop=True) as server:

@@ -14,6 +14,7 @@ from slicer.i18n import tr as _
 from AIFReconLib.message import shorten
 from AIFReconLib.progress import part
 
+from ..packages import offerSpeed
 from .choosers import BoxChooser, Follower, MethodChooser, PresetChooser, SegmentsChooser, SweepsChooser
 from .dependentWidgets import updateButtons, updateDependentWidgets
 from .layout import say
@@ -151,6 +152,7 @@ class RecordedPanel(Follower):
     def _run(self, title: str, failure: str, work) -> None:
         """Do long work with progress and cancel; its errors are shown, a cancel leaves the scene as it was."""
         self._report = ""
+        offerSpeed()
         try:
             self._report = self._work.run(title, failure, work, self._parameterNode)
         finally:

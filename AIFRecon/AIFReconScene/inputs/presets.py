@@ -31,7 +31,7 @@ _STANDARD: dict = {
     "ownMethod": "",
     "boneDirection": BoneDirection(PARAMETERS["bone_direction"]["default"]),
     "boneSigma": 10.0,
-    "boneSigmaUnit": SigmaUnit.VOXELS,
+    "boneSigmaUnit": SigmaUnit.AUTOMATIC,
     "holeLimit": AUTOMATIC_NUMBER,
     "holes": HoleFilling.AUTOMATIC,
     "interpolation": Interpolation.AUTOMATIC,

@@ -43,15 +43,17 @@ class SweepVerdicts:
         """
         self._known = {}
         self._tell(TRACKING, parameters, tracking_verdict(report))
-        if prepared.labels is None:
+        if prepared.labeledBone is None:
+            return
+        try:
+            comparison = prepared.comparison(progress)
+        except OperationCanceled:
             return
         self._prepared = prepared
-        try:
-            self.takeAgreement(parameters, prepared.agreement(progress))
-        except OperationCanceled:
-            self._prepared = None
-        except AIFReconError as error:
-            self._tell(REGISTRATION, parameters, unknown(said(error)))
+        if comparison.agreement is None:
+            self._tell(REGISTRATION, parameters, unknown(comparison.lines[0]))
+        else:
+            self.takeAgreement(parameters, comparison.agreement)
 
     def takeAgreement(self, parameters, agreement) -> None:
         """The `Agreement` of CT and sweep where the CT is now, whoever has asked for it."""
@@ -116,8 +118,9 @@ def _coverageOf(prepared, names: dict, progress) -> Verdict:
     from AIFReconLib.guidance.coverage import coverage
 
     more = {"region": prepared.imageRegion, "probe": prepared.probe}
+    bone = prepared.labeledBone
     try:
-        return _verdictOn(coverage(prepared.sequence, prepared.labels, prepared.labelsToReference, progress=progress, **more), names)
+        return _verdictOn(coverage(prepared.sequence, bone.labels, bone.labels_to_reference, progress=progress, **more), names)
     except OperationCanceled:
         raise
     except AIFReconError as error:
