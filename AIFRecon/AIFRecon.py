@@ -366,7 +366,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         from AIFReconScene.inputs.inputs import reconstructed
         from AIFReconScene.volumes.volumeNodes import outputNodes
 
-        result, sequence, report = reconstructed(inputs, settings, part(progress, 0.0, 0.95), compared)
+        result, sequence, report = reconstructed(inputs, settings, part(progress, 0.0, 0.95), compared, keep)
         self._tracking.remember(inputs, sequence, result)
         slicer.mrmlScene.SaveStateForUndo()
         nodes = outputNodes(result, inputs.name, ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())

@@ -66,7 +66,7 @@ class AIFReconParameterNode:
     boneSegments: list[str]
     boneFromSweep: bool = False
     boneSigma: Annotated[float, WithinRange(0.1, 100.0)] = 10.0
-    boneSigmaUnit: SigmaUnit = SigmaUnit.VOXELS
+    boneSigmaUnit: SigmaUnit = SigmaUnit.AUTOMATIC
 
     registrationStart: RegistrationStart = RegistrationStart.WHERE_IT_IS
     showEchoes: bool = True
