@@ -16,9 +16,13 @@ from ...geometry.volume import Volume
 from ...machine.threads import in_parts, usable_cores
 from ..metafile.nrrd import escape
 
+_KINDS = {"1": "char", "2": "short", "4": "int", "8": "long long"}
 TYPE_NAMES = {
-    **{"u1": "unsigned char", "i1": "signed char", "u2": "unsigned short", "i2": "short", "u4": "unsigned int", "i4": "int"},
-    **{"u8": "unsigned long long", "i8": "long long", "f4": "float", "f8": "double"},
+    "f4": "float",
+    "f8": "double",
+    "i1": "signed char",
+    **{f"u{size}": f"unsigned {kind}" for size, kind in _KINDS.items()},
+    **{f"i{size}": kind for size, kind in _KINDS.items() if size != "1"},
 }
 """As SimpleITK calls them."""
 
