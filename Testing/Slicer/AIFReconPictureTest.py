@@ -23,8 +23,13 @@ class AIFReconPictureTest(unittest.TestCase):
         slicer.util.selectModule("AIFRecon")
         self.widget = slicer.modules.AIFReconWidget
         self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
-        followers = getattr(self.widget, "_followers", None) or self.widget._recorded._followers
-        self.picture = next(each for each in followers if type(each).__name__ == "PicturePanel")
+        self.picture = next(each for each in self.widget._recorded._followers if type(each).__name__ == "PicturePanel")
+        around = self.ui.opacitySliderWidget
+        while around is not None:
+            # What has folded away cannot be pressed
+            if hasattr(around, "collapsed"):
+                around.collapsed = False
+            around = around.parentWidget()
 
     def tearDown(self):
         slicer.mrmlScene.Clear()

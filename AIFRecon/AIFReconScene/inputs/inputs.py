@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from AIFReconLib.errors import AIFReconError, InsufficientMemoryError, OperationCanceled, SettingsError
+from AIFReconLib.errors import InsufficientMemoryError, SettingsError
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion, chosen_region
 from AIFReconLib.progress import part
 
@@ -252,10 +252,16 @@ class PreparedInputs:
     labeledBone: LabeledBone | None = None
     boneFromSweep: bool = False
 
-    def comparedLines(self, method: str, progress=None) -> list:
-        """What the sweep's own bone says of the place of the labels, and the width of the map that follows; nothing without labels."""
+    def comparison(self, progress=None):
+        """The `Comparison` of the sweep's own bone with the labels; None without labels."""
         labeled = self.labeledBone
-        return [] if labeled is None else inBackground(lambda progress: labeled.lines(method, progress), progress)
+        return None if labeled is None else inBackground(labeled.comparison, progress)
+
+    def widthLines(self, method: str, progress=None) -> list:
+        """The width of the bone map that follows from that comparison, where it does: a line or none."""
+        if self.labeledBone is None or not self.labeledBone.is_automatic(method):
+            return []
+        return self.labeledBone.lines(method)[len(self.comparison(progress).lines) :]
 
     def reconstruct(self, settings, progress=None, beside=()):
         """One call of the library: `settings` to a `Reconstruction` in RAS, whose volumes know how they were made."""
@@ -303,44 +309,25 @@ class PreparedInputs:
         return self.bone is not None or self.labeledBone is not None
 
 
-@dataclass(frozen=True)
-class Beside:
-    """What is kept beside a reconstruction for the views: the `Volume` of its plain echo, and the `ShownBone`; None where there is none."""
+def reconstructed(inputs: Inputs, settings, progress=None, beside=(), wished=()) -> tuple:
+    """A `Reconstruction`, the `PreparedInputs` that it was made from, and what was done, a line each.
 
-    measured: Volume | None = None
-    shown: ShownBone | None = None
-
-
-def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False, beside=()) -> tuple:
-    """A `Reconstruction`, the sequence it was made from, what was done, a line each, and what is kept beside it for the views.
-
-    Where `compared`, of a method that weights by bone: how well the CT agrees, and a `Beside`.
+    The volumes `beside` are made in any case; those that are `wished`, with a method that weights by bone and where memory allows.
     """
     from AIFReconLib.inspection.summary import summary_lines
-    from AIFReconLib.message import Message, listed
+    from AIFReconLib.message import listed
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
     asked = [name for name in beside if name in ("score", "hits")]
-    followed = ["score", "hits"] if compared and needsBone(settings.method_for(prepared.hasBone)) else asked
+    wished = wished if needsBone(settings.method_for(prepared.hasBone)) else ()
     try:
-        result = prepared.reconstruct(settings, part(progress, 0.1, 0.75), followed)
+        result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), sorted({*asked, *wished}))
     except InsufficientMemoryError:
-        if followed == asked:
+        if not wished:
             raise
-        # Bone in 3D is not worth a volume that does not fit
-        result = prepared.reconstruct(settings, part(progress, 0.1, 0.75), asked)
-    lines = summary_lines(result, len(prepared.sequence))
-    kept = Beside()
-    if compared and needsBone(result.method):
-        lines += prepared.comparedLines(result.method, part(progress, 0.75, 0.8))
-        try:
-            measured = prepared.measured(settings, result, part(progress, 0.8, 0.95))
-            kept = Beside(measured, prepared.shown(result, part(progress, 0.95, 1.0)))
-        except OperationCanceled:
-            raise
-        except AIFReconError as error:
-            lines.append(Message("The plain echo and the bone in 3D were not made. {error}", error=error))
-    return result, prepared.sequence, listed(lines, "\n"), kept
+        result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), asked)
+    lines = [*summary_lines(result, len(prepared.sequence)), *prepared.widthLines(result.method, part(progress, 0.95, 1.0))]
+    return result, prepared, listed(lines, "\n")
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:

@@ -135,7 +135,11 @@ def _pictures(parameters) -> list:
     if bone is not None and isLabeled(bone):
         labels = Inputs.fromParameters(parameters).labels().placed_by(matrixToWorld(bone))
     shown, window = _volumeOf(output), ultrasoundWindowOf(output)
-    beside: dict[str, Any] = {"window": window, "labels": labels, "ct": _volumeOf(ct) if ct is not None and ct.GetImageData() is not None else None}
+    beside: dict[str, Any] = {
+        "window": window,
+        "labels": labels,
+        "ct": _volumeOf(ct) if ct is not None and ct.GetImageData() is not None else None,
+    }
     bands = None if plain is None else Volume(raised_bands(shown, _volumeOf(plain)), shown.ijk_to_reference)
     kinds = [(output.GetAttribute("AIFRecon.Method"), Scene(shown, bands=bands, **beside))]
     if plain is not None:

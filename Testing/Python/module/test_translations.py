@@ -24,8 +24,10 @@ SOURCES = [*translations.python_files(translations.LIBRARY), *translations.pytho
 ERRORS = translations.error_classes()
 
 FORGOTTEN = {
-    "Reconstruct the volume": "a text of the module",
-    "Apply": "a string of the .ui file",
+    "Reconstruct the volume, and judge tracking, registration and coverage": "a text of the module",
+    "Settings": "a string of the .ui file",
+    "Recorded": "the title of a tab",
+    "{frames}, {speed:.0f} mm/s": "a verdict",
     "{usable} of {frames} frames can be placed.": "what is said of the sweep",
     "Reconstructing": "progress",
     "frames used": "the report",
@@ -81,7 +83,7 @@ def test_templates_name_the_values_that_they_are_given(path):
 
 
 @pytest.fixture(scope="module")
-def texts() -> dict[str, list]:
+def texts() -> translations.Texts:
     """All texts by context."""
     return translations.all_texts()
 
