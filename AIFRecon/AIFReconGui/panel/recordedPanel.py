@@ -56,7 +56,7 @@ class RecordedPanel(Follower):
             BoxChooser(),
             BoneOutlines(),
             ReportPanel(ui, logic.trackingReport),
-            PicturePanel(ui.opacitySliderWidget.parentWidget().layout(), work, logic.trackingReport),
+            PicturePanel(ui.volumeRenderingCheckBox, work, logic.trackingReport),
             self.lights,
         )
         for button, slot in (
