@@ -88,6 +88,7 @@ lint: setup
 docs: setup
 	@PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet --use-pep517 --editable '.[docs,figures]'
 	@$(BIN)/python -m sphinx --conf-dir docs/site --builder html --nitpicky --fail-on-warning --keep-going --quiet . build/site
+	@$(BIN)/python docs/site/links.py build/site
 	@echo "look at   build/site/index.html"
 
 wheel-test: setup

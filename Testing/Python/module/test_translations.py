@@ -83,7 +83,7 @@ def test_templates_name_the_values_that_they_are_given(path):
 
 
 @pytest.fixture(scope="module")
-def texts() -> dict[str, list]:
+def texts() -> translations.Texts:
     """All texts by context."""
     return translations.all_texts()
 
