@@ -311,7 +311,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
         inputs, settings = Inputs.fromParameters(parameters), settingsFrom(parameters)
-        nodes, prepared, said = self._reconstruct(inputs, settings, parameters.output, keep, part(progress, 0.0, 0.85))
+        nodes, prepared, said = self._reconstruct(inputs, settings, parameters.output, keep, part(progress, 0.0, 0.85), seen=True)
         parameters.output = nodes["intensity"]
         self.display.showOutput(parameters, part(progress, 0.85, 0.9))
         self.verdicts.judge(parameters, prepared, self.trackingReport(parameters)[1], part(progress, 0.9, 1.0))
@@ -332,15 +332,14 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         self.display.showComparison(comparison, parameters)
         return comparison.report
 
-    def _reconstruct(self, inputs, settings, output, keep, progress):
+    def _reconstruct(self, inputs, settings, output, keep, progress, seen=False):
         from AIFReconScene.inputs.inputs import reconstructed
-        from AIFReconScene.volumes.volumeNodes import outputNodes
+        from AIFReconScene.picture.kept import keptNodes
 
-        result, prepared, said = reconstructed(inputs, settings, part(progress, 0.0, 0.95), keep)
+        result, prepared, said, beside = reconstructed(inputs, settings, part(progress, 0.0, 0.95), keep, seen)
         self._tracking.remember(inputs, prepared.sequence, result)
         slicer.mrmlScene.SaveStateForUndo()
-        nodes = outputNodes(result, inputs.name, ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())
-        return nodes, prepared, said
+        return keptNodes(result, beside, inputs, output, keep), prepared, said
 
 
 class AIFReconTest(ScriptedLoadableModuleTest):

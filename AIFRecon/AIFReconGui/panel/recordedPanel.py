@@ -15,6 +15,7 @@ from AIFReconLib.message import shorten
 from AIFReconLib.progress import part
 
 from ..packages import offerSpeed
+from ..picture.picturePanel import PicturePanel
 from .choosers import BoxChooser, Follower, MethodChooser, PresetChooser, SegmentsChooser, SweepsChooser
 from .dependentWidgets import updateButtons, updateDependentWidgets
 from .layout import say
@@ -56,6 +57,7 @@ class RecordedPanel(Follower):
             BoneOutlines(),
             ReportPanel(ui, logic.trackingReport),
             self.lights,
+            PicturePanel(ui.picturePlace, work, logic.trackingReport),
         )
         for button, slot in (
             (ui.openButton, self.onOpen),
