@@ -69,6 +69,8 @@ class BoneMap(Described):
         V_prob. Its matrix places it in Reference.
     inside : Volume of uint8 or None
         1 within bone, on the same voxels; None when only a probability is known, then bone is where it exceeds one half.
+    notes : tuple of str
+        What a user should know of how it was made, one sentence each.
 
     Notes
     -----
@@ -77,6 +79,7 @@ class BoneMap(Described):
 
     probability: Volume
     inside: Volume | None = None
+    notes: tuple[str, ...] = ()
 
     def _facts(self) -> list[tuple[str, str]]:
         known = "probability" if self.inside is None else f"probability and {np.count_nonzero(self.inside.array):,} voxels of bone"
@@ -195,7 +198,7 @@ class BoneMap(Described):
             raise GeometryError(
                 "Input direction must be {directions}; got {direction!r}.", directions=listed(DIRECTIONS, " or "), direction=direction
             )
-        sample = _sampler(self.probability, grid)
+        sample = sampler(self.probability, grid)
         report(progress, 0.0, "Placing the bone map")
         probability = sample(self.probability.array, part(progress, 0.0, 0.2))
         potential = self.probability.array
@@ -215,7 +218,7 @@ class BoneMap(Described):
                     directions[k, ..., component] += to_reference[component, axis] * slope[k]
 
             in_parts(turn, grid.shape[0], usable_cores(), part(progress, begun + 0.1, begun + 0.2), "Placing the bone map")
-        _normalize(directions, part(progress, 0.9, 1.0))
+        normalize(directions, part(progress, 0.9, 1.0))
         report(progress, 1.0, "Placed the bone map")
         return BoneOnGrid(probability, directions)
 
@@ -244,7 +247,7 @@ def _sobel_magnitude(array: Singles) -> Singles:
     return squared
 
 
-def _normalize(vectors: Singles, progress: Progress | None = None) -> None:
+def normalize(vectors: Singles, progress: Progress | None = None) -> None:
     """Scale vectors [k, j, i, 3] to unit length in place, slab by slab; vectors too short to have a direction become zero."""
 
     def normalize(k: int) -> None:
@@ -272,7 +275,7 @@ def _matrix_of_box(volume: Volume, box: Box) -> Matrix:
     return volume.ijk_to_reference @ shift
 
 
-def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[Numbers, Progress | None], Singles]:
+def sampler(source: Volume, grid: VoxelGrid) -> Callable[[Numbers, Progress | None], Singles]:
     """A function that brings arrays [k, j, i] on the source's voxels onto the grid by linear interpolation, as float32.
 
     Notes

@@ -51,7 +51,7 @@ def _defaults_without(without: tuple[str, ...]) -> Callable[[argparse.Namespace]
             kept = replace(kept, grid=None)
         if given.bone_sigma_voxels is not None:
             options.pop("bone_sigma_mm", None)
-        if given.bone_labels or given.bone_probability:
+        if given.bone_labels or given.bone_probability or given.bone_frames or given.bone_model:
             options.pop("bone_from_sweep", None)
         return {**options, "kept": kept}
 
@@ -92,6 +92,8 @@ def _of_bone(arguments: argparse.Namespace) -> dict[str, object]:
     """How the bone map was made."""
     if arguments.bone_from_sweep:
         return {"bone_from_sweep": True}
+    if arguments.bone_frames_px:
+        return {"bone_frames_px": list(arguments.bone_frames_px)}
     if arguments.bone_labels is None:
         return {}
     if arguments.bone_sigma_mm is not None:
