@@ -159,9 +159,9 @@ class BoneEchoFinder:
         lit = values[values > 0]
         if not lit.size:
             return values, None
-        echo: Singles = ndimage.gaussian_filter(values, self._sigma, output=np.float32) / self._reach
+        echo: Singles = (ndimage.gaussian_filter(values, self._sigma, output=np.float32) / self._reach).astype(np.float32)
         sums = running_sum(values)
-        behind: Singles = (sums[:, self._to] - sums[:, self._from]).astype(np.float32) / np.maximum(self._behind, np.float32(1))
+        behind = (sums[:, self._to] - sums[:, self._from]).astype(np.float32) / np.maximum(self._behind, 1)
         score: Singles = np.where(self._eligible, (echo - behind) / (echo + behind + lit.mean()), 0.0).astype(np.float32)
         return echo, score
 
