@@ -180,6 +180,11 @@ class BoneMap(Described):
         volume = Volume(array, probability.ijk_to_reference)
         return cls(volume if probability_to_reference is None else volume.placed_by(probability_to_reference))
 
+    def _slope(self, potential: Numbers, axis: int) -> Singles:
+        """How what V_dir is the gradient of rises along an axis (0: i) of the map, [k, j, i]."""
+        slope: Singles = ndimage.sobel(potential, axis=2 - axis, mode="nearest")
+        return slope
+
     def on_grid(self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None) -> BoneOnGrid:
         """Sample the map on the voxels of a reconstruction.
 
@@ -198,7 +203,7 @@ class BoneMap(Described):
             raise GeometryError(
                 "Input direction must be {directions}; got {direction!r}.", directions=listed(DIRECTIONS, " or "), direction=direction
             )
-        sample = sampler(self.probability, grid)
+        sample = _sampler(self.probability, grid)
         report(progress, 0.0, "Placing the bone map")
         probability = sample(self.probability.array, part(progress, 0.0, 0.2))
         potential = self.probability.array
@@ -211,14 +216,14 @@ class BoneMap(Described):
         directions = np.zeros((*grid.shape, 3), dtype=np.float32)
         for axis in range(3):
             begun = 0.3 + 0.2 * axis
-            slope = sample(ndimage.sobel(potential, axis=2 - axis, mode="nearest"), part(progress, begun, begun + 0.1))
+            slope = sample(self._slope(potential, axis), part(progress, begun, begun + 0.1))
 
             def turn(k: int, axis: int = axis, slope: Singles = slope) -> None:
                 for component in range(3):
                     directions[k, ..., component] += to_reference[component, axis] * slope[k]
 
             in_parts(turn, grid.shape[0], usable_cores(), part(progress, begun + 0.1, begun + 0.2), "Placing the bone map")
-        normalize(directions, part(progress, 0.9, 1.0))
+        _normalize(directions, part(progress, 0.9, 1.0))
         report(progress, 1.0, "Placed the bone map")
         return BoneOnGrid(probability, directions)
 
@@ -247,7 +252,7 @@ def _sobel_magnitude(array: Singles) -> Singles:
     return squared
 
 
-def normalize(vectors: Singles, progress: Progress | None = None) -> None:
+def _normalize(vectors: Singles, progress: Progress | None = None) -> None:
     """Scale vectors [k, j, i, 3] to unit length in place, slab by slab; vectors too short to have a direction become zero."""
 
     def normalize(k: int) -> None:
@@ -275,7 +280,7 @@ def _matrix_of_box(volume: Volume, box: Box) -> Matrix:
     return volume.ijk_to_reference @ shift
 
 
-def sampler(source: Volume, grid: VoxelGrid) -> Callable[[Numbers, Progress | None], Singles]:
+def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[Numbers, Progress | None], Singles]:
     """A function that brings arrays [k, j, i] on the source's voxels onto the grid by linear interpolation, as float32.
 
     Notes

@@ -16,6 +16,9 @@ from ..sweep.joined import sweeps_of
 from .scan_line_reader import Rectangle
 from .seen import Prediction
 
+COVERS = "BoneFramePx"
+"""The field of a prediction that says which rectangle of its frame it covers, as X Y W H."""
+
 SAME_TIME = 1e-3
 """s. Time stamps this near to each other are of one frame: programs write them with different numbers of digits."""
 
@@ -33,7 +36,7 @@ class RecordedPredictions:
     predictions : TrackedSequence, or one for each sweep
         As `read_sequence` returns them; 8 bit (0 to 255, or 0 and 1) or floating point (0 to 1). Their transforms are not looked at.
     rectangle : (x, y, width, height) or None
-        What a prediction covers, in pixels of a frame, where it has not the size of one.
+        What a prediction covers, in pixels of a frame, where it has not the size of one and does not say itself, as those recorded live do.
 
     Raises
     ------
@@ -98,6 +101,7 @@ class RecordedPredictions:
                 name=said.name,
                 kind=np.dtype(said.images.dtype).name,
             )
+        self._rectangle = self._rectangle or _own_rectangle(said)
         if self._rectangle is None and said.frame_size != sweep.frame_size:
             raise GeometryError(
                 "{name}: predictions of {got} pixels do not fit frames of {frames}. "
@@ -185,6 +189,16 @@ def checked_rectangle(rectangle: Rectangle | None) -> Rectangle | None:
         raise GeometryError("Input rectangle must be X Y W H in pixels, with W and H above 0; got {rectangle}.", rectangle=tuple(rectangle))
     x, y, width, height = (float(value) for value in rectangle)
     return x, y, width, height
+
+
+def _own_rectangle(said: TrackedSequence) -> Rectangle | None:
+    """What predictions say that they cover, in their first frame."""
+    words = said.records[0].fields.get(COVERS, "").split() if said.records else []
+    try:
+        x, y, width, height = (float(word) for word in words)
+    except ValueError:
+        return None
+    return checked_rectangle((x, y, width, height))
 
 
 def _times(sequence: TrackedSequence) -> Floats | None:

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from ..arrays import Floats, Integers, Matrix, Numbers, Reals, Singles
+from ..arrays import Floats, Integers, Matrix, Numbers, Singles
 from ..geometry.volume import Volume, VoxelGrid
-from ..progress import Progress, part, report
+from ..progress import Progress, report
 from ..resolve import Imaging
-from .map import GAUSSIAN_REACH, BoneMap, BoneOnGrid, normalize, sampler
+from .map import GAUSSIAN_REACH, BoneMap, Box
 from .scan_line_reader import Rectangle, ScanLineReader, running_sum
 
 SPACING = 1.0
@@ -152,8 +152,8 @@ class SeenBone(BoneMap):
 
     Parameters
     ----------
-    directions : (3, k, j, i) float32 array or None
-        V_dir in Reference, x, y, z, on the voxels of `probability`; not of unit length.
+    slopes : (3, k, j, i) float32 array or None
+        V_dir along i, j, k of the voxels of `probability`, per voxel; not of unit length.
 
     Notes
     -----
@@ -161,20 +161,10 @@ class SeenBone(BoneMap):
     behind its surface, so it never points against the sound.
     """
 
-    directions: Singles | None = None
+    slopes: Singles | None = None
 
-    def on_grid(self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None) -> BoneOnGrid:
-        """See `BoneMap.on_grid`."""
-        if self.directions is None:
-            return super().on_grid(grid, direction, progress)
-        sample = sampler(self.probability, grid)
-        probability = sample(self.probability.array, part(progress, 0.0, 0.3))
-        directions = np.zeros((*grid.shape, 3), dtype=np.float32)
-        for axis in range(3):
-            directions[..., axis] = sample(self.directions[axis], part(progress, 0.3 + 0.2 * axis, 0.5 + 0.2 * axis))
-        normalize(directions, part(progress, 0.9, 1.0))
-        report(progress, 1.0, "Placed the bone map")
-        return BoneOnGrid(probability, directions)
+    def _slope(self, potential: Numbers, axis: int) -> Singles:
+        return super()._slope(potential, axis) if self.slopes is None else self.slopes[axis]
 
 
 class BoneDrawing:
@@ -198,63 +188,96 @@ class BoneDrawing:
 
     def __init__(self, grid: VoxelGrid, sigma: float = SIGMA):
         self.grid, self.sigma = grid, sigma
-        self._said, self._lit = (np.zeros(grid.voxels, dtype=np.float32) for _ in range(2))
-        self._beams = np.zeros((3, grid.voxels), dtype=np.float32)
         self.frames = 0
+        self._said, self._lit = (np.zeros(grid.shape, dtype=np.float32) for _ in range(2))
+        self._beams = np.zeros((3, *grid.shape), dtype=np.float32)
+        self._full = 0.0
+        self._changed: tuple[Integers, Integers] | None = None
 
     def add(self, said: Said, image_to_reference: Matrix) -> None:
         """Take a frame's word at its pose, pixels to mm."""
         to_ijk = self.grid.reference_to_ijk @ image_to_reference
         ijk = np.floor(said.pixels @ to_ijk[:3, :2].T + to_ijk[:3, 3] + 0.5).astype(np.int64)
         within = ((ijk >= 0) & (ijk < self.grid.size)).all(axis=1)
-        at = (ijk[within, 2] * self.grid.size[1] + ijk[within, 1]) * self.grid.size[0] + ijk[within, 0]
+        self.frames += 1
+        if not within.any():
+            return
+        ijk = ijk[within]
+        low, high = ijk.min(axis=0), ijk.max(axis=0)
+        if self._changed is not None:
+            low, high = np.minimum(low, self._changed[0]), np.maximum(high, self._changed[1])
+        self._changed = low, high
+        at = (ijk[:, 2] * self.grid.size[1] + ijk[:, 1]) * self.grid.size[0] + ijk[:, 0]
         weight = said.weight[within]
         bone = weight * said.probability[within]
-        np.add.at(self._lit, at, weight)
+        np.add.at(self._lit.reshape(-1), at, weight)
         some = bone > 0
-        np.add.at(self._said, at[some], bone[some])
-        beams = (said.beams @ image_to_reference[:3, :2].T).astype(np.float32)[said.line[within][some]]
+        np.add.at(self._said.reshape(-1), at[some], bone[some])
+        # A gradient per voxel times these is its slope along the beam, whatever the voxels' axes
+        beams = said.beams @ image_to_reference[:3, :2].T @ np.linalg.inv(self.grid.ijk_to_reference[:3, :3]).T
+        mine = beams.astype(np.float32)[said.line[within][some]]
         for axis in range(3):
-            np.add.at(self._beams[axis], at[some], bone[some] * beams[:, axis])
-        self.frames += 1
+            np.add.at(self._beams[axis].reshape(-1), at[some], bone[some] * mine[:, axis])
 
     @property
     def shows_bone(self) -> bool:
         """Whether any frame showed any."""
         return bool(self._said.any())
 
-    def map(self, progress: Progress | None = None, breathe: Callable[[], object] = lambda: None) -> SeenBone:
-        """The map as far as it is known; `breathe` is called between steps, for those who want the computer in between."""
-        sigma, shape = self.sigma / self.grid.spacing[::-1], self.grid.shape
-        report(progress, 0.0, "Drawing the bone map")
-        said, lit = (self._smooth(values, sigma, breathe) for values in (self._said, self._lit))
-        mean: Singles = said / (lit + np.float32(SEEN * np.prod(self.grid.spacing)))
-        report(progress, 0.4, "Drawing the bone map")
-        largest = float(mean.max(initial=0.0))
-        full = float(np.percentile(mean[mean >= FULL_SHARE * largest], FULL_PERCENTILE)) if largest > 0 else 1.0
-        probability = np.minimum(mean / np.float32(max(full, LEAST_FULL)), np.float32(1.0))
-        breathe()
-        facing = np.zeros(shape, dtype=np.float32)
-        slopes = np.empty((3, *shape), dtype=np.float32)
-        to_reference = np.linalg.inv(self.grid.ijk_to_reference[:3, :3]).T.astype(np.float32)
-        along = [ndimage.sobel(probability, axis=2 - axis, mode="nearest") for axis in range(3)]
-        breathe()
-        for axis in range(3):
-            slopes[axis] = sum(to_reference[axis, other] * along[other] for other in range(3))
-            facing += slopes[axis] * self._smooth(self._beams[axis], sigma, breathe)
-        del along
-        slopes *= np.where(facing < 0, np.float32(-1.0), np.float32(1.0))
-        report(progress, 0.8, "Drawing the bone map")
-        directions = np.stack([self._smooth(slope, sigma, breathe) for slope in slopes])
-        report(progress, 1.0, "Drew the bone map")
-        return SeenBone(Volume(probability, self.grid.ijk_to_reference), directions=directions)
+    def tell_all(self) -> None:
+        """The next `news` are of the whole map."""
+        self._changed = np.zeros(3, dtype=np.int64), np.array(self.grid.size) - 1
 
-    def _smooth(self, values: Reals, sigma: Floats, breathe: Callable[[], object]) -> Singles:
-        breathe()
-        smooth: Singles = ndimage.gaussian_filter(
-            values.reshape(self.grid.shape), sigma, mode="constant", truncate=GAUSSIAN_REACH, output=np.float32
+    def map(self, progress: Progress | None = None) -> SeenBone:
+        """The map as far as it is known."""
+        whole = tuple(slice(0, n) for n in self.grid.shape)
+        return self._drawn((whole[0], whole[1], whole[2]), progress)
+
+    def news(self, breathe: Callable[[], object] = lambda: None) -> tuple[SeenBone, Box] | None:
+        """The part of the map that has changed since this was asked last, and the box of its voxels [k, j, i] that hold good.
+
+        `breathe` is called between steps, for who wants the computer in between. Certain bone is what was surest until now.
+        """
+        if self._changed is None:
+            return None
+        (low, high), self._changed = self._changed, None
+        reach = np.ceil(GAUSSIAN_REACH * self.sigma / self.grid.spacing).astype(int) + 1
+        # What has changed spreads by two Gaussians; the voxels at the border want as many more around them
+        inner, outer = (
+            [slice(max(int(a - r), 0), min(int(b + r + 1), n)) for a, b, r, n in zip(low, high, times * reach, self.grid.size, strict=True)]
+            for times in (2, 4)
         )
-        return smooth
+        seen = self._drawn((outer[2], outer[1], outer[0]), None, breathe)
+        return seen, (inner[2], inner[1], inner[0])
+
+    def _drawn(self, box: Box, progress: Progress | None, breathe: Callable[[], object] = lambda: None) -> SeenBone:
+        """The map of a box of voxels [k, j, i]."""
+        sigma = self.sigma / self.grid.spacing[::-1]
+
+        def smooth(values: Singles) -> Singles:
+            breathe()
+            blurred: Singles = ndimage.gaussian_filter(values, sigma, mode="constant", truncate=GAUSSIAN_REACH, output=np.float32)
+            return blurred
+
+        report(progress, 0.0, "Drawing the bone map")
+        mean = smooth(self._said[box]) / (smooth(self._lit[box]) + np.float32(SEEN * np.prod(self.grid.spacing)))
+        report(progress, 0.3, "Drawing the bone map")
+        largest = float(mean.max(initial=0.0))
+        if largest > 0:
+            self._full = max(self._full, float(np.percentile(mean[mean >= FULL_SHARE * largest], FULL_PERCENTILE)))
+        probability = np.minimum(mean / np.float32(max(self._full, LEAST_FULL)), np.float32(1.0))
+        breathe()
+        slopes = np.stack([ndimage.sobel(probability, axis=2 - axis, mode="nearest") for axis in range(3)])
+        facing = np.zeros_like(probability)
+        for axis in range(3):
+            facing += slopes[axis] * smooth(self._beams[(axis, *box)])
+        report(progress, 0.7, "Drawing the bone map")
+        slopes *= np.where(facing < 0, np.float32(-1.0), np.float32(1.0))
+        slopes = np.stack([smooth(slope) for slope in slopes])
+        report(progress, 1.0, "Drew the bone map")
+        matrix = self.grid.ijk_to_reference.copy()
+        matrix[:3, 3] += matrix[:3, :3] @ [part.start for part in box[::-1]]
+        return SeenBone(Volume(probability, matrix), slopes=slopes)
 
 
 def cubes_over(grid: VoxelGrid, spacing: float = SPACING, margin: float = 0.0) -> VoxelGrid:

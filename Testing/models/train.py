@@ -21,8 +21,6 @@ from torch.nn import functional
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from models.truth import TrueBone, worth_of
-
 from AIFReconLib.bone.estimators import BoneEstimator, EchoEstimator
 from AIFReconLib.bone.model import OnnxModel
 from AIFReconLib.commands.simulate import write_simulated_patient
@@ -35,6 +33,7 @@ from AIFReconLib.io.volume.files import read_labels
 from AIFReconLib.resolve import Imaging, resolve_imaging
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses, tracked_frames
+from models.truth import TrueBone, worth_of
 
 SIDE, CROP = 256, 128
 """Pixels of what the exported model takes, and of what it is trained on: pieces of images of about that size."""

@@ -53,7 +53,7 @@ class TrueBone:
         return self._readers[key]
 
     def along(self, frame: TrackedFrame) -> tuple[np.ndarray, np.ndarray]:
-        """Distance from the surface of every sample, (lines, samples) mm, negative inside; and each line's first sample in bone, -1 without."""
+        """Distance from the surface of every sample, (lines, samples) mm, negative inside; first sample in bone, -1 without."""
         lines, pose = self.reader(frame), frame.placed()[1]
         to_ijk = self._to_labels @ pose
         ijk = to_ijk[:3, :2] @ np.stack([lines.columns.ravel(), lines.rows.ravel()]) + to_ijk[:3, 3:]
