@@ -81,7 +81,7 @@ def simulated(seed: int, frames: int, folder: Path) -> Patient:
         write_simulated_patient(place, seed, "multi-angle", frames)
         (place / "done").touch()
     sequence = read_sequence(next(place.glob("*.igs.mha")), config=next(place.glob("*.xml")))
-    labels = read_labels(next(place.glob("*abels*.nrrd"))).placed_by(read_transform(next(place.glob("*.tfm"))))
+    labels = read_labels(next(place.glob("*segmentation*.nrrd"))).placed_by(read_transform(next(place.glob("*.tfm"))))
     poses = sweep_poses(sequence)
     return sequence, labels, poses, resolve_imaging(sequence, poses, True)
 
