@@ -96,7 +96,7 @@ def pictures(patient: Patient) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         # Square pixels, which every second line and sample of the reading are nearly
         stretch = lines.pitch / lines.step
         straight, said = lines.read(image).T / 255, truth.on_lines(frame).T
-        yield (*(ndimage.zoom(each, (1.0, stretch), order=1) for each in (straight, said)),)
+        yield ndimage.zoom(straight, (1.0, stretch), order=1), ndimage.zoom(said, (1.0, stretch), order=1)
 
 
 def piece(image: np.ndarray, said: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
