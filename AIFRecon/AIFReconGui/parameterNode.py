@@ -66,7 +66,7 @@ class AIFReconParameterNode:
     boneSegments: list[str]
     boneFromSweep: bool = False
     boneSigma: Annotated[float, WithinRange(0.1, 100.0)] = 10.0
-    boneSigmaUnit: SigmaUnit = SigmaUnit.VOXELS
+    boneSigmaUnit: SigmaUnit = SigmaUnit.AUTOMATIC
 
     registrationStart: RegistrationStart = RegistrationStart.WHERE_IT_IS
     showEchoes: bool = True
@@ -115,6 +115,7 @@ class AIFReconParameterNode:
     livePort: Annotated[int, WithinRange(1, 65535)] = 18944
     liveImageDevice: str
     liveImage: vtkMRMLScalarVolumeNode | None
+    liveRecord: bool = True
     liveRecordPath: pathlib.Path
     guidance: bool = False
 

@@ -18,7 +18,7 @@ from typing import Any
 from .. import __version__
 from ..arrays import Matrix
 from ..bone.map import BoneMap
-from ..compounding.state import Reconstruction
+from ..compounding.state import BESIDE, Reconstruction
 from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError, RegistrationRefused
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.metrics import evaluate
@@ -33,13 +33,14 @@ from ..io.transform.files import read_transform, write_transform
 from ..io.volume.files import read_labels, read_volume, write_volume
 from ..message import Message, listed, said
 from ..reconstruction import reconstruct
+from ..registration.labeled_bone import LabeledBone
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
 from ..settings import is_own_method
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
-from ..terminal.options import bone_from, imaging_from, importance_from, load_method_here, settings_from
+from ..terminal.options import bone_from, imaging_from, importance_from, labeled_bone_from, load_method_here, settings_from
 from ..terminal.seen_bone_options import seen_bone_inputs
 from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance
@@ -164,6 +165,8 @@ class _Work:
         self._report: dict[str, Any] = {}
         self._numbers: Row = {}
         self._notes: list[str] = []
+        self._labeled: LabeledBone | None = None
+        self._bone: BoneMap | None = None
 
     @property
     def _how(self) -> dict[str, Any]:
@@ -180,9 +183,11 @@ class _Work:
         if labels is not None:
             self._cover(labels)
         truth = self._truth(labels)
-        bone = bone_from(self._arguments, self._sequence, self._region, self._probe)
+        self._labeled = labeled_bone_from(self._arguments, self._sequence, self._region, self._probe)
+        if self._labeled is None:
+            self._bone = bone_from(self._arguments, "", None, self._sequence, self._region, self._probe)
         grid, ct = grid_from(self._arguments), self._ct()
-        rows = [self._of_method(method, bone, grid, truth, labels, ct) for method in self._case.methods]
+        rows = [self._of_method(method, grid, truth, labels, ct) for method in self._case.methods]
         write_text(self._folder / REPORT, json.dumps(self._report, indent=1) + "\n")
         return rows
 
@@ -248,7 +253,6 @@ class _Work:
     def _of_method(
         self,
         method: str | None,
-        bone: BoneMap | None,
         grid: VoxelGrid | None,
         truth: BoneTruth | None,
         labels: Volume | None,
@@ -259,9 +263,13 @@ class _Work:
         if method is not None and is_own_method(method):
             load_method_here(method)
         settings = replace(settings_from(arguments), best_cosine=bool(arguments.cosine))
-        result = reconstruct(self._sequence, settings, bone, grid, importance=importance_from(arguments), **self._how)
+        bone, of_map, name = self._bone, {}, settings.method_for(True)
+        if self._labeled is not None:
+            bone, of_map = self._labeled.map(name), self._labeled.settings(name)
+        beside = [name for name in BESIDE if getattr(arguments, name)]
+        result = reconstruct(self._sequence, settings, bone, grid, importance=importance_from(arguments), beside=beside, **self._how)
         of_bone = [arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.importance_mask]
-        result = with_provenance(result, arguments, [*self._sequence_files, *of_bone, *seen_bone_inputs(arguments)])
+        result = with_provenance(result, arguments, [*self._sequence_files, *of_bone, *seen_bone_inputs(arguments)], of_map)
         stem = result.method.replace(":", "-")
         volume = self._folder / f"{stem}.nrrd"
         result.intensity.write(volume)
@@ -278,6 +286,7 @@ class _Work:
             "spacing_mm": " x ".join(f"{mm:.3g}" for mm in result.grid.spacing),
             "size": " x ".join(map(str, result.grid.size)),
             "hole_limit_mm": float(result.hole_limit),
+            "bone_sigma_mm": of_map.get("bone_sigma_mm"),
             "volume": f"{self._case.name}/{volume.name}",
             "preview": self._drawn(stem, result, labels, ct, notes),
             **self._numbers,

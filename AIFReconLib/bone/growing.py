@@ -40,8 +40,12 @@ class GrowingBone(BoneMap):
     _now: list[tuple[VoxelGrid, BoneOnGrid]] = field(default_factory=list)
     _drawn: list[tuple[VoxelGrid, BoneDrawing]] = field(default_factory=list)
 
-    def on_grid(self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None) -> BoneOnGrid:
-        """Arrays of nothing, which `spread` fills; those of an earlier grid are let go."""
+    def on_grid(
+        self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None, planes: tuple[int, int] | None = None
+    ) -> BoneOnGrid:
+        """Arrays of nothing, which `spread` fills; those of an earlier grid are let go. A scan is never made in parts."""
+        if planes is not None:
+            raise ValueError("A map that grows has one volume to grow in; got a part of one.")
         empty = GrowingOnGrid(np.zeros(grid.shape, np.float32), np.zeros((*grid.shape, 3), np.float32))
         self._now[:] = [(grid, empty)]
         return empty

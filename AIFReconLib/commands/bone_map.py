@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..bone.map import BoneMap
+from ..bone.map import SIGMA_VOXELS, BoneMap
 from ..io.volume.files import check_volume_path, read_labels
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_sigma_options, refuse_to_overwrite, sigma_from
+from ..terminal.options import Commands, add_sigma_options, refuse_to_overwrite
 
 
 def add_to(commands: Commands) -> None:
@@ -22,7 +22,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)"
     )
-    add_sigma_options(parser)
+    add_sigma_options(parser, automatic=False)
     parser.set_defaults(run=run)
 
 
@@ -30,8 +30,9 @@ def run(arguments: argparse.Namespace) -> None:
     """Read, smooth, write."""
     refuse_to_overwrite([arguments.output], [arguments.labels])
     check_volume_path(arguments.output)
+    voxels = SIGMA_VOXELS if arguments.bone_sigma_voxels is None else arguments.bone_sigma_voxels
     with ProgressBar() as progress:
-        bone = BoneMap.from_labels(read_labels(arguments.labels), *sigma_from(arguments), progress=progress)
+        bone = BoneMap.from_labels(read_labels(arguments.labels), voxels, arguments.bone_sigma_mm, progress=progress)
         bone.probability.write(arguments.output)
     size = " x ".join(str(n) for n in bone.probability.grid.size)
     print(f"bone probability on {size} voxels around the labels, 0 elsewhere\n  wrote {arguments.output}")

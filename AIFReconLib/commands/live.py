@@ -9,6 +9,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
+from ..compounding.needs import method_needs_bone
 from ..compounding.state import Reconstruction
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
 from ..io.plus.configuration import read_plus_configuration
@@ -21,6 +22,7 @@ from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
 from ..machine.threads import pause
 from ..message import said
+from ..registration.labeled_bone import LabeledBone
 from ..sweep.configuration import NO_CONFIGURATION
 from ..terminal.console import ProgressBar
 from ..terminal.live_bone import LiveBone, add_streamed_bone_option, predictions_path
@@ -33,6 +35,7 @@ from ..terminal.options import (
     bone_from,
     imaging_from,
     importance_from,
+    labeled_bone_from,
     refuse_to_overwrite,
     settings_from,
 )
@@ -146,7 +149,8 @@ def run(arguments: argparse.Namespace) -> None:
     for path in filter(None, outputs.values()):
         check_volume_path(path)
     started = time.perf_counter()
-    session, seen = _session(arguments)
+    labeled = labeled_bone_from(arguments, None)
+    session, seen = _session(arguments, labeled)
     with seen.beside(session) if seen else nullcontext():
         result, interrupted = _scan(session, arguments)
     statistics, error = session.statistics, session.error
@@ -157,13 +161,15 @@ def run(arguments: argparse.Namespace) -> None:
             raise NoUsableFramesError("{why}", why=why)
         raise NoUsableFramesError("{why} {recording}", why=why, recording=recording)
     with ProgressBar() as progress:
-        result = with_provenance(result, arguments, inputs, {name: getattr(arguments, name) for name in OF_A_STREAM})
+        stream = {name: getattr(arguments, name) for name in OF_A_STREAM}
+        result = with_provenance(result, arguments, inputs, labeled.settings(result.method) if labeled else None, stream)
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.1 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
         drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
     files = [path for path in (*outputs.values(), *drawn) if path]
-    print(describe(result, statistics.frames_received, time.perf_counter() - started, files))
+    width = [str(line) for line in labeled.lines(result.method)] if labeled and method_needs_bone(result.method) else []
+    print(describe(result, statistics.frames_received, time.perf_counter() - started, files, agreement=width))
     for line in filter(None, [*_what_else(statistics, result), *(seen.lines() if seen else ()), recording, *how_to_look(arguments)]):
         print(f"  {line}")
     if error is not None:
@@ -177,14 +183,14 @@ def run(arguments: argparse.Namespace) -> None:
         raise KeyboardInterrupt
 
 
-def _session(arguments: argparse.Namespace) -> tuple[LiveSession, LiveBone | None]:
+def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> tuple[LiveSession, LiveBone | None]:
     """The session that the options ask for, with a client that is connected, and what looks for bone beside it."""
     configuration = read_plus_configuration(arguments.config) if arguments.config else NO_CONFIGURATION
     region, probe = imaging_from(arguments, configuration)
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     with ProgressBar() as progress:
         seen = LiveBone.of(arguments, configuration, region, probe)
-        bone = seen.bone if seen else bone_from(arguments, None, progress=progress)
+        bone = seen.bone if seen else bone_from(arguments, settings.method_for(True), labeled, None, progress=progress)
     synchronizer = SynchronizerSettings(
         image_device=arguments.image,
         image_to_reference=arguments.image_to_reference,

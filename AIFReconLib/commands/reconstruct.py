@@ -8,10 +8,8 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from ..compounding.needs import method_needs_bone
-from ..compounding.state import Reconstruction
+from ..compounding.state import BESIDE, Reconstruction
 from ..errors import BeamGeometryError, GeometryError
 from ..guidance.coverage import coverage
 from ..imaging.beams import ProbeGeometry
@@ -23,7 +21,6 @@ from ..io.transform.files import read_transform
 from ..io.volume.files import check_volume_path, read_label_names, read_labels
 from ..progress import part
 from ..reconstruction import reconstruct
-from ..registration.comparison import compared_lines
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
@@ -37,13 +34,14 @@ from ..terminal.options import (
     bone_from,
     imaging_from,
     importance_from,
+    labeled_bone_from,
     refuse_to_overwrite,
     settings_from,
 )
 from ..terminal.seen_bone_options import seen_bone_inputs
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
-from ..terminal.volume_options import SIDE_OUTPUTS, add_tuning_options, add_volume_options, grid_from
+from ..terminal.volume_options import SIDE_OUTPUTS, add_memory_option, add_tuning_options, add_volume_options, grid_from
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 
 EXAMPLE = """examples:
@@ -82,6 +80,7 @@ def add_to(commands: Commands) -> None:
     add_importance_option(add_imaging_options(parser))
     volume = add_volume_options(parser)
     add_preview_option(volume)
+    add_memory_option(volume)
     volume.add_argument("--report", type=Path, metavar="FILE", help="also write a report of the tracking and of what was done, as JSON")
     add_tuning_options(parser)
     add_settings_options(parser)
@@ -114,7 +113,8 @@ def run(arguments: argparse.Namespace) -> None:
     with ProgressBar() as progress:
         sequence = joined(sequence_from(one) for one in each)
         region, probe = imaging_from(arguments, sequence.configuration, sequence.images)
-        bone = bone_from(arguments, sequence, region, probe, part(progress, 0.0, 0.1))
+        labeled = labeled_bone_from(arguments, sequence, region, probe)
+        bone = bone_from(arguments, settings.method_for(True), labeled, sequence, region, probe, part(progress, 0.0, 0.1))
         grid = grid_from(arguments)
         result = reconstruct(
             sequence,
@@ -126,14 +126,18 @@ def run(arguments: argparse.Namespace) -> None:
             importance=importance_from(arguments),
             image_to_reference=arguments.image_to_reference,
             reference=arguments.reference,
+            beside=[name for name in BESIDE if getattr(arguments, name)],
+            memory=arguments.memory,
             progress=part(progress, 0.1, 0.95),
         )
-        result = with_provenance(result, arguments, inputs)
+        result = with_provenance(result, arguments, inputs, labeled.settings(result.method) if labeled else None)
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
         drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
-    agreement = _agreement(arguments, sequence, region, probe, result.method)
+        # What the sweep's own bone says of the CT's place
+        lines = labeled.lines(result.method) if labeled is not None and method_needs_bone(result.method) else []
+    agreement = [str(line) for line in lines]
     tracking = {
         share.name: tracking_report(part_of_it, sweep_poses(part_of_it, arguments.image_to_reference, arguments.reference), result, number)
         for number, (share, part_of_it) in enumerate(zip(result.sweeps, sequence.parts, strict=True))
@@ -144,25 +148,6 @@ def run(arguments: argparse.Namespace) -> None:
     files = [path for path in (*outputs.values(), *drawn, arguments.report) if path]
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
     print(*(f"  {line}\n" for line in how_to_look(arguments)), sep="", end="")
-
-
-def _agreement(
-    arguments: argparse.Namespace, sequence: TrackedSequence, region: ImageRegion | None, probe: ProbeGeometry | None, method: str
-) -> list[str]:
-    """What the sweep's own bone says of the CT's registration, a line each; nothing where no labels were used."""
-    if not arguments.bone_labels or not method_needs_bone(method):
-        return []
-    to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else np.eye(4)
-    lines = compared_lines(
-        sequence,
-        read_labels(arguments.bone_labels),
-        to_reference,
-        region=region,
-        probe=probe,
-        image_to_reference=arguments.image_to_reference,
-        reference=arguments.reference,
-    )
-    return [str(line) for line in lines]
 
 
 def _met(

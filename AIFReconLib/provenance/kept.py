@@ -17,7 +17,7 @@ from ..geometry.volume import VoxelGrid
 from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ..imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from ..message import shorten
-from ..settings import ReconstructionSettings
+from ..settings import AUTOMATIC, ReconstructionSettings
 from .record import OF_OUTPUTS
 
 NUMBERS = {
@@ -32,7 +32,6 @@ NUMBERS = {
     "time_offset": 1,
     "longest_gap": 1,
     "bone_sigma_voxels": 1,
-    "bone_sigma_mm": 1,
     "bone_frames_px": 4,
 }
 """Settings that are so many numbers, but for those of `ReconstructionSettings`."""
@@ -40,11 +39,14 @@ NUMBERS = {
 LARGEST = 1e300
 """Of a number; larger ones are not finite, or will not be."""
 
+WORD_OR_NUMBER = "bone_sigma_mm"
+"""A number, or the word that lets the sweep choose it."""
+
 TEXTS = ("image_to_reference", "reference", "orientation", "probe")
 FLAGS = ("bone_from_sweep",)
 MATRIX = "grid_to_reference"
 OF_RECONSTRUCTION = tuple(each.name for each in fields(ReconstructionSettings) if each.name != OF_OUTPUTS)
-KNOWN = (*OF_RECONSTRUCTION, *NUMBERS, *TEXTS, *FLAGS, MATRIX)
+KNOWN = (*OF_RECONSTRUCTION, *NUMBERS, WORD_OR_NUMBER, *TEXTS, *FLAGS, MATRIX)
 
 OF_FAN = ("fan_apex_px", "fan_angles_deg", "fan_radius_px", "fan_pixel_size", "fan_detection")
 OF_IMAGES = ("probe", "apex_px", "clip_px", *OF_FAN)
@@ -139,6 +141,8 @@ def _kind_of(name: str) -> str:
     """What a setting takes, in words."""
     if name in NUMBERS:
         return f"{NUMBERS[name]} numbers" if NUMBERS[name] > 1 else "a number"
+    if name == WORD_OR_NUMBER:
+        return f"a number or {AUTOMATIC}"
     if name == MATRIX:
         return "4 rows of 4 numbers"
     if name == "spacing":
@@ -160,6 +164,7 @@ def _is_number(value: object) -> bool:
 
 _IS_KIND: dict[str, Callable[[object], bool]] = {
     "a number": _is_number,
+    f"a number or {AUTOMATIC}": lambda value: value == AUTOMATIC or _is_number(value),
     "2 numbers": lambda value: _are_numbers(value, 2),
     "3 numbers": lambda value: _are_numbers(value, 3),
     "4 numbers": lambda value: _are_numbers(value, 4),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from ..arrays import Floats
 from ..errors import AIFReconError, OperationCanceled
@@ -12,7 +13,7 @@ from ..imaging.region import ImageRegion
 from ..message import Message
 from ..progress import Progress
 from ..sweep.frames import TrackedSequence
-from .agreement import check
+from .agreement import Agreement, check
 from .bone_field import BoneField
 from .echoes import sweep_echoes
 
@@ -20,7 +21,26 @@ COMPARED_FRAMES = 90
 """Frames of the sweep in which bone is looked for: enough to judge by, in less than a second."""
 
 
-def compared_lines(
+@dataclass(frozen=True)
+class Comparison:
+    """How a sweep and placed labels agree, or why that cannot be told.
+
+    Parameters
+    ----------
+    agreement : Agreement or None
+    lines : tuple of Message
+        The same in words, and what to do where they do not agree.
+    """
+
+    agreement: Agreement | None
+    lines: tuple[Message, ...]
+
+    def bone_width(self, unknown: float) -> float:
+        """Width of the bone map that goes with it, mm; `unknown` where it cannot be told."""
+        return unknown if self.agreement is None else self.agreement.bone_width
+
+
+def compared(
     sequences: TrackedSequence | Iterable[TrackedSequence],
     labels: Volume,
     labels_to_reference: Floats,
@@ -30,8 +50,8 @@ def compared_lines(
     image_to_reference: str | None = None,
     reference: str | None = None,
     progress: Progress | None = None,
-) -> list[Message]:
-    """How well a sweep and placed labels agree, and what to do where they do not: a line each.
+) -> Comparison:
+    """How well a sweep and placed labels agree, and what to do where they do not.
 
     Parameters
     ----------
@@ -48,7 +68,7 @@ def compared_lines(
 
     Notes
     -----
-    It follows a reconstruction and cannot spoil it: a sweep that cannot be compared is said to be so.
+    It goes with a reconstruction and cannot spoil it: a sweep that cannot be compared is said to be so.
     """
     try:
         echoes = sweep_echoes(
@@ -64,7 +84,8 @@ def compared_lines(
     except OperationCanceled:
         raise
     except AIFReconError as error:
-        return [Message("CT and sweep were not compared. {error}", error=error)]
-    warning = agreement.warning()
-    lines = [agreement.sentence()]
-    return lines if warning is None else [*lines, Message("WARNING: {warning} See aifrecon register.", warning=warning)]
+        return Comparison(None, (Message("CT and sweep were not compared. {error}", error=error),))
+    warning, sentence = agreement.warning(), agreement.sentence()
+    if warning is None:
+        return Comparison(agreement, (sentence,))
+    return Comparison(agreement, (sentence, Message("WARNING: {warning} See aifrecon register.", warning=warning)))

@@ -27,8 +27,9 @@ from ..io.volume.files import read_labels, read_volume
 from ..message import said
 from ..progress import Progress
 from ..provenance.kept import KeptSettings
+from ..registration.labeled_bone import LabeledBone
 from ..resolve import resolve_imaging
-from ..settings import OWN_METHOD, ReconstructionSettings, is_own_method, rule_of
+from ..settings import AUTOMATIC, OWN_METHOD, ReconstructionSettings, is_own_method, rule_of
 from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
@@ -141,22 +142,18 @@ def add_bone_options(parser: argparse.ArgumentParser) -> None:
     add_setting(bone, "bone_direction")
 
 
-def add_sigma_options(group: argparse._ActionsContainer) -> None:
-    """Smoothing of the bone map, in voxels or mm."""
+def add_sigma_options(group: argparse._ActionsContainer, automatic: bool = True) -> None:
+    """Smoothing of the bone map, in voxels or mm; `automatic` where there is a sweep that may tell how much."""
     sigma = group.add_mutually_exclusive_group()
+    default = f"default: {SIGMA_VOXELS:g}" + (", but for weighted" if automatic else "")
     sigma.add_argument(
-        "--bone-sigma-voxels",
-        type=float,
-        metavar="N",
-        help=f"smoothing of the bone map, in voxels of the labels (default: {SIGMA_VOXELS:g})",
+        "--bone-sigma-voxels", type=float, metavar="N", help=f"smoothing of the bone map, in voxels of the labels ({default})"
     )
-    sigma.add_argument("--bone-sigma-mm", type=float, metavar="MM", help="the same in mm")
-
-
-def sigma_from(arguments: argparse.Namespace) -> tuple[float, float | None]:
-    """Smoothing of the bone map in voxels, and in mm where that is given, which then counts."""
-    voxels = arguments.bone_sigma_voxels
-    return SIGMA_VOXELS if voxels is None else voxels, arguments.bone_sigma_mm
+    if automatic:
+        words = f"the same in mm, or {AUTOMATIC}: by how well CT and sweep agree (default of weighted: {AUTOMATIC})"
+        sigma.add_argument("--bone-sigma-mm", type=_number_or(AUTOMATIC), metavar="MM", help=words)
+    else:
+        sigma.add_argument("--bone-sigma-mm", type=float, metavar="MM", help="the same in mm")
 
 
 def check_bone_options(arguments: argparse.Namespace) -> None:
@@ -171,18 +168,45 @@ def check_bone_options(arguments: argparse.Namespace) -> None:
         raise SettingsError("--bone-transform places a bone input, and there is none. Give --bone-labels or --bone-probability.")
 
 
+def labeled_bone_from(
+    arguments: argparse.Namespace,
+    sequence: TrackedSequence | None,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+) -> LabeledBone | None:
+    """The labels that the options name, placed in Reference; None where they name none. `region` and `probe` are those of `imaging_from`;
+    a live scan has no sequence yet."""
+    check_bone_options(arguments)
+    if not arguments.bone_labels:
+        return None
+    return LabeledBone(
+        read_labels(arguments.bone_labels),
+        read_transform(arguments.bone_transform) if arguments.bone_transform else None,
+        sequence,
+        sigma_voxels=arguments.bone_sigma_voxels,
+        sigma_mm=arguments.bone_sigma_mm,
+        region=region,
+        probe=probe,
+        image_to_reference=arguments.image_to_reference,
+        reference=arguments.reference,
+    )
+
+
 def bone_from(
     arguments: argparse.Namespace,
+    method: str,
+    labeled: LabeledBone | None,
     sequence: TrackedSequence | None,
     region: ImageRegion | None = None,
     probe: ProbeGeometry | None = None,
     progress: Progress | None = None,
 ) -> BoneMap | None:
-    """The bone map that the options name, placed in Reference; None where they name none.
+    """The bone map that a method gets of the labels of `labeled_bone_from`, or of what else the options name; None where they name none.
 
     `sequence`, `region` and `probe` (as `imaging_from` returns them) are looked at for --bone-from-sweep alone; a live scan has none yet.
     """
-    check_bone_options(arguments)
+    if labeled is not None:
+        return labeled.map(method, progress)
     if arguments.bone_from_sweep:
         if sequence is None:
             raise SettingsError("--bone-from-sweep looks at a recorded sweep. Give --bone-labels or --bone-probability.")
@@ -191,10 +215,8 @@ def bone_from(
         return bone_from_sweep(sequence, poses, resolve_imaging(sequence, poses, True, region, probe), progress=progress)
     if sequence is not None and (seen := seen_bone_from(arguments, sequence, region, probe, progress)) is not None:
         return seen
-    to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else None
-    if arguments.bone_labels:
-        return BoneMap.from_labels(read_labels(arguments.bone_labels), *sigma_from(arguments), to_reference, progress)
     if arguments.bone_probability:
+        to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else None
         return BoneMap.from_probability(read_volume(arguments.bone_probability), to_reference)
     return None
 
@@ -290,21 +312,26 @@ def _probe(
 
 def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -> None:
     """Stop before work begins when an output is an input, or two outputs are one file; the data files beside .mhd headers count too."""
-    seen = {file: "an input" for path in inputs if path is not None for file in [real_path(path), *data_files(path)]}
+    seen = {_as_compared(file): "an input" for path in inputs if path is not None for file in [real_path(path), *data_files(path)]}
     for path in outputs:
         if path is None:
             continue
-        for file in dict.fromkeys([real_path(path), *_companions(path)]):
-            if file in seen:
+        for name, file in {_as_compared(file): file for file in [real_path(path), *_companions(path)]}.items():
+            if name in seen:
                 raise OutputError(
-                    "{path} would overwrite {other} ({file}). Choose another name.", path=path, other=seen[file], file=file.name
+                    "{path} would overwrite {other} ({file}). Choose another name.", path=path, other=seen[name], file=file.name
                 )
-            seen[file] = "another output"
+            seen[name] = "another output"
 
 
 def real_path(path: Path) -> Path:
     """The path without links; one that leads in a circle stays as it is."""
     return Path(os.path.realpath(path))
+
+
+def _as_compared(path: Path) -> str:
+    """A name as the disk compares it: on Windows and macOS Sweep.mha is sweep.mha."""
+    return str(path).casefold() if sys.platform in ("win32", "darwin") else str(path)
 
 
 def _companions(path: Path) -> list[Path]:

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from .. import __version__
-from ..bone.map import SIGMA_VOXELS
 from ..compounding.state import Reconstruction
 from ..message import Message
 from ..provenance.kept import KeptSettings
@@ -65,7 +64,11 @@ def check_save_settings(arguments: argparse.Namespace) -> None:
 
 
 def with_provenance(
-    result: Reconstruction, arguments: argparse.Namespace, inputs: list[Path | None], stream: Mapping[str, object] | None = None
+    result: Reconstruction,
+    arguments: argparse.Namespace,
+    inputs: list[Path | None],
+    bone: Mapping[str, object] | None = None,
+    stream: Mapping[str, object] | None = None,
 ) -> Reconstruction:
     """The result with volumes that know all settings and inputs; notes say what differs from the volume that was to be repeated.
 
@@ -76,29 +79,22 @@ def with_provenance(
     arguments : Namespace
     inputs : list of Path or None
         Files that were read.
+    bone : mapping or None
+        Width of the bone map, where it was made of labels.
     stream : mapping or None
         See `signed`.
     """
-    settings = {**settings_of(result.intensity), **_of_bone(arguments)}
+    settings = {**settings_of(result.intensity), **(bone or {})}
+    if arguments.bone_from_sweep:
+        settings["bone_from_sweep"] = True
+    if arguments.bone_frames_px:
+        settings["bone_frames_px"] = list(arguments.bone_frames_px)
     if stream is None:
         settings.update({name: value for name in OF_A_RECORDING if (value := getattr(arguments, name)) is not None})
     files = [path for path in inputs if path is not None]
     kept: KeptSettings | None = arguments.kept
     notes = () if kept is None else (*_about_version(kept), *other_inputs(kept.path.name, kept.inputs, files))
     return replace(signed(result, settings, files, stream), said=(*result.said, *notes))
-
-
-def _of_bone(arguments: argparse.Namespace) -> dict[str, object]:
-    """How the bone map was made."""
-    if arguments.bone_from_sweep:
-        return {"bone_from_sweep": True}
-    if arguments.bone_frames_px:
-        return {"bone_frames_px": list(arguments.bone_frames_px)}
-    if arguments.bone_labels is None:
-        return {}
-    if arguments.bone_sigma_mm is not None:
-        return {"bone_sigma_mm": arguments.bone_sigma_mm}
-    return {"bone_sigma_voxels": SIGMA_VOXELS if arguments.bone_sigma_voxels is None else arguments.bone_sigma_voxels}
 
 
 def _about_version(kept: KeptSettings) -> list[Message]:

@@ -39,6 +39,7 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
         from AIFReconLib.live.replay.server import ReplayServer
         from AIFReconLib.settings import ReconstructionSettings
 
+        tinyScene.requireLivePackages()
         calibration = realData.folder() / realData.SPINE_CALIBRATION
         self.sequence = read_sequence(realData.recordingOf(calibration), config=calibration)
         covered = reconstruct(self.sequence, ReconstructionSettings(spacing=2.0)).intensity

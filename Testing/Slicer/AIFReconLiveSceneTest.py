@@ -42,6 +42,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
 
         from AIFReconLib.live.replay.server import ReplayServer
 
+        tinyScene.requireLivePackages()
         self.server = ReplayServer(tinyScene.makeSequence(), 0, rate=30.0, loop=True)
         self.server.start()
         self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", self.server.port

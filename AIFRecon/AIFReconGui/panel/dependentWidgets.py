@@ -1,7 +1,7 @@
 """What can be entered, pressed and read in the panel, as it follows from the parameters."""
 
 from AIFReconScene.inputs import readiness
-from AIFReconScene.inputs.parameters import ProbeShape, Region
+from AIFReconScene.inputs.parameters import ProbeShape, Region, SigmaUnit
 from slicer.i18n import tr as _
 
 from .layout import say
@@ -17,6 +17,7 @@ def updateDependentWidgets(ui, parameters, sweepText: str) -> None:
     ui.regionVolumeLabel.visible = ui.regionVolumeSelector.visible = parameters.region == Region.LIKE_VOLUME
     ui.spacingSpinBox.enabled = parameters.region != Region.LIKE_VOLUME
     ui.apexColumnSpinBox.enabled = ui.apexRowSpinBox.enabled = parameters.probe == ProbeShape.SECTOR
+    ui.boneSigmaSpinBox.enabled = parameters.boneSigmaUnit != SigmaUnit.AUTOMATIC
     ui.boneFromSweepCheckBox.enabled = parameters.bone is None
     for spinBox in (ui.fanFirstRadiusSpinBox, ui.fanFirstAngleSpinBox, ui.fanLastAngleSpinBox):
         spinBox.enabled = parameters.fanLastRadius > 0
@@ -39,7 +40,7 @@ def updateButtons(ui, logic, parameters, waits: str, report: str) -> None:
     cannot = logic.whyNotReconstruct(parameters)
     for button, missing, does in (
         (ui.loadButton, readiness.whyNotLoad(parameters), _("Read the recording into a sweep that can be replayed")),
-        (ui.applyButton, cannot, _("Reconstruct the volume")),
+        (ui.applyButton, cannot, _("Reconstruct the volume, and judge tracking, registration and coverage")),
         (ui.compareButton, logic.whyNotCompare(parameters), _("Reconstruct with each method and show them side by side")),
     ):
         missing = waits or missing

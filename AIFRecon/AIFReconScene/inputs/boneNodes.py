@@ -59,12 +59,12 @@ def boneMapFromNode(
     from AIFReconLib.bone.map import SIGMA_VOXELS, BoneMap
 
     if not isLabeled(node):
-        with _named(node):
+        with named(node):
             return BoneMap.from_probability(_volumeOf(node), _worldOrNone(node))
     sigma = SIGMA_VOXELS if sigmaVoxels is None else sigmaVoxels
     if labels is None:
         labels = ownLabels(node, segmentIDs, sigmaVoxels=sigmaVoxels, sigmaMm=sigmaMm, referenceVolumeNode=referenceVolumeNode)
-    with _named(node):
+    with named(node):
         world = _worldOrNone(node)
         return inBackground(lambda progress: BoneMap.from_labels(labels, sigma, sigmaMm, world, progress), progress)
 
@@ -112,7 +112,7 @@ def labelsFromNode(
     labels = _mergedSegments(node, segmentIDs, referenceVolumeNode, reach) if node.IsA("vtkMRMLSegmentationNode") else _volumeOf(node)
     if not world:
         return labels
-    with _named(node):
+    with named(node):
         return labels.placed_by(matrixToWorld(node))
 
 
@@ -135,7 +135,7 @@ def _reach(sigmaVoxels: float, sigmaMm: float | None):
 
 
 @contextmanager
-def _named(node):
+def named(node):
     """Errors of geometry say which node they are about."""
     try:
         yield
@@ -156,7 +156,7 @@ def _volumeOf(node) -> Volume:
         raise GeometryError(
             "{node}: voxels must have 1 value; got {channels}. Choose a scalar volume.", node=node.GetName(), channels=channels
         )
-    with _named(node):
+    with named(node):
         return Volume(slicer.util.arrayFromVolume(node), ijkToRAS(node))
 
 
@@ -192,7 +192,7 @@ def _mergedSegments(node, segmentIDs: list[str] | None, referenceVolumeNode, rea
     shift[:3, 3] = extent[:, 0]
     imageToWorld = vtk.vtkMatrix4x4()
     geometry.GetImageToWorldMatrix(imageToWorld)
-    with _named(node):
+    with named(node):
         return Volume(labels, arrayOf(imageToWorld) @ shift)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,12 +16,14 @@ from ..background import inBackground
 from ..sceneNodes import proxiesOf
 from ..sweep.severalSweeps import furtherSweeps
 from ..transforms import matrixToWorld
+from .boneNodes import named
 from .imagingChoices import imageRegionFrom, probeFrom
-from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom, needsBone
+from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom
 
 if TYPE_CHECKING:
-    from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence, Volume
+    from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence
     from AIFReconLib.geometry.volume import VoxelGrid
+    from AIFReconLib.registration.labeled_bone import LabeledBone
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class Inputs:
     boneSegments : tuple of str
         IDs; empty: all.
     boneSigmaVoxels, boneSigmaMm : float or None
-        Width of the bone map; the library's default where both are None.
+        Width of the bone map; the library's default where both are None: for `weighted`, by how well CT and sweep agree.
     region : vtkMRMLMarkupsROINode, vtkMRMLScalarVolumeNode or None
         None: around the sweep.
     probe : ProbeGeometry or None
@@ -80,7 +82,7 @@ class Inputs:
     @classmethod
     def fromParameters(cls, parameters) -> Inputs:
         """What the panel's parameters name."""
-        inVoxels = parameters.boneSigmaUnit == SigmaUnit.VOXELS
+        width = {parameters.boneSigmaUnit: parameters.boneSigma}
         return cls(
             sweep=parameters.sweep,
             imageSequence=parameters.imageSequence,
@@ -88,8 +90,8 @@ class Inputs:
             bone=parameters.bone,
             ct=parameters.ctVolume,
             boneSegments=tuple(parameters.boneSegments),
-            boneSigmaVoxels=parameters.boneSigma if inVoxels else None,
-            boneSigmaMm=None if inVoxels else parameters.boneSigma,
+            boneSigmaVoxels=width.get(SigmaUnit.VOXELS),
+            boneSigmaMm=width.get(SigmaUnit.MM),
             region={Region.BOX: parameters.roi, Region.LIKE_VOLUME: parameters.regionVolume}.get(parameters.region),
             probe=probeFrom(parameters),
             importanceMask=fileFrom(parameters.importanceMaskPath),
@@ -144,42 +146,62 @@ class Inputs:
         region, grid = self.imageRegion(sequence.configuration), self.grid(settings)
         if self.bone is None and (self.boneFromSweep or self.boneFrames is not None or self.boneModel is not None):
             bone = self._boneOf(sequence, region, progress)
-            return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), boneSettings=self.boneSettings())
+            return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), boneFromSweep=True)
         labels = self.labels()
-        bone, place = self.boneMap(progress, labels), None if labels is None else matrixToWorld(self.bone)
-        return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), labels, place, self.boneSettings())
+        if labels is None:
+            bone = self.boneMap(progress)
+            return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance())
+        from AIFReconLib.registration.labeled_bone import LabeledBone
+
+        place = matrixToWorld(self.bone)
+        labeled = LabeledBone(
+            labels, place, sequence, sigma_voxels=self.boneSigmaVoxels, sigma_mm=self.boneSigmaMm, region=region, probe=self.probe
+        )
+        with named(self.bone):
+            inBackground(lambda progress: labeled.map(settings.method_for(True), progress), progress)
+        return PreparedInputs(sequence, None, grid, region, self.probe, self.importance(), labeled)
 
     def labels(self):
         """The `Volume` of the chosen bone's labels in its own coordinates; None without bone, or where it is a probability."""
+        from AIFReconLib.registration.agreement import LARGEST_WIDTH
+
         from .boneNodes import isLabeled, ownLabels
 
         if self.bone is None or not isLabeled(self.bone):
             return None
-        return ownLabels(self.bone, list(self.boneSegments) or None, referenceVolumeNode=self.ct, **self._sigma())
+        widest = self.boneSigmaMm if self._hasWidth else LARGEST_WIDTH
+        chosen = list(self.boneSegments) or None
+        return ownLabels(self.bone, chosen, referenceVolumeNode=self.ct, sigmaVoxels=self.boneSigmaVoxels, sigmaMm=widest)
 
-    def boneMap(self, progress=None, labels=None):
-        """The `BoneMap` of the chosen bone in RAS, or None without; of its `labels()` where these are there already."""
+    def boneMap(self, progress=None, labels=None, method: str = ""):
+        """The `BoneMap` of the chosen bone in RAS, or None without; of its `labels()` where these are there already.
+
+        Before there is a sweep: where no width is chosen, `weighted` gets that of a CT whose agreement is not known.
+        """
         from .boneNodes import boneMapFromNode
 
         if self.bone is None:
             return None
-        chosen = list(self.boneSegments) or None
-        return boneMapFromNode(self.bone, chosen, referenceVolumeNode=self.ct, labels=labels, progress=progress, **self._sigma())
+        chosen, sigmaMm = list(self.boneSegments) or None, self._settingsOfMap(method).get("bone_sigma_mm")
+        width = {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": sigmaMm}
+        return boneMapFromNode(self.bone, chosen, referenceVolumeNode=self.ct, labels=labels, progress=progress, **width)
 
-    def boneSettings(self) -> dict:
-        """How the bone map is made, as settings that repeat a reconstruction."""
+    def boneSettings(self, method: str) -> dict:
+        """How the map of `boneMap` is made, as settings that repeat a reconstruction."""
         from .boneNodes import isLabeled
 
-        if self.bone is None:
-            return {"bone_from_sweep": True} if self.boneFromSweep else {}
-        if not isLabeled(self.bone):
-            return {}
-        if self.boneSigmaMm is not None:
-            return {"bone_sigma_mm": self.boneSigmaMm}
-        return {} if self.boneSigmaVoxels is None else {"bone_sigma_voxels": self.boneSigmaVoxels}
+        return self._settingsOfMap(method) if self.bone is not None and isLabeled(self.bone) else {}
 
-    def _sigma(self) -> dict:
-        return {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": self.boneSigmaMm}
+    def _settingsOfMap(self, method: str) -> dict:
+        from AIFReconLib.registration.labeled_bone import UNKNOWN_WIDTH
+
+        if not self._hasWidth:
+            return {"bone_sigma_mm": UNKNOWN_WIDTH} if method == "weighted" else {}
+        return {"bone_sigma_voxels": self.boneSigmaVoxels} if self.boneSigmaMm is None else {"bone_sigma_mm": self.boneSigmaMm}
+
+    @property
+    def _hasWidth(self) -> bool:
+        return self.boneSigmaVoxels is not None or self.boneSigmaMm is not None
 
     def imageRegion(self, configuration):
         """The `ImageRegion` that is asked for, completed by the sweep's `PlusConfiguration`; None where nothing is asked for."""
@@ -227,8 +249,8 @@ class Inputs:
 class PreparedInputs:
     """The library's inputs; `reconstruct` may be called with any settings that have the same spacing.
 
-    The labels are those that `bone` was made of, if any, and `labelsToReference` is where they lay when they were read; `boneSettings` say
-    how it was made.
+    Where bone is labeled, `labeledBone` holds the labels as they were when they were read, and makes the map that a method wants; else it
+    is `bone`.
     """
 
     sequence: TrackedSequence
@@ -237,45 +259,48 @@ class PreparedInputs:
     imageRegion: ImageRegion | None = None
     probe: ProbeGeometry | None = None
     importance: np.ndarray | None = None
-    labels: Volume | None = None
-    labelsToReference: np.ndarray | None = None
-    boneSettings: dict = field(default_factory=dict)
+    labeledBone: LabeledBone | None = None
+    boneFromSweep: bool = False
 
-    def comparedLines(self, progress=None) -> list:
-        """What the sweep's own bone says of the place of the labels, a line each; nothing without labels. See `compared_lines`."""
-        from AIFReconLib.registration.comparison import compared_lines
+    def comparison(self, progress=None):
+        """The `Comparison` of the sweep's own bone with the labels; None without labels."""
+        labeled = self.labeledBone
+        return None if labeled is None else inBackground(labeled.comparison, progress)
 
-        def work(progress):
-            imaging = {"region": self.imageRegion, "probe": self.probe}
-            return compared_lines(self.sequence, self.labels, self.labelsToReference, progress=progress, **imaging)
+    def widthLines(self, method: str, progress=None) -> list:
+        """The width of the bone map that follows from that comparison, where it does: a line or none."""
+        if self.labeledBone is None or not self.labeledBone.is_automatic(method):
+            return []
+        return self.labeledBone.lines(method)[len(self.comparison(progress).lines) :]
 
-        return [] if self.labels is None else inBackground(work, progress)
-
-    def reconstruct(self, settings, progress=None):
+    def reconstruct(self, settings, progress=None, beside=()):
         """One call of the library: `settings` to a `Reconstruction` in RAS, whose volumes know how they were made."""
 
         from AIFReconLib import reconstruct
         from AIFReconLib.provenance.record import with_settings
 
         def work(progress):
+            bone, method = self.bone, settings.method_for(True)
+            ofMap = {"bone_from_sweep": True} if self.boneFromSweep else {}
+            if self.labeledBone is not None:
+                bone = self.labeledBone.map(method, part(progress, 0.0, 0.1))
+                ofMap = self.labeledBone.settings(method)
             imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}
-            result = reconstruct(self.sequence, settings, self.bone, self.grid, progress=progress, **imaging)
-            return with_settings(result, self.boneSettings)
+            result = reconstruct(self.sequence, settings, bone, self.grid, beside=beside, progress=part(progress, 0.1, 1.0), **imaging)
+            return with_settings(result, ofMap)
 
         return inBackground(work, progress)
 
 
-def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False) -> tuple:
-    """A `Reconstruction`, the sequence it was made from, and what was done, a line each: where `compared`, also how well the CT agrees."""
+def reconstructed(inputs: Inputs, settings, progress=None, beside=()) -> tuple:
+    """A `Reconstruction`, the `PreparedInputs` that it was made from, and what was done, a line each."""
     from AIFReconLib.inspection.summary import summary_lines
     from AIFReconLib.message import listed
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
-    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95))
-    lines = summary_lines(result, len(prepared.sequence))
-    if compared and needsBone(result.method):
-        lines += prepared.comparedLines(part(progress, 0.95, 1.0))
-    return result, prepared.sequence, listed(lines, "\n")
+    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), [name for name in beside if name in ("score", "hits")])
+    lines = [*summary_lines(result, len(prepared.sequence)), *prepared.widthLines(result.method, part(progress, 0.95, 1.0))]
+    return result, prepared, listed(lines, "\n")
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:

@@ -115,14 +115,15 @@ class RegistrationStart(enum.Enum):
 
 
 class SigmaUnit(enum.Enum):
-    """Unit of the width of the bone map."""
+    """Unit of the width of the bone map, or that it is chosen by how well CT and sweep agree."""
 
+    AUTOMATIC = "automatic"
     VOXELS = "voxels"
     MM = "mm"
 
     def label(self) -> str:
         """What the panel shows."""
-        return {SigmaUnit.VOXELS: _("voxels"), SigmaUnit.MM: _("mm")}[self]
+        return {SigmaUnit.AUTOMATIC: _("automatic"), SigmaUnit.VOXELS: _("voxels"), SigmaUnit.MM: _("mm")}[self]
 
 
 def ownMethods() -> tuple:

@@ -32,6 +32,8 @@ class LiveReconstruction:
     parameters : AIFReconParameterNode
     progress : callable or None
         For the bone map, which is made before the first frame is received.
+    record : Path or None
+        Where every frame is recorded.
 
     Raises
     ------
@@ -45,7 +47,7 @@ class LiveReconstruction:
     at once; receiving, inserting and making snapshots happen on threads of their own.
     """
 
-    def __init__(self, parameters, progress=None):
+    def __init__(self, parameters, progress=None, record=None):
         self._name = "Live"
         self._displayProblems = {}
         self._window = None
@@ -57,8 +59,8 @@ class LiveReconstruction:
         inputs = Inputs.fromParameters(parameters)
         settings = settingsFrom(parameters)
         labels, configuration = inputs.labels(), _configurationFrom(parameters)
-        grid, bone = inputs.grid(settings), inputs.boneMap(progress, labels)
-        self._bone, self._inputs = parameters.bone, inputs
+        grid, bone = inputs.grid(settings), inputs.boneMap(progress, labels, settings.method_for(True))
+        self._bone, self._inputs, self._method = parameters.bone, inputs, settings.method_for(True)
         field, region = _fieldOf(labels), inputs.imageRegion(configuration)
         self._source = _sourceFrom(parameters)
         self.session = LiveSession(
@@ -71,7 +73,7 @@ class LiveReconstruction:
             importance=inputs.importance(),
             configuration=configuration,
             synchronizer=SynchronizerSettings(image_device=parameters.liveImageDevice.strip() or None),
-            record=fileFrom(parameters.liveRecordPath),
+            record=record,
         )
         self._snapshots = SnapshotMaker(self.session)
         self._volumeWasLast = False
@@ -130,7 +132,7 @@ class LiveReconstruction:
 
     def followBone(self, progress=None) -> bool:
         """Weight by the bone where it lies now; True where a volume is growing already, which keeps the weights that it began with."""
-        self.session.use_bone(self._inputs.boneMap(progress))
+        self.session.use_bone(self._inputs.boneMap(progress, method=self._method))
         return not self.isScouting
 
     @property
@@ -253,7 +255,7 @@ class LiveReconstruction:
         return self._frame.goOn() if self._frame.isUnderWay else self._frame.show(self.session.latest)
 
     def _fillVolume(self, result) -> None:
-        result = with_settings(result, self._inputs.boneSettings())
+        result = with_settings(result, self._inputs.boneSettings(self._method))
         known = self.volumeNode
         if known is not None and known.GetImageData() is not None:
             updateVolumeNode(known, result.intensity)

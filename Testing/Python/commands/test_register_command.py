@@ -16,6 +16,7 @@ from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.io.transform.files import read_transform, write_transform
 from AIFReconLib.io.volume.files import read_labels
+from AIFReconLib.provenance.settings_files import read_settings
 from AIFReconLib.simulation.scan import random_rigid
 
 
@@ -105,10 +106,14 @@ def test_a_start_that_scales_is_exit_code_2_and_leaves_nothing(patient, tmp_path
     assert not (tmp_path / "found.tfm").exists()
 
 
-@pytest.mark.parametrize(("transform", "words"), [("right", "CT and sweep agree"), ("wrong", "WARNING")])
-def test_reconstruct_says_whether_ct_and_sweep_agree(transform, words, patient, tmp_path, capsys):
+@pytest.mark.parametrize(("transform", "words", "widths"), [("right", "CT and sweep agree", (1.5, 2.5)), ("wrong", "WARNING", (4.0, 6.0))])
+def test_reconstruct_says_whether_ct_and_sweep_agree_and_believes_it_as_far(transform, words, widths, patient, tmp_path, capsys):
     write_transform(np.eye(4), tmp_path / "wrong.tfm")
     registration = patient.ct_to_reference if transform == "right" else tmp_path / "wrong.tfm"
     inputs = [patient.sequence, "--config", patient.configuration, "--bone-labels", patient.labels, "--bone-transform", registration]
     assert main(["reconstruct", *map(str, inputs), "--spacing", "3", "--output", str(tmp_path / "v.nrrd")]) == 0
-    assert words in capsys.readouterr().out
+    said = capsys.readouterr().out
+    width = read_settings(tmp_path / "v.nrrd").options["bone_sigma_mm"]
+    assert words in said
+    assert f"Width of the bone map: {width:g} mm" in said
+    assert widths[0] <= width <= widths[1]

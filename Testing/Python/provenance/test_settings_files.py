@@ -36,7 +36,7 @@ BAD = {
     ),
     "no version": ("s.json", f'{{"version": "{"9" * 12000}", "speckle": 1}}', "s.json: there is no setting speckle"),
     "a text for a number": ("s.json", '{"alpha": "0.1"}', "s.json: Input alpha must be a finite number; got '0.1'"),
-    "not finite": ("s.json", '{"bone_sigma_mm": NaN}', "s.json: Input bone_sigma_mm must be a number; got nan"),
+    "not finite": ("s.json", '{"bone_sigma_mm": NaN}', "s.json: Input bone_sigma_mm must be a number or auto; got nan"),
     "too large": ("s.json", f'{{"longest_gap": 1{"0" * 400}}}', "s.json: Input longest_gap must be a number; got 1000"),
     "out of range": ("s.json", '{"beta": 2}', "s.json: Input beta must be at most 1; got 2"),
     "a flag": ("s.json", '{"bone_from_sweep": 1}', "s.json: Input bone_from_sweep must be true or false; got 1"),

@@ -1,4 +1,4 @@
-"""What stands under a reconstruction with labels when CT and sweep cannot be compared; that they can is tested with the commands."""
+"""How CT and sweep agree, and the width of the bone map that follows; what commands say of it is tested with them."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 from files import tracked_sequence, write_patient
 
-from AIFReconLib.errors import OperationCanceled
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.errors import OperationCanceled, SettingsError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.io.plus.configuration import read_plus_configuration
-from AIFReconLib.registration.comparison import compared_lines
+from AIFReconLib.registration.agreement import EchoFit, agreement_of
+from AIFReconLib.registration.comparison import compared
+from AIFReconLib.registration.labeled_bone import UNKNOWN_WIDTH, LabeledBone
 
 
 @pytest.fixture
@@ -29,11 +32,66 @@ def labels():
 
 
 def test_a_sweep_without_bone_is_said_to_be_not_compared(sequence, labels):
-    (line,) = compared_lines(sequence, labels, np.eye(4), probe=ProbeGeometry(LINEAR))
+    (line,) = compared(sequence, labels, np.eye(4), probe=ProbeGeometry(LINEAR)).lines
     assert line.startswith("CT and sweep were not compared. ")
     assert "too few" in line
 
 
 def test_a_cancel_is_no_finding(sequence, labels):
     with pytest.raises(OperationCanceled):
-        compared_lines(sequence, labels, np.eye(4), probe=ProbeGeometry(LINEAR), progress=lambda fraction, step: False)
+        compared(sequence, labels, np.eye(4), probe=ProbeGeometry(LINEAR), progress=lambda fraction, step: False)
+
+
+# ---- the width of the bone map
+
+
+def width_of(distances, reachable=True) -> float:
+    """The width for echoes so far from bone, mm."""
+    distances = np.asarray(distances, dtype=float)
+    fit = EchoFit(distances, np.broadcast_to(np.asarray(reachable), distances.shape))
+    return agreement_of(fit, np.ones(len(distances), np.int64)).bone_width
+
+
+@pytest.mark.parametrize(("off", "width"), [(0.1, 1.5), (0.5, 1.5), (0.8, 2.4), (-1.5, 4.5), (1.99, 6.0), (7.0, 6.0)])
+def test_the_map_is_three_times_as_wide_as_the_echoes_lie_off_from_1_5_to_6_mm(off, width):
+    assert width_of([off] * 9) == pytest.approx(width)
+
+
+def test_of_spread_echoes_three_quarters_count():
+    assert width_of([0.0] * 70 + [1.0] * 10 + [9.0] * 20) == pytest.approx(3.0)
+
+
+def test_echoes_that_bone_could_not_send_back_do_not_widen_the_map():
+    assert width_of([0.7] * 10 + [5.0] * 30, [True] * 10 + [False] * 30) == pytest.approx(2.1)
+
+
+def test_the_widest_map_stands_where_no_echo_lies_near_bone():
+    assert width_of([15.0] * 9) == 6.0
+
+
+def test_only_weighted_leaves_its_width_to_the_sweep(sequence, labels):
+    """This sweep shows no bone, so nothing is known of the CT's place."""
+    bone = LabeledBone(labels, None, sequence, probe=ProbeGeometry(LINEAR))
+    assert bone.settings("weighted") == {"bone_sigma_mm": UNKNOWN_WIDTH}
+    for method in ("aif", "aif-compensated", "average"):
+        assert bone.settings(method) == {"bone_sigma_voxels": 10.0}
+    np.testing.assert_array_equal(bone.map("weighted").probability.array, BoneMap.from_labels(labels, sigma_mm=4.0).probability.array)
+    np.testing.assert_array_equal(bone.map("aif").probability.array, BoneMap.from_labels(labels).probability.array)
+
+
+@pytest.mark.parametrize(
+    ("given", "kept"),
+    [
+        ({"sigma_mm": 2.5}, {"bone_sigma_mm": 2.5}),
+        ({"sigma_voxels": 3.0}, {"bone_sigma_voxels": 3.0}),
+        ({"sigma_mm": "auto"}, {"bone_sigma_mm": UNKNOWN_WIDTH}),
+    ],
+)
+@pytest.mark.parametrize("method", ["aif", "weighted"])
+def test_a_width_that_is_given_holds_for_every_method(given, kept, method, labels):
+    assert LabeledBone(labels, **given).settings(method) == kept
+
+
+def test_another_word_is_no_width(labels):
+    with pytest.raises(SettingsError, match="sigma_mm must be a number or auto; got 'wide'"):
+        LabeledBone(labels, sigma_mm="wide")

@@ -1,0 +1,112 @@
+"""The bone of a placed CT as methods want it: a map of the width that was asked for, or of one by how well CT and sweep agree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+
+import numpy as np
+
+from ..arrays import Matrix
+from ..bone.map import SIGMA_VOXELS, BoneMap
+from ..errors import SettingsError
+from ..geometry.volume import Volume
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion
+from ..message import Message
+from ..progress import Progress, part
+from ..settings import AUTOMATIC
+from ..sweep.frames import TrackedSequence
+from .comparison import Comparison, compared
+
+UNKNOWN_WIDTH = 4.0
+"""mm. Where CT and sweep were not compared, as before a live scan: the paper's 10 voxels on a CT of 0.4 mm."""
+
+
+class LabeledBone:
+    """Labels with their place, and the bone maps that are made of them.
+
+    Parameters
+    ----------
+    labels : Volume of integers
+    labels_to_reference : (4, 4) array or None, mm
+        Rigid; None where they lie in Reference already.
+    sequence : TrackedSequence, several, or None
+        What is reconstructed; None where it is still to come.
+    sigma_voxels : float or None
+    sigma_mm : float, "auto" or None
+        Width of the map, as in `BoneMap.from_labels`, or by how well CT and sweep agree. With neither it is "auto" for `weighted`, and the
+        paper's 10 voxels for the paper's methods and one's own.
+    region, probe, image_to_reference, reference
+        As in `reconstruct`.
+
+    Raises
+    ------
+    SettingsError
+        When `sigma_mm` is another word.
+    """
+
+    def __init__(
+        self,
+        labels: Volume,
+        labels_to_reference: Matrix | None = None,
+        sequence: TrackedSequence | Iterable[TrackedSequence] | None = None,
+        *,
+        sigma_voxels: float | None = None,
+        sigma_mm: float | str | None = None,
+        region: ImageRegion | None = None,
+        probe: ProbeGeometry | None = None,
+        image_to_reference: str | None = None,
+        reference: str | None = None,
+    ):
+        if isinstance(sigma_mm, str) and sigma_mm != AUTOMATIC:
+            raise SettingsError("Input sigma_mm must be a number or {word}; got {value!r}.", word=AUTOMATIC, value=sigma_mm)
+        self.labels, self.labels_to_reference = labels, labels_to_reference
+        self._sequence, self._sigma_voxels, self._sigma_mm = sequence, sigma_voxels, sigma_mm
+        self._compare = partial(compared, region=region, probe=probe, image_to_reference=image_to_reference, reference=reference)
+        self._comparison: Comparison | None = None
+        self._last: tuple[dict[str, float], BoneMap] | None = None
+
+    def is_automatic(self, method: str) -> bool:
+        """Whether the width follows from how well CT and sweep agree."""
+        if self._sigma_mm is not None or self._sigma_voxels is not None:
+            return self._sigma_mm == AUTOMATIC
+        return method == "weighted"
+
+    def settings(self, method: str, progress: Progress | None = None) -> dict[str, float]:
+        """The width for a method, by the name and in the unit of the option that repeats it."""
+        if self.is_automatic(method):
+            comparison = self.comparison(progress)
+            return {"bone_sigma_mm": UNKNOWN_WIDTH if comparison is None else comparison.bone_width(UNKNOWN_WIDTH)}
+        if isinstance(self._sigma_mm, int | float):
+            return {"bone_sigma_mm": float(self._sigma_mm)}
+        return {"bone_sigma_voxels": SIGMA_VOXELS if self._sigma_voxels is None else self._sigma_voxels}
+
+    def map(self, method: str, progress: Progress | None = None) -> BoneMap:
+        """The bone map for a method; the last one is kept."""
+        settings = self.settings(method, part(progress, 0.0, 0.5))
+        if self._last is None or self._last[0] != settings:
+            voxels, mm = settings.get("bone_sigma_voxels", SIGMA_VOXELS), settings.get("bone_sigma_mm")
+            # Gone before the next is made: each may be as large as the CT
+            self._last = None
+            made = BoneMap.from_labels(self.labels, voxels, mm, self.labels_to_reference, part(progress, 0.5, 1.0))
+            self._last = settings, made
+        return self._last[1]
+
+    def comparison(self, progress: Progress | None = None) -> Comparison | None:
+        """How CT and sweep agree, looked at once; None without a sweep."""
+        if self._comparison is None and self._sequence is not None:
+            place = np.eye(4) if self.labels_to_reference is None else self.labels_to_reference
+            self._comparison = self._compare(self._sequence, self.labels, place, progress=progress)
+        return self._comparison
+
+    def lines(self, method: str, progress: Progress | None = None) -> list[Message]:
+        """How CT and sweep agree, and the width that was chosen by it: a line each."""
+        comparison = self.comparison(progress)
+        lines = [] if comparison is None else list(comparison.lines)
+        if not self.is_automatic(method):
+            return lines
+        width = self.settings(method)["bone_sigma_mm"]
+        if comparison is None or comparison.agreement is None:
+            return [*lines, Message("Width of the bone map: {width:g} mm, as CT and sweep were not compared.", width=width)]
+        return [*lines, Message("Width of the bone map: {width:g} mm, by how far these echoes lie from the CT's bone.", width=width)]
