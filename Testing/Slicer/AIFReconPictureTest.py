@@ -24,18 +24,12 @@ class AIFReconPictureTest(unittest.TestCase):
         self.widget = slicer.modules.AIFReconWidget
         self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
         self.picture = next(each for each in self.widget._recorded._followers if type(each).__name__ == "PicturePanel")
-        around = self.ui.opacitySliderWidget
-        while around is not None:
-            # What has folded away cannot be pressed
-            if hasattr(around, "collapsed"):
-                around.collapsed = False
-            around = around.parentWidget()
 
     def tearDown(self):
         slicer.mrmlScene.Clear()
 
     def reconstruct(self):
-        """Sweep, CT and bone are chosen and Apply is pressed; the volume."""
+        """Sweep, CT and bone are chosen and Reconstruct is pressed; the volume."""
         self.parameters.sweep = tinyScene.addSweep()
         self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
         self.parameters.bone.CreateDefaultDisplayNodes()
@@ -95,7 +89,7 @@ class AIFReconPictureTest(unittest.TestCase):
         self.assertIsNone(self.measured())
         self.assertIsNone(kept.GetScene())
         self.assertFalse(self.picture._ui.showMeasuredCheckBox.enabled)
-        self.assertIn("Apply", self.picture._ui.showMeasuredCheckBox.toolTip)
+        self.assertIn("Reconstruct", self.picture._ui.showMeasuredCheckBox.toolTip)
 
     # ---- tint
 
@@ -133,7 +127,7 @@ class AIFReconPictureTest(unittest.TestCase):
     # ---- bone in 3D
 
     def showBone(self):
-        """Apply is pressed, and bone shows as a plate on the near face of the slab; the model that is kept beside the output."""
+        """Reconstruct is pressed, and bone shows as a plate on the near face of the slab; the model that is kept beside the output."""
         from AIFReconScene.inputs.boneNodes import labelsFromNode
         from AIFReconScene.picture.spineView import keepSpine
 

@@ -25,17 +25,18 @@ class PicturePanel:
 
     Parameters
     ----------
+    layout : QLayout
+        Takes the widget at its end.
     after : QWidget
-        The widget is laid out below it, at the end of what holds it, and is next for who goes by keyboard.
+        What comes before it for who goes by keyboard.
     work : LongWork
     trackingOf : callable
         ``trackingOf(parameters) -> (title, TrackingReport)``.
     """
 
-    def __init__(self, after, work, trackingOf):
+    def __init__(self, layout, after, work, trackingOf):
         widget = slicer.util.loadUI(str(UI))
-        layout = after.parentWidget().layout()
-        (layout.addRow if hasattr(layout, "addRow") else layout.addWidget)(widget)
+        layout.addWidget(widget)
         self._ui = ui = slicer.util.childWidgetVariables(widget)
         for name in IN_ORDER:
             qt.QWidget.setTabOrder(after, getattr(ui, name))
@@ -63,8 +64,8 @@ class PicturePanel:
         """Show what is chosen, and enable what can be."""
         ui, parameters = self._ui, self._parameterNode
         plain, spine = measuredOf(parameters.output), spineOf(parameters.output)
-        enhanced = _("Press “Apply” with a method that weights by bone: its plain echo is kept beside it.")
-        shown = _("No bone is kept with this volume: press “Apply” with a method that weights by bone. Where none shows, there is none.")
+        enhanced = _("Press “Reconstruct” with a method that weights by bone: its plain echo is kept beside it.")
+        shown = _("No bone is kept with this volume: press “Reconstruct” with a method that weights by bone. It may have shown none.")
         tells = self._whyNotTell()
         for widget, missing, does in (
             (ui.showMeasuredCheckBox, "" if plain else enhanced, _("Show the plain mean of the echoes, in the same gray levels")),

@@ -56,6 +56,10 @@ class Inputs:
         An 8-bit gray image: the weight of each pixel in an average.
     boneFromSweep : bool
         Whether bone is looked for in the sweep itself where no `bone` is given.
+    boneFrames : vtkMRMLSequenceNode or None
+        A network's predictions for the frames, where no `bone` is given.
+    boneModel : Path or None
+        A network in an ONNX file, where neither is.
     """
 
     sweep: Any
@@ -73,6 +77,8 @@ class Inputs:
     fanRadii: tuple | None = None
     importanceMask: Path | None = None
     boneFromSweep: bool = False
+    boneFrames: Any = None
+    boneModel: Path | None = None
 
     @classmethod
     def fromParameters(cls, parameters) -> Inputs:
@@ -139,7 +145,7 @@ class Inputs:
         """
         sequence = self.sequence()
         region, grid = self.imageRegion(sequence.configuration), self.grid(settings)
-        if self.bone is None and self.boneFromSweep:
+        if self.bone is None and (self.boneFromSweep or self.boneFrames is not None or self.boneModel is not None):
             bone = self._boneOf(sequence, region, progress)
             return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), boneFromSweep=True)
         labels = self.labels()
@@ -214,6 +220,11 @@ class Inputs:
 
     def _boneOf(self, sequence, region, progress):
         from AIFReconLib import bone_from_sweep
+
+        if self.boneFrames is not None or self.boneModel is not None:
+            from ..sweep.predictedBone import predictedBone
+
+            return predictedBone(sequence, self.boneFrames, self.boneModel, region=region, probe=self.probe, progress=progress)
         from AIFReconLib.resolve import resolve_imaging
         from AIFReconLib.sweep.poses import sweep_poses
 
