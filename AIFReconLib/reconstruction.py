@@ -263,6 +263,8 @@ def reconstruct(
     prepared = _prepare(sequence, asked, bone is not None, grid, region, probe, importance, image_to_reference, reference, beside)
     settings, order, imaging = prepared.settings, prepared.order, prepared.imaging
     cut = cut_into_parts(prepared.grid, prepared.costs, memory)
+    if len(cut) > 1:
+        logger.info("%s: %s voxels are worked in %d parts", sequence.name, prepared.grid.size, len(cut))
     report(progress, 0.02, "Preparing the volume")
     reconstructor, results, counts, notes = _worked(sequence, prepared, bone, beside, cut, part(progress, 0.02, 0.95))
     if not counts.inserted:

@@ -115,6 +115,7 @@ class AIFReconParameterNode:
     livePort: Annotated[int, WithinRange(1, 65535)] = 18944
     liveImageDevice: str
     liveImage: vtkMRMLScalarVolumeNode | None
+    liveRecord: bool = True
     liveRecordPath: pathlib.Path
     guidance: bool = False
 
@@ -125,3 +126,8 @@ class AIFReconParameterNode:
     volumeRendering: bool = False
     showProbe: bool = False
     showOutlines: bool = False
+    showMeasured: bool = False
+    showRaised: bool = True
+    showSpine: bool = True
+    probeUp: bool = False
+    showLevels: bool = False

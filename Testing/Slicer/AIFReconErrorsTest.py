@@ -46,7 +46,7 @@ class AIFReconErrorsTest(unittest.TestCase):
 
     def test_a_recording_that_cannot_be_read_is_no_bug(self):
         self.chooseBrokenRecording()
-        said = self.told(self.widget.onLoadButton)
+        said = self.told(self.widget._recorded.onLoad)
         self.assertIn("The recording could not be loaded.", said)
         self.assertIn("broken.igs.mha", said)
         self.assertTrue(self.ui.loadButton.enabled)
@@ -59,7 +59,7 @@ class AIFReconErrorsTest(unittest.TestCase):
         roi.SetCenterWorld(500.0, 500.0, 500.0)
         roi.SetSize(10.0, 10.0, 10.0)
         self.parameters.roi, self.parameters.region = roi, Region.BOX
-        said = self.told(self.widget.onApplyButton)
+        said = self.told(self.widget._recorded.onReconstruct)
         self.assertIn("no frame falls into the volume", said)
         self.assertNotIn("--", said)
         self.assertNotIn("Like volume", said)
@@ -86,7 +86,7 @@ class AIFReconErrorsTest(unittest.TestCase):
         self.widget.logic.loadRecording = broken
         self.addCleanup(delattr, self.widget.logic, "loadRecording")
         with self.assertRaises(KeyError):
-            self.widget.onLoadButton()
+            self.widget._recorded.onLoad()
 
     def test_what_is_wrong_with_a_sweep_is_said_in_one_place(self):
         sweep = tinyScene.addSweep()
@@ -107,7 +107,7 @@ class AIFReconErrorsTest(unittest.TestCase):
         path = pathlib.Path(self.folder.name) / "lumbar.igs.mha"
         write_sequence(tinyScene.makeSequence(), path)
         self.parameters.recordingPath = path
-        self.widget.onLoadButton()
+        self.widget._recorded.onLoad()
         self.assertIn("11 of 12", self.ui.sweepStatusLabel.text)
         self.assertNotIn("11 of 12", self.ui.statusLabel.text)
         self.assertIn("lumbar", self.ui.statusLabel.text)

@@ -64,7 +64,8 @@ def tables_of(native: type) -> list[dict]:
 
 def signals_of(native, name: str) -> dict[str, str]:
     """The signals of that name: C++ signature to the name by which PySide6 knows it, in C++ order; empty where there is none."""
-    found = _offered_signals(type(native), name)
+    kind: type = type(native)
+    found = _offered_signals(kind, name)
     return {signature: signature for signature in _qt_signals(native).get(name, ())} if found is None else found
 
 

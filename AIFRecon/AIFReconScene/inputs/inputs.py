@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from AIFReconLib.errors import SettingsError
+from AIFReconLib.errors import AIFReconError, InsufficientMemoryError, OperationCanceled, SettingsError
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion, chosen_region
 from AIFReconLib.progress import part
 
@@ -21,8 +21,9 @@ from .imagingChoices import imageRegionFrom, probeFrom
 from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom, needsBone
 
 if TYPE_CHECKING:
-    from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence
+    from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence, Volume
     from AIFReconLib.geometry.volume import VoxelGrid
+    from AIFReconLib.inspection.shown_bone import ShownBone
     from AIFReconLib.registration.labeled_bone import LabeledBone
 
 
@@ -251,10 +252,16 @@ class PreparedInputs:
     labeledBone: LabeledBone | None = None
     boneFromSweep: bool = False
 
-    def comparedLines(self, method: str, progress=None) -> list:
-        """What the sweep's own bone says of the place of the labels, and the width of the map that follows; nothing without labels."""
+    def comparison(self, progress=None):
+        """The `Comparison` of the sweep's own bone with the labels; None without labels."""
         labeled = self.labeledBone
-        return [] if labeled is None else inBackground(lambda progress: labeled.lines(method, progress), progress)
+        return None if labeled is None else inBackground(labeled.comparison, progress)
+
+    def widthLines(self, method: str, progress=None) -> list:
+        """The width of the bone map that follows from that comparison, where it does: a line or none."""
+        if self.labeledBone is None or not self.labeledBone.is_automatic(method):
+            return []
+        return self.labeledBone.lines(method)[len(self.comparison(progress).lines) :]
 
     def reconstruct(self, settings, progress=None, beside=()):
         """One call of the library: `settings` to a `Reconstruction` in RAS, whose volumes know how they were made."""
@@ -274,18 +281,71 @@ class PreparedInputs:
 
         return inBackground(work, progress)
 
+    def measured(self, settings, result, progress=None) -> Volume:
+        """The plain mean of the echoes on the voxels of a result that a method has made, with the same holes filled."""
 
-def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False, beside=()) -> tuple:
-    """A `Reconstruction`, the sequence it was made from, and what was done, a line each: where `compared`, also how well the CT agrees."""
+        from AIFReconLib import reconstruct
+
+        plain = replace(settings, method="average", best_cosine=False, hole_limit=result.hole_limit or settings.hole_limit)
+
+        def work(progress):
+            imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}
+            return reconstruct(self.sequence, plain, None, result.grid, beside=(), progress=progress, **imaging).intensity
+
+        return inBackground(work, progress)
+
+    def shown(self, result, progress=None) -> ShownBone | None:
+        """The bone that a result shows, for 3D; None of one without score and hits."""
+        from AIFReconLib.inspection.shown_bone import shown_bone
+
+        if result.score is None or result.hits is None:
+            return None
+        labeled = (None, None) if self.labeledBone is None else (self.labeledBone.labels, self.labeledBone.labels_to_reference)
+        return inBackground(lambda _progress: shown_bone(result, *labeled), progress)
+
+    @property
+    def hasBone(self) -> bool:
+        """Whether there is any."""
+        return self.bone is not None or self.labeledBone is not None
+
+
+@dataclass(frozen=True)
+class Beside:
+    """What is kept beside a reconstruction for the views: the `Volume` of its plain echo, and the `ShownBone`; None where there is none."""
+
+    measured: Volume | None = None
+    shown: ShownBone | None = None
+
+
+def reconstructed(inputs: Inputs, settings, progress=None, beside=(), seen: bool = False) -> tuple:
+    """A `Reconstruction`, the `PreparedInputs` that it was made from, what was done, a line each, and what is kept beside it for the views.
+
+    Where it is to be `seen`, of a method that weights by bone: a `Beside`.
+    """
     from AIFReconLib.inspection.summary import summary_lines
-    from AIFReconLib.message import listed
+    from AIFReconLib.message import Message, listed
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
-    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), [name for name in beside if name in ("score", "hits")])
-    lines = summary_lines(result, len(prepared.sequence))
-    if compared and needsBone(result.method):
-        lines += prepared.comparedLines(result.method, part(progress, 0.95, 1.0))
-    return result, prepared.sequence, listed(lines, "\n")
+    asked = [name for name in beside if name in ("score", "hits")]
+    followed = ["score", "hits"] if seen and needsBone(settings.method_for(prepared.hasBone)) else asked
+    try:
+        result = prepared.reconstruct(settings, part(progress, 0.1, 0.75), followed)
+    except InsufficientMemoryError:
+        if followed == asked:
+            raise
+        # Bone in 3D is not worth a volume that does not fit
+        result = prepared.reconstruct(settings, part(progress, 0.1, 0.75), asked)
+    lines = [*summary_lines(result, len(prepared.sequence)), *prepared.widthLines(result.method, part(progress, 0.75, 0.8))]
+    kept = Beside()
+    if seen and needsBone(result.method):
+        try:
+            measured = prepared.measured(settings, result, part(progress, 0.8, 0.95))
+            kept = Beside(measured, prepared.shown(result, part(progress, 0.95, 1.0)))
+        except OperationCanceled:
+            raise
+        except AIFReconError as error:
+            lines.append(Message("The plain echo and the bone in 3D were not made. {error}", error=error))
+    return result, prepared, listed(lines, "\n"), kept
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:

@@ -32,6 +32,8 @@ class LiveReconstruction:
     parameters : AIFReconParameterNode
     progress : callable or None
         For the bone map, which is made before the first frame is received.
+    record : Path or None
+        Where every frame is recorded.
 
     Raises
     ------
@@ -45,7 +47,7 @@ class LiveReconstruction:
     at once; receiving, inserting and making snapshots happen on threads of their own.
     """
 
-    def __init__(self, parameters, progress=None):
+    def __init__(self, parameters, progress=None, record=None):
         self._name = "Live"
         self._displayProblems = {}
         self._window = None
@@ -71,7 +73,7 @@ class LiveReconstruction:
             importance=inputs.importance(),
             configuration=configuration,
             synchronizer=SynchronizerSettings(image_device=parameters.liveImageDevice.strip() or None),
-            record=fileFrom(parameters.liveRecordPath),
+            record=record,
         )
         self._snapshots = SnapshotMaker(self.session)
         self._volumeWasLast = False

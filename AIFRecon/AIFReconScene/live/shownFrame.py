@@ -1,5 +1,7 @@
 """The frame that is seen now, as a volume in its place that the red view follows: shown in steps, between which windows can breathe."""
 
+from typing import Any
+
 import slicer
 
 from AIFReconLib.geometry.volume import Volume
@@ -33,7 +35,7 @@ class ShownFrame:
     def __init__(self, views: LiveViews):
         self._views = views
         self._steps = None
-        self._node = None
+        self._node: Any = None
         self.frame = None
 
     @property
@@ -76,7 +78,7 @@ class ShownFrame:
         self._node = self.frame = None
 
     def _isThere(self) -> bool:
-        return self._node is not None and self._node.GetScene() is not None
+        return bool(self._node and self._node.GetScene())
 
     def _stepsTo(self, frame):
         if not self._isThere():

@@ -95,7 +95,7 @@ def test_elsewhere_they_are_two_files(patient, results):
     assert volume.read_bytes() != score.read_bytes()
 
 
-@pytest.mark.parametrize("name", ["D:\\Übung\\mask.png", "masks\\mask.png", "..\\mask.png"])
+@pytest.mark.parametrize("name", ["D:\\Daten\\Jürgen\\mask.png", "masks\\mask.png", "..\\mask.png"])
 def test_a_windows_path_in_a_configuration_leads_to_the_same_file_anywhere(tmp_path, name):
     path = tmp_path / "plus" / "plus.xml"
     path.parent.mkdir()
