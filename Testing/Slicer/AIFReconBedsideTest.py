@@ -109,7 +109,7 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertEqual(self.levels()[0], "good")
         self.assertIn("11 of 12 frames", self.ui.trackingVerdictLabel.text)
         self.assertIn("echoes", self.ui.registrationVerdictLabel.text)
-        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights._timer.isActive()))
+        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking))
         self.assertIn("%", self.ui.coverageVerdictLabel.text)
         self.assertNotEqual(self.levels()[2], "not yet")
         tinyScene.setMatrix(self.registration, tinyScene.moved(0.0, 0.0, 9.0) @ tinyScene.matrixOf(self.registration))
