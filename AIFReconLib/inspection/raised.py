@@ -66,7 +66,9 @@ def raised_bands(shown: Volume, plain: Volume) -> Bytes:
             bands[some] = _bands(shown.array[some], plain.array[some], least)
         else:
             # Of 8 bits there are few pairs: looking up is faster
-            np.take(known, shown.array[some].astype(np.uint16) * np.uint16(256) + plain.array[some], out=bands[some])
+            pairs = shown.array[some].astype(np.intp) * 256
+            pairs += plain.array[some].astype(np.intp)
+            np.take(known, pairs, out=bands[some])
     return bands
 
 

@@ -89,7 +89,7 @@ class AIFReconPictureTest(unittest.TestCase):
         self.assertIsNone(self.measured())
         self.assertIsNone(kept.GetScene())
         self.assertFalse(self.picture._ui.showMeasuredCheckBox.enabled)
-        self.assertIn("Apply", self.picture._ui.showMeasuredCheckBox.toolTip)
+        self.assertIn("Reconstruct", self.picture._ui.showMeasuredCheckBox.toolTip)
 
     # ---- tint
 

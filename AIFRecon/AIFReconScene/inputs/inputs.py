@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from AIFReconLib.errors import AIFReconError, InsufficientMemoryError, OperationCanceled, SettingsError
+from AIFReconLib.errors import InsufficientMemoryError, SettingsError
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion, chosen_region
 from AIFReconLib.progress import part
 
@@ -56,6 +56,10 @@ class Inputs:
         An 8-bit gray image: the weight of each pixel in an average.
     boneFromSweep : bool
         Whether bone is looked for in the sweep itself where no `bone` is given.
+    boneFrames : vtkMRMLSequenceNode or None
+        A network's predictions for the frames, where no `bone` is given.
+    boneModel : Path or None
+        A network in an ONNX file, where neither is.
     """
 
     sweep: Any
@@ -73,6 +77,8 @@ class Inputs:
     fanRadii: tuple | None = None
     importanceMask: Path | None = None
     boneFromSweep: bool = False
+    boneFrames: Any = None
+    boneModel: Path | None = None
 
     @classmethod
     def fromParameters(cls, parameters) -> Inputs:
@@ -139,7 +145,7 @@ class Inputs:
         """
         sequence = self.sequence()
         region, grid = self.imageRegion(sequence.configuration), self.grid(settings)
-        if self.bone is None and self.boneFromSweep:
+        if self.bone is None and (self.boneFromSweep or self.boneFrames is not None or self.boneModel is not None):
             bone = self._boneOf(sequence, region, progress)
             return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), boneFromSweep=True)
         labels = self.labels()
@@ -214,6 +220,11 @@ class Inputs:
 
     def _boneOf(self, sequence, region, progress):
         from AIFReconLib import bone_from_sweep
+
+        if self.boneFrames is not None or self.boneModel is not None:
+            from ..sweep.predictedBone import predictedBone
+
+            return predictedBone(sequence, self.boneFrames, self.boneModel, region=region, probe=self.probe, progress=progress)
         from AIFReconLib.resolve import resolve_imaging
         from AIFReconLib.sweep.poses import sweep_poses
 
@@ -309,43 +320,25 @@ class PreparedInputs:
         return self.bone is not None or self.labeledBone is not None
 
 
-@dataclass(frozen=True)
-class Beside:
-    """What is kept beside a reconstruction for the views: the `Volume` of its plain echo, and the `ShownBone`; None where there is none."""
+def reconstructed(inputs: Inputs, settings, progress=None, beside=(), wished=()) -> tuple:
+    """A `Reconstruction`, the `PreparedInputs` that it was made from, and what was done, a line each.
 
-    measured: Volume | None = None
-    shown: ShownBone | None = None
-
-
-def reconstructed(inputs: Inputs, settings, progress=None, beside=(), seen: bool = False) -> tuple:
-    """A `Reconstruction`, the `PreparedInputs` that it was made from, what was done, a line each, and what is kept beside it for the views.
-
-    Where it is to be `seen`, of a method that weights by bone: a `Beside`.
+    The volumes `beside` are made in any case; those that are `wished`, with a method that weights by bone and where memory allows.
     """
     from AIFReconLib.inspection.summary import summary_lines
-    from AIFReconLib.message import Message, listed
+    from AIFReconLib.message import listed
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
     asked = [name for name in beside if name in ("score", "hits")]
-    followed = ["score", "hits"] if seen and needsBone(settings.method_for(prepared.hasBone)) else asked
+    wished = wished if needsBone(settings.method_for(prepared.hasBone)) else ()
     try:
-        result = prepared.reconstruct(settings, part(progress, 0.1, 0.75), followed)
+        result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), sorted({*asked, *wished}))
     except InsufficientMemoryError:
-        if followed == asked:
+        if not wished:
             raise
-        # Bone in 3D is not worth a volume that does not fit
-        result = prepared.reconstruct(settings, part(progress, 0.1, 0.75), asked)
-    lines = [*summary_lines(result, len(prepared.sequence)), *prepared.widthLines(result.method, part(progress, 0.75, 0.8))]
-    kept = Beside()
-    if seen and needsBone(result.method):
-        try:
-            measured = prepared.measured(settings, result, part(progress, 0.8, 0.95))
-            kept = Beside(measured, prepared.shown(result, part(progress, 0.95, 1.0)))
-        except OperationCanceled:
-            raise
-        except AIFReconError as error:
-            lines.append(Message("The plain echo and the bone in 3D were not made. {error}", error=error))
-    return result, prepared, listed(lines, "\n"), kept
+        result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), asked)
+    lines = [*summary_lines(result, len(prepared.sequence)), *prepared.widthLines(result.method, part(progress, 0.95, 1.0))]
+    return result, prepared, listed(lines, "\n")
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:

@@ -28,7 +28,8 @@ class EchoView:
 
     def __init__(self):
         self._tintID = self._colorsID = None
-        self._tintOf = self._opacity = None
+        self._tintOf: tuple | None = None
+        self._opacity: tuple | None = None
 
     @property
     def tintNode(self):
@@ -39,7 +40,7 @@ class EchoView:
         """Show what is chosen, in every slice view that shows the reconstruction or its plain echo."""
         output = parameters.output if parameters.output is not None and parameters.output.GetImageData() is not None else None
         plain = measuredOf(output)
-        if plain is not None:
+        if plain is not None and output is not None:
             shown, hidden = (plain, output) if parameters.showMeasured else (output, plain)
             if sliceDisplay.exchange(hidden, shown):
                 _sameWindow(hidden, shown)

@@ -4,6 +4,7 @@ import json
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 import slicer
 from slicer.i18n import tr as _
@@ -134,7 +135,11 @@ def _pictures(parameters) -> list:
     if bone is not None and isLabeled(bone):
         labels = Inputs.fromParameters(parameters).labels().placed_by(matrixToWorld(bone))
     shown, window = _volumeOf(output), ultrasoundWindowOf(output)
-    beside = {"window": window, "labels": labels, "ct": _volumeOf(ct) if ct is not None and ct.GetImageData() is not None else None}
+    beside: dict[str, Any] = {
+        "window": window,
+        "labels": labels,
+        "ct": _volumeOf(ct) if ct is not None and ct.GetImageData() is not None else None,
+    }
     bands = None if plain is None else Volume(raised_bands(shown, _volumeOf(plain)), shown.ijk_to_reference)
     kinds = [(output.GetAttribute("AIFRecon.Method"), Scene(shown, bands=bands, **beside))]
     if plain is not None:
@@ -167,7 +172,7 @@ def _agreement(parameters, progress) -> tuple:
     if bone is None or not isLabeled(bone):
         return (), [Section(title, said=(_("No segmentation was chosen: nothing says where bone should be."),))]
     try:
-        agreement = CTRegistration().check(parameters, progress).agreement
+        agreement: Any = CTRegistration().check(parameters, progress).agreement
     except OperationCanceled:
         raise
     except AIFReconError as error:
