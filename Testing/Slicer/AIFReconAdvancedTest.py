@@ -159,7 +159,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
     def test_a_way_to_fill_holes_is_refused_without_a_limit(self):
         self.choose(self.ui.holesComboBox, "gaussian")
         self.ui.holeLimitSpinBox.value = 0.0
-        self.assertRefused("hole limit")
+        self.assertRefused("Fill gaps up to")
 
     def test_the_hole_limit_is_automatic_until_it_is_set(self):
         self.assertEqual(self.ui.holeLimitSpinBox.text, "automatic")

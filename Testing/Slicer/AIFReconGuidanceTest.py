@@ -202,7 +202,8 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertTrue(self.own())
         self.setBox(False)
         self.assertEqual(self.own(), [])
-        self.assertFalse(self.ui.guidanceMoveLabel.visible)
+        self.assertFalse(self.ui.guidanceWords.isVisibleTo(self.ui.coverageDetails))
+        self.assertEqual(self.live._advised, "")
         self.assertFalse(slicer.app.layoutManager().threeDWidget(0).threeDView().cornerAnnotation().GetText(2))
 
     def test_another_sweep_or_bone_takes_the_colors_away(self):
@@ -284,7 +285,8 @@ class AIFReconGuidanceTest(unittest.TestCase):
 
     def test_a_scan_colors_the_bone_and_says_the_next_move(self):
         self.start()
-        self.playUntil(lambda: self.colored() and self.ui.guidanceMoveLabel.text)
+        self.playUntil(lambda: self.colored() and self.live._advised)
+        self.assertEqual(self.ui.guidanceMoveLabel.text, self.live._advised)
         self.assertIn("%", self.ui.guidanceTableLabel.text)
         self.assertIsNotNone(self.model("Advised probe"))
 

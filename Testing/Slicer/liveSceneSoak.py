@@ -141,5 +141,6 @@ def begin(widget, spacing: float = 1.0) -> SceneSoak:
     roi.SetSize(40.0, 40.0, 30.0)
     parameters.roi, parameters.region = roi, Region.BOX
     parameters.liveSource, parameters.liveImage = LiveSource.SCENE, imageNode
+    parameters.liveRecord = False
     widget.ui.liveStartButton.click()
     return SceneSoak(widget._live, imageNode, transformNode)

@@ -357,6 +357,8 @@ def main(arguments: list[str]) -> int:
     """Walk; the exit status."""
     folder = pathlib.Path(arguments[0])
     folder.mkdir(parents=True, exist_ok=True)
+    # A scan is recorded beside the scene
+    slicer.mrmlScene.SetRootDirectory(str(folder))
     walk = Walk(folder)
     if "--close" in arguments:
         closeInMidRun(walk, float(arguments[arguments.index("--close") + 1]), "--window" in arguments)

@@ -15,7 +15,15 @@ def say(label, text: str) -> None:
     height a text that grows squeezes the sections around it, in Slicer itself though not everywhere.
     """
     label.text = text
-    label.minimumHeight = label.heightForWidth(label.width) if text and label.visible else 0
+    _fit(label)
+    if text:
+        # A label that is shown only now has not got its width yet
+        qt.QTimer.singleShot(0, lambda: _fit(label))
+
+
+def _fit(label) -> None:
+    if label:  # destroyed: the application is being closed
+        label.minimumHeight = label.heightForWidth(label.width) if label.text and label.visible else 0
 
 
 class Tabs:

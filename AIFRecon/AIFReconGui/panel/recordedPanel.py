@@ -68,6 +68,9 @@ class RecordedPanel(Follower):
             (ui.singleViewButton, self.onSingleView),
         ):
             button.connect("clicked(bool)", slot)
+        # What is opened shows all that it holds, also what does not count
+        ui.volumeGroupBox.connect("toggled(bool)", lambda opened: self._dependents())
+        ui.settingsCollapsibleButton.connect("contentsCollapsed(bool)", lambda collapsed: self._dependents())
 
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none."""
@@ -80,7 +83,7 @@ class RecordedPanel(Follower):
         parameters = self._parameterNode
         for follower in self._followers:
             follower.update()
-        updateDependentWidgets(self._ui, parameters, self._logic.describeSweep(parameters))
+        self._dependents()
         updateButtons(self._ui, self._logic, parameters, waits, self._report)
         self._fold(parameters)
 
@@ -92,6 +95,10 @@ class RecordedPanel(Follower):
         if self._ui.summaryLabel:  # destroyed: the application is being closed
             self._ui.summaryLabel.visible = False
             self._ui.inputsCollapsibleButton.collapsed = False
+
+    def _dependents(self) -> None:
+        if self._parameterNode is not None:
+            updateDependentWidgets(self._ui, self._parameterNode, self._logic.describeSweep(self._parameterNode))
 
     # ---- buttons
 
