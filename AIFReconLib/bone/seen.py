@@ -183,7 +183,7 @@ class BoneDrawing:
     Notes
     -----
     A voxel's probability is the mean of what the frames say there, weighted by how lit they were, over voxels that a Gaussian weights too
-    (so that gaps between frames are closed), and falls to 0 where none passed. It is then divided by its `FULL_PERCENTILE`th percentile
+    (so that gaps between frames are closed), and falls to 0 where none passed. It is then divided by its percentile `FULL_PERCENTILE`
     where it is high, for a surface is thin: its smoothed probability is below what frames said on it, and on what is certain bone it
     should be 1. V_dir is its gradient with the sign of the mean beam there, smoothed by as much again, so that it has a side on the very
     ridge.
