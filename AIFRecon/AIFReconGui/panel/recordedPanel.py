@@ -1,6 +1,7 @@
 """The tab Recorded: what is opened, Reconstruct, the lights below it, and the settings."""
 
 import pathlib
+from itertools import pairwise
 
 import qt
 import slicer
@@ -73,7 +74,7 @@ class RecordedPanel(Follower):
         names = ("showMeasuredCheckBox", "showRaisedCheckBox", "showSpineCheckBox", "probeUpCheckBox", "showLevelsCheckBox")
         names += ("windowComboBox", "copyLineButton", "saveReportButton")
         order = (ui.guidanceSweepButton, *(getattr(made, name) for name in names))
-        for before, after in zip(order, order[1:]):
+        for before, after in pairwise(order):
             qt.QWidget.setTabOrder(before, after)
         # What is opened shows all that it holds, also what does not count
         ui.volumeGroupBox.connect("toggled(bool)", lambda opened: self._dependents())
