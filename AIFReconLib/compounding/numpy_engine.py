@@ -170,7 +170,8 @@ class NumpyEngine:
         elif method == "weighted":
             if scan_lines is None:
                 raise ValueError("Input scan_lines must be given for method weighted; got None.")
-            evidence = scan_lines.evidence(all_values, float(self._maximum))
+            expected = scan_lines.expected(self._probability, self._grid_size, batch.image_to_ijk[place])
+            evidence = scan_lines.evidence(all_values, float(self._maximum), expected)
             self._insert_weighted(values, voxels, beams, evidence.reach[chosen], evidence.onset[chosen])
         elif method == "average":
             np.add.at(state.value, voxels, values.astype(np.float64))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import Integers, Numbers, Singles
+from ...arrays import Floats, Integers, Numbers, Singles
 from ...bone.map import BoneOnGrid
 from ...machine.threads import checked_threads, in_parts
 from ...settings import ReconstructionSettings
@@ -60,7 +60,7 @@ class NumbaEngine:
     ):
         self.state = state
         self.threads = checked_threads(threads)
-        self._size = np.array(grid_size, dtype=np.float64)
+        self._grid_size, self._size = grid_size, np.array(grid_size, dtype=np.float64)
         self._maximum = float(maximum)
         compensated = state.method == "aif-compensated"
         self._aif_factors = (np.float32(settings.alpha), np.float32(settings.beta), np.float32(maximum), compensated)
@@ -106,7 +106,7 @@ class NumbaEngine:
         voxels = state.value, state.hits, NOTHING if state.weight is None else state.weight
         beam_x, beam_y = NOTHING if layout.beam_x is None else layout.beam_x, NOTHING if layout.beam_y is None else layout.beam_y
         bone = self._probability, self._directions, axes, beam_x, beam_y
-        evidence = self._judged(scan_lines, images) if method == "weighted" else None
+        evidence = self._judged(scan_lines, images, matrices) if method == "weighted" else None
 
         def put(part: int) -> None:
             slab = axis, int(edges[part]), int(edges[part + 1])
@@ -122,12 +122,16 @@ class NumbaEngine:
         in_parts(put, len(edges) - 1, self.threads)
         return [int(n) for n in entered.sum(axis=0)]
 
-    def _judged(self, scan_lines: ScanLines | None, images: Numbers) -> Evidence:
-        """What the frames themselves tell."""
+    def _judged(self, scan_lines: ScanLines | None, images: Numbers, matrices: Floats) -> Evidence:
+        """What the frames themselves tell, of what the CT expects in them."""
         if scan_lines is None:
             raise ValueError("Input scan_lines must be given for method weighted; got None.")
         judge = self._frame_judge(scan_lines, images)
-        in_parts(lambda frame: judge.judge(images[frame], frame), len(images), self.threads)
+
+        def judge_frame(frame: int) -> None:
+            judge.judge(images[frame], frame, scan_lines.expected(self._probability, self._grid_size, matrices[frame]))
+
+        in_parts(judge_frame, len(images), self.threads)
         return judge.evidence(len(images))
 
     def _frame_judge(self, scan_lines: ScanLines, images: Numbers) -> FrameJudge:
