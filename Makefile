@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 600
 FAULTS_SECONDS ?= 3600
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test coverage slicer-test screenshots translations figures lint format bench study real-bone soak fuzz faults clean
+.PHONY: help setup demo test coverage slicer-test screenshots translations figures docs lint format wheel-test bench study real-bone soak fuzz faults clean
 
 help:
 	@echo "make demo         reconstruct a simulated lumbar scan and draw it, into $(DEMO_OUTPUT)/"
@@ -23,8 +23,10 @@ help:
 	@echo "make translations every visible text of the module, for translators, into Resources/Translations/"
 	@echo "make screenshots  the module's panel and views as pictures, into Resources/Screenshots/"
 	@echo "make figures      the pictures of docs/method.md, into docs/images/ (minutes)"
+	@echo "make docs         the site with its gallery and API reference, into build/site/ (minutes)"
+	@echo "make wheel-test   build wheel and source, check them, and run the README's Python lines in an empty environment"
 	@echo "make setup        install what all of these need, into $(VENV)/"
-	@echo "make lint         only lint, format check and types"
+	@echo "make lint         only lint, format check, types and workflows"
 	@echo "make format       reformat the code"
 	@echo "make bench        measure the speed of this machine"
 	@echo "make study        compare all methods, register CTs and scan by guidance, on simulated patients, into $(STUDY_OUTPUT)/ (two hours)"
@@ -80,6 +82,20 @@ lint: setup
 	@$(BIN)/python -m ruff check --quiet .
 	@$(BIN)/python -m ruff format --quiet --check . || { echo "Run 'make format' and commit what it changes." >&2; exit 1; }
 	@$(BIN)/python -m mypy --no-error-summary
+	@! test -x $(BIN)/actionlint || $(BIN)/actionlint -no-color .github/workflows/*.yml
+
+# Warnings are errors, a name or a link that leads nowhere is one
+docs: setup
+	@PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet --use-pep517 --editable '.[docs,figures]'
+	@$(BIN)/python -m sphinx --conf-dir docs/site --builder html --nitpicky --fail-on-warning --keep-going --quiet . build/site
+	@$(BIN)/python docs/site/links.py build/site
+	@echo "look at   build/site/index.html"
+
+wheel-test: setup
+	@PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet --use-pep517 --editable '.[release]'
+	@rm -rf dist && $(BIN)/python -m build --outdir dist . >/dev/null
+	@$(BIN)/python -m twine check --strict dist/*
+	@$(BIN)/python Testing/release/wheel.py dist/*.whl
 
 format: setup
 	@$(BIN)/python -m ruff check --quiet --fix .

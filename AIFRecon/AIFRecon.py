@@ -6,7 +6,6 @@ this file holds what Slicer looks for by name: the module, its parameters, its p
 
 import pathlib
 import sys
-from typing import Any
 
 import slicer
 import vtk
@@ -26,7 +25,6 @@ except ImportError:
     # Loaded from source: Slicer knows this folder alone, and the library stands beside it
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
-from AIFReconGui.panel.dependentWidgets import updateButtons, updateDependentWidgets
 from AIFReconScene.background import inBackground
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.parameters import readingFrom, settingsFrom, takeConfigured
@@ -78,7 +76,6 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._isSetUp = False
         self._parameterNode = None
         self._parameterNodeGuiTag = None
-        self._report = ""
 
     # ---- life of the panel
 
@@ -87,9 +84,10 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         ScriptedLoadableModuleWidget.setup(self)
         from AIFReconGui.libraryLog import LibraryLog
         from AIFReconGui.longWork import LongWork
-        from AIFReconGui.panel.followers import followersOf
         from AIFReconGui.panel.guidancePanel import GuidancePanel
+        from AIFReconGui.panel.layout import Tabs
         from AIFReconGui.panel.livePanel import LivePanel
+        from AIFReconGui.panel.recordedPanel import RecordedPanel
         from AIFReconGui.panel.registrationPanel import RegistrationPanel
         from AIFReconScene.inputs.inputWatch import InputWatch
 
@@ -100,20 +98,17 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic = AIFReconLogic()
         self._work = LongWork(uiWidget)
         self._libraryLog = LibraryLog()
+        self._recorded = RecordedPanel(self.ui, self.logic, self._work, self._onParametersModified)
         self._live = LivePanel(self.ui, self._work, self._onParametersModified)
-        onBone = (self.ui, self._work, self._live, self.logic.whyNotRegister, self._onParametersModified)
+        onBone = (self.ui, self._work, self._live, self.logic, self._onParametersModified)
         self._registration, self._guidance = RegistrationPanel(*onBone), GuidancePanel(*onBone)
-        self._followers: tuple[Any, ...] = (*followersOf(self.ui, self.logic), self._registration, self._guidance)
+        self._tabs = Tabs(self.ui, self._onParametersModified)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
         self._isSetUp = True
 
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneIsNew)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndImportEvent, self.onSceneIsNew)
-        self.ui.loadButton.connect("clicked(bool)", self.onLoadButton)
-        self.ui.applyButton.connect("clicked(bool)", self.onApplyButton)
-        self.ui.compareButton.connect("clicked(bool)", self.onCompareButton)
-        self.ui.singleViewButton.connect("clicked(bool)", self.onSingleViewButton)
         self.initializeParameterNode()
 
     def cleanup(self) -> None:
@@ -122,8 +117,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             return  # the .ui file could not be loaded
         self._work.close()
         self._live.close(sceneStays=True)
-        self._registration.close()
-        self._guidance.close()
+        for each in (self._recorded, self._registration, self._guidance):
+            each.close()
         self.setParameterNode(None)
         self.removeObservers()
         self.logic.cleanup()
@@ -145,11 +140,9 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def onSceneStartClose(self, caller, event) -> None:
         """The parameters go with the scene, and a reconstruction under way has nothing left to write to."""
-        self._report = ""
         self._work.cancel()
-        self._live.close()
-        self._registration.close()
-        self._guidance.close()
+        for each in (self._live, self._recorded, self._registration, self._guidance):
+            each.close()
         self.setParameterNode(None)
         self.logic.cleanup()
 
@@ -170,9 +163,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             self._parameterNode.disconnectGui(self._parameterNodeGuiTag)
             self.removeObserver(self._parameterNode, vtk.vtkCommand.ModifiedEvent, self._onParametersModified)
         self._parameterNode = parameterNode
-        for follower in self._followers:
-            follower.setParameterNode(parameterNode)
-        self._live.setParameterNode(parameterNode)
+        for each in (self._recorded, self._registration, self._guidance, self._live):
+            each.setParameterNode(parameterNode)
         if self._parameterNode:
             self._parameterNodeGuiTag = self._parameterNode.connectGui(self.ui)
             self.addObserver(self._parameterNode, vtk.vtkCommand.ModifiedEvent, self._onParametersModified)
@@ -186,38 +178,11 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         if parameters is None or self._work.isRunning:
             return
         self._watch.follow(parameters)
-        for follower in self._followers:
-            follower.update()
-        updateDependentWidgets(self.ui, parameters, self.logic.describeSweep(parameters))
+        self._registration.update()
+        self._guidance.update()
         self._live.update(readiness.whyNotLive(parameters))
-        updateButtons(self.ui, self.logic, parameters, self._live.whyNotNow(), self._report)
+        self._recorded.update(self._live.whyNotNow())
         self.logic.display.update(parameters)
-
-    # ---- buttons
-
-    def onLoadButton(self) -> None:
-        """Read the recording."""
-        self._run(_("Load recording"), _("The recording could not be loaded."), self.logic.loadRecording)
-
-    def onApplyButton(self) -> None:
-        """Reconstruct."""
-        self._run(_("Reconstruction"), _("The volume could not be reconstructed."), self.logic.apply)
-
-    def onCompareButton(self) -> None:
-        """Reconstruct with every method that is compared."""
-        self._run(_("Compare methods"), _("The methods could not be compared."), self.logic.compare)
-
-    def onSingleViewButton(self) -> None:
-        """Go back from the comparison."""
-        self.logic.display.showOutput(self._parameterNode)
-
-    def _run(self, title: str, failure: str, work) -> None:
-        """Do long work with progress and cancel; its errors are shown, a cancel leaves the scene as it was."""
-        self._report = ""
-        try:
-            self._report = self._work.run(title, failure, work, self._parameterNode)
-        finally:
-            self._onParametersModified()
 
 
 class AIFReconLogic(ScriptedLoadableModuleLogic):
@@ -233,11 +198,11 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def __init__(self) -> None:
         from AIFReconScene.display.display import SceneDisplay
+        from AIFReconScene.registration.sweepVerdicts import SweepVerdicts
 
         ScriptedLoadableModuleLogic.__init__(self)
-        self.display = SceneDisplay()
-        self._sweep = SweepStatus()
-        self._tracking = SweepReport()
+        self.display, self.verdicts = SceneDisplay(), SweepVerdicts()
+        self._sweep, self._tracking = SweepStatus(), SweepReport()
 
     def getParameterNode(self):
         """The parameters of the scene, typed."""
@@ -248,6 +213,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
     def cleanup(self) -> None:
         """Take what is drawn for orientation out of the scene, and forget what is known of its sweeps."""
         self._sweep, self._tracking = SweepStatus(), SweepReport()
+        self.verdicts.forget()
         self.display.clear()
 
     # ---- for the console
@@ -299,8 +265,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
         settings, more = settingsAndInputs({**(inputs or {}), **choices})
         asked = ReconstructionSettings(**{"best_cosine": "cosine" in keep, **settings})
-        nodes, _report = self._reconstruct(Inputs(sweep=sweep, bone=bone, **more), asked, output, keep, progress)
-        return nodes["intensity"]
+        return self._reconstruct(Inputs(sweep=sweep, bone=bone, **more), asked, output, keep, progress)[0]["intensity"]
 
     # ---- for the panel
 
@@ -345,11 +310,18 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
-        inputs = Inputs.fromParameters(parameters)
-        nodes, report = self._reconstruct(inputs, settingsFrom(parameters), parameters.output, keep, progress, compared=True)
+        inputs, settings = Inputs.fromParameters(parameters), settingsFrom(parameters)
+        nodes, prepared, said = self._reconstruct(inputs, settings, parameters.output, keep, part(progress, 0.0, 0.85))
         parameters.output = nodes["intensity"]
-        self.display.showOutput(parameters, part(progress, 0.95, 1.0))
-        return report
+        self.display.showOutput(parameters, part(progress, 0.85, 0.9))
+        self.verdicts.judge(parameters, prepared, self.trackingReport(parameters)[1], part(progress, 0.9, 1.0))
+        return said
+
+    def openFiles(self, parameters, paths, progress=None) -> str:
+        """Read files of any kind that a reconstruction needs, and choose what they hold; returns what was done."""
+        from AIFReconScene.volumes.opening import openFiles
+
+        return openFiles(parameters, paths, self.loadRecording, progress)
 
     def compare(self, parameters, progress=None) -> str:
         """Reconstruct with every method that is compared, show the volumes side by side and measure them; returns what was done."""
@@ -360,15 +332,15 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         self.display.showComparison(comparison, parameters)
         return comparison.report
 
-    def _reconstruct(self, inputs, settings, output, keep, progress, compared=False):
+    def _reconstruct(self, inputs, settings, output, keep, progress):
         from AIFReconScene.inputs.inputs import reconstructed
         from AIFReconScene.volumes.volumeNodes import outputNodes
 
-        result, sequence, report = reconstructed(inputs, settings, part(progress, 0.0, 0.95), compared)
-        self._tracking.remember(inputs, sequence, result)
+        result, prepared, said = reconstructed(inputs, settings, part(progress, 0.0, 0.95), keep)
+        self._tracking.remember(inputs, prepared.sequence, result)
         slicer.mrmlScene.SaveStateForUndo()
         nodes = outputNodes(result, inputs.name, ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())
-        return nodes, report
+        return nodes, prepared, said
 
 
 class AIFReconTest(ScriptedLoadableModuleTest):

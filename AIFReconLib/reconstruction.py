@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
+from array import array
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .arrays import Integers, Reals
+from .arrays import Integers, NumberType, Reals
 from .bone.map import BoneMap
+from .compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of
+from .compounding.finishing.results import Results, bytes_of_results
+from .compounding.image_format import ImageKind
 from .compounding.intake import require_kinds
 from .compounding.needs import needs_beams, needs_bone
-from .compounding.reconstructor import Reconstructor
+from .compounding.own.method import own_method
+from .compounding.reconstructor import BESIDE_BONE, FrameCounts, Reconstructor
 from .compounding.splat_engine import uses_shares
-from .compounding.state import Reconstruction, bytes_per_voxel
+from .compounding.state import BESIDE, Reconstruction, bytes_per_voxel, part_bytes
 from .errors import NoUsableFramesError
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
@@ -54,7 +59,7 @@ class _Prepared:
     imaging: Imaging
     uses_bone: bool
     grid: VoxelGrid
-    bytes_per_voxel: int
+    costs: Costs
 
 
 def _prepare(
@@ -67,6 +72,7 @@ def _prepare(
     importance: Reals | None,
     image_to_reference: str | None,
     reference: str | None,
+    beside: Collection[str] = BESIDE,
 ) -> _Prepared:
     """Everything that is chosen before the first frame enters; the arguments are those of `reconstruct`."""
     asked = asked or ReconstructionSettings()
@@ -83,14 +89,29 @@ def _prepare(
         )
     uses_beams, uses_bone = needs_beams(method, settings), needs_bone(method, settings)
     imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, region, probe)
-    cost = bytes_per_voxel(method, uses_bone, settings.best_cosine, uses_shares(settings, parts.importance))
+    costs = _costs(settings, method, parts, uses_bone, sequence.images.dtype, beside)
     if grid is None and parts.grid is not None and image_to_reference is None and reference is None:
         grid = parts.grid
     if grid is None:
         placed = poses.image_to_reference[chosen]
         scale = depth_scale(settings, imaging.region.mask(*sequence.frame_size), imaging.probe, pixel_spacing(placed[0]))
-        grid = grid_around_sweep(placed, sequence.frame_size, imaging.region, settings.spacing_xyz(), cost, scale, parts.fits_spacing)
-    return _Prepared(settings, parts, poses, order, chosen, imaging, uses_bone, grid, cost)
+        grid = grid_around_sweep(
+            placed, sequence.frame_size, imaging.region, settings.spacing_xyz(), costs.results, scale, parts.fits_spacing
+        )
+    return _Prepared(settings, parts, poses, order, chosen, imaging, uses_bone, grid, costs)
+
+
+def _costs(
+    settings: ReconstructionSettings, method: str, parts: ReconstructorParts, uses_bone: bool, pixels: NumberType, beside: Collection[str]
+) -> Costs:
+    """What this takes per voxel, in one part and in several."""
+    kind = ImageKind((1, 1), pixels)
+    whole = kind.is_8_bit and depth_factor(settings) == 1.0
+    asked = method, uses_bone, settings.best_cosine, uses_shares(settings, parts.importance), whole
+    results = bytes_of_results(settings, parts.holes, kind.output_type(settings), beside)
+    output = results - 1 - 4 * len({*beside} & {*BESIDE})
+    own = own_method(method)
+    return Costs(bytes_per_voxel(*asked, beside, output), results, part_bytes(*asked), own is None or not own.needs_bone)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,8 +150,60 @@ def plan(
     shown = prepared.imaging.region.mask(*sequence.frame_size)
     poses = prepared.poses.image_to_reference[prepared.chosen][:, :3]
     chosen, notes = with_limit(prepared.settings, prepared.parts.holes, poses, shown, prepared.grid)
-    memory = prepared.grid.voxels * prepared.bytes_per_voxel
+    memory = prepared.grid.voxels * prepared.costs.whole
     return Plan(prepared.settings.method_for(has_bone), prepared.grid, memory, float(chosen.hole_limit), notes)
+
+
+def _worked(
+    sequence: TrackedSequence,
+    prepared: _Prepared,
+    bone: BoneMap | None,
+    beside: Collection[str],
+    cut: list[Planes],
+    progress: Progress | None,
+) -> tuple[Reconstructor, Results, FrameCounts, tuple[str, ...]]:
+    """Insert the frames into one part of the volume after the other: all of them into the first, those that reach it into each other.
+
+    Returns the first part's reconstructor, the results without their holes filled, what became of the frames, and what is to be said.
+    """
+    parts, imaging, grid = prepared.parts, prepared.imaging, prepared.grid
+    workers: list[Reconstructor] = []
+    results, counts = None, FrameCounts()
+    for number, planes in enumerate(cut):
+        step = part(progress, number / len(cut), (number + 1) / len(cut))
+        placing = 0.15 if prepared.uses_bone else 0.0
+        reconstructor = Reconstructor(
+            grid,
+            prepared.settings,
+            bone,
+            probe=imaging.probe,
+            region=imaging.region,
+            threads=parts.threads,
+            importance=parts.importance,
+            holes=parts.holes,
+            fixed_point=parts.fixed_point,
+            beside=beside,
+            planes=planes if len(cut) > 1 else None,
+            progress=part(step, 0.0, placing),
+        )
+        reaching = frames_of(planes, counts.reached)
+        order = prepared.order if results is None else [n for n in prepared.order if n in reaching]
+        with read_ahead(tracked_frames(sequence, prepared.poses, order)) as frames:
+            reconstructor.insert(_reporting(frames, len(order), part(step, placing, 1.0)))
+        if results is None:
+            counts = reconstructor.counts
+        else:
+            counts.merge(reconstructor.counts, reaching)
+        results = reconstructor.put_into(results)
+        workers.append(reconstructor)
+    rank = {int(number): place for place, number in enumerate(prepared.order)}
+    counts.skipped = {reason: array("q", sorted(numbers, key=rank.__getitem__)) for reason, numbers in counts.skipped.items()}
+    # Beside the whole volume is what is beside every part
+    beside_bone = all(BESIDE_BONE in worker.notes for worker in workers)
+    notes = tuple(note for note in workers[0].notes if note != BESIDE_BONE or beside_bone)
+    if results is None:
+        raise ValueError("Input cut must have parts; got none.")
+    return workers[0], results, counts, notes
 
 
 def reconstruct(
@@ -144,6 +217,8 @@ def reconstruct(
     importance: Reals | None = None,
     image_to_reference: str | None = None,
     reference: str | None = None,
+    beside: Collection[str] = BESIDE,
+    memory: int | None = None,
     progress: Progress | None = None,
 ) -> Reconstruction:
     """Reconstruct a volume from one or more recorded sequences.
@@ -164,6 +239,11 @@ def reconstruct(
         Weight of each pixel in an average, as `read_importance_mask` returns it; by default the configuration's.
     image_to_reference, reference : str or None
         See `sweep_poses`.
+    beside : names of "score" and "hits"
+        Which of these are made beside intensity and mask; none leaves their memory free.
+    memory : int or None
+        Bytes that the volumes may take, by default three quarters of what is free. A box that needs more is worked in parts, with the same
+        voxels; what is made of them must fit.
     progress : Progress or None
 
     Returns
@@ -180,42 +260,28 @@ def reconstruct(
     sequence = joined(sequence)
     asked = settings or ReconstructionSettings()
     report(progress, 0.0, "Looking at the sweep")
-    prepared = _prepare(sequence, asked, bone is not None, grid, region, probe, importance, image_to_reference, reference)
-    settings, parts, poses, order, imaging = prepared.settings, prepared.parts, prepared.poses, prepared.order, prepared.imaging
-    grid = prepared.grid
+    prepared = _prepare(sequence, asked, bone is not None, grid, region, probe, importance, image_to_reference, reference, beside)
+    settings, order, imaging = prepared.settings, prepared.order, prepared.imaging
+    cut = cut_into_parts(prepared.grid, prepared.costs, memory)
+    if len(cut) > 1:
+        logger.info("%s: %s voxels are worked in %d parts", sequence.name, prepared.grid.size, len(cut))
     report(progress, 0.02, "Preparing the volume")
-    bone_part = 0.15 if prepared.uses_bone else 0.02
-    reconstructor = Reconstructor(
-        grid,
-        settings,
-        bone,
-        probe=imaging.probe,
-        region=imaging.region,
-        threads=parts.threads,
-        importance=parts.importance,
-        holes=parts.holes,
-        fixed_point=parts.fixed_point,
-        progress=part(progress, 0.02, bone_part),
-    )
-    inserting = part(progress, bone_part, 0.95)
-    with read_ahead(tracked_frames(sequence, poses, order)) as frames:
-        reconstructor.insert(_reporting(frames, len(order), inserting))
-    if not reconstructor.counts.inserted:
+    reconstructor, results, counts, notes = _worked(sequence, prepared, bone, beside, cut, part(progress, 0.02, 0.95))
+    if not counts.inserted:
         raise NoUsableFramesError(
             "{sequence}: no frame falls into the volume ({reasons}). "
             "Check its box (--grid-like, or the configuration's OutputOrigin and OutputExtent) and --reference.",
             sequence=sequence.name,
-            reasons=describe_skipped(reconstructor.counts.skipped),
+            reasons=describe_skipped(counts.skipped),
         )
     for last in np.cumsum([len(each) for each in sequence.parts]) - 1:
-        if last not in order or poses.problems[last] is not None:
+        if last not in order or prepared.poses.problems[last] is not None:
             # Nobody has looked at the end of the file yet: one that is cut short or of another size must not pass unnoticed
             sequence.images[int(last)]
-    result = reconstructor.finish(part(progress, 0.95, 1.0))
+    result = reconstructor.made(results, counts, notes, part(progress, 0.95, 1.0))
     report(progress, 1.0, "Reconstructed")
-    logger.info(
-        "%s: %d of %d frames by %s into %s voxels", sequence.name, result.frames_inserted, len(sequence), settings.method, grid.size
-    )
+    size, inserted = result.grid.size, result.frames_inserted
+    logger.info("%s: %d of %d frames by %s into %s voxels", sequence.name, inserted, len(sequence), settings.method, size)
     warnings = dict.fromkeys(warning for each in sequence.parts for warning in each.configuration.warnings)
     result = with_origin(
         result,
@@ -229,6 +295,6 @@ def reconstruct(
     )
     return replace(
         result,
-        said=(*warnings, *parts.notes, *poses.notes, *imaging.notes, *result.said),
+        said=(*warnings, *prepared.parts.notes, *prepared.poses.notes, *imaging.notes, *result.said),
         sweeps=shares(sequence, order, result.skipped),
     )

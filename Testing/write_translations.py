@@ -124,7 +124,7 @@ def ui_texts(texts: Texts) -> None:
     """Add the strings of the .ui files, those excepted that Designer marks as not translatable."""
     for path in sorted(MODULE.rglob("*.ui")):
         root = ElementTree.parse(path).getroot()
-        for element in root.iter("property"):
+        for element in (*root.iter("property"), *root.iter("attribute")):
             for child in element:
                 if child.tag in ("string", "stringlist") and child.get("notr") != "true":
                     for text in [child.text] if child.tag == "string" else [item.text for item in child]:

@@ -115,6 +115,7 @@ class AIFReconParameterNode:
     livePort: Annotated[int, WithinRange(1, 65535)] = 18944
     liveImageDevice: str
     liveImage: vtkMRMLScalarVolumeNode | None
+    liveRecord: bool = True
     liveRecordPath: pathlib.Path
     guidance: bool = False
 

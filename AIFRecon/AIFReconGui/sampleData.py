@@ -28,18 +28,23 @@ def registerSampleData():
 
 def loadPhantomSample(source=None):
     """Simulate the patient and add CT, segmentation and sweep to the scene; cancel leaves the scene as it was."""
+    from .errorsShown import errorsShown
+    from .progressDialog import ProgressDialog
+
+    with errorsShown(_("The lumbar phantom could not be made.")), ProgressDialog(_("Lumbar phantom")) as progress:
+        return addPhantom(progress).nodes
+    return []
+
+
+def addPhantom(progress=None):
+    """The nodes of the simulated patient in the scene, with the surface of its bone, shown in the views."""
     from AIFReconScene.display.firstLook import showInputs
     from AIFReconScene.display.threeDViews import makeSurface
     from AIFReconScene.volumes.phantomSample import loadPhantom
 
     from AIFReconLib.progress import part
 
-    from .errorsShown import errorsShown
-    from .progressDialog import ProgressDialog
-
-    with errorsShown(_("The lumbar phantom could not be made.")), ProgressDialog(_("Lumbar phantom")) as progress:
-        phantom = loadPhantom(part(progress, 0.0, 0.95))
-        makeSurface(phantom.segmentation, part(progress, 0.95, 1.0))
-        showInputs(phantom.browser, phantom.ct)
-        return phantom.nodes
-    return []
+    phantom = loadPhantom(part(progress, 0.0, 0.95))
+    makeSurface(phantom.segmentation, part(progress, 0.95, 1.0))
+    showInputs(phantom.browser, phantom.ct)
+    return phantom

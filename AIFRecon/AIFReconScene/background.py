@@ -47,6 +47,40 @@ def inBackground(work, progress=None):
     return result
 
 
+class Beside:
+    """One piece of the library's work that nobody waits for; its result is asked for from time to time."""
+
+    def __init__(self):
+        self._worker = self._future = self._relay = None
+
+    @property
+    def isRunning(self) -> bool:
+        """Whether something was begun and not taken yet."""
+        return self._future is not None
+
+    def begin(self, work) -> None:
+        """Call ``work(progress)`` on a thread of its own; what was begun before is dropped."""
+        self.cancel()
+        self._relay = _Relay()
+        self._worker = concurrent.futures.ThreadPoolExecutor(1, "AIFRecon beside")
+        self._future = self._worker.submit(work, self._relay)
+
+    def take(self):
+        """What the work has returned, once; None before and after. Whatever it raises is raised here."""
+        if self._future is None or not self._future.done():
+            return None
+        future, self._future = self._future, None
+        self._worker.shutdown(wait=False)
+        return future.result()
+
+    def cancel(self) -> None:
+        """Drop what was begun; it ends at its next report."""
+        if self._future is not None:
+            self._relay.canceled.set()
+            self._worker.shutdown(wait=False)
+            self._future = None
+
+
 def importLibrary(progress=None) -> None:
     """Load what the library computes with, which takes a while the first time."""
     inBackground(lambda _progress: [importlib.import_module(name) for name in HEAVY], progress)

@@ -44,7 +44,7 @@ _SENTENCES = {
         "{path}: its suffix must be one of {suffixes}. Choose a MetaImage or NRRD file; the command line makes one of pictures, "
         "DICOM or video."
     ),
-    "WARNING: {warning} See aifrecon register.": lambda: _("WARNING: {warning} Place the CT in the section Registration."),
+    "WARNING: {warning} See aifrecon register.": lambda: _("WARNING: {warning} Place the CT on the sweep."),
     "{sentence} {warning} Start nearer with --bone-transform, give --per-segment if the spine has bent, or take it as it is "
     "with --accept.": lambda: _(
         "{sentence} {warning} Move the CT nearer, by hand or by landmarks, and try again; or take one of the places below as it is."
@@ -109,12 +109,12 @@ def _words() -> dict:
         "--bone-probability": _("Bone"),
         "--bone-transform": _("the transform of the CT"),
         "--clip-px": _("Clip rectangle"),
-        "--config": _("Configuration"),
+        "--config": _("Calibration"),
         "--fan-angles-deg": _("Fan angles"),
         "--fan-radius-px": _("Fan radii"),
-        "--grid-like": _("Region"),
-        "--hole-limit": _("Hole limit"),
-        "--importance-mask": _("Importance mask"),
+        "--grid-like": _("Where"),
+        "--hole-limit": _("Fill gaps up to"),
+        "--importance-mask": _("Pixel weights"),
         "--intensity-maximum": _("Brightest value"),
         "--longest-gap": _("Longest gap"),
         "--method": _("Method"),
@@ -122,7 +122,7 @@ def _words() -> dict:
         "--output-type": _("Voxel type"),
         "--probe": _("Probe"),
         "--skip": _("Every N-th frame"),
-        "--spacing": _("Spacing"),
+        "--spacing": _("Voxel size"),
         "--speed-of-sound": _("Speed of sound"),
         "--time-offset": _("Time offset"),
     }

@@ -18,7 +18,7 @@ from typing import Any
 from .. import __version__
 from ..arrays import Matrix
 from ..bone.map import BoneMap
-from ..compounding.state import Reconstruction
+from ..compounding.state import BESIDE, Reconstruction
 from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError, RegistrationRefused
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.metrics import evaluate
@@ -265,7 +265,8 @@ class _Work:
         bone, of_map, name = self._bone, {}, settings.method_for(True)
         if self._labeled is not None:
             bone, of_map = self._labeled.map(name), self._labeled.settings(name)
-        result = reconstruct(self._sequence, settings, bone, grid, importance=importance_from(arguments), **self._how)
+        beside = [name for name in BESIDE if getattr(arguments, name)]
+        result = reconstruct(self._sequence, settings, bone, grid, importance=importance_from(arguments), beside=beside, **self._how)
         of_bone = [arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.importance_mask]
         result = with_provenance(result, arguments, [*self._sequence_files, *of_bone], of_map)
         stem = result.method.replace(":", "-")

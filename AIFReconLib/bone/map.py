@@ -48,10 +48,16 @@ class BoneOnGrid:
     probability : [k, j, i] float32 array, 0 to 1
     directions_reference : [k, j, i, 3] float32 array, unit vectors or zero
         Where bone faces away from the sound, in Reference: along the beam on the near side of a surface.
+    map_probability : [k, j, i] float32 array, 0 to 1
+        The probability in the map's own voxels: what a frame asks for that leaves the grid, or the part of it that is reconstructed.
+    ijk_to_map : (4, 4) array
+        From the voxels of the whole grid to those of the map.
     """
 
     probability: Singles
     directions_reference: Singles
+    map_probability: Singles
+    ijk_to_map: Matrix
 
     @property
     def overlaps(self) -> bool:
@@ -177,7 +183,9 @@ class BoneMap(Described):
         volume = Volume(array, probability.ijk_to_reference)
         return cls(volume if probability_to_reference is None else volume.placed_by(probability_to_reference))
 
-    def on_grid(self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None) -> BoneOnGrid:
+    def on_grid(
+        self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None, planes: tuple[int, int] | None = None
+    ) -> BoneOnGrid:
         """Sample the map on the voxels of a reconstruction.
 
         Parameters
@@ -185,6 +193,9 @@ class BoneMap(Described):
         grid : VoxelGrid
         direction : "gradient" or "surface"
             Gradient of the probability (the paper's), which flips its sign at the ridge; or of the smoothed bone itself.
+        progress : Progress or None
+        planes : (first, stop) or None
+            Of the grid, planes [k], the part to sample: the values that it has in the whole, to the last bit. By default all of it.
 
         Notes
         -----
@@ -195,7 +206,8 @@ class BoneMap(Described):
             raise GeometryError(
                 "Input direction must be {directions}; got {direction!r}.", directions=listed(DIRECTIONS, " or "), direction=direction
             )
-        sample = _sampler(self.probability, grid)
+        first, stop = planes or (0, grid.shape[0])
+        sample = _sampler(self.probability, grid, first, stop)
         report(progress, 0.0, "Placing the bone map")
         probability = sample(self.probability.array, part(progress, 0.0, 0.2))
         potential = self.probability.array
@@ -205,19 +217,21 @@ class BoneMap(Described):
             potential = _smoothed(bone.astype(np.float32), sigma_kji)
         report(progress, 0.3, "Placing the bone map")
         to_reference = np.linalg.inv(self.probability.ijk_to_reference[:3, :3]).T.astype(np.float32)
-        directions = np.zeros((*grid.shape, 3), dtype=np.float32)
+        directions = np.zeros((*probability.shape, 3), dtype=np.float32)
         for axis in range(3):
             begun = 0.3 + 0.2 * axis
             slope = sample(ndimage.sobel(potential, axis=2 - axis, mode="nearest"), part(progress, begun, begun + 0.1))
 
             def turn(k: int, axis: int = axis, slope: Singles = slope) -> None:
+                rows = _not_empty(slope[k])
                 for component in range(3):
-                    directions[k, ..., component] += to_reference[component, axis] * slope[k]
+                    directions[k, rows, :, component] += to_reference[component, axis] * slope[k, rows]
 
-            in_parts(turn, grid.shape[0], usable_cores(), part(progress, begun + 0.1, begun + 0.2), "Placing the bone map")
+            in_parts(turn, stop - first, usable_cores(), part(progress, begun + 0.1, begun + 0.2), "Placing the bone map")
         _normalize(directions, part(progress, 0.9, 1.0))
         report(progress, 1.0, "Placed the bone map")
-        return BoneOnGrid(probability, directions)
+        ijk_to_map = self.probability.grid.reference_to_ijk @ grid.ijk_to_reference
+        return BoneOnGrid(probability, directions, np.asarray(self.probability.array, np.float32), ijk_to_map)
 
 
 def _smoothed(array: Singles, sigma_kji: Floats) -> Singles:
@@ -248,7 +262,7 @@ def _normalize(vectors: Singles, progress: Progress | None = None) -> None:
     """Scale vectors [k, j, i, 3] to unit length in place, slab by slab; vectors too short to have a direction become zero."""
 
     def normalize(k: int) -> None:
-        slab = vectors[k]
+        slab = vectors[k, _not_empty(vectors[k].reshape(vectors.shape[1], -1))]
         length = np.sqrt(np.einsum("jic,jic->ji", slab, slab, dtype=np.float64))
         too_short = length < SHORTEST
         length[too_short] = 1.0
@@ -256,6 +270,12 @@ def _normalize(vectors: Singles, progress: Progress | None = None) -> None:
         slab[too_short] = 0.0
 
     in_parts(normalize, len(vectors), usable_cores(), progress, "Placing the bone map")
+
+
+def _not_empty(plane: Singles) -> slice:
+    """The rows of a plane from the first to the last that is not all 0: what was never written stays so, and takes no memory."""
+    rows = np.flatnonzero(plane.any(axis=1))
+    return slice(int(rows[0]), int(rows[-1]) + 1) if rows.size else slice(0, 0)
 
 
 def _box_around(mask: Mask, margin: Integers) -> Box:
@@ -272,22 +292,22 @@ def _matrix_of_box(volume: Volume, box: Box) -> Matrix:
     return volume.ijk_to_reference @ shift
 
 
-def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[Numbers, Progress | None], Singles]:
-    """A function that brings arrays [k, j, i] on the source's voxels onto the grid by linear interpolation, as float32.
+def _sampler(source: Volume, grid: VoxelGrid, first_plane: int, stop_plane: int) -> Callable[[Numbers, Progress | None], Singles]:
+    """A function that brings arrays [k, j, i] on the source's voxels onto some planes of the grid by linear interpolation, as float32.
 
     Notes
     -----
     Around the source lie voxels of 0, so that values fall to 0 within one voxel of its border.
     """
     if source.grid.matches(grid):
-        return lambda array, _progress: array.astype(np.float32)
+        return lambda array, _progress: array[first_plane:stop_plane].astype(np.float32)
     to_source = source.grid.reference_to_ijk @ grid.ijk_to_reference
     box = _overlap(to_source, grid, source.grid)
     # The same voxels with and without it
     fast = optional_module("AIFReconLib.bone.numba_map")
 
     def sample(array: Numbers, progress: Progress | None) -> Singles:
-        result = np.zeros(grid.shape, dtype=np.float32)
+        result = np.zeros((stop_plane - first_plane, *grid.shape[1:]), dtype=np.float32)
         if box is not None:
             matrix = np.ascontiguousarray(to_source[2::-1, 2::-1])
             offset = to_source[2::-1, 3] + matrix @ [s.start for s in box]
@@ -295,13 +315,18 @@ def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[Numbers, Progress | N
             edges = np.linspace(0, planes, min(PARTS, planes) + 1).astype(int)
 
             def sample_slab(part: int) -> None:
-                planes = slice(box[0].start + int(edges[part]), box[0].start + int(edges[part + 1]))
+                # The places of voxels are counted from the first of their slab, whichever planes are wanted: so they round alike
+                low, high = (box[0].start + int(edges[n]) for n in (part, part + 1))
+                first, stop = max(low, first_plane), min(high, stop_plane)
+                if first >= stop:
+                    return
                 start = offset + matrix[:, 0] * edges[part]
                 if fast is not None and array.dtype == np.float32 and array.flags.c_contiguous:
-                    first, stop = (planes.start, box[1].start, box[2].start), (planes.stop, box[1].stop, box[2].stop)
-                    fast.sample_linearly(array, matrix, start, result, first, stop)
+                    begins = (first - first_plane, box[1].start, box[2].start)
+                    ends = (stop - first_plane, box[1].stop, box[2].stop)
+                    fast.sample_linearly(array, matrix, start, result, begins, ends, first - low)
                     return
-                slab = result[planes, box[1], box[2]]
+                slab = np.empty((high - low, box[1].stop - box[1].start, box[2].stop - box[2].start), np.float32)
                 ndimage.affine_transform(
                     array,
                     matrix,
@@ -313,6 +338,7 @@ def _sampler(source: Volume, grid: VoxelGrid) -> Callable[[Numbers, Progress | N
                     mode="grid-constant",
                     prefilter=False,
                 )
+                result[first - first_plane : stop - first_plane, box[1], box[2]] = slab[first - low : stop - low]
 
             in_parts(sample_slab, len(edges) - 1, usable_cores(), progress, "Placing the bone map")
         return result

@@ -24,6 +24,7 @@ def sample_linearly(
     result: Singles,
     first: tuple[int, int, int],
     stop: tuple[int, int, int],
+    passed: int,
 ) -> None:
     """Interpolate `array` at the voxels from `first` to before `stop` of `result`.
 
@@ -32,9 +33,11 @@ def sample_linearly(
     array : [k, j, i] float32 array
     matrix : (3, 3) float64 array
     offset : (3,) float64 array
-        Voxel first + (k, j, i) of the result lies at matrix @ (k, j, i) + offset in the array, whose surroundings are 0.
+        Voxel first + (k - passed, j, i) of the result lies at matrix @ (k, j, i) + offset in the array, whose surroundings are 0.
     result : [k, j, i] float32 array
     first, stop : tuple of 3 int, [k, j, i]
+    passed : int
+        How many planes of `offset` lie before the first.
 
     Notes
     -----
@@ -43,9 +46,9 @@ def sample_linearly(
     """
     planes, rows, columns = array.shape
     flat = array.ravel()
-    for k in range(stop[0] - first[0]):
+    for k in range(passed, passed + stop[0] - first[0]):
         for j in range(stop[1] - first[1]):
-            line = result[first[0] + k, first[1] + j, first[2] : stop[2]]
+            line = result[first[0] + k - passed, first[1] + j, first[2] : stop[2]]
             for i in range(line.size):
                 at_k = ((offset[0] + k * matrix[0, 0]) + j * matrix[0, 1]) + i * matrix[0, 2]
                 at_j = ((offset[1] + k * matrix[1, 0]) + j * matrix[1, 1]) + i * matrix[1, 2]

@@ -90,7 +90,7 @@ def run(arguments: argparse.Namespace) -> None:
             step = part(progress, 0.6 + 0.35 * number / len(METHODS), 0.6 + 0.35 * (number + 1) / len(METHODS))
             asked = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT)
             settings[method] = resolve_settings(asked, sequence.configuration, True)
-            result = reconstruct(sequence, settings[method], bone, progress=part(step, 0.0, 0.8))
+            result = reconstruct(sequence, settings[method], bone, beside=(), progress=part(step, 0.0, 0.8))
             result.intensity.write(folder / f"reconstruction-{method}.nrrd")
             metrics[method] = evaluate(result.intensity, truth, result.mask)
             if method in SHOWN:

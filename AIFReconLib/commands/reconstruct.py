@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..compounding.needs import method_needs_bone
-from ..compounding.state import Reconstruction
+from ..compounding.state import BESIDE, Reconstruction
 from ..errors import BeamGeometryError, GeometryError
 from ..guidance.coverage import coverage
 from ..imaging.beams import ProbeGeometry
@@ -40,7 +40,7 @@ from ..terminal.options import (
 )
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
-from ..terminal.volume_options import SIDE_OUTPUTS, add_tuning_options, add_volume_options, grid_from
+from ..terminal.volume_options import SIDE_OUTPUTS, add_memory_option, add_tuning_options, add_volume_options, grid_from
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 
 EXAMPLE = """examples:
@@ -79,6 +79,7 @@ def add_to(commands: Commands) -> None:
     add_importance_option(add_imaging_options(parser))
     volume = add_volume_options(parser)
     add_preview_option(volume)
+    add_memory_option(volume)
     volume.add_argument("--report", type=Path, metavar="FILE", help="also write a report of the tracking and of what was done, as JSON")
     add_tuning_options(parser)
     add_settings_options(parser)
@@ -123,6 +124,8 @@ def run(arguments: argparse.Namespace) -> None:
             importance=importance_from(arguments),
             image_to_reference=arguments.image_to_reference,
             reference=arguments.reference,
+            beside=[name for name in BESIDE if getattr(arguments, name)],
+            memory=arguments.memory,
             progress=part(progress, 0.1, 0.95),
         )
         result = with_provenance(result, arguments, inputs, labeled.settings(result.method) if labeled else None)

@@ -225,23 +225,24 @@ class ScanLines:
             np.float32(RIVAL * full_scale),
         )
 
-    def expected(self, probability: Singles, grid_size: tuple[int, int, int], image_to_ijk: Matrix) -> Singles:
-        """Where the CT expects bone in a frame, at a few samples of a few lines, (n, m) float32; 0 outside of the grid.
+    def expected(self, probability: Singles, image_to_map: Matrix) -> Singles:
+        """Where the CT expects bone in a frame, at a few samples of a few lines, (n, m) float32; 0 outside of the CT.
 
         Parameters
         ----------
-        probability : (voxels,) float32 array, 0 to 1
-        grid_size : (i, j, k)
-        image_to_ijk : (4, 4) float64 array
+        probability : [k, j, i] float32 array, 0 to 1
+            In the CT's own voxels: what a frame shows of bone does not depend on what is reconstructed of it.
+        image_to_map : (4, 4) float64 array
+            To these voxels.
         """
         column, row = self._expected_at
         flat, outside = np.zeros(column.size), np.zeros(column.size, dtype=bool)
-        for along, size in zip(image_to_ijk[2::-1], grid_size[::-1], strict=True):
+        for along, size in zip(image_to_map[2::-1], probability.shape, strict=True):
             place = np.floor((along[1] * row + (along[3] + 0.5)) + along[0] * column)
             outside |= (place < 0.0) | (place >= size)
             flat = flat * size + place
         flat[outside] = 0.0
-        read = probability[flat.astype(np.int64)]
+        read = probability.reshape(-1)[flat.astype(np.int64)]
         read[outside] = 0.0
         expected = np.zeros(self._expected_shape, np.float32)
         expected.reshape(-1)[self._has_pixel] = read

@@ -28,6 +28,9 @@ KINDS: dict[str, tuple[type, str]] = {
 }
 """What is given to a reconstruction under these names, and how one gets it."""
 
+OUTSIDE = Message("outside the volume")
+"""Why a frame was left out none of whose pixels has a voxel."""
+
 
 def require_kinds(**given: object) -> None:
     """Return if what is given, by its name among `KINDS`, is what it is taken for; None is.
@@ -112,21 +115,30 @@ class Intake:
         if self._probe is not None and self._judges_shadows:
             self.scan_lines = ScanLines(self.layout, self._probe)
 
-    def put(self, batch: FrameBatch, image: Numbers, pose: Matrix, number: int) -> str | None:
-        """Place a frame that fits the layout into a batch; the answer is why it was left out, None where it was not."""
-        kept = self._filter.kept(image)
-        if kept is not None and self.layout is not None and not self.layout.has_any(kept):
-            return Message("nothing bright enough in the image")
-        x_axis, y_axis = image_plane_axes(pose)
+    def image_to_ijk(self, pose: Matrix) -> Matrix:
+        """Where an image that fits the layout lies in the grid, (4, 4) float64."""
         image_to_ijk = self._grid.reference_to_ijk @ pose if self._stretch is None else self._grid.reference_to_ijk @ pose @ self._stretch
-        batch.add(
-            image,
-            in_fixed_point(image_to_ijk) if self._fixed_point else image_to_ijk,
-            (x_axis.astype(np.float32), y_axis.astype(np.float32)),
-            number,
-            kept,
-        )
-        return None
+        return in_fixed_point(image_to_ijk) if self._fixed_point else image_to_ijk
+
+    def kept(self, image: Numbers) -> Mask | None:
+        """Which pixels of an image may enter, (rows, columns); None: all."""
+        return self._filter.kept(image)
+
+    def most_in_a_voxel(self, pose: Matrix) -> float:
+        """A number of pixels that one voxel cannot get more of from an image with this pose.
+
+        Notes
+        -----
+        A plane meets a voxel within a disk as wide as its diagonal. Twice that leaves room for what a speed of sound moves.
+        """
+        diagonal = float(np.linalg.norm(self._grid.spacing))
+        x, y = pixel_spacing(pose)
+        return (2 * diagonal / x + 2) * (2 * diagonal / y + 2)
+
+    def put(self, batch: FrameBatch, image: Numbers, pose: Matrix, image_to_ijk: Matrix, number: int, kept: Mask | None) -> None:
+        """Copy a frame that fits the layout into a batch; of its pixels only those `kept` count."""
+        x_axis, y_axis = image_plane_axes(pose)
+        batch.add(image, image_to_ijk, (x_axis.astype(np.float32), y_axis.astype(np.float32)), number, kept)
 
     def why_nothing_entered(self, batch: FrameBatch, place: int) -> str:
         """Of a frame of a batch none of whose pixels entered."""
@@ -135,7 +147,7 @@ class Intake:
             return Message("no pixel in the image is a finite number")
         if self.layout is not None and self.layout.voxels(batch.image_to_ijk[place], self._grid.size)[0].size:
             return Message("no pixel in the volume has any weight")
-        return Message("outside the volume")
+        return OUTSIDE
 
 
 def _size(image: Numbers) -> tuple[int, int]:

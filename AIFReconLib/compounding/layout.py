@@ -176,34 +176,47 @@ class PixelLayout:
         whole = np.rint(ijk)
         return np.where(np.abs(ijk - whole) < CENTER_TOLERANCE, whole, ijk)
 
-    def voxels(self, image_to_ijk: Matrix, grid_size: tuple[int, int, int]) -> tuple[Integers, Integers]:
+    def planes_reached(self, image_to_ijk: Matrix) -> tuple[int, int]:
+        """The lowest and the highest plane [k] in which a pixel may have a voxel, or a corner of the eight around it."""
+        left, right, top, bottom = self.bounds
+        _, _, along, _ = np.asarray(image_to_ijk)
+        ends = [along[0] * x + along[1] * y + along[3] for x in (left, right) for y in (top, bottom)]
+        return int(np.floor(min(ends))) - 1, int(np.ceil(max(ends))) + 1
+
+    def voxels(
+        self, image_to_ijk: Matrix, grid_size: tuple[int, int, int], planes: tuple[int, int] | None = None
+    ) -> tuple[Integers, Integers]:
         """Which voxel each pixel falls into.
 
         Parameters
         ----------
         image_to_ijk : (4, 4) float64 array
         grid_size : (i, j, k)
+        planes : (first, stop) or None
+            The part of the grid that counts; by default all of it.
 
         Returns
         -------
         pixels : (m,) int64 array
-            Numbers of the pixels (of the n that count) that fall into the grid, rising.
+            Numbers of the pixels (of the n that count) that fall into the part, rising.
         voxels : (m,) int64 array
-            Their voxels, flat in [k, j, i].
+            Their voxels, flat in [k, j, i] of the part.
 
         Notes
         -----
         ijk = floor(image_to_ijk (column, row, 0, 1) + 0.5) in float64, summed as (row part + offset + 0.5) + column part; every
         engine sums in this order, so that pixels on the border of two voxels fall into the same one everywhere.
         """
+        first_plane, stop_plane = (0, grid_size[2]) if planes is None else planes
+        lows, highs = (0, 0, first_plane), (*grid_size[:2], stop_plane)
         if self.moved is not None:
-            return self._voxels_moved(self.moved, image_to_ijk, grid_size)
+            return self._voxels_moved(self.moved, image_to_ijk, lows, highs)
         top, bottom, left, right = self.window
         columns, rows = np.arange(left, right, dtype=np.float64), np.arange(top, bottom, dtype=np.float64)
         along_rows = image_to_ijk[:3, 1, None] * rows + (image_to_ijk[:3, 3, None] + 0.5)
         along_columns = image_to_ijk[:3, 0, None] * columns
         ends = along_rows[:, [0, -1], None] + along_columns[:, None, [0, -1]]
-        leaves = (ends.min(axis=(1, 2)) < 0.0) | (ends.max(axis=(1, 2)) >= grid_size)
+        leaves = (ends.min(axis=(1, 2)) < lows) | (ends.max(axis=(1, 2)) >= highs)
         all_inside = not leaves.any()
         outside = np.zeros((0, 0) if all_inside else (rows.size, columns.size), dtype=bool)
         numbers: Numbers = np.empty((rows.size, columns.size), np.int64 if all_inside else np.float64)
@@ -219,9 +232,9 @@ class PixelLayout:
                 else:
                     position = line[part] if len(line) == rows.size else line
                 if leaves[axis]:
-                    outside[part] |= (position < 0.0) | (position >= grid_size[axis])
+                    outside[part] |= (position < lows[axis]) | (position >= highs[axis])
                 # Voxel numbers stay below 2^31: exact in float64, and cheaper to add up there than as integers
-                flat = flat * grid_size[axis] + position
+                flat = flat * highs[axis] + position if axis < 2 else position - first_plane
             numbers[part] = flat
         voxels = self._counting(numbers)
         if all_inside:
@@ -234,7 +247,9 @@ class PixelLayout:
         flat = window.reshape(-1)
         return flat if flat.size == self.inside.size else flat[self.inside]
 
-    def _voxels_moved(self, moved: Floats, image_to_ijk: Matrix, grid_size: tuple[int, int, int]) -> tuple[Integers, Integers]:
+    def _voxels_moved(
+        self, moved: Floats, image_to_ijk: Matrix, lows: tuple[int, int, int], highs: tuple[int, int, int]
+    ) -> tuple[Integers, Integers]:
         """The same for pixels that are not where they are shown."""
         column, row = moved
         flat: Floats = np.zeros(())
@@ -244,9 +259,9 @@ class PixelLayout:
             position += image_to_ijk[axis, 3] + 0.5
             position += image_to_ijk[axis, 0] * column
             np.floor(position, out=position)
-            if position.min() < 0.0 or position.max() >= grid_size[axis]:
-                outside |= (position < 0.0) | (position >= grid_size[axis])
-            flat = position if axis == 2 else np.add(np.multiply(flat, grid_size[axis], out=flat), position, out=flat)
+            if position.min() < lows[axis] or position.max() >= highs[axis]:
+                outside |= (position < lows[axis]) | (position >= highs[axis])
+            flat = position - lows[2] if axis == 2 else np.add(np.multiply(flat, highs[axis], out=flat), position, out=flat)
         pixels = np.flatnonzero(~outside)
         return pixels, flat[pixels].astype(np.int64)
 

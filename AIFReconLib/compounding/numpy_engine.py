@@ -20,7 +20,7 @@ from . import rules
 from .batch import FrameBatch
 from .evidence import ScanLines
 from .layout import PixelLayout
-from .state import VoxelState
+from .state import HIT, VoxelState
 
 NOTHING: Singles = np.empty(0, np.float32)
 
@@ -110,6 +110,8 @@ class NumpyEngine:
     bone : BoneOnGrid or None
     threads : None
         For the sake of the other engine: this one works on the caller's thread.
+    planes : (first, stop) or None
+        The part of the grid that the state is of; by default all of it.
     """
 
     name = "numpy"
@@ -123,12 +125,14 @@ class NumpyEngine:
         maximum: float,
         bone: BoneOnGrid | None,
         threads: int | None = None,
+        planes: tuple[int, int] | None = None,
     ):
         self.state = state
-        self._grid_size = grid_size
+        self._grid_size, self._planes = grid_size, planes
         self._maximum = np.float32(maximum)
         self._alpha, self._beta = np.float32(settings.alpha), np.float32(settings.beta)
         self._floor, self._gain = np.float32(settings.weight_floor), np.float32(settings.bone_gain)
+        self._bone = bone
         self._probability = NOTHING if bone is None else bone.probability.reshape(-1)
         self._directions = NOTHING if bone is None else bone.directions_reference.reshape(-1, 3)
 
@@ -150,7 +154,7 @@ class NumpyEngine:
         return [self._insert(batch, place, layout, scan_lines) for place in range(len(batch))]
 
     def _insert(self, batch: FrameBatch, place: int, layout: PixelLayout, scan_lines: ScanLines | None) -> int:
-        pixels, voxels = layout.voxels(batch.image_to_ijk[place], self._grid_size)
+        pixels, voxels = layout.voxels(batch.image_to_ijk[place], self._grid_size, self._planes)
         all_values = layout.values(batch.images[place])
         if place in batch.measured:
             measured = layout.values(batch.measured[place])[pixels] > 0
@@ -162,15 +166,18 @@ class NumpyEngine:
         chosen = slice(None) if entered == all_values.size else pixels
         values, beams = all_values[chosen], FrameBeams.of(layout, chosen, batch.axes[place])
         state, method = self.state, self.state.method
-        np.add.at(state.hits, voxels, np.uint32(1))
         if state.cosine is not None:
             np.maximum.at(state.cosine, voxels, cosine_at(self._directions, voxels, beams))
+        if state.packed:
+            np.add.at(state.value, voxels, values.astype(np.uint64) + np.uint64(HIT))
+            return entered
+        np.add.at(state.hits, voxels, np.uint32(1))
         if method in ("aif", "aif-compensated"):
             self._insert_aif(values, voxels, beams)
         elif method == "weighted":
-            if scan_lines is None:
-                raise ValueError("Input scan_lines must be given for method weighted; got None.")
-            expected = scan_lines.expected(self._probability, self._grid_size, batch.image_to_ijk[place])
+            if scan_lines is None or self._bone is None:
+                raise ValueError("Input scan_lines and bone must be given for method weighted; got None.")
+            expected = scan_lines.expected(self._bone.map_probability, self._bone.ijk_to_map @ batch.image_to_ijk[place])
             evidence = scan_lines.evidence(all_values, float(self._maximum), expected)
             self._insert_weighted(values, voxels, beams, evidence.reach[chosen], evidence.onset[chosen])
         elif method == "average":
@@ -178,7 +185,7 @@ class NumpyEngine:
         elif method == "latest":
             state.value[voxels] = values
         else:
-            np.maximum.at(state.value, voxels, values)
+            np.maximum.at(state.value, voxels, values.astype(state.value.dtype, copy=False))
         return entered
 
     def _insert_weighted(self, values: Singles, voxels: Integers, beams: FrameBeams, reach: Singles, onset: Singles) -> None:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from array import array
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arrays import Numbers, Reals, Singles
+from ..arrays import Reals
 from ..bone.map import BoneMap, BoneOnGrid
 from ..errors import BeamGeometryError, require_kind
-from ..geometry.volume import Volume, VoxelGrid
-from ..holes.automatic import with_limit
-from ..holes.fill import fill_as_asked
+from ..geometry.volume import VoxelGrid
 from ..holes.filling import HoleFilling
 from ..imaging.beams import SECTOR, ProbeGeometry
 from ..imaging.region import ImageRegion
@@ -27,17 +26,24 @@ from ..settings import ReconstructionSettings
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .engines import choose_engine
+from .finishing.parts import Planes
+from .finishing.results import Results
 from .image_format import ImageKind
-from .intake import Intake, require_kinds
+from .intake import OUTSIDE, Intake, require_kinds
 from .needs import judges_shadows, needs_beams, require_bone
 from .numpy_engine import NumpyEngine
 from .own.engine import OwnMethodEngine
 from .own.method import own_method
 from .splat_engine import SplatEngine, check_shares, splat_engine, uses_shares
-from .state import Reconstruction, VoxelState, bytes_per_voxel
+from .state import BESIDE, Reconstruction, VoxelState, bytes_per_voxel, part_bytes
 
 if TYPE_CHECKING:
     from .compiled.numba_engine import NumbaEngine
+
+
+BESIDE_BONE = Message(
+    "Warning: the bone map does not overlap the volume, so incidence weights nothing. Check the registration of the CT (--bone-transform)."
+)
 
 
 @dataclass(eq=False)
@@ -48,6 +54,8 @@ class FrameCounts:
     skipped: dict[str, array[int]] = field(default_factory=dict)
     poses: array[float] = field(default_factory=lambda: array("d"))
     """The upper three rows of every pose, for the distance between frames."""
+    reached: dict[int, Planes] = field(default_factory=dict)
+    """The planes [k] that each frame may have pixels in, the lowest and the highest, where only a part of them is reconstructed."""
 
     def skip(self, reason: str, number: int) -> None:
         """Count frame `number` as skipped for `reason`."""
@@ -56,6 +64,18 @@ class FrameCounts:
     def copy(self) -> FrameCounts:
         """The counts as they are now."""
         return FrameCounts(self.inserted, {reason: numbers[:] for reason, numbers in self.skipped.items()}, self.poses[:])
+
+    def merge(self, later: FrameCounts, given: Collection[int]) -> None:
+        """Take in what became of the frames `given` to another part of the volume: one that entered any has entered."""
+        why = {number: reason for reason, numbers in later.skipped.items() for number in numbers}
+        before, self.skipped = self.skipped, {}
+        for reason, numbers in before.items():
+            for number in numbers:
+                if number in given and number not in why:
+                    self.inserted += 1
+                else:
+                    # That it lies beside one part says nothing of the whole
+                    self.skip(why.get(number, reason) if reason == OUTSIDE else reason, number)
 
 
 @dataclass(frozen=True)
@@ -89,6 +109,10 @@ class Reconstructor:
         How holes are filled, where the settings leave it open.
     fixed_point : bool
         Place pixels as Plus's Optimization=FULL does; see `in_fixed_point`.
+    beside : names of `BESIDE`
+        The volumes that are wanted beside intensity and mask (and the cosine, where the settings ask for it).
+    planes : (first, stop) or None
+        The part of the grid that is reconstructed, planes [k]; by default all of it. The results then come by `put_into`.
 
     Raises
     ------
@@ -123,6 +147,8 @@ class Reconstructor:
         importance: Reals | None = None,
         holes: tuple[HoleFilling, ...] = (),
         fixed_point: bool = False,
+        beside: Collection[str] = BESIDE,
+        planes: Planes | None = None,
         progress: Progress | None = None,
     ):
         require_kinds(settings=settings, bone=bone, grid=grid, region=region, probe=probe)
@@ -131,7 +157,7 @@ class Reconstructor:
         self.method = self.settings.method_for(bone is not None)
         self.counts = FrameCounts()
         self._region = region or ImageRegion()
-        self._notes: list[str] = []
+        self.notes: list[str] = []
         self._own = own_method(self.method)
         uses_bone = require_bone(self.method, self.settings, bone is not None)
         uses_beams = needs_beams(self.method, self.settings)
@@ -140,7 +166,7 @@ class Reconstructor:
                 "Method {method} needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW.",
                 method=self.method,
             )
-        moves_pixels = depth_factor(self.settings) != 1.0
+        self._moves_pixels = moves_pixels = depth_factor(self.settings) != 1.0
         if moves_pixels and probe is None:
             raise BeamGeometryError(
                 "A speed of sound needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
@@ -148,24 +174,28 @@ class Reconstructor:
         check_shares(self.method, self.settings, importance)
         self._importance = None if importance is None else np.asarray(importance, dtype=np.float32)
         self._shares = uses_shares(self.settings, importance)
-        self._holes = holes
+        self._holes, self._beside = holes, beside
+        self._part, self._planes = planes, planes or (0, grid.size[2])
         shadows = judges_shadows(self.method)
         self._intake = Intake(
             grid, self.settings, self._region, probe, needs_beams=uses_beams, judges_shadows=shadows, fixed_point=fixed_point
         )
         self._engine_class, note = choose_engine(self.settings.engine)
         if note is not None:
-            self._notes.append(note)
+            self.notes.append(note)
         curves_rows = moves_pixels and probe is not None and probe.kind == SECTOR
         if curves_rows and not self._shares and self._own is None and self._engine_class is not NumpyEngine:
             # The other engine wants rows of pixels to be straight lines
             self._engine_class = NumpyEngine
-            self._notes.append(Message("A sector's speed of sound is corrected for by the slower numpy engine. The voxels are the same."))
+            self.notes.append(Message("A sector's speed of sound is corrected for by the slower numpy engine. The voxels are the same."))
         self._threads = threads
-        require_memory(grid.size, grid.spacing, bytes_per_voxel(self.method, uses_bone, self.settings.best_cosine, self._shares))
+        # Of 8-bit images, which take the least: what others take is known when the first has come
+        kind = self.method, uses_bone, self.settings.best_cosine, self._shares, True
+        require_memory(self._size_of_part(), grid.spacing, part_bytes(*kind) if planes else bytes_per_voxel(*kind, beside, 1))
         self._bone = self._place_bone(bone, progress) if bone is not None and uses_bone else None
-        self._state: VoxelState | None = VoxelState.empty(grid, self.method, self.settings.best_cosine, self._shares)
+        self._state: VoxelState | None = self._empty_state(whole=True)
         self._images: ImageKind | None = None
+        self._most = 0.0
         self._work: _Work | None = None
 
     def insert(self, frames: TrackedFrame | Iterable[TrackedFrame]) -> None:
@@ -182,12 +212,12 @@ class Reconstructor:
             When an image is not one of gray pixels, or its size or pixel type differs from that of the first. The frames before it have
             entered.
         """
-        state = self._unfinished()
+        self._unfinished()
         if isinstance(frames, TrackedFrame):
             frames = (frames,)
         try:
             for frame in frames:
-                self._add(frame, state)
+                self._add(frame)
         finally:
             self._compute()
 
@@ -203,57 +233,63 @@ class Reconstructor:
         return self.capture()(progress)
 
     def capture(self) -> Callable[[Progress | None], Reconstruction]:
-        """Copy the voxels as they are now; the answer makes a volume of them, once, while more frames may already enter."""
-        return partial(self._result, self._unfinished().copy(), self.counts.copy(), tuple(self._notes))
+        """Take the voxels as they are now; the answer makes a volume of them, once, while more frames may already enter."""
+        results = self._results()
+        results.put(self._unfinished(), self._planes)
+        return partial(self.made, results, self.counts.copy(), tuple(self.notes))
 
     def finish(self, progress: Progress | None = None) -> Reconstruction:
         """The final volume. No frame can follow: the bone map is released and the state handed over, which saves the memory of both."""
+        return self.made(self.put_into(None), self.counts.copy(), tuple(self.notes), progress)
+
+    def put_into(self, results: Results | None) -> Results:
+        """Hand the voxels over to the results of the whole grid, new ones where there are none yet. No frame can follow."""
         state = self._unfinished()
         self._state = self._bone = self._work = None
-        return self._result(state, self.counts.copy(), tuple(self._notes), progress)
+        results = results or self._results()
+        results.put(state, self._planes, release=True)
+        return results
+
+    def made(self, results: Results, counts: FrameCounts, notes: tuple[str, ...], progress: Progress | None = None) -> Reconstruction:
+        """The volume of results of the whole grid, its holes filled."""
+        shown = self._region.mask(*self._images.shape[::-1]) if self._images else np.ones((1, 1), dtype=bool)
+        hole_limit, said = results.fill(np.reshape(counts.poses, (-1, 3, 4)), shown, progress)
+        return Reconstruction(
+            intensity=results.intensity,
+            score=results.wanted("score"),
+            hits=results.wanted("hits"),
+            mask=results.mask,
+            cosine=results.wanted("cosine"),
+            method=self.method,
+            frames_inserted=counts.inserted,
+            skipped={reason: numbers.tolist() for reason, numbers in counts.skipped.items()},
+            said=(*notes, *said),
+            hole_limit=hole_limit,
+        )
 
     def _unfinished(self) -> VoxelState:
         if self._state is None:
             raise RuntimeError("finish() was called: this reconstructor has handed over its volume. Make a new one.")
         return self._state
 
-    def _result(self, state: VoxelState, counts: FrameCounts, notes: tuple[str, ...], progress: Progress | None) -> Reconstruction:
-        """The volumes of a state that is not used any more."""
-        shape = self.grid.shape
-        values = state.intensity().reshape(shape)
-        mask = np.zeros(shape, dtype=np.uint8)
-        np.not_equal(state.hits.reshape(shape), 0, out=mask.view(bool))
-        score = state.score().reshape(shape)
-        hits, cosine = state.hits.reshape(shape), state.cosine
-        del state
-        shown = self._region.mask(*self._images.shape[::-1]) if self._images else np.ones((1, 1), dtype=bool)
-        settings, said = with_limit(self.settings, self._holes, np.reshape(counts.poses, (-1, 3, 4)), shown, self.grid)
-        fill_as_asked(values, mask, self.grid.spacing, settings, self._holes, progress, threads=self._threads, score=score)
-        return Reconstruction(
-            intensity=self._volume(self._to_output_type(values)),
-            score=self._volume(score),
-            hits=self._volume(hits),
-            mask=self._volume(mask),
-            cosine=None if cosine is None else self._volume(cosine.reshape(shape)),
-            method=self.method,
-            frames_inserted=counts.inserted,
-            skipped={reason: numbers.tolist() for reason, numbers in counts.skipped.items()},
-            said=(*notes, *said),
-            hole_limit=float(settings.hole_limit),
-        )
+    def _size_of_part(self) -> tuple[int, int, int]:
+        i, j, _ = self.grid.size
+        return i, j, self._planes[1] - self._planes[0]
+
+    def _empty_state(self, whole: bool) -> VoxelState:
+        return VoxelState.empty(math.prod(self._size_of_part()), self.method, self.settings.best_cosine, self._shares, whole)
+
+    def _results(self) -> Results:
+        wanted = self._images.output_type(self.settings) if self._images else self.settings.output_type
+        return Results(self.grid, self.settings, wanted, self._beside, self._holes, self._threads)
 
     def _place_bone(self, bone: BoneMap, progress: Progress | None) -> BoneOnGrid:
-        placed = bone.on_grid(self.grid, self.settings.bone_direction, progress)
+        placed = bone.on_grid(self.grid, self.settings.bone_direction, progress, self._part)
         if not placed.overlaps:
-            self._notes.append(
-                Message(
-                    "Warning: the bone map does not overlap the volume, so incidence weights nothing. "
-                    "Check the registration of the CT (--bone-transform)."
-                )
-            )
+            self.notes.append(BESIDE_BONE)
         return placed
 
-    def _add(self, frame: TrackedFrame, state: VoxelState) -> None:
+    def _add(self, frame: TrackedFrame) -> None:
         """Put a frame into the batch; what waits there is computed when it is full or the frame does not fit to it."""
         require_kind("frames", frame, TrackedFrame, "Make one: TrackedFrame(image, image_to_reference).")
         problem = self._intake.why_not(frame)
@@ -262,17 +298,25 @@ class Reconstructor:
             return
         image, pose = frame.placed()
         if self._work is None:
-            self._work = self._start(ImageKind.of(image, frame.number), state)
+            self._work = self._start(ImageKind.of(image, frame.number))
         work = self._work
         work.images.check(image, frame.number)
         if not self._intake.fits(image, pose):
             self._compute()
             self._intake.lay_out(image, pose)
-        problem = self._intake.put(work.batch, image, pose, frame.number)
-        if problem is not None:
-            self.counts.skip(problem, frame.number)
+        layout, kept = self._intake.layout, self._intake.kept(image)
+        if kept is not None and layout is not None and not layout.has_any(kept):
+            self.counts.skip(Message("nothing bright enough in the image"), frame.number)
             return
         self.counts.poses.extend(pose[:3].ravel())
+        image_to_ijk = self._intake.image_to_ijk(pose)
+        if self._part is not None and layout is not None:
+            low, high = self.counts.reached[frame.number] = layout.planes_reached(image_to_ijk)
+            if high < self._part[0] or low >= self._part[1]:
+                self.counts.skip(OUTSIDE, frame.number)
+                return
+        self._intake.put(work.batch, image, pose, image_to_ijk, frame.number, kept)
+        self._most += self._intake.most_in_a_voxel(pose)
         if work.batch.full:
             self._compute()
 
@@ -282,6 +326,8 @@ class Reconstructor:
         if work is None or layout is None or not work.batch:
             return
         batch = work.batch
+        work.engine.state.expect(self._most)
+        self._most = 0.0
         try:
             entered = work.engine.insert(batch, layout, self._intake.scan_lines)
             for place, (number, pixels) in enumerate(zip(batch.numbers, entered, strict=True)):
@@ -292,25 +338,20 @@ class Reconstructor:
         finally:
             batch.clear()
 
-    def _start(self, images: ImageKind, state: VoxelState) -> _Work:
+    def _start(self, images: ImageKind) -> _Work:
         self._images = images
-        self._notes += images.warnings(self.method, self.settings)
+        self.notes += images.warnings(self.method, self.settings)
+        if not images.is_8_bit or self._moves_pixels:
+            # The one that was made for 8-bit images goes first
+            self._state = None
+            self._state = self._empty_state(whole=False)
+        state = self._unfinished()
         engine: NumpyEngine | NumbaEngine | SplatEngine | OwnMethodEngine
-        maximum = images.maximum(self.settings)
+        size, part, maximum = self.grid.size, self._part, images.maximum(self.settings)
         if self._own is not None:
-            engine = OwnMethodEngine(state, self.grid.size, self._own, maximum, self._bone)
+            engine = OwnMethodEngine(state, size, self._own, maximum, self._bone, part)
         elif self._shares:
-            engine = splat_engine(self.settings)(state, self.grid.size, self.settings, self._importance, self._threads)
+            engine = splat_engine(self.settings)(state, size, self.settings, self._importance, self._threads, part)
         else:
-            engine = self._engine_class(state, self.grid.size, self.settings, maximum, self._bone, self._threads)
+            engine = self._engine_class(state, size, self.settings, maximum, self._bone, self._threads, part)
         return _Work(images, engine, FrameBatch(images.shape, images.dtype, engine.frames_at_once))
-
-    def _to_output_type(self, values: Singles) -> Numbers:
-        wanted = self._images.output_type(self.settings) if self._images else self.settings.output_type
-        if wanted != "uint8":
-            return values
-        np.floor(np.clip(values, 0.0, 255.0, out=values) + np.float32(0.5), out=values)
-        return values.astype(np.uint8)
-
-    def _volume(self, array: Numbers) -> Volume:
-        return Volume(array, self.grid.ijk_to_reference)

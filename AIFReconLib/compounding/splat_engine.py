@@ -62,6 +62,8 @@ class SplatEngine:
         Weight of each pixel of an image; those of 0 do not enter.
     threads : int or None
         For `NumbaSplatEngine`; this one takes the caller's.
+    planes : (first, stop) or None
+        The part of the grid that the state is of; by default all of it.
     """
 
     name = "numpy"
@@ -74,9 +76,11 @@ class SplatEngine:
         settings: ReconstructionSettings,
         importance: Reals | None = None,
         threads: int | None = None,
+        planes: tuple[int, int] | None = None,
     ):
         self.state = state
         self._grid_size = grid_size
+        self._planes = (0, grid_size[2]) if planes is None else planes
         self._linear = settings.interpolation == "linear"
         self._importance = importance
 
@@ -111,7 +115,7 @@ class SplatEngine:
 
     def _insert_nearest(self, image_to_ijk: Matrix, layout: PixelLayout, values: Singles, counts: Mask, importance: Reals | None) -> int:
         """Pixels that enter one voxel each."""
-        pixels, voxels = layout.voxels(image_to_ijk, self._grid_size)
+        pixels, voxels = layout.voxels(image_to_ijk, self._grid_size, self._planes)
         kept = counts[pixels]
         pixels, voxels = pixels[kept], voxels[kept]
         self._add(voxels, values[pixels], None if importance is None else importance[pixels])
@@ -137,15 +141,17 @@ class SplatEngine:
         columns, rows, _ = self._grid_size
         first = ((lower[2] * rows + lower[1]) * columns + lower[0]).astype(np.int64)
         voxels = first[:, None] + CORNERS @ (rows * columns, columns, 1)
+        stored, stop = (plane * rows * columns for plane in self._planes)
         i, j, k = (np.stack([1 - along, along]) for along in fraction)
         # In the order of CORNERS, so that a pixel's corners stand side by side and pixels keep their order
         share = (i[:, None, None] * j[None, :, None] * k[None, None]).reshape(8, -1).T
         enough = share >= LEAST_SHARE if self.state.method != "average" else share > 0
+        enough &= (voxels >= stored) & (voxels < stop)
         pixel = np.nonzero(enough)[0]
         share = share[enough]
         if importance is not None:
             share = share * importance[pixel]
-        self._add(voxels[enough], values[pixel], share)
+        self._add(voxels[enough] - stored, values[pixel], share)
         return values.size
 
     def _add(self, voxels: Integers, values: Singles, weights: Reals | None) -> None:

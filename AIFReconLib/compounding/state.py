@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+import sys
+from collections.abc import Collection
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Reals, Singles
+from ..arrays import Numbers, Reals, Singles
 from ..geometry.volume import Volume, VoxelGrid
 from ..message import Described, in_python_words, translated
 from ..settings import BONE_METHODS, is_own_method
@@ -19,22 +21,33 @@ if TYPE_CHECKING:
 MAP_BYTES = 4 + 3 * 4
 """Probability and direction of the bone map, per voxel."""
 
-OUTPUT_BYTES = 4 + 4 + 1 + 1
-"""What the results of a finished reconstruction take beside its state, at most: a float32 mean, the score of a method
-without weights, the mask, and the 8-bit intensity. Everything else is handed over without a copy."""
+BESIDE = ("score", "hits")
+"""Volumes that are made beside the intensity and the mask, unless others are asked for."""
+
+HIT = 2**32
+"""What a pixel adds to a voxel of `packed` state, beside its gray level: hits above, their sum below."""
+
+MOST_HITS = 2**24
+"""Pixels of 8 bits whose sum is sure to leave the hits alone."""
+
+NO_HITS: NDArray[np.uint32] = np.empty(0, np.uint32)
 
 
 @dataclass(eq=False)
 class VoxelState:
-    """Running values of one reconstruction; flat arrays over [k, j, i] in C order.
+    """Running values of one reconstruction, or of a part of it; flat arrays over [k, j, i] in C order.
+
+    Nothing is written where no pixel enters: the system gives memory to what was visited alone.
 
     Parameters
     ----------
     method : str
     hits : (voxels,) uint32 array
-        Pixels that entered.
+        Pixels that entered; none where they are `packed`.
     value : (voxels,) array
-        float32: the running average (aif), the last (latest) or the largest (maximum) value; the sum of w v (weighted).
+        uint64: pixels that entered, times `HIT`, and their sum (average of 8-bit images, whose mean is exact).
+        uint8: the last (latest) or the largest (maximum) value of 8-bit images; float32: of others, and the running average (aif), the sum
+        of w v (weighted).
         float64: the sum (average), so that its mean is exact; the sum of w v (a method of one's own).
     weight : (voxels,) array or None
         float32: the paper's V_count (aif), the sum of w (weighted). float64: the sum of shares (average of pixels that count unequally),
@@ -45,23 +58,42 @@ class VoxelState:
 
     method: str
     hits: NDArray[np.uint32]
-    value: Reals
+    value: Numbers
     weight: Reals | None
     cosine: Singles | None
+    _most: float = 0.0
 
     @classmethod
-    def empty(cls, grid: VoxelGrid, method: str, best_cosine: bool, shares: bool = False) -> VoxelState:
-        """State before the first frame. With `shares`, an average keeps the sum of what pixels count."""
-        value: Reals = np.zeros(grid.voxels, dtype=np.float64 if _sums_in_double(method) else np.float32)
-        if method == "maximum":
+    def empty(cls, voxels: int, method: str, best_cosine: bool, shares: bool = False, whole: bool = False) -> VoxelState:
+        """State before the first frame.
+
+        Parameters
+        ----------
+        voxels : int
+        method : str
+        best_cosine : bool
+        shares : bool
+            An average keeps the sum of what pixels count.
+        whole : bool
+            Pixels are of 8 bits, and enter one voxel each.
+        """
+        value: Numbers = np.zeros(voxels, value_type(method, shares, whole))
+        if method == "maximum" and value.dtype.kind == "f":
             value.fill(-np.inf)
+        weighs_in = np.float64 if _weighs_in_double(method, shares) else np.float32
+        has_weight = method in BONE_METHODS or _weighs_in_double(method, shares)
         return cls(
             method=method,
-            hits=np.zeros(grid.voxels, dtype=np.uint32),
+            hits=NO_HITS if value.dtype == np.uint64 else np.zeros(voxels, dtype=np.uint32),
             value=value,
-            weight=_no_weights(grid.voxels, method, shares),
-            cosine=np.zeros(grid.voxels, dtype=np.float32) if best_cosine else None,
+            weight=np.zeros(voxels, weighs_in) if has_weight else None,
+            cosine=np.zeros(voxels, dtype=np.float32) if best_cosine else None,
         )
+
+    @property
+    def packed(self) -> bool:
+        """Whether value and hits are one."""
+        return self.value.dtype == np.uint64
 
     @property
     def weights(self) -> Reals:
@@ -76,61 +108,90 @@ class VoxelState:
             raise ValueError(f"Input state must be one that keeps weights; method {self.method} has none here.")
         return self.weight
 
-    def intensity(self) -> Singles:
-        """The reconstructed values, (voxels,) float32; 0 where nothing was measured.
+    def halves(self) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
+        """Sums and hits of `packed` state, (voxels,) each, without a copy."""
+        both = self.value.view(np.uint32)
+        sums, hits = both[0::2], both[1::2]
+        return (sums, hits) if sys.byteorder == "little" else (hits, sums)
 
-        It may be the state's own array, so no frame may follow; take a `copy` first where one will.
-        """
-        if self.method == "weighted" or _sums_in_double(self.method):
-            divisor = self.hits if self.weight is None else self.weight
-            result = np.zeros(self.value.shape, dtype=np.float32)
-            np.divide(self.value, divisor, out=result, where=self.hits > 0, casting="same_kind")
-            return result
-        if self.method == "maximum":
-            np.copyto(self.value, 0, where=self.hits == 0)
-        return self.value.astype(np.float32, copy=False)
+    def expect(self, pixels: float) -> None:
+        """Prepare for up to so many more pixels in one voxel: sums that could grow into the hits are kept apart from now on."""
+        if not self.packed:
+            return
+        self._most += pixels
+        if self._most <= MOST_HITS:
+            return
+        sums, hits = self.halves()
+        self._most = float(hits.max()) + pixels
+        if self._most > MOST_HITS:
+            self.hits, self.value = hits.copy(), sums.astype(np.float64)
 
-    def score(self) -> Singles:
-        """How much good evidence each voxel has, (voxels,) float32: the sum of weights; methods without weights count each pixel as 1.
-
-        May be the state's own array.
-        """
-        return self.hits.astype(np.float32) if self.weight is None else self.weight.astype(np.float32, copy=False)
-
-    def copy(self) -> VoxelState:
-        """A snapshot that later frames do not change."""
-        return replace(self, **{name: getattr(self, name).copy() for name in self._arrays()})
-
-    def _arrays(self) -> list[str]:
-        return [spec.name for spec in fields(self) if isinstance(getattr(self, spec.name), np.ndarray)]
+    def pixels(self) -> NDArray[np.uint32]:
+        """How many pixels entered each voxel, (voxels,); the state's own array where it has one."""
+        return self.halves()[1].copy() if self.packed else self.hits
 
 
-def _sums_in_double(method: str) -> bool:
-    return method == "average" or is_own_method(method)
+def value_type(method: str, shares: bool, whole: bool) -> type[np.generic]:
+    """The type of `VoxelState.value`; arguments as in `VoxelState.empty`."""
+    eight_bit = whole and not shares
+    if method in ("latest", "maximum"):
+        return np.uint8 if eight_bit else np.float32
+    if method in BONE_METHODS:
+        return np.float32
+    return np.uint64 if eight_bit and method == "average" else np.float64
 
 
 def _weighs_in_double(method: str, shares: bool) -> bool:
     return (shares and method == "average") or is_own_method(method)
 
 
-def _no_weights(voxels: int, method: str, shares: bool) -> Reals | None:
-    if method in BONE_METHODS:
-        return np.zeros(voxels, dtype=np.float32)
-    return np.zeros(voxels, dtype=np.float64) if _weighs_in_double(method, shares) else None
+def state_bytes(method: str, best_cosine: bool, shares: bool = False, whole: bool = False) -> int:
+    """Bytes per voxel of a `VoxelState`."""
+    value = np.dtype(value_type(method, shares, whole))
+    hits = 0 if value == np.uint64 else 4
+    weight = 8 if _weighs_in_double(method, shares) else 4 if method in BONE_METHODS else 0
+    return value.itemsize + hits + weight + (4 if best_cosine else 0)
 
 
-def bytes_per_voxel(method: str, has_bone: bool, best_cosine: bool, shares: bool = False) -> int:
-    """Memory that a reconstruction takes, per voxel, its results included, and its bone map where it reads one; `shares` as in
-    `VoxelState.empty`.
+def part_bytes(method: str, has_bone: bool, best_cosine: bool, shares: bool = False, whole: bool = False) -> int:
+    """Bytes per voxel of a part that is worked: its state, and the bone map where it is read. Arguments as in `bytes_per_voxel`."""
+    return state_bytes(method, best_cosine, shares, whole) + (MAP_BYTES if has_bone else 0)
+
+
+def bytes_per_voxel(
+    method: str,
+    has_bone: bool,
+    best_cosine: bool,
+    shares: bool = False,
+    whole: bool = False,
+    beside: Collection[str] = BESIDE,
+    output: int = 4,
+) -> int:
+    """Memory that a reconstruction takes at its peak, per voxel, its results included, and its bone map where it reads one.
+
+    Parameters
+    ----------
+    method, best_cosine, shares, whole
+        As in `VoxelState.empty`.
+    has_bone : bool
+        Whether it reads the bone map.
+    beside : names of `BESIDE`
+        The results that are wanted.
+    output : int
+        Bytes of an intensity.
 
     Notes
     -----
     The bone map is released before the results are made when a whole sequence is reconstructed at once. A snapshot of a live
-    reconstruction needs the results, a copy of the state and the map at the same time.
+    reconstruction has results, state and map at the same time, and copies of those results that are the state's own.
     """
-    state = 4 + (8 if _sums_in_double(method) else 4) + (4 if method in BONE_METHODS else 0) + (4 if best_cosine else 0)
-    state += 8 if _weighs_in_double(method, shares) else 0
-    return state + max(MAP_BYTES if has_bone else 0, OUTPUT_BYTES)
+    value = np.dtype(value_type(method, shares, whole))
+    state, results = state_bytes(method, best_cosine, shares, whole), output + 1
+    kept_apart = 4 if value == np.uint64 and len(beside) else 0
+    has_weight = method in BONE_METHODS or _weighs_in_double(method, shares)
+    score = 4 if "score" in beside and (not has_weight or _weighs_in_double(method, shares)) else 0
+    after = state - value.itemsize + results + kept_apart + score
+    return max(part_bytes(method, has_bone, best_cosine, shares, whole), state + results + kept_apart, after)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -141,10 +202,10 @@ class Reconstruction(Described):
     ----------
     intensity : Volume of uint8 or float32
         The reconstructed ultrasound.
-    score : Volume of float32
+    score : Volume of float32, or None
         Sum of the weights of all pixels that entered (the paper's V_count); the number of pixels for methods without weights.
-    hits : Volume of uint32
-        Pixels that entered.
+    hits : Volume of uint32, or None
+        Pixels that entered. It and the score are left out where only others were asked for.
     mask : Volume of uint8
         0 empty, 1 measured, 2 filled from a neighbor.
     cosine : Volume of float32 or None
@@ -162,8 +223,8 @@ class Reconstruction(Described):
     """
 
     intensity: Volume
-    score: Volume
-    hits: Volume
+    score: Volume | None
+    hits: Volume | None
     mask: Volume
     cosine: Volume | None
     method: str

@@ -123,8 +123,8 @@ def bone_surface(distance: Volume, labels: Volume | None = None, pitch: float = 
     Notes
     -----
     Points are where voxel edges cross the level, by linear interpolation; normals are central differences there. Grid lines along
-    axis a, of pitches h_b and h_c, cross a surface of unit normal n |n_a| / (h_b h_c) times per mm^2 (Crofton), so each crossing
-    stands for the area 1 / (|n_i| / (h_j h_k) + |n_j| / (h_i h_k) + |n_k| / (h_i h_j)).
+    axis a, of pitches h_b and h_c, cross a surface of unit normal n `|n_a| / (h_b h_c)` times per mm^2 (Crofton), so each crossing
+    stands for the area `1 / (|n_i| / (h_j h_k) + |n_j| / (h_i h_k) + |n_k| / (h_i h_j))`.
     """
     array = distance.array
     crossings = []

@@ -22,7 +22,7 @@ RIGIDITY_TOLERANCE = 0.02
 6 digits, and trackers orthonormalize, so honest poses stay below 1e-4."""
 
 SHEAR_TOLERANCE = 0.1
-"""Largest |cosine| between the two image axes. Fiducial calibrations are affine fits: 0.05 has been seen in use."""
+"""Largest cosine, without its sign, between the two image axes. Fiducial calibrations are affine fits: 0.05 has been seen in use."""
 
 LAST_ROW_TOLERANCE = 1e-9
 """How far from 0 the last row of a transform may be."""

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from ..arrays import Array, Floats, Matrix, Numbers, NumberType
 from ..errors import GeometryError, InputTypeError, not_of_kind
-from ..machine.memory import MAXIMUM_VOXELS
+from ..machine.memory import LARGEST_GRID
 from ..message import Described
 from .transforms import as_matrix, invert, transform_points
 
@@ -41,7 +41,7 @@ class VoxelGrid:
     Raises
     ------
     GeometryError
-        For a size that is not positive or beyond 2^31 voxels, or a matrix that is singular, not finite or sheared.
+        For a size that is not positive or beyond 2^36 voxels, or a matrix that is singular, not finite or sheared.
     """
 
     size: tuple[int, int, int]
@@ -54,10 +54,10 @@ class VoxelGrid:
             size = ()
         if len(size) != 3 or min(size) < 1:
             raise GeometryError("Input grid size must be 3 positive whole numbers of voxels; got {size!r}.", size=self.size)
-        if math.prod(size) > MAXIMUM_VOXELS:
+        if math.prod(size) > LARGEST_GRID:
             raise GeometryError(
                 "Input grid must have at most {maximum} voxels; got {columns} x {rows} x {slices}. Choose a larger spacing.",
-                maximum=MAXIMUM_VOXELS,
+                maximum=LARGEST_GRID,
                 columns=size[0],
                 rows=size[1],
                 slices=size[2],

@@ -182,6 +182,13 @@ def _labels(bone: GuidedBone) -> Iterator[int]:
     return (int(label) for label in np.unique(bone.surface.labels))
 
 
+def back_of_labels(met: BoneMet) -> dict[str, Share]:
+    """By the name of each label, how much of its bone that faces the back was met: what a scan from there is to show."""
+    bone = met.bone
+    facing = -bone.surface.normals_reference @ bone.patient_to_reference[:3, 1] >= BELOW_60
+    return {bone.name_of(label): share_of(met, facing & (bone.surface.labels == label)) for label in _labels(bone)}
+
+
 def share_of(met: BoneMet, chosen: Mask) -> Share:
     """How much of the chosen points was met, (n,) bool."""
     areas, best = met.bone.surface.areas[chosen], met.best_cosine[chosen]

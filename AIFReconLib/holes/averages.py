@@ -7,6 +7,7 @@ values, known : [k, j, i] arrays
 holes : (holes, 3) int array, [k, j, i]
     All at places where `known` is False.
 kind : HoleFilling
+    Which average.
 hits : [k, j, i] array or None
     How many pixels entered each voxel; `gaussian_by_hits` alone asks.
 
@@ -15,6 +16,7 @@ and returns
 found : (holes,) bool array
     Which have enough known voxels around them.
 averages : (found,) float64 array
+    Their values.
 """
 
 from __future__ import annotations

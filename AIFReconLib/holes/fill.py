@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..arrays import Bytes, Floats, Numbers
 from ..progress import Progress
-from ..settings import ReconstructionSettings
-from .filling import HoleFilling, within
+from ..settings import AUTOMATIC, ReconstructionSettings
+from .filling import GAUSSIAN_BY_HITS, HoleFilling, within
 from .nearest import fill_holes
 from .plus_ways import fill_holes_by_kind
 
@@ -45,3 +45,18 @@ def fill_as_asked(
     if settings.holes in (None, "nearest"):
         return fill_holes(values, mask, spacing, limit, progress, engine=settings.engine, threads=threads)
     return fill_holes_by_kind(values, mask, (within(settings.holes, limit, spacing),), progress, engine=settings.engine)
+
+
+def as_configured(settings: ReconstructionSettings, configured: tuple[HoleFilling, ...]) -> bool:
+    """Whether holes are filled in the configuration's ways."""
+    return settings.holes is None and bool(configured) and settings.hole_limit in (AUTOMATIC, 0)
+
+
+def copies_values(settings: ReconstructionSettings, configured: tuple[HoleFilling, ...]) -> bool:
+    """Whether what fills a hole is a measured value as it is, so that it does not matter what values are rounded to before."""
+    return settings.holes in (None, "off", "nearest") and not as_configured(settings, configured)
+
+
+def asks_for_hits(settings: ReconstructionSettings, configured: tuple[HoleFilling, ...]) -> bool:
+    """Whether it matters to filling how many pixels entered a voxel."""
+    return as_configured(settings, configured) and any(way.kind == GAUSSIAN_BY_HITS for way in configured)

@@ -81,7 +81,7 @@ def fill_holes(
     compiled = None if engine == "numpy" or reach.max() > LONGEST_REACH else optional_module("AIFReconLib.holes.numba_nearest")
     if compiled is not None and values.flags.c_contiguous and mask.flags.c_contiguous:
         fill_slab = partial(compiled.fill_slab, values, mask, offsets, *_by_rows(offsets, distances))
-        return _fill_compiled(fill_slab, mask.shape[0], threads, progress)
+        return _fill_compiled(fill_slab, mask, reach, threads, progress)
     edge = np.maximum(BLOCK, 2 * reach)
     blocks = list(itertools.product(*(range(0, n, e) for n, e in zip(mask.shape, edge, strict=True))))
     filled = 0
@@ -132,17 +132,39 @@ def _nanometers(offset_kji: Sequence[Numbers], spacing_kji: Floats) -> Integers:
     return lengths.astype(np.int64)
 
 
-def _fill_compiled(fill_slab: Callable[[int, int], int], planes: int, threads: int | None, progress: Progress | None) -> int:
-    """Fill the whole volume with a compiled search that is told the first plane and the one after the last, a few planes at a time."""
+def _fill_compiled(
+    fill_slab: Callable[[int, int, tuple[int, int, int, int]], int],
+    mask: Bytes,
+    reach: Integers,
+    threads: int | None,
+    progress: Progress | None,
+) -> int:
+    """Fill the whole volume with a compiled search that is told which planes to look at, a few at a time, and where in them."""
+    planes = mask.shape[0]
     starts = range(0, planes, PLANES_AT_ONCE)
     filled = np.zeros(len(starts), dtype=np.int64)
+    boxes = [_box_of(plane) for plane in mask.view(bool)]
 
     def fill(part: int) -> None:
-        filled[part] = fill_slab(starts[part], min(starts[part] + PLANES_AT_ONCE, planes))
+        stop = min(starts[part] + PLANES_AT_ONCE, planes)
+        near = [box for box in boxes[max(starts[part] - int(reach[0]), 0) : stop + int(reach[0])] if box is not None]
+        if near:
+            (j, i), (last_j, last_i) = np.min(near, axis=0)[[0, 2]] - reach[1:], np.max(near, axis=0)[[1, 3]] + reach[1:]
+            box = max(int(j), 0), min(int(last_j), mask.shape[1]), max(int(i), 0), min(int(last_i), mask.shape[2])
+            filled[part] = fill_slab(starts[part], stop, box)
 
     in_parts(fill, len(starts), threads or usable_cores(), progress, "Filling holes")
     report(progress, 1.0, "Filled holes")
     return int(filled.sum())
+
+
+def _box_of(plane: Mask) -> tuple[int, int, int, int] | None:
+    """The rows and the columns of what was measured in a plane, the first and the one after the last of each; None where nothing was."""
+    rows = np.flatnonzero(plane.any(axis=1))
+    if not rows.size:
+        return None
+    columns = np.flatnonzero(plane[rows[0] : rows[-1] + 1].any(axis=0))
+    return int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1
 
 
 def _by_rows(offsets: Integers, distances: Integers) -> tuple[Integers, Integers]:

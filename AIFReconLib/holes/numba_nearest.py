@@ -17,7 +17,16 @@ FEW = 6
 
 
 @compiled
-def fill_slab(values: Numbers, mask: Bytes, offsets: Integers, rows_kj: Integers, lengths: Integers, first: int, stop: int) -> int:
+def fill_slab(
+    values: Numbers,
+    mask: Bytes,
+    offsets: Integers,
+    rows_kj: Integers,
+    lengths: Integers,
+    first: int,
+    stop: int,
+    box: tuple[int, int, int, int],
+) -> int:
     """Fill the holes of the planes [first, stop) of a volume [k, j, i]; returns how many.
 
     Parameters
@@ -30,6 +39,9 @@ def fill_slab(values: Numbers, mask: Bytes, offsets: Integers, rows_kj: Integers
         Offsets of the rows within reach, nearest first, equally near ones by rising [k, j].
     lengths : (rows, reach + 2) int64 array
         How far the voxel is that lies so many steps along i in each of these rows; as much as in the last column: out of reach.
+    first, stop : int
+    box : tuple of 4 int
+        Rows [j] from the first to before the second, and columns [i] likewise, beside which nothing is within reach.
 
     Notes
     -----
@@ -49,12 +61,12 @@ def fill_slab(values: Numbers, mask: Bytes, offsets: Integers, rows_kj: Integers
     asked = np.ones(columns, np.bool_)
     noted, tried, vain, filled = False, count, 0, 0
     for k in range(first, stop):
-        for j in range(rows):
+        for j in range(box[0], box[1]):
             inner_row = reach_k <= k < planes - reach_k and reach_j <= j < rows - reach_j
             start = (k * rows + j) * columns
             if noted:
                 _look_around(asked, near, j, max(k - reach_k, low) - low, min(k + reach_k + 1, high) - low)
-            for i in range(columns):
+            for i in range(box[2], box[3]):
                 here = start + i
                 if flat_mask[np.uint64(here)] != EMPTY or (noted and not asked[i]):
                     continue

@@ -100,7 +100,7 @@ def _fill_sticks(values: Numbers, known: Mask, holes: Integers, kind: HoleFillin
     Notes
     -----
     With known voxels f steps ahead and r steps behind, f + r + 1 at most `size`, a stick has the value
-    ((r + 1) v_ahead + f v_behind) / (f + r + 1) and the score 1 / ((f + r + 1) |direction|) in voxels. (The weights are IGSIO's; an
+    `((r + 1) v_ahead + f v_behind) / (f + r + 1)` and the score `1 / ((f + r + 1) |direction|)` in voxels. (The weights are IGSIO's; an
     interpolation proper would have r and f over f + r.) The best sticks are averaged by their scores; those of equal score enter
     together, until there are at least `sticks` of them.
     """

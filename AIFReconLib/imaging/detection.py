@@ -12,7 +12,7 @@ from typing import cast
 import numpy as np
 from scipy import ndimage
 
-from ..arrays import Floats, Integers, Mask
+from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import BeamGeometryError
 from ..message import Message
 from .beams import LINEAR, SECTOR, ProbeGeometry
@@ -81,10 +81,9 @@ def _lit_area(images: ImageStack) -> Mask:
     if len(images) == 0:
         raise _unrecognized(Message("there are none"))
     numbers = np.unique(np.linspace(0, len(images) - 1, FRAMES_LOOKED_AT).astype(int))
-    brightest = np.full(images.shape[1:], -np.inf, dtype=np.float32)
-    for number in numbers:
-        image = np.nan_to_num(np.asarray(images[int(number)], dtype=np.float32), posinf=0.0, neginf=0.0)
-        np.maximum(brightest, image, out=brightest)
+    brightest = _without_gaps(images[int(numbers[0])])
+    for number in numbers[1:]:
+        np.maximum(brightest, _without_gaps(images[int(number)]), out=brightest)
     if not brightest.size or brightest.max() <= 0:
         raise _unrecognized(Message("all images are black"))
     lit = ndimage.binary_closing(np.pad(brightest > LIT * brightest.max(), 4), iterations=4)[4:-4, 4:-4]
@@ -96,6 +95,12 @@ def _lit_area(images: ImageStack) -> Mask:
     sizes = np.bincount(labels.ravel())
     sizes[0] = 0
     return ndimage.binary_fill_holes(labels == sizes.argmax())
+
+
+def _without_gaps(image: Numbers) -> Numbers:
+    """A copy of an image in which what is no finite number is black; whole numbers all are finite."""
+    image = np.array(image)
+    return image if image.dtype.kind in "bui" else np.nan_to_num(image.astype(np.float32), posinf=0.0, neginf=0.0)
 
 
 def _straight_sides(box: Mask) -> Sides | None:

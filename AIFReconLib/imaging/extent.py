@@ -7,7 +7,7 @@ import numpy as np
 from ..arrays import Floats, Matrix
 from ..errors import GeometryError
 from ..geometry.volume import VoxelGrid
-from ..machine.memory import require_memory
+from ..machine.memory import LARGEST_GRID, require_memory
 from .region import ImageRegion, extreme_pixels
 from .sound_speed import DepthScale
 
@@ -37,7 +37,7 @@ def grid_around_sweep(
     region : ImageRegion
     spacing : (x, y, z), mm
     bytes_per_voxel : int
-        What the reconstruction will take, so that a grid that cannot fit is refused before it is made.
+        What the reconstruction will take at least, so that a grid that cannot fit is refused before it is made.
     depth_scale : DepthScale or None
         Where pixels truly are, where that is not where they are shown.
     fits_spacing : bool
@@ -78,7 +78,7 @@ def grid_around_sweep(
         raise GeometryError("The sweep spans {spans} mm, which no scan does. Are its poses in mm and in the right frame?", spans=spans)
     i, j, k = (int(n) for n in voxels)
     size = (i, j, k)
-    require_memory(size, spacing, bytes_per_voxel)
+    require_memory(size, spacing, bytes_per_voxel, most=LARGEST_GRID)
     return VoxelGrid.from_spacing(least, size, spacing)
 
 

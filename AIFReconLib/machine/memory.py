@@ -38,7 +38,12 @@ def available_memory() -> int | None:
 
 
 def require_memory(
-    size: tuple[int, int, int], spacing: Sequence[float] | Floats, bytes_per_voxel: int, available: int | None = None
+    size: tuple[int, int, int],
+    spacing: Sequence[float] | Floats,
+    bytes_per_voxel: int,
+    available: int | None = None,
+    *,
+    most: int | None = None,
 ) -> None:
     """Raise `InsufficientMemoryError` unless a volume with this many bytes per voxel fits.
 
@@ -51,25 +56,28 @@ def require_memory(
     bytes_per_voxel : int
     available : int or None
         Bytes; asked from the system by default.
+    most : int or None
+        Voxels beyond which it does not fit, whatever the memory; by default `MAXIMUM_VOXELS`.
     """
+    most = MAXIMUM_VOXELS if most is None else most
     available = available_memory() if available is None else available
     voxels = math.prod(size)
     needed = voxels * bytes_per_voxel
-    if (available is None or needed <= SAFETY * available) and voxels <= MAXIMUM_VOXELS:
+    if (available is None or needed <= SAFETY * available) and voxels <= most:
         return
-    usable = MAXIMUM_VOXELS * bytes_per_voxel if available is None else min(SAFETY * available, MAXIMUM_VOXELS * bytes_per_voxel)
+    usable = most * bytes_per_voxel if available is None else min(SAFETY * available, most * bytes_per_voxel)
     fits = _spacing_that_fits(size, spacing, usable / bytes_per_voxel)
     if fits is None:
         advice = Message("No spacing would fit: free some memory.")
     else:
         advice = Message("A spacing of {spacing:g} mm would fit.", spacing=fits)
-    most = _gigabytes(usable)
+    fitting = _gigabytes(usable)
     raise InsufficientMemoryError(
         "A volume of {size} voxels ({spacing} mm) needs {needed} of memory, and {usable} can be used. {advice}",
         size=" x ".join(str(n) for n in size),
         spacing=" x ".join(f"{s:.3g}" for s in spacing),
         needed=_gigabytes(needed),
-        usable=Message("at most {memory}", memory=most) if available is None else most,
+        usable=Message("at most {memory}", memory=fitting) if available is None else fitting,
         advice=advice,
     )
 
@@ -91,7 +99,7 @@ def _spacing_that_fits(size: tuple[int, int, int], spacing: Sequence[float] | Fl
 def _system_free() -> int | None:
     meminfo = Path("/proc/meminfo")
     if meminfo.is_file():
-        for line in meminfo.read_text().splitlines():
+        for line in meminfo.read_text("utf-8").splitlines():
             if line.startswith("MemAvailable:"):
                 return int(line.split()[1]) * 1024
     if sys.platform == "win32":
@@ -124,11 +132,11 @@ def _windows_free() -> int | None:
 def _cgroup_free() -> int | None:
     # What files left in the cache counts as used, but is given back on demand
     try:
-        limit = (CONTROL_GROUP / "memory.max").read_text().strip()
+        limit = (CONTROL_GROUP / "memory.max").read_text("utf-8").strip()
         if limit == "max":
             return None
-        statistics = dict(line.split() for line in (CONTROL_GROUP / "memory.stat").read_text().splitlines())
-        return int(limit) - int((CONTROL_GROUP / "memory.current").read_text()) + int(statistics.get("inactive_file", 0))
+        statistics = dict(line.split() for line in (CONTROL_GROUP / "memory.stat").read_text("utf-8").splitlines())
+        return int(limit) - int((CONTROL_GROUP / "memory.current").read_text("utf-8")) + int(statistics.get("inactive_file", 0))
     except (OSError, ValueError):
         return None
 
@@ -140,11 +148,14 @@ def _address_space_free() -> int | None:
         limit = resource.getrlimit(resource.RLIMIT_AS)[0]
         if limit == resource.RLIM_INFINITY:
             return None
-        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        used = int(Path("/proc/self/statm").read_text("utf-8").split()[0]) * resource.getpagesize()
         return limit - used
     except (ImportError, OSError, ValueError):
         return None
 
 
 MAXIMUM_VOXELS = 2**31 - 1
-"""Voxel numbers are kept as 32-bit integers."""
+"""Of what is worked in one part: voxel numbers are kept as 32-bit integers."""
+
+LARGEST_GRID = 2**36
+"""Voxels of a grid, more than any memory holds."""

@@ -321,21 +321,26 @@ def _probe(
 
 def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -> None:
     """Stop before work begins when an output is an input, or two outputs are one file; the data files beside .mhd headers count too."""
-    seen = {file: "an input" for path in inputs if path is not None for file in [real_path(path), *data_files(path)]}
+    seen = {_as_compared(file): "an input" for path in inputs if path is not None for file in [real_path(path), *data_files(path)]}
     for path in outputs:
         if path is None:
             continue
-        for file in dict.fromkeys([real_path(path), *_companions(path)]):
-            if file in seen:
+        for name, file in {_as_compared(file): file for file in [real_path(path), *_companions(path)]}.items():
+            if name in seen:
                 raise OutputError(
-                    "{path} would overwrite {other} ({file}). Choose another name.", path=path, other=seen[file], file=file.name
+                    "{path} would overwrite {other} ({file}). Choose another name.", path=path, other=seen[name], file=file.name
                 )
-            seen[file] = "another output"
+            seen[name] = "another output"
 
 
 def real_path(path: Path) -> Path:
     """The path without links; one that leads in a circle stays as it is."""
     return Path(os.path.realpath(path))
+
+
+def _as_compared(path: Path) -> str:
+    """A name as the disk compares it: on Windows and macOS Sweep.mha is sweep.mha."""
+    return str(path).casefold() if sys.platform in ("win32", "darwin") else str(path)
 
 
 def _companions(path: Path) -> list[Path]:

@@ -39,6 +39,23 @@ def add_tuning_options(parser: argparse.ArgumentParser) -> None:
         add_setting(tuning, name)
 
 
+def add_memory_option(group: argparse._ArgumentGroup) -> None:
+    """How much memory the volumes may take."""
+    meaning = "that volumes may take; larger ones are worked in parts, with the same voxels (default: three quarters of what is free)"
+    group.add_argument("--memory", type=gigabytes, metavar="GB", help=meaning)
+
+
+def gigabytes(text: str) -> int:
+    """GB as bytes."""
+    try:
+        size = 1e9 * float(text)
+    except ValueError:
+        size = 0.0
+    if not 0 < size < float("inf"):
+        raise argparse.ArgumentTypeError(f"must be positive GB, got {text!r}")
+    return int(size)
+
+
 def grid_from(arguments: argparse.Namespace) -> VoxelGrid | None:
     """The voxels that the options name; None where they leave them open."""
     if arguments.grid_like:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import shlex
 from collections.abc import Iterator
@@ -12,6 +13,9 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 PAGES = [REPOSITORY / "README.md", REPOSITORY / "CONTRIBUTING.md", *sorted((REPOSITORY / "docs").rglob("*.md"))]
 PROGRAMS = ("aifrecon", "make", "python", ".venv/bin/python", "pip", "sudo", "cmake", "git", "cd")
 """What a command of a page may begin with; a line that begins otherwise is no command."""
+
+SOURCES = [path for folder in ("AIFReconLib", "AIFRecon", "docs/examples") for path in sorted((REPOSITORY / folder).rglob("*.py"))]
+"""What is documented in docstrings: the site's API reference and its gallery, and the module."""
 
 ROOTS = tuple(REPOSITORY / name for name in (".", "AIFReconLib", "AIFRecon", "Testing"))
 """What the paths of running text are relative to."""
@@ -46,8 +50,15 @@ def name_of(path: Path) -> str:
 
 
 def text_of(page: Path) -> str:
-    """The Markdown of a page."""
-    return page.read_text("utf-8")
+    """The Markdown of a page; the docstrings of a Python file, and the comments of one of the gallery, which are its text."""
+    text = page.read_text("utf-8")
+    if page.suffix != ".py":
+        return text
+    holders = ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef
+    parts = [ast.get_docstring(node) or "" for node in ast.walk(ast.parse(text)) if isinstance(node, holders)]
+    if page.parent.name == "examples":
+        parts += re.findall(r"^# (.*)$", text, flags=re.MULTILINE)
+    return "\n\n".join(parts).replace("``", "`")
 
 
 def blocks(page: Path) -> Iterator[Block]:

@@ -232,21 +232,21 @@ class AIFReconAdvancedTest(unittest.TestCase):
     # ---- tracking report
 
     def test_the_tracking_report_tells_what_was_used_and_skipped(self):
-        self.ui.reportCollapsibleButton.collapsed = False
+        self.ui.trackingMoreButton.checked = True
         text = self.ui.reportLabel.text
         self.assertIn("11 of 12", text)
         self.assertIn("OUT_OF_VIEW", text)
         self.assertNotIn("Coverage", text)
-        self.ui.reportCollapsibleButton.collapsed = True
+        self.ui.trackingMoreButton.checked = False
 
     def test_the_tracking_report_has_the_coverage_after_a_reconstruction(self):
-        self.ui.reportCollapsibleButton.collapsed = False
+        self.ui.trackingMoreButton.checked = True
         voxels = self.applied()
         self.assertIn("Coverage", self.ui.reportLabel.text)
         self.assertIn("average", self.ui.reportLabel.text)
         _title, report = self.widget.logic.trackingReport(self.parameters)
         self.assertEqual(report.coverage.voxels, voxels.size)
-        self.ui.reportCollapsibleButton.collapsed = True
+        self.ui.trackingMoreButton.checked = False
 
     def test_no_report_is_made_while_its_section_is_closed(self):
         self.widget.logic.cleanup()
@@ -256,9 +256,9 @@ class AIFReconAdvancedTest(unittest.TestCase):
     def test_the_report_can_be_copied_as_text(self):
         import qt
 
-        self.ui.reportCollapsibleButton.collapsed = False
+        self.ui.trackingMoreButton.checked = True
         self.ui.copyReportButton.click()
         copied = qt.QApplication.clipboard().text()
         self.assertIn("Frames used: 11 of 12\n", copied)
         self.assertNotIn("<", copied)
-        self.ui.reportCollapsibleButton.collapsed = True
+        self.ui.trackingMoreButton.checked = False

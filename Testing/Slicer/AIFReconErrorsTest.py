@@ -1,6 +1,6 @@
 """Self tests of what the panel says when something cannot be done: once, in its own words, and without the marks of a bug."""
 
-import importlib.util
+import importlib.metadata
 import logging
 import pathlib
 import sys
@@ -46,7 +46,7 @@ class AIFReconErrorsTest(unittest.TestCase):
 
     def test_a_recording_that_cannot_be_read_is_no_bug(self):
         self.chooseBrokenRecording()
-        said = self.told(self.widget.onLoadButton)
+        said = self.told(self.widget._recorded.onLoad)
         self.assertIn("The recording could not be loaded.", said)
         self.assertIn("broken.igs.mha", said)
         self.assertTrue(self.ui.loadButton.enabled)
@@ -59,15 +59,21 @@ class AIFReconErrorsTest(unittest.TestCase):
         roi.SetCenterWorld(500.0, 500.0, 500.0)
         roi.SetSize(10.0, 10.0, 10.0)
         self.parameters.roi, self.parameters.region = roi, Region.BOX
-        said = self.told(self.widget.onApplyButton)
+        said = self.told(self.widget._recorded.onReconstruct)
         self.assertIn("no frame falls into the volume", said)
         self.assertNotIn("--", said)
         self.assertNotIn("Like volume", said)
 
     def test_a_package_that_is_not_installed_keeps_a_scan_from_starting_and_is_no_bug(self):
-        find = importlib.util.find_spec
-        self.addCleanup(setattr, importlib.util, "find_spec", find)
-        importlib.util.find_spec = lambda name, *package: None if name == "pyigtl" else find(name, *package)
+        find = importlib.metadata.version
+
+        def without(name):
+            if name == "pyigtl":
+                raise importlib.metadata.PackageNotFoundError(name)
+            return find(name)
+
+        self.addCleanup(setattr, importlib.metadata, "version", find)
+        importlib.metadata.version = without
         said = self.told(self.widget._live.onStart)
         self.assertIn("pyigtl", said)
         self.assertFalse(self.widget._live.isRunning)
@@ -80,7 +86,7 @@ class AIFReconErrorsTest(unittest.TestCase):
         self.widget.logic.loadRecording = broken
         self.addCleanup(delattr, self.widget.logic, "loadRecording")
         with self.assertRaises(KeyError):
-            self.widget.onLoadButton()
+            self.widget._recorded.onLoad()
 
     def test_what_is_wrong_with_a_sweep_is_said_in_one_place(self):
         sweep = tinyScene.addSweep()
@@ -101,7 +107,7 @@ class AIFReconErrorsTest(unittest.TestCase):
         path = pathlib.Path(self.folder.name) / "lumbar.igs.mha"
         write_sequence(tinyScene.makeSequence(), path)
         self.parameters.recordingPath = path
-        self.widget.onLoadButton()
+        self.widget._recorded.onLoad()
         self.assertIn("11 of 12", self.ui.sweepStatusLabel.text)
         self.assertNotIn("11 of 12", self.ui.statusLabel.text)
         self.assertIn("lumbar", self.ui.statusLabel.text)

@@ -62,7 +62,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.parameters.liveSource = LiveSource.SCENE
         self.parameters.liveImage = sweep.GetProxyNode(sweep.GetMasterSequenceNode())
         self.parameters.spacing = 5.0
-        self.ui.liveCollapsibleButton.collapsed = False
+        self.ui.tabWidget.currentIndex = 1
 
     def tearDown(self):
         self.live.close()

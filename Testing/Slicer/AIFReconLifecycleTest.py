@@ -143,7 +143,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
     def test_the_report_waits_for_the_end_of_the_recording(self):
         self.addInputs()
         self.parameters.sweep.SetRecordingActive(True)
-        self.ui.reportCollapsibleButton.collapsed = False
+        self.ui.trackingMoreButton.checked = True
         self.assertIn("Stop the recording", self.ui.reportLabel.text)
         self.assertFalse(self.ui.copyReportButton.enabled)
         self.parameters.sweep.SetRecordingActive(False)

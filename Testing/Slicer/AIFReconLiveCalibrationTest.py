@@ -39,6 +39,7 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
         from AIFReconLib.live.replay.server import ReplayServer
         from AIFReconLib.settings import ReconstructionSettings
 
+        tinyScene.requireLivePackages()
         calibration = realData.folder() / realData.SPINE_CALIBRATION
         self.sequence = read_sequence(realData.recordingOf(calibration), config=calibration)
         covered = reconstruct(self.sequence, ReconstructionSettings(spacing=2.0)).intensity
@@ -59,10 +60,10 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
 
     def test_the_frame_is_seen_in_its_place(self):
         self.begin()
-        self.assertTrue(waitFor(lambda: self.scan.frameNode is not None))
+        self.assertTrue(waitFor(lambda: self.scan._frame.frame is not None))
         self.assertEqual(self.composite().GetBackgroundVolumeID(), self.scan.frameNode.GetID())
-        shown, exact = tinyScene.ijkToRAS(self.scan.frameNode), self.scan._shownFrame.image_to_reference
-        rows, columns = self.scan._shownFrame.image.shape
+        shown, exact = tinyScene.ijkToRAS(self.scan.frameNode), self.scan._frame.frame.image_to_reference
+        rows, columns = self.scan._frame.frame.image.shape
         corners = np.array([[0, columns, 0, columns], [0, 0, rows, rows], [0, 0, 0, 0], [1, 1, 1, 1]])
         # Half of the 2.7 degrees for each axis, over half of the 70 mm from the middle of the image to its edge
         self.assertLess(np.abs((shown @ corners - exact @ corners)[:3]).max(), 1.2)
@@ -91,7 +92,7 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
     def test_a_view_that_fails_neither_hides_nor_stops_the_scan(self):
         from AIFReconScene.live.liveViews import LiveViews
 
-        with mock.patch.object(LiveViews, "showFrame", side_effect=RuntimeError("the view is broken")):
+        with mock.patch.object(LiveViews, "follow", side_effect=RuntimeError("the view is broken")):
             self.begin()
             self.assertTrue(waitFor(lambda: self.ui.liveStateLabel.text == "tracked"), self.ui.liveStateLabel.text)
             self.assertTrue(waitFor(lambda: "the view is broken" in self.ui.liveStatisticsLabel.text))

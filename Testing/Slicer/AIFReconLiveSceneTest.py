@@ -42,6 +42,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
 
         from AIFReconLib.live.replay.server import ReplayServer
 
+        tinyScene.requireLivePackages()
         self.server = ReplayServer(tinyScene.makeSequence(), 0, rate=30.0, loop=True)
         self.server.start()
         self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", self.server.port
@@ -146,8 +147,23 @@ class AIFReconLiveSceneTest(unittest.TestCase):
     def test_a_frame_that_is_deleted_is_shown_again(self):
         self.begin()
         slicer.mrmlScene.RemoveNode(self.live._live.frameNode)
-        self.assertTrue(waitFor(lambda: self.live._live.frameNode.GetScene() is not None))
+        self.assertTrue(waitFor(lambda: self.live._live.frameNode is not None and self.live._live.frameNode.GetScene() is not None))
         self.assertEqual(self.red().GetBackgroundVolumeID(), self.live._live.frameNode.GetID())
+
+    def test_views_are_drawn_again_however_the_scan_ends(self):
+        paused = []
+        slicer.app.connect("renderPaused(bool)", paused.append)
+        try:
+            self.begin()
+            for end in (self.ui.liveStopButton.click, self.live.close):
+                if not self.live.isRunning:
+                    self.ui.liveStartButton.click()
+                self.assertTrue(waitFor(lambda: self.live._live._frame.isUnderWay))
+                self.assertGreater(paused.count(True), paused.count(False))
+                end()
+                self.assertEqual(paused.count(True), paused.count(False))
+        finally:
+            slicer.app.disconnect("renderPaused(bool)", paused.append)
 
     # ---- without the panel
 

@@ -50,6 +50,7 @@ class AIFReconLiveTest(unittest.TestCase):
         """A server of the tiny sweep, chosen in the panel."""
         from AIFReconLib.live.replay.server import ReplayServer
 
+        tinyScene.requireLivePackages()
         self.server = ReplayServer(tinyScene.makeSequence(), 0, **options)
         self.server.start()
         self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", self.server.port

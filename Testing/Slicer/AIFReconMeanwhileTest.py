@@ -85,7 +85,7 @@ class AIFReconMeanwhileTest(unittest.TestCase):
                 self.addInputs()
                 node = self.needed()[name]
                 self.pressAnd(self.ui.applyButton, "apply", 0.5, lambda node=node: slicer.mrmlScene.RemoveNode(node))
-                self.assertEqual(self.widget._report, f"{called} was deleted meanwhile. Nothing was changed.")
+                self.assertEqual(self.widget._recorded._report, f"{called} was deleted meanwhile. Nothing was changed.")
                 self.assertEqual(self.names(), expected)
                 np.testing.assert_array_equal(slicer.util.arrayFromVolume(output), 77)
                 self.assertTrue(self.ui.sweepSelector.enabled)
@@ -97,7 +97,7 @@ class AIFReconMeanwhileTest(unittest.TestCase):
                 node = self.needed()[name]
                 called = node.GetName()
                 self.pressAnd(self.ui.compareButton, "compare", fraction, lambda node=node: slicer.mrmlScene.RemoveNode(node))
-                self.assertEqual(self.widget._report, f"{called} was deleted meanwhile. Nothing was changed.")
+                self.assertEqual(self.widget._recorded._report, f"{called} was deleted meanwhile. Nothing was changed.")
                 self.assertEqual([name for name in self.names() if "comparison" in name or "metrics" in name], [])
 
     def test_the_sentence_is_read_in_the_panel(self):
@@ -115,8 +115,8 @@ class AIFReconMeanwhileTest(unittest.TestCase):
     def test_a_node_that_is_deleted_while_bone_is_drawn_leaves_the_reconstruction(self):
         self.addInputs()
         ct = self.parameters.ctVolume
-        self.pressAnd(self.ui.applyButton, "apply", 0.9, lambda: slicer.mrmlScene.RemoveNode(ct), "surface of bone")
-        self.assertIn("frames", self.widget._report)
+        self.pressAnd(self.ui.applyButton, "apply", 0.8, lambda: slicer.mrmlScene.RemoveNode(ct), "surface of bone")
+        self.assertIn("frames", self.ui.summaryLabel.text)
         self.assertGreater(slicer.util.arrayFromVolume(self.parameters.output).shape[0], 3)
 
     def test_a_scene_that_is_closed_ends_the_work_with_one_sentence(self):
@@ -124,7 +124,7 @@ class AIFReconMeanwhileTest(unittest.TestCase):
             with self.subTest(work=work):
                 self.addInputs()
                 self.pressAnd(button, work, 0.5, lambda: slicer.mrmlScene.Clear())
-                self.assertEqual(self.widget._report, "The scene was closed meanwhile.")
+                self.assertEqual(self.widget._recorded._report, "The scene was closed meanwhile.")
                 self.assertEqual(self.names(), [])
                 self.assertTrue(self.ui.sweepSelector.enabled)
 

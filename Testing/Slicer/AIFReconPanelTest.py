@@ -142,7 +142,7 @@ class AIFReconPanelTest(unittest.TestCase):
         import qt
 
         said = "l'image <b>n'est pas</b> l\u00e0 & co"
-        self.widget._live._showState(said, "#000000")
+        self.widget._live._showState(said, ("#000000", "#ffffff"))
         self.assertEqual(self.ui.liveStateLabel.text, said)
         for name in ("liveState", "liveStatistics", "sweepStatus", "boneStatus", "status"):
             with self.subTest(label=name):

@@ -212,14 +212,10 @@ class AIFReconRegistrationTest(unittest.TestCase):
         return shown[0]
 
     def test_a_choice_is_seen_only_where_there_is_one(self):
-        section = self.ui.registrationCollapsibleButton
-        for collapsed in (True, False, True, False):
-            section.collapsed = collapsed
+        section = self.ui.registrationDetails
         hidden = (self.ui.alternativesLabel, self.ui.alternativesComboBox, self.ui.takePlaceButton, self.ui.registrationLabel)
         self.assertEqual([widget.isVisibleTo(section) for widget in hidden], [False] * len(hidden))
         self.widget._registration._offer([(self.true, "Best")])
-        section.collapsed = True
-        section.collapsed = False
         self.assertTrue(self.ui.takePlaceButton.isVisibleTo(section))
 
     # ---- checking

@@ -26,8 +26,7 @@ class AIFReconWindowTest(unittest.TestCase):
         self.window = slicer.util.mainWindow()
         if self.window is None:
             self.skipTest("this Slicer runs without its main window")
-        for name in ("report", "compare", "live"):
-            getattr(self.ui, f"{name}CollapsibleButton").collapsed = True
+        self.ui.tabWidget.currentIndex = 0
 
     def tearDown(self):
         self.widget._live.close()
@@ -44,12 +43,14 @@ class AIFReconWindowTest(unittest.TestCase):
         return self.window.findChild(qt.QDockWidget, "PanelDockWidget").width
 
     def test_the_panel_stays_as_wide_as_it_is_whatever_it_says(self):
-        for section in (self.ui.reportCollapsibleButton, self.ui.liveCollapsibleButton):
-            section.collapsed = False
+        for button in (self.ui.trackingMoreButton, self.ui.liveMoreButton):
+            button.checked = True
+            self.addCleanup(button.click)
         before = self.width()
-        for name in ("status", "sweepStatus", "boneStatus", "liveState", "liveStatistics", "report"):
+        for name in ("status", "sweepStatus", "boneStatus", "coverageVerdict", "report", "liveState", "guidanceMove", "liveStatistics"):
             with self.subTest(label=name):
                 label = getattr(self.ui, f"{name}Label")
+                self.ui.tabWidget.currentIndex = int(self.ui.liveContents.isAncestorOf(label))
                 label.text, label.visible = LONG, True
                 self.assertEqual(self.width(), before)
                 label.text = "x"
@@ -74,7 +75,7 @@ class AIFReconWindowTest(unittest.TestCase):
             label.visible = True
             say(label, "\n".join([LONG] * 3))
         self.settle()
-        for section in (self.ui.loadGroupBox, self.ui.sweepCollapsibleButton, self.ui.volumeCollapsibleButton):
+        for section in (self.ui.inputsCollapsibleButton, self.ui.applyButton, self.ui.settingsCollapsibleButton):
             with self.subTest(section=section.objectName):
                 self.assertGreaterEqual(section.height, section.minimumSizeHint.height())
 
@@ -88,11 +89,13 @@ class AIFReconWindowTest(unittest.TestCase):
 
     def test_a_section_that_is_opened_does_not_widen_the_panel(self):
         before = self.width()
-        for name in ("report", "compare", "live"):
-            with self.subTest(section=name):
-                section = getattr(self.ui, f"{name}CollapsibleButton")
+        for section in (self.ui.settingsCollapsibleButton, self.ui.compareGroupBox, self.ui.connectionCollapsibleButton):
+            with self.subTest(section=section.objectName):
                 section.collapsed = False
                 self.assertEqual(self.width(), before)
+                section.collapsed = True
+        self.ui.tabWidget.currentIndex = 1
+        self.assertEqual(self.width(), before)
 
     def isSeen(self, widget) -> bool:
         """Whether the whole of a widget is in view."""
@@ -102,18 +105,19 @@ class AIFReconWindowTest(unittest.TestCase):
     def test_a_scan_can_be_steered_without_scrolling_in_a_window_of_1000_pixels(self):
         from AIFReconLib.live.replay.server import ReplayServer
 
+        tinyScene.requireLivePackages()
         self.window.resize(1400, 1000)
-        self.ui.liveCollapsibleButton.collapsed = False
+        self.ui.tabWidget.currentIndex = 1
         with ReplayServer(tinyScene.makeSequence(), 0, rate=20.0, loop=True) as server:
             self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", server.port
             self.ui.liveStartButton.click()
             self.assertTrue(waitFor(lambda: self.ui.liveUseBoxButton.enabled))
-            for name in ("PauseButton", "ResetButton", "StopButton", "UseBoxButton", "StateLabel", "StatisticsLabel"):
+            for name in ("PauseButton", "ResetButton", "StopButton", "UseBoxButton", "StateLabel", "RecordedLabel"):
                 with self.subTest(widget=name):
                     self.assertTrue(waitFor(lambda name=name: self.isSeen(getattr(self.ui, f"live{name}"))))
             where = self.ui.liveStopButton.y
-            for said in ("tracked", "Scan once quickly, then use the box"):
-                self.widget._live._showState(said, "#000000")
+            for said in ("tracked", "Bring the probe into the tracker's view"):
+                self.widget._live._showMove(said)
                 self.settle()
                 self.assertEqual(self.ui.liveStopButton.y, where)
             self.ui.liveStopButton.click()

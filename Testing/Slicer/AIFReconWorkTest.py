@@ -92,7 +92,7 @@ class AIFReconWorkTest(unittest.TestCase):
                 self.pressAndCancel(self.ui.loadButton, "loadRecording", fraction)
                 self.assertEqual(self.scene(), before)
                 self.assertIsNone(self.parameters.sweep)
-                self.assertIn("Canceled", self.widget._report)
+                self.assertIn("Canceled", self.widget._recorded._report)
 
     def test_a_cancel_is_told_where_no_sweep_is_chosen(self):
         self.chooseRecording()

@@ -5,6 +5,8 @@ anisotropic pixels; one frame was not tracked. The CT holds the slab in coordina
 to where it belongs.
 """
 
+import unittest
+
 import numpy as np
 import slicer
 import vtk
@@ -21,6 +23,14 @@ MARGIN = 6
 """Black columns at both sides, by which the probe is recognized."""
 
 ECHO, TISSUE = 220, 40
+
+
+def requireLivePackages() -> None:
+    """Skip a test that speaks OpenIGTLink where pyigtl is not there: Slicer installs nothing while it runs tests."""
+    from AIFReconGui.packages import missingLivePackages
+
+    if missing := missingLivePackages():
+        raise unittest.SkipTest(f"{', '.join(missing)} is not installed, and Slicer installs nothing in testing mode")
 
 
 def rotation(axis: int, degrees: float) -> np.ndarray:

@@ -197,7 +197,7 @@ def register(walk: Walk) -> None:
     off = right.copy()
     off[:3, 3] += PUSHED
     slicer.util.updateTransformMatrixFromArray(mover, off)
-    walk.ui.registrationCollapsibleButton.collapsed = False
+    walk.ui.registrationMoreButton.checked = True
     walk.settle()
     walk.press(walk.ui.placeButton)
     bounds = [0.0] * 6
@@ -210,7 +210,7 @@ def register(walk: Walk) -> None:
 
 def guidance(walk: Walk) -> None:
     """The bone takes on the colors of what the sweep met, and the next move is told."""
-    walk.ui.liveCollapsibleButton.collapsed = False
+    walk.ui.coverageMoreButton.checked = True
     walk.settle()
     walk.press(walk.ui.guidanceCheckBox)
     if not walk.ui.guidanceMoveLabel.text or not walk.ui.guidanceTableLabel.text:
@@ -295,7 +295,7 @@ def live(walk: Walk) -> None:
     with replayed(realData.recordingOf(calibration), calibration, walk.folder / "replay.log") as port:
         walk.parameters.output = None
         walk.parameters.liveHost, walk.parameters.livePort = "127.0.0.1", port
-        walk.ui.liveCollapsibleButton.collapsed = False
+        walk.ui.tabWidget.currentIndex = 1
         walk.settle()
         walk.press(walk.ui.liveStartButton)
         scan = walk.widget._live._live

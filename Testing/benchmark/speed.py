@@ -151,6 +151,7 @@ def _reconstruction_jobs(frames: int, spacing: float) -> list[Job]:
         jobs.append(_method_job(method, "numpy", 1, few, grid, bone, spacing, linear=linear))
         for threads in _numba_threads():
             jobs.append(_method_job(method, "numba", threads, sweep, grid, bone, spacing, linear=linear))
+    jobs += [_whole_job("average", threads, sweep, grid, bone, spacing) for threads in _numba_threads()[-1:]]
     return jobs
 
 
@@ -161,6 +162,7 @@ def _turned_jobs(frames: int, spacing: float) -> list[Job]:
     jobs = _yardstick_jobs(TURNED_METHODS, sweep, grid, bone, spacing)
     for threads in _numba_threads()[-1:]:
         jobs += [_method_job(method, "numba", threads, sweep, grid, bone, spacing) for method in TURNED_METHODS]
+        jobs.append(_whole_job("average", threads, sweep, grid, bone, spacing))
     return [(work, replace(row, what=f"{row.what}, turned {TURN_DEG:g} degrees"), count) for work, row, count in jobs]
 
 
@@ -190,9 +192,23 @@ def _method_job(
     """Inserting a sweep into a volume that is there already, with its bone map."""
     settings = ReconstructionSettings(method=method, engine=engine, interpolation="linear" if linear else "nearest")
     reconstructor = Reconstructor(grid, settings, bone if method in BONE_METHODS else None, probe=PROBE, threads=threads)
-    cost = bytes_per_voxel(method, method in BONE_METHODS, best_cosine=False, shares=linear)
+    cost = bytes_per_voxel(method, method in BONE_METHODS, best_cosine=False, shares=linear, whole=True, beside=(), output=1)
     what = f"{method}, linear interpolation" if linear else method
     return lambda: reconstructor.insert(sweep), Timing(what, engine, threads, spacing, 0.0, bytes_per_voxel=cost), len(sweep)
+
+
+def _whole_job(method: str, threads: int, sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float) -> Job:
+    """Memory, bone map, inserting and finishing: what a volume takes from the first frame to the last voxel, holes left."""
+    settings = ReconstructionSettings(method=method, engine="numba", hole_limit=0.0)
+    known = bone if method in BONE_METHODS else None
+
+    def work() -> None:
+        reconstructor = Reconstructor(grid, settings, known, probe=PROBE, threads=threads, beside=())
+        reconstructor.insert(sweep)
+        reconstructor.finish()
+
+    what = f"{method}, from no memory to the volume of {grid.voxels / 1e6:.0f} million voxels"
+    return work, Timing(what, "numba", threads, spacing, 0.0), len(sweep)
 
 
 def _volume_jobs(voxels: int) -> list[Job]:

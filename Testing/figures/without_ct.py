@@ -118,7 +118,7 @@ def study(name: str) -> None:
     difference = np.abs(results["weighted"].intensity.array.astype(float) - results["average"].intensity.array)
     measured = results["average"].mask.array == 1
     print(f"  weighted differs from average by {difference[measured].mean():.2f} gray levels on average, at most {difference.max():.0f}")
-    hits = results["average"].hits.array
+    hits = np.asarray(results["average"].hits)
     near_bone = measured & (sample_grid(bone, results["average"].grid) > 0.5)
     print(f"  pixels per measured voxel: median {np.median(hits[measured]):.0f}; measured voxels with P > 0.5: {near_bone.sum()}")
 

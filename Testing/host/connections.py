@@ -64,12 +64,20 @@ def tables_of(native: type) -> list[dict]:
 
 def signals_of(native, name: str) -> dict[str, str]:
     """The signals of that name: C++ signature to the name by which PySide6 knows it, in C++ order; empty where there is none."""
-    for table in tables_of(type(native)):
+    kind: type = type(native)
+    found = _offered_signals(kind, name)
+    return {signature: signature for signature in _qt_signals(native).get(name, ())} if found is None else found
+
+
+@functools.cache
+def _offered_signals(kind: type, name: str) -> dict[str, str] | None:
+    """The signals of that name that the stand-ins among a class and its bases offer; None where only Qt may have one."""
+    for table in tables_of(kind):
         found = {signature: attribute for signature, attribute in table.get("signals", {}).items() if signature.split("(")[0] == name}
         if found:
             return found
-    private = {attribute for table in tables_of(type(native)) for attribute in table.get("signals", {}).values()}
-    return {} if name in private else {signature: signature for signature in _qt_signals(native).get(name, ())}
+    private = {attribute for table in tables_of(kind) for attribute in table.get("signals", {}).values()}
+    return {} if name in private else None
 
 
 def _qt_signals(native) -> dict[str, list[str]]:

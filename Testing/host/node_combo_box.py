@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import vtk
 from PySide6 import QtWidgets
 from PySide6.QtCore import Property, Signal
 
@@ -128,8 +129,12 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
         self.setCurrentNodeID(wanted)
         self.setEnabled(scene is not None)
 
-    def _scene_changed(self, caller, event):
-        if self._scene is not None and not self._scene.IsBatchProcessing():
+    @vtk.calldata_type(vtk.VTK_OBJECT)
+    def _scene_changed(self, caller, event, node=None):
+        if self._scene is None or self._scene.IsBatchProcessing():
+            return
+        # Most nodes that come and go are of other kinds
+        if node is None or self._kinds_of(node):
             self._update()
 
     def _update(self):

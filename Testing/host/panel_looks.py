@@ -32,7 +32,11 @@ LOOKS: dict[str, dict] = {
     "open": {"opened": True},
     "large letters": {"opened": True, "letters": LARGE},
     "dark": {"dark": True, "opened": True},
+    "live": {"opened": True, "tab": 1},
+    "live, large letters": {"opened": True, "tab": 1, "letters": LARGE},
+    "live, dark": {"dark": True, "tab": 1},
 }
+TABS = ("recorded", "live")
 
 
 def dark_palette():
@@ -48,8 +52,8 @@ def dark_palette():
     return palette
 
 
-def set_look(module, opened=False, letters=1.0, dark=False) -> None:
-    """Opens all sections, enlarges the letters, or changes the colors of the whole application."""
+def set_look(module, opened=False, letters=1.0, dark=False, tab=0) -> None:
+    """Shows a tab, opens all sections, enlarges the letters, or changes the colors of the whole application."""
     from PySide6 import QtWidgets
 
     application = QtWidgets.QApplication.instance()
@@ -59,6 +63,9 @@ def set_look(module, opened=False, letters=1.0, dark=False) -> None:
     application.setPalette(dark_palette() if dark else module.colors_at_first)
     for section in sections(module.native):
         section.setProperty("collapsed", not opened if section.objectName() not in module.open_at_first else False)
+    module.widget.ui.tabWidget.currentIndex = tab
+    for name in ("tracking", "registration", "coverage", "live"):
+        getattr(module.widget.ui, f"{name}MoreButton").checked = opened
     module.host.process_events()
 
 
@@ -262,7 +269,7 @@ def marks_focus(panel, widget) -> bool:
 
 
 def applied_by_keyboard(panel) -> bool:
-    """Whether the space bar on Apply reconstructs."""
+    """Whether the space bar on Reconstruct does."""
     from PySide6 import QtCore, QtTest, QtWidgets
 
     button = panel.native.findChild(QtWidgets.QPushButton, "applyButton")
@@ -290,7 +297,11 @@ def scrolls(panel) -> dict:
 def look_around(panel, pictures: Path | None) -> dict:
     """Everything that is looked at."""
 
-    found: dict = {"pixels per point": panel.native.devicePixelRatioF(), "cut": {}, "faint": {}}
+    found: dict = {"pixels per point": panel.native.devicePixelRatioF(), "cut": {}, "faint": {}, "newcomer": {}}
+    for number, name in enumerate(TABS):
+        set_look(panel, tab=number)
+        panel.lay_out()
+        found["newcomer"][name] = panel.native.layout().totalHeightForWidth(PANEL_WIDTH)
     set_look(panel, opened=True, letters=LARGE)
     panel.lay_out()
     found["cut"]["without inputs"] = cut_texts(panel)

@@ -285,6 +285,7 @@ def _write(native, meta, value, kind):
         )
 
 
+@functools.cache
 def is_offered(native: type, name: str) -> bool:
     """Whether C++ offers a method or enumeration of that name on a class."""
     if name in _PYSIDE_ONLY:

@@ -70,6 +70,8 @@ class SlicerHost:
         self._application: Any = qSlicerApplication(self._folder.name, testing)
         _register_fonts()
         self.scene = createScene()
+        # As Slicer does with the user's documents
+        self.scene.SetRootDirectory(self._folder.name)
         qt, ctk, widgets = qt_modules.make_modules()
         sys.modules.update(qt=qt, ctk=ctk)
         _tidy(slicer)

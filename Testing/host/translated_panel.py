@@ -137,6 +137,8 @@ class Reader:
                     self.read(f"{name}.{key}, {step}", value)
             for filters in widget.property("nameFilters") or ():
                 self.read(f"{name}.nameFilters, {step}", filters.split("(")[0])
+            for tab in range(widget.count()) if isinstance(widget, QtWidgets.QTabWidget) else ():
+                self.read(f"{name} tab {tab}, {step}", widget.tabText(tab))
             if isinstance(widget, QtWidgets.QComboBox):
                 for row in range(widget.count()):
                     self.read(f"{name} item {row}, {step}", widget.itemText(row))
@@ -179,7 +181,7 @@ def walk(host, reader: Reader, folder: Path) -> None:
         node.SetName(name)
     bone.GetSegmentation().GetNthSegment(0).SetName("\u03a8")
     parameters.ctVolume, parameters.bone, parameters.spacing = ct, bone, 1.0
-    ui.reportCollapsibleButton.collapsed = False
+    ui.trackingMoreButton.checked = True
     reader.panel("ready")
     ui.applyButton.click()
     reader.panel("done")

@@ -40,7 +40,7 @@ def updateButtons(ui, logic, parameters, waits: str, report: str) -> None:
     cannot = logic.whyNotReconstruct(parameters)
     for button, missing, does in (
         (ui.loadButton, readiness.whyNotLoad(parameters), _("Read the recording into a sweep that can be replayed")),
-        (ui.applyButton, cannot, _("Reconstruct the volume")),
+        (ui.applyButton, cannot, _("Reconstruct the volume, and judge tracking, registration and coverage")),
         (ui.compareButton, logic.whyNotCompare(parameters), _("Reconstruct with each method and show them side by side")),
     ):
         missing = waits or missing

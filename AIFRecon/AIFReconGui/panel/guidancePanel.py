@@ -11,7 +11,6 @@ from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
 from .layout import say
-from .livePanel import IDLE_COLOR, largeType
 
 SHOWN_EVERY = 150
 """ms between two looks at what the scan has met: colors change five times a second and more."""
@@ -25,14 +24,14 @@ class GuidancePanel:
     ui : namespace of the widgets in AIFRecon.ui
     work : LongWork
     live : LivePanel
-    whyNot : callable
-        ``whyNot(parameters, isScanning)``: what is missing before bone and sweep can be compared, in a sentence; empty: nothing.
+    logic : AIFReconLogic
+        Says what is missing before bone and sweep can be compared.
     refresh : callable
         Called without arguments when what can be pressed in the panel has changed.
     """
 
-    def __init__(self, ui, work, live, whyNot, refresh):
-        self._ui, self._work, self._live, self._whyNot, self._refresh = ui, work, live, whyNot, refresh
+    def __init__(self, ui, work, live, logic, refresh):
+        self._ui, self._work, self._live, self._logic, self._refresh = ui, work, live, logic, refresh
         self._parameterNode = None
         self._colors, self._ghost = BoneColors(), GhostProbe()
         self._shown = self._about = None
@@ -41,11 +40,9 @@ class GuidancePanel:
         self._showing = qt.QTimer()
         self._showing.setInterval(SHOWN_EVERY)
         self._showing.connect("timeout()", self._showScan)
-        ui.guidanceMoveLabel.styleSheet = largeType(IDLE_COLOR)
         ui.guidanceCheckBox.connect("clicked(bool)", self.onBox)
+        ui.liveGuidanceCheckBox.connect("clicked(bool)", self.onLiveBox)
         ui.guidanceSweepButton.connect("clicked(bool)", self.onSweep)
-        ui.liveCollapsibleButton.connect("contentsCollapsed(bool)", lambda collapsed: self._arrange())
-        self._arrange()
 
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none; what a scan tells goes on being shown."""
@@ -54,7 +51,7 @@ class GuidancePanel:
     def update(self) -> None:
         """Follow the box and what is chosen."""
         parameters, scanning = self._parameterNode, self._live.isRunning
-        missing = self._live.whyNotNow() or self._whyNot(parameters, False)
+        missing = self._live.whyNotNow() or self._logic.whyNotRegister(parameters, False)
         button = self._ui.guidanceSweepButton
         button.enabled = parameters.guidance and not missing
         button.toolTip = missing or _("Color the bone by what the chosen sweep has met, and say where to look next")
@@ -62,11 +59,11 @@ class GuidancePanel:
             (self._showing.start if scanning else self._showing.stop)()
         if scanning and (self._live.guidance is not None) != parameters.guidance:
             self._live.guide(parameters.guidance)
+        self._ui.guidanceWords.visible = self._ui.liveGuidanceCheckBox.checked = parameters.guidance
         if not parameters.guidance or self._isOld(parameters):
             self.forget()
         if parameters.guidance and not scanning and self._shown is None:
-            self._say(missing or _("Press “By sweep” to color the bone by what the chosen sweep has met, or start a scan."))
-        self._arrange()
+            self._say(missing or _("Press “Look again” to color the bone by what the chosen sweep has met, or start a scan."))
 
     def forget(self) -> None:
         """Take everything out of the scene and the views, and the words with it."""
@@ -84,6 +81,11 @@ class GuidancePanel:
         self.forget()
 
     # ---- buttons
+
+    def onLiveBox(self, wanted: bool) -> None:
+        """The user has set or taken the box of the tab Live, which stands for the same."""
+        if self._parameterNode is not None:
+            self._parameterNode.guidance = wanted
 
     def onBox(self, wanted: bool) -> None:
         """The user has set or taken the box: where no scan is under way, the chosen sweep is told at once."""
@@ -104,6 +106,7 @@ class GuidancePanel:
 
         guidance = guidanceOfSweep(parameters, progress)
         self._about = self._subject(parameters, ofScan=False)
+        self._logic.verdicts.takeGuidance(parameters, guidance)
         self._show(guidance, parameters.bone)
         return ""
 
@@ -147,7 +150,6 @@ class GuidancePanel:
             self._ui.guidanceTableLabel.text = _table(guidance.coverage, names)
             self._showMove(guidance, names)
             self._turn(guidance.coverage.met.bone.patient_to_reference)
-        self._arrange()
 
     def _turn(self, patientToWorld) -> None:
         """The first time, look at the bone as the probe does, from the back: the side that takes on color."""
@@ -180,9 +182,7 @@ class GuidancePanel:
             return
         self._told = text
         threeDViews.say(text)
-        label = self._ui.guidanceMoveLabel
-        if label:
-            label.text = text
+        self._live.advise(text)
 
     def _say(self, text: str) -> None:
         label = self._ui.guidanceLabel
@@ -191,15 +191,6 @@ class GuidancePanel:
             say(label, text)
             # Room that was needed once stays: what lies below would jump with every advice
             label.minimumHeight = max(label.minimumHeight, least) if text else 0
-
-    def _arrange(self) -> None:
-        """Show what belongs to the box while it is set. A section that is opened shows all that it holds."""
-        ui = self._ui
-        if not ui.liveCollapsibleButton or ui.liveCollapsibleButton.collapsed:
-            return
-        wanted = self._parameterNode is not None and self._parameterNode.guidance
-        for label in (ui.guidanceMoveLabel, ui.guidanceLabel, ui.guidanceTableLabel):
-            label.visible = wanted and (label is not ui.guidanceTableLabel or bool(label.text))
 
 
 def _table(coverage, names: dict) -> str:

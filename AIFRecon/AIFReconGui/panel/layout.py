@@ -1,4 +1,4 @@
-"""What the panel's layouts do not do by themselves: room for texts of several lines, and what has changed brought into view."""
+"""What the panel's layouts do not do by themselves: room for texts of several lines, tabs as high as they need, scrolling to a change."""
 
 import qt
 
@@ -16,6 +16,30 @@ def say(label, text: str) -> None:
     """
     label.text = text
     label.minimumHeight = label.heightForWidth(label.width) if text and label.visible else 0
+
+
+class Tabs:
+    """The tabs Recorded and Live. The panel is as high as the one that is shown: Qt asks for the room of the highest.
+
+    Parameters
+    ----------
+    ui : namespace of the widgets in AIFRecon.ui
+    onShown : callable
+        Called without arguments when another is shown: its texts need their room anew.
+    """
+
+    def __init__(self, ui, onShown):
+        self._ui, self._onShown = ui, onShown
+        ui.tabWidget.connect("currentChanged(int)", self._show)
+        self._show(ui.tabWidget.currentIndex)
+
+    def _show(self, number: int) -> None:
+        ui = self._ui
+        for each, contents in enumerate((ui.recordedContents, ui.liveContents)):
+            contents.visible = each == number
+        details = ui.coverageDetails if number == 0 else ui.liveDetails
+        details.layout().addWidget(ui.guidanceWords)
+        self._onShown()
 
 
 def reveal(widget) -> None:

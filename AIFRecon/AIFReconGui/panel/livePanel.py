@@ -1,13 +1,19 @@
-"""The Live section of the panel: starts and stops a scan, and says in large letters whether the probe is seen."""
+"""The tab Live: starts and stops a scan, and says in large letters whether the probe is seen, and what to do next."""
+
+import time
 
 import qt
 import slicer
+from AIFReconScene.background import inBackground
 from AIFReconScene.inputs.parameters import LiveSource
+from AIFReconScene.live.liveFiles import recordingPath, sizeOf
+from AIFReconScene.live.serverSearch import answering, asText, fromText
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
 from ..errorsShown import errorsShown
 from .layout import reveal, say
+from .signals import GRAY, GREEN, RED, styleOf
 
 COLLECTED_EVERY, SHOWN_EVERY = 10, 100
 """ms between two looks at the scene's image, and between two updates of what is shown."""
@@ -15,12 +21,18 @@ COLLECTED_EVERY, SHOWN_EVERY = 10, 100
 REMEMBERED_ATTRIBUTE = "AIFRecon.LiveServer"
 """Of a parameter node that has been given the server of the last scan: once, for another that is entered must stay."""
 
-TRACKED_COLOR, LOST_COLOR, IDLE_COLOR = "#1b7a3d", "#b3261e", "#5f6368"
-"""Backgrounds of the tracking state; white text has a contrast of 5 or more on each."""
+SERVERS_SETTING = "AIFRecon/LiveServers"
+"""Where servers have been, for the search."""
+
+SIZE_EVERY = 2.0
+"""s between two looks at how large the recording is."""
+
+LARGE = 26
+"""Pixels: letters that are read from two meters."""
 
 
 class LivePanel:
-    """Connects the widgets of the Live section to a `LiveReconstruction`.
+    """Connects the widgets of the tab to a `LiveReconstruction`.
 
     Parameters
     ----------
@@ -37,7 +49,8 @@ class LivePanel:
         self._refresh = refresh
         self._parameterNode = None
         self._live = None
-        self._missing = ""
+        self._missing = self._advised = ""
+        self._record, self._sized = None, 0.0
         self._collecting = self._timer(COLLECTED_EVERY, self._collect)
         self._showing = self._timer(SHOWN_EVERY, self._show)
         ui.liveStartButton.connect("clicked(bool)", self.onStart)
@@ -45,7 +58,10 @@ class LivePanel:
         ui.liveResetButton.connect("clicked(bool)", self.onReset)
         ui.liveStopButton.connect("clicked(bool)", self.onStop)
         ui.liveUseBoxButton.connect("clicked(bool)", self.onUseBox)
-        self._showState(_("not started"), IDLE_COLOR)
+        ui.liveFindButton.connect("clicked(bool)", self.onFind)
+        ui.liveMoreButton.connect("toggled(bool)", ui.liveDetails.setVisible)
+        ui.guidanceMoveLabel.styleSheet = styleOf(GRAY, LARGE)
+        self._showState(_("not started"), GRAY)
 
     @staticmethod
     def _timer(interval: int, slot):
@@ -76,7 +92,7 @@ class LivePanel:
     def followBone(self, progress) -> str:
         """Weight by the CT where it lies now; what that means for the volume, in a sentence."""
         if self._live.followBone(progress):
-            return _("The volume so far was weighted with the CT where it was before: Reset begins it anew.")
+            return _("The volume so far was weighted with the CT where it was before: “Start over” begins it anew.")
         return ""
 
     def whyNotNow(self) -> str:
@@ -99,12 +115,16 @@ class LivePanel:
         for widget in (ui.liveHostLineEdit, ui.livePortSpinBox, ui.liveDeviceLineEdit):
             widget.enabled = fromServer and not running
         ui.liveImageSelector.enabled = not fromServer and not running
-        ui.liveSourceComboBox.enabled = ui.liveRecordPathLineEdit.enabled = not running
+        for widget in (ui.liveSourceComboBox, ui.liveRecordPathLineEdit, ui.liveRecordCheckBox):
+            widget.enabled = not running
+        ui.liveFindButton.enabled = fromServer and not running
         ui.liveStartButton.enabled = not running and not missing
         ui.liveStartButton.toolTip = missing or _("Begin to receive and reconstruct")
         for button in (ui.livePauseButton, ui.liveResetButton, ui.liveStopButton):
             button.enabled = running
         ui.liveUseBoxButton.enabled = running and self._live.isScouting
+        if not running:
+            self._showMove(self._advised or missing or _("Press Start"))
 
     # ---- buttons
 
@@ -112,6 +132,7 @@ class LivePanel:
         """Begin a scan."""
         failure = _("The live reconstruction could not be started.")
         self._ui.liveStatisticsLabel.text = ""
+        self._ui.tabWidget.currentIndex = 1
         if self._parameterNode.liveSource == LiveSource.OPENIGTLINK:
             from ..packages import ensureLivePackages
 
@@ -123,7 +144,7 @@ class LivePanel:
         self._say(self._do(failure, self._start))
         if self.isRunning:
             self._show()
-            reveal(self._ui.liveCollapsibleButton)
+            reveal(self._ui.tabWidget)
 
     def onPause(self, paused: bool) -> None:
         """Insert nothing for a while, or go on."""
@@ -131,8 +152,27 @@ class LivePanel:
             (self._live.session.pause if paused else self._live.session.resume)()
 
     def onReset(self) -> None:
-        """Empty the volume and go on."""
-        self._live.session.reset()
+        """Empty the volume and go on, if the user means it."""
+        asked = _("Start over? The volume so far is dropped, and the scan goes on. What is recorded stays.")
+        if slicer.util.confirmOkCancelDisplay(asked, windowTitle=_("Start over")) and self._live is not None:
+            self._live.session.reset()
+
+    def onFind(self) -> None:
+        """Look for a server, and take it."""
+        remembered = fromText(slicer.util.settingsValue(SERVERS_SETTING, ""))
+
+        def work(parameters, progress):
+            found = inBackground(lambda progress: answering(remembered, progress), progress)
+            if found is None:
+                return _("No server answers on this computer, nor where one was before. Start Plus, or enter its name or address.")
+            parameters.liveHost, parameters.livePort = found
+            return _("A server answers at {host}, port {port}.").format(host=found[0], port=found[1])
+
+        said = self._do(_("No server could be looked for."), work)
+        self._ui.liveRecordedLabel.text = ""
+        if said:
+            self._say(said)
+            self._showMove(said)
 
     def onUseBox(self) -> None:
         """Reconstruct in the box that was scanned so far."""
@@ -152,7 +192,7 @@ class LivePanel:
             live.abandon()
             if sceneStays:
                 live.removeFrame()
-            self._showState(_("not started"), IDLE_COLOR)
+            self._showState(_("not started"), GRAY)
             self._say("")
 
     def _do(self, failure: str, work) -> str:
@@ -165,10 +205,13 @@ class LivePanel:
     def _start(self, parameters, progress) -> str:
         from AIFReconScene.live.liveReconstruction import LiveReconstruction
 
-        self._live = LiveReconstruction(parameters, progress)
+        self._record, self._sized = recordingPath(parameters), 0.0
+        self._live = LiveReconstruction(parameters, progress, self._record)
         settings = slicer.app.userSettings()
         settings.setValue("AIFRecon/LiveHost", parameters.liveHost)
         settings.setValue("AIFRecon/LivePort", parameters.livePort)
+        before = fromText(slicer.util.settingsValue(SERVERS_SETTING, ""))
+        settings.setValue(SERVERS_SETTING, asText([(parameters.liveHost, parameters.livePort), *before]))
         self._ui.livePauseButton.checked = False
         self._collecting.start()
         self._showing.start()
@@ -180,8 +223,9 @@ class LivePanel:
         try:
             node = live.stop(progress)
         finally:
-            self._showState(_("stopped"), IDLE_COLOR)
+            self._showState(_("stopped"), GRAY)
             self._say("")
+            self._showMove(_("Look at the picture, or press Start"))
         if node is not None:
             parameters.output = node
         lines = [_counts(live.statistics)]
@@ -189,6 +233,7 @@ class LivePanel:
             lines.append(_("Canceled: the volume is as it was shown last."))
         if live.session.recorded is not None:
             lines.append(_("Recorded to {path}.").format(path=live.session.recorded))
+            self._showSize(live.session.recorded)
         if live.session.recording_failure:
             lines.append(inPanelWords(live.session.recording_failure))
         return "\n".join(lines)
@@ -212,12 +257,16 @@ class LivePanel:
         if failed:
             word = _("Failed: nothing is inserted")
         elif scouting:
-            word = _("Scan once quickly, then use the box") if tracked else tracking
+            word = _("Looking for the box") if tracked else tracking
         else:
             word = _("Paused") if statistics.phase == "paused" else tracking
         apart = tracked and fit.has_fallen
-        word = _("The CT no longer fits: place it anew") if apart else word
-        self._showState(word, TRACKED_COLOR if tracked and not apart else LOST_COLOR)
+        word = _("The CT no longer fits") if apart else word
+        self._showState(word, GREEN if tracked and not apart else RED)
+        self._showMove(self._nextMove(statistics, tracked, scouting, apart))
+        if self._record is not None and time.monotonic() - self._sized > SIZE_EVERY:
+            self._sized = time.monotonic()
+            self._showSize(self._record)
         problems = (statistics.trouble, live.snapshotProblem, live.displayProblem, statistics.recording_failure)
         lines = [_counts(statistics)] if failed else [_rate(statistics), _counts(statistics)]
         lines += _agreementLines(fit)
@@ -227,24 +276,51 @@ class LivePanel:
         if live.volumeNode is not None and self._parameterNode is not None and self._parameterNode.output is not live.volumeNode:
             self._parameterNode.output = live.volumeNode
 
+    def _nextMove(self, statistics, tracked: bool, scouting: bool, apart: bool) -> str:
+        """What the person with the probe is to do now, in a few words."""
+        if statistics.phase == "failed":
+            return _("Press “Start over”, or Stop")
+        if apart:
+            return _("Press “Place CT on sweep”")
+        if statistics.phase == "paused":
+            return _("Press Pause again to go on")
+        if not tracked:
+            waits = not statistics.frames_received
+            return _("Check Plus, and the connection below") if waits else _("Bring the probe into the tracker's view")
+        if scouting and not self._advised:
+            return _("Scan once quickly, then press “Use the scanned box”")
+        return self._advised or _("Scan on")
+
+    def advise(self, text: str) -> None:
+        """What guidance says to do next; empty: nothing."""
+        self._advised = text
+        if not self.isRunning:
+            self._showMove(text or self._missing or _("Press Start"))
+
+    def _showMove(self, text: str) -> None:
+        label = self._ui.guidanceMoveLabel
+        if label and label.text != text:
+            label.text = text
+
+    def _showSize(self, path) -> None:
+        label = self._ui.liveRecordedLabel
+        if label:
+            say(label, _("{name}, {size:.0f} MB").format(name=path.name, size=sizeOf(path) / 1e6))
+            label.toolTip = str(path)
+
     def _say(self, text: str) -> None:
         if self._ui.liveStatisticsLabel:  # false once it is destroyed: a scan that is being ended hears of the application's end last
             say(self._ui.liveStatisticsLabel, text)
 
-    def _showState(self, word: str, color: str) -> None:
+    def _showState(self, word: str, colors: tuple) -> None:
         if not self._ui.liveStateLabel:
             return
         self._ui.liveStateLabel.text = word
-        self._ui.liveStateLabel.styleSheet = largeType(color)
+        self._ui.liveStateLabel.styleSheet = styleOf(colors, LARGE)
 
     def _stopTimers(self) -> None:
         self._collecting.stop()
         self._showing.stop()
-
-
-def largeType(color: str) -> str:
-    """The style of a label that is read from two meters, with this background."""
-    return f"QLabel {{ background-color: {color}; color: white; font-size: 26px; font-weight: bold; padding: 10px; border-radius: 4px; }}"
 
 
 def _rate(statistics) -> str:

@@ -1,4 +1,4 @@
-"""The Registration section of the panel: places the CT on the sweep, says how well the two agree, and draws the echoes on the bone."""
+"""What belongs to the light Registration: places the CT on the sweep, says how well the two agree, and draws the echoes on the bone."""
 
 import numpy as np
 import qt
@@ -25,7 +25,7 @@ JUDGED_AFTER = 200
 
 
 class RegistrationPanel:
-    """Connects the widgets of the section to a `CTRegistration` and a `CTPlacement`.
+    """Connects the widgets below the light to a `CTRegistration` and a `CTPlacement`.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ class RegistrationPanel:
     work : LongWork
     live : LivePanel
         While it scans, what the scan has shown so far takes the place of the chosen sweep.
-    whyNot : callable
-        ``whyNot(parameters, isScanning)``: what is missing before the CT can be placed, in a sentence; empty: nothing.
+    logic : AIFReconLogic
+        Says what is missing before the CT can be placed, and keeps the verdict.
     refresh : callable
         Called without arguments when what can be pressed in the panel has changed.
 
@@ -43,8 +43,8 @@ class RegistrationPanel:
     Gauge and colors are those of the place where the CT is now, once they were asked for: they follow it when it is moved.
     """
 
-    def __init__(self, ui, work, live, whyNot, refresh):
-        self._ui, self._work, self._live, self._whyNot, self._refresh = ui, work, live, whyNot, refresh
+    def __init__(self, ui, work, live, logic, refresh):
+        self._ui, self._work, self._live, self._logic, self._refresh = ui, work, live, logic, refresh
         self._parameterNode = None
         self._registration, self._placement, self._echoes = CTRegistration(), CTPlacement(), EchoPoints()
         self._finding = self._about = self._observed = None
@@ -52,14 +52,14 @@ class RegistrationPanel:
         self._moved = qt.QTimer()
         self._moved.setSingleShot(True)
         self._moved.setInterval(JUDGED_AFTER)
-        self._moved.connect("timeout()", self._judgeAgain)
+        self._moved.connect("timeout()", self._refresh)
         ui.checkButton.connect("clicked(bool)", self.onCheck)
         ui.placeButton.connect("clicked(bool)", self.onPlace)
         ui.livePlaceButton.connect("clicked(bool)", self.onPlace)
         ui.undoPlaceButton.connect("clicked(bool)", self.onUndo)
         ui.takePlaceButton.connect("clicked(bool)", self.onTake)
         ui.landmarksButton.connect("clicked(bool)", self.onLandmarks)
-        ui.registrationCollapsibleButton.connect("contentsCollapsed(bool)", lambda collapsed: self._arrange())
+        ui.landmarksButton.visible = bool(_landmarkModule())
         self._say("")
         self._offer([])
 
@@ -70,7 +70,7 @@ class RegistrationPanel:
     def update(self) -> None:
         """Enable what can be done; follow what is chosen."""
         ui, parameters = self._ui, self._parameterNode
-        missing, waits = self._whyNot(parameters, self._live.isRunning), self._live.whyNotNow()
+        missing, waits = self._logic.whyNotRegister(parameters, self._live.isRunning), self._live.whyNotNow()
         if self._about is not None and self._about != self._subject(parameters):
             self.forget()
         for button, reason, does in (
@@ -82,6 +82,7 @@ class RegistrationPanel:
         ui.livePlaceButton.enabled = self._live.isRunning and not missing
         ui.livePlaceButton.toolTip = missing or _("Lay the CT on the bone that this scan has shown so far")
         ui.undoPlaceButton.enabled = self._placement.canUndo
+        self._follow(parameters.bone)
         self._echoes.setVisible(parameters.showEchoes)
         self._judgeAgain()
 
@@ -187,12 +188,15 @@ class RegistrationPanel:
 
     def _show(self, parameters, finding) -> None:
         self._finding, self._about = finding, self._subject(parameters)
-        self._follow(parameters.bone)
+        if parameters.sweep is not None:
+            self._logic.verdicts.takeAgreement(parameters, finding.agreement)
         self._gauge(finding.agreement, boneNames(parameters.bone, list(parameters.boneSegments)))
         self._echoes.show(finding.points, finding.distances, parameters.showEchoes)
 
     def _follow(self, bone) -> None:
         """Observe where the bone lies, or observe nothing."""
+        if self._observed is not None and self._observed[0] is bone:
+            return
         if self._observed is not None:
             node, tag = self._observed
             node.RemoveObserver(tag)
@@ -223,8 +227,7 @@ class RegistrationPanel:
         return "\n".join(line for line in (*lines, *more) if line)
 
     def _say(self, text: str) -> None:
-        self._ui.registrationLabel.text = text
-        self._arrange()
+        self._ui.registrationLabel.visible = bool(text)
         say(self._ui.registrationLabel, text)
 
     def _gauge(self, agreement, names=None) -> None:
@@ -247,17 +250,8 @@ class RegistrationPanel:
         ui.alternativesComboBox.clear()
         for _place, words in places:
             ui.alternativesComboBox.addItem(words)
-        self._arrange()
-
-    def _arrange(self) -> None:
-        """Hide what has nothing to say. A section that is opened shows all that it holds, also what was hidden while it was closed."""
-        ui = self._ui
-        if ui.registrationCollapsibleButton.collapsed:
-            return
-        ui.registrationLabel.visible = bool(ui.registrationLabel.text)
-        ui.landmarksButton.visible = bool(_landmarkModule())
         for widget in (ui.alternativesLabel, ui.alternativesComboBox, ui.takePlaceButton):
-            widget.visible = bool(self._places)
+            widget.visible = bool(places)
 
 
 def _places(found) -> list:

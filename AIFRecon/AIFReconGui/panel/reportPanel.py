@@ -1,4 +1,4 @@
-"""The Tracking report section of the panel: a table of what is known of the sweep, sentences on what may be wrong, and a copy of both."""
+"""What belongs to the light Tracking: a table of what is known of the sweep, sentences on what may be wrong, and a copy of both."""
 
 import html
 
@@ -10,7 +10,7 @@ from .layout import say
 
 
 class ReportPanel:
-    """Shows the report while its section is open; nothing is computed for a closed one.
+    """Shows the report while it is wanted; nothing is computed for one that is not seen.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class ReportPanel:
         self._reportOf = reportOf
         self._parameterNode = None
         self._shown = None
-        ui.reportCollapsibleButton.connect("contentsCollapsed(bool)", lambda collapsed: self.update())
+        ui.trackingMoreButton.connect("toggled(bool)", lambda checked: self.update())
         ui.copyReportButton.connect("clicked(bool)", self.onCopy)
 
     def setParameterNode(self, parameterNode) -> None:
@@ -33,7 +33,7 @@ class ReportPanel:
 
     def update(self) -> None:
         """Show the report of the chosen sweep, if the section is open."""
-        if self._parameterNode is None or self._ui.reportCollapsibleButton.collapsed:
+        if self._parameterNode is None or not self._ui.trackingMoreButton.checked:
             return
         from AIFReconLib.errors import AIFReconError
 

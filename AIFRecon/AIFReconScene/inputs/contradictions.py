@@ -60,7 +60,7 @@ def _ofSpeed(parameters, hasBone: bool) -> str:
 
 def _ofHoles(parameters) -> str:
     if parameters.holeLimit == 0 and parameters.holes not in (HoleFilling.AUTOMATIC, HoleFilling.OFF):
-        return _("Holes are filled up to the hole limit: set it above 0 mm, or set “Hole filling” to automatic.")
+        return _("Gaps are filled up to 0 mm: set “Fill gaps up to” above 0, or “Fill them by” to automatic.")
     return ""
 
 

@@ -18,7 +18,7 @@ from ..sweep.severalSweeps import furtherSweeps
 from ..transforms import matrixToWorld
 from .boneNodes import named
 from .imagingChoices import imageRegionFrom, probeFrom
-from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom, needsBone
+from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom
 
 if TYPE_CHECKING:
     from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence
@@ -251,12 +251,18 @@ class PreparedInputs:
     labeledBone: LabeledBone | None = None
     boneFromSweep: bool = False
 
-    def comparedLines(self, method: str, progress=None) -> list:
-        """What the sweep's own bone says of the place of the labels, and the width of the map that follows; nothing without labels."""
+    def comparison(self, progress=None):
+        """The `Comparison` of the sweep's own bone with the labels; None without labels."""
         labeled = self.labeledBone
-        return [] if labeled is None else inBackground(lambda progress: labeled.lines(method, progress), progress)
+        return None if labeled is None else inBackground(labeled.comparison, progress)
 
-    def reconstruct(self, settings, progress=None):
+    def widthLines(self, method: str, progress=None) -> list:
+        """The width of the bone map that follows from that comparison, where it does: a line or none."""
+        if self.labeledBone is None or not self.labeledBone.is_automatic(method):
+            return []
+        return self.labeledBone.lines(method)[len(self.comparison(progress).lines) :]
+
+    def reconstruct(self, settings, progress=None, beside=()):
         """One call of the library: `settings` to a `Reconstruction` in RAS, whose volumes know how they were made."""
 
         from AIFReconLib import reconstruct
@@ -269,23 +275,21 @@ class PreparedInputs:
                 bone = self.labeledBone.map(method, part(progress, 0.0, 0.1))
                 ofMap = self.labeledBone.settings(method)
             imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}
-            result = reconstruct(self.sequence, settings, bone, self.grid, progress=part(progress, 0.1, 1.0), **imaging)
+            result = reconstruct(self.sequence, settings, bone, self.grid, beside=beside, progress=part(progress, 0.1, 1.0), **imaging)
             return with_settings(result, ofMap)
 
         return inBackground(work, progress)
 
 
-def reconstructed(inputs: Inputs, settings, progress=None, compared: bool = False) -> tuple:
-    """A `Reconstruction`, the sequence it was made from, and what was done, a line each: where `compared`, also how well the CT agrees."""
+def reconstructed(inputs: Inputs, settings, progress=None, beside=()) -> tuple:
+    """A `Reconstruction`, the `PreparedInputs` that it was made from, and what was done, a line each."""
     from AIFReconLib.inspection.summary import summary_lines
     from AIFReconLib.message import listed
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
-    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95))
-    lines = summary_lines(result, len(prepared.sequence))
-    if compared and needsBone(result.method):
-        lines += prepared.comparedLines(result.method, part(progress, 0.95, 1.0))
-    return result, prepared.sequence, listed(lines, "\n")
+    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), [name for name in beside if name in ("score", "hits")])
+    lines = [*summary_lines(result, len(prepared.sequence)), *prepared.widthLines(result.method, part(progress, 0.95, 1.0))]
+    return result, prepared, listed(lines, "\n")
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:

@@ -2,10 +2,7 @@
 
 import logging
 
-import slicer
-
 from AIFReconLib.errors import GeometryError, OperationCanceled, SettingsError
-from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
 from AIFReconLib.live.session.agreement_watch import AgreementWatch, LiveState
 from AIFReconLib.live.session.session import SCOUTING, LiveSession
@@ -16,17 +13,15 @@ from AIFReconLib.registration.echoes import FEWEST, SweepEchoes
 from ..background import inBackground
 from ..inputs.inputs import Inputs
 from ..inputs.parameters import LiveSource, fileFrom, settingsFrom
-from ..sceneNodes import removeNodes
-from ..transforms import atRightAngles, matrixToWorld
-from ..volumes.volumeNodes import followIntensity, outputNodes, showGrayLevels, updateVolumeNode
+from ..transforms import matrixToWorld
+from ..volumes.volumeNodes import followIntensity, outputNodes, updateVolumeNode
 from .liveGuidance import LiveGuidance
 from .liveViews import LiveViews
 from .nodeSource import NodeSource
+from .shownFrame import ShownFrame
 
 SCOUT_MARGIN = 5.0
 """mm added on each side of the box that was scouted."""
-
-FRAME_NAME = "Live frame"
 
 
 class LiveReconstruction:
@@ -37,6 +32,8 @@ class LiveReconstruction:
     parameters : AIFReconParameterNode
     progress : callable or None
         For the bone map, which is made before the first frame is received.
+    record : Path or None
+        Where every frame is recorded.
 
     Raises
     ------
@@ -50,14 +47,13 @@ class LiveReconstruction:
     at once; receiving, inserting and making snapshots happen on threads of their own.
     """
 
-    def __init__(self, parameters, progress=None):
+    def __init__(self, parameters, progress=None, record=None):
         self._name = "Live"
-        self._frameNode = None
-        self._shownFrame = None
         self._displayProblems = {}
         self._window = None
         self.wasCanceled = False
         self._views = LiveViews(parameters.ctVolume, parameters.opacity)
+        self._frame = ShownFrame(self._views)
         empty = parameters.output is not None and parameters.output.GetImageData() is None
         self._outputs = {"intensity": parameters.output} if empty else {}
         inputs = Inputs.fromParameters(parameters)
@@ -77,7 +73,7 @@ class LiveReconstruction:
             importance=inputs.importance(),
             configuration=configuration,
             synchronizer=SynchronizerSettings(image_device=parameters.liveImageDevice.strip() or None),
-            record=fileFrom(parameters.liveRecordPath),
+            record=record,
         )
         self._snapshots = SnapshotMaker(self.session)
         self._volumeWasLast = False
@@ -149,9 +145,11 @@ class LiveReconstruction:
         self.session.use_grid(self.session.grid_from_scout(margin=SCOUT_MARGIN))
 
     def collect(self) -> None:
-        """Take a new image from the scene, where that is the source; to be called often."""
+        """Take a new image from the scene, where that is the source, and the next step of what is being shown; to be called often."""
         if isinstance(self._source, NodeSource):
             self._source.collect()
+        if self._frame.isUnderWay:
+            self._attempt(self._showFrame)
 
     def refresh(self) -> None:
         """Show the volume or the frame, in turns where both are ready; `displayProblem` says what failed.
@@ -161,6 +159,8 @@ class LiveReconstruction:
         self._attempt(self._followPlace)
         if self.guidance is not None:
             self._attempt(self.guidance.follow)
+        if self._frame.isUnderWay:
+            return
         if self.volumeNode is not None and not self._views.shows(self.volumeNode):
             self._attempt(self._views.showVolume, self.volumeNode)
             return
@@ -183,6 +183,7 @@ class LiveReconstruction:
             self._endThreads()
             return self.session.finish(progress)
 
+        self._frame.interrupt()
         try:
             result = inBackground(work, progress)
             if result is not None and result.frames_inserted:
@@ -196,6 +197,7 @@ class LiveReconstruction:
 
     def abandon(self) -> None:
         """End the scan without a word to the scene, which is being closed."""
+        self._frame.interrupt()
         self._endThreads()
         self.session.stop()
 
@@ -208,7 +210,11 @@ class LiveReconstruction:
     @property
     def frameNode(self):
         """The frame that is seen now, in its place, or None."""
-        return self._frameNode
+        return self._frame.node
+
+    def removeFrame(self) -> None:
+        """Take the frame out of the scene, and give the red view back as it was."""
+        self._frame.remove()
 
     @property
     def displayProblem(self):
@@ -216,15 +222,19 @@ class LiveReconstruction:
         return next(iter(self._displayProblems.values()), None)
 
     def _attempt(self, show, *what) -> None:
-        """Show something; what goes wrong is kept until it goes right again, for nothing on the screen is worth the scan."""
+        """Show something, or a step of it: True while more is to come.
+
+        What goes wrong is kept until it has gone right again, for nothing on the screen is worth the scan.
+        """
         try:
-            show(*what)
+            unfinished = show(*what)
         except Exception as error:
             if show.__name__ not in self._displayProblems:
                 logging.exception("The scan goes on, but its display has failed.")
             self._displayProblems[show.__name__] = error
         else:
-            self._displayProblems.pop(show.__name__, None)
+            if not unfinished:
+                self._displayProblems.pop(show.__name__, None)
 
     def _endThreads(self) -> None:
         self._snapshots.stop()
@@ -241,6 +251,9 @@ class LiveReconstruction:
             self._boneAt = place
             self._watch.place(place)
 
+    def _showFrame(self) -> bool:
+        return self._frame.goOn() if self._frame.isUnderWay else self._frame.show(self.session.latest)
+
     def _fillVolume(self, result) -> None:
         result = with_settings(result, self._inputs.boneSettings(self._method))
         known = self.volumeNode
@@ -250,28 +263,6 @@ class LiveReconstruction:
         else:
             self._outputs = outputNodes(result, self._name, nodes={"intensity": known})
             self._window = followIntensity(self.volumeNode, result)
-
-    def _showFrame(self) -> None:
-        frame = self.session.latest
-        if frame is None or frame is self._shownFrame or frame.image_to_reference is None or frame.status != "OK":
-            return
-        if self._frameNode is None or self._frameNode.GetScene() is None:
-            self._frameNode = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", FRAME_NAME)
-            self._frameNode.SetSaveWithScene(False)
-            self._frameNode.CreateDefaultDisplayNodes()
-            showGrayLevels(self._frameNode, frame.image.dtype)
-        rows, columns = frame.image.shape
-        # What is inserted lies where the exact matrix puts it
-        updateVolumeNode(self._frameNode, Volume(frame.image[None], atRightAngles(frame.image_to_reference, columns, rows)))
-        self._views.showFrame(self._frameNode)
-        self._shownFrame = frame
-
-    def removeFrame(self) -> None:
-        """Take the frame out of the scene, and give the red view back as it was."""
-        self._views.restore()
-        if self._frameNode is not None and self._frameNode.GetScene() is not None:
-            removeNodes([self._frameNode], self._frameNode.GetScene())
-        self._frameNode = None
 
 
 def _fieldOf(labels):

@@ -29,22 +29,34 @@ class LiveViews:
         self._opacity = opacity
         self._before: _View | None = None
         self._frame = None
+        self._seenIn3D = False
         self._volume = None
         self._without: list[str] = []
 
-    def showFrame(self, frameNode) -> None:
-        """Let the red slice lie in the frame, at its true place in the 3D view too."""
-        logic = slicer.app.applicationLogic().GetSliceLogicByLayoutName(FOLLOWING)
+    def prepareFor(self, frameNode) -> bool:
+        """Take one step toward the red view that shows this frame, in 3D too; False when none is left."""
+        logic = _following()
         if logic is None:
-            return
+            return False
         node, composite = logic.GetSliceNode(), logic.GetSliceCompositeNode()
-        if self._before is None:
-            self._before = _View.of(node, composite)
         if self._frame is not frameNode:
+            self._before = self._before or _View.of(node, composite)
             self._frame = frameNode
             composite.SetBackgroundVolumeID(frameNode.GetID())
             composite.SetForegroundVolumeID(None)
+        elif not self._seenIn3D:
+            self._seenIn3D = True
             node.SetSliceVisible(True)
+        else:
+            return False
+        return True
+
+    def follow(self, frameNode) -> None:
+        """Let the red slice lie in the frame, at its true place in the 3D view too."""
+        logic = _following()
+        if logic is None:
+            return
+        node = logic.GetSliceNode()
         pose = ijkToRAS(frameNode)
         columns, rows, _slices = frameNode.GetImageData().GetDimensions()
         spacing = np.linalg.norm(pose[:3, :2], axis=0)
@@ -74,13 +86,18 @@ class LiveViews:
 
     def restore(self) -> None:
         """The red slice as it was; where there is a volume now, it shows that as the others do."""
-        logic = slicer.app.applicationLogic().GetSliceLogicByLayoutName(FOLLOWING)
-        before, self._before, self._frame = self._before, None, None
+        logic = _following()
+        before, self._before, self._frame, self._seenIn3D = self._before, None, None, False
         if logic is None or before is None:
             return
         before.restore(logic.GetSliceNode(), logic.GetSliceCompositeNode())
         if self._volume is not None and self._volume.GetScene() is not None:
             sliceDisplay.showOverCT(self._volume, self._ct, self._opacity)
+
+
+def _following():
+    """The slice logic of the view that moves with the probe; None in an application without it."""
+    return slicer.app.applicationLogic().GetSliceLogicByLayoutName(FOLLOWING)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ...arrays import Floats, Integers, Matrix, Numbers, Reals, Singles
 
 Frames = tuple[Numbers, Matrix, Integers, Integers, Floats]
-"""What is inserted. images : (frames, rows, columns) uint8 or float32; matrices, pieces, spans, size : as in `clip_to_volume`."""
+"""What is inserted. images : (frames, rows, columns) uint8 or float32; matrices, pieces, spans, bounds : as in `clip_to_volume`."""
 
 Whole = int | np.integer
 """Columns and voxels, as they come."""
@@ -16,7 +16,7 @@ Whole = int | np.integer
 Slab = tuple[int, int, int]
 """The part of the volume that is filled: axis, first voxel along it, stop."""
 
-Voxels = tuple[Reals, NDArray[np.uint32], Reals]
+Voxels = tuple[Numbers, NDArray[np.uint32], Reals]
 """value, hits, weight : (voxels,) arrays of the state, `weight` empty where the method has none."""
 
 Bone = tuple[Singles, Singles, Singles, Singles, Singles]
@@ -44,7 +44,7 @@ SplatFrames = tuple[Numbers, Matrix, Integers, Integers, Integers]
 
 images : (frames, rows, columns) uint8 or float32; matrices : (frames, 4, 4) float64, image_to_ijk; pieces : (n, 4) int64;
 columns : (frames, n, 2) int32, of each piece the first column that may matter to the slab and the one after the last;
-size : (3,) int64, voxels along i, j, k.
+size : (5,) int64, voxels along i, j, k, the first plane of the part that the state is of, and the one after its last.
 """
 
 Pixels = tuple[Floats, Singles]

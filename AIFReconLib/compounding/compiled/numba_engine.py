@@ -18,7 +18,7 @@ from ..layout import PixelLayout
 from ..state import VoxelState
 from .groups import Evidence
 from .numba_evidence import FrameJudge
-from .numba_kernels import AVERAGE, LATEST, MAXIMUM, clip_to_volume, insert_aif, insert_cosine, insert_plain, insert_weighted
+from .numba_kernels import AVERAGE, LATEST, MAXIMUM, PACKED, clip_to_volume, insert_aif, insert_cosine, insert_plain, insert_weighted
 from .slabs import cut_into_slabs
 
 NOTHING: Singles = np.empty(0, np.float32)
@@ -39,6 +39,8 @@ class NumbaEngine:
     bone : BoneOnGrid or None
     threads : int or None
         How many to use; by default NUMBA_NUM_THREADS of the environment, else every core.
+    planes : (first, stop) or None
+        The part of the grid that the state is of, and the bone; by default all of it.
 
     Raises
     ------
@@ -57,16 +59,19 @@ class NumbaEngine:
         maximum: float,
         bone: BoneOnGrid | None,
         threads: int | None = None,
+        planes: tuple[int, int] | None = None,
     ):
         self.state = state
         self.threads = checked_threads(threads)
-        self._grid_size, self._size = grid_size, np.array(grid_size, dtype=np.float64)
+        first, stop = (0, grid_size[2]) if planes is None else planes
+        self._bounds = np.array([(0, 0, first), (*grid_size[:2], stop)], dtype=np.float64)
         self._maximum = float(maximum)
         compensated = state.method == "aif-compensated"
         self._aif_factors = (np.float32(settings.alpha), np.float32(settings.beta), np.float32(maximum), compensated)
         floor, gain = np.float32(settings.weight_floor), np.float32(settings.bone_gain)
         self._weighted_factors = (floor, gain, np.float32(settings.beta), np.float32(maximum))
         self._judge: FrameJudge | None = None
+        self._bone = bone
         self._probability = NOTHING if bone is None else bone.probability.reshape(-1)
         self._directions = NOTHING if bone is None else bone.directions_reference.reshape(-1, 3)
 
@@ -97,11 +102,11 @@ class NumbaEngine:
 
     def _insert(self, batch: FrameBatch, frames: slice, pieces: Integers, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
         images, matrices, axes = batch.images[frames], batch.image_to_ijk[frames], batch.axes[frames]
-        axis, edges = cut_into_slabs(matrices, layout, self._size)
+        axis, edges = cut_into_slabs(matrices, layout, self._bounds)
         spans = np.empty((len(images), len(pieces), 4), np.int32)
-        clip_to_volume(matrices, pieces, self._size, axis, spans)
+        clip_to_volume(matrices, pieces, self._bounds, axis, spans)
         entered = np.zeros((len(edges) - 1, len(images)), np.int64)
-        where = images, matrices, pieces, spans, self._size
+        where = images, matrices, pieces, spans, self._bounds
         state, method = self.state, self.state.method
         voxels = state.value, state.hits, NOTHING if state.weight is None else state.weight
         beam_x, beam_y = NOTHING if layout.beam_x is None else layout.beam_x, NOTHING if layout.beam_y is None else layout.beam_y
@@ -115,7 +120,7 @@ class NumbaEngine:
             if evidence is not None:
                 insert_weighted(where, slab, voxels, bone, self._weighted_factors, evidence, entered[part])
             elif method in PLAIN_RULES:
-                insert_plain(PLAIN_RULES[method], where, slab, voxels, entered[part])
+                insert_plain(PACKED if state.packed else PLAIN_RULES[method], where, slab, voxels, entered[part])
             else:
                 insert_aif(where, slab, voxels, bone, self._aif_factors, entered[part])
 
@@ -124,12 +129,13 @@ class NumbaEngine:
 
     def _judged(self, scan_lines: ScanLines | None, images: Numbers, matrices: Floats) -> Evidence:
         """What the frames themselves tell, of what the CT expects in them."""
-        if scan_lines is None:
-            raise ValueError("Input scan_lines must be given for method weighted; got None.")
+        bone = self._bone
+        if scan_lines is None or bone is None:
+            raise ValueError("Input scan_lines and bone must be given for method weighted; got None.")
         judge = self._frame_judge(scan_lines, images)
 
         def judge_frame(frame: int) -> None:
-            judge.judge(images[frame], frame, scan_lines.expected(self._probability, self._grid_size, matrices[frame]))
+            judge.judge(images[frame], frame, scan_lines.expected(bone.map_probability, bone.ijk_to_map @ matrices[frame]))
 
         in_parts(judge_frame, len(images), self.threads)
         return judge.evidence(len(images))

@@ -26,8 +26,11 @@ ROW, START, STOP, OFFSET = range(4)
 LOW, HIGH, NEAREST, FARTHEST = range(4)
 """Last axis of the spans: columns [low, high) of a piece that lie in the volume, and their range of voxels along the slabs' axis."""
 
-AVERAGE, LATEST, MAXIMUM = range(3)
+AVERAGE, LATEST, MAXIMUM, PACKED = range(4)
 """Rules of `insert_plain`."""
+
+HIT = np.uint64(2**32)
+"""`HIT` of the state."""
 
 
 @inlined
@@ -57,14 +60,15 @@ def clipped(step: float, base: float, bottom: float, top: float, low: Whole, hig
 
 
 @compiled
-def clip_to_volume(matrices: Matrix, pieces: Integers, size: Floats, axis: int, spans: Integers) -> None:
+def clip_to_volume(matrices: Matrix, pieces: Integers, bounds: Floats, axis: int, spans: Integers) -> None:
     """Find out which columns of every piece of a row fall into the volume, and between which voxels along `axis` they lie.
 
     Parameters
     ----------
     matrices : (frames, 4, 4) float64 array, image_to_ijk
     pieces : (n, 4) int64 array
-    size : (3,) float64 array, voxels along i, j, k
+    bounds : (2, 3) float64 array, along i, j, k
+        The first voxel of the part that counts, and the one after the last.
     axis : int
     spans : (frames, n, 4) int32 array
         Result.
@@ -75,7 +79,7 @@ def clip_to_volume(matrices: Matrix, pieces: Integers, size: Floats, axis: int, 
             row, low, high = pieces[piece, ROW], pieces[piece, START], pieces[piece, STOP]
             for along in range(3):
                 base = matrix[along, 1] * row + (matrix[along, 3] + 0.5)
-                low, high = clipped(matrix[along, 0], base, 0.0, size[along], low, high)
+                low, high = clipped(matrix[along, 0], base, bounds[0, along], bounds[1, along], low, high)
             high = max(low, high)
             base = matrix[axis, 1] * row + (matrix[axis, 3] + 0.5)
             one, other = np.floor(matrix[axis, 0] * low + base), np.floor(matrix[axis, 0] * (high - 1) + base)
@@ -126,12 +130,12 @@ def clip_to_slab(matrices: Matrix, pieces: Integers, spans: Integers, slab: Slab
 
 
 @inlined
-def number_voxels(matrix: Matrix, row: int, columns: Floats, size: Floats, voxels: NDArray[np.uint32]) -> None:
-    """Write the flat numbers of the voxels at `columns` (n,) float64 of a row, all within the volume, to `voxels` (more than n,).
+def number_voxels(matrix: Matrix, row: int, columns: Floats, bounds: Floats, voxels: NDArray[np.uint32]) -> None:
+    """Write the flat numbers of the voxels at `columns` (n,) float64 of a row, all within the part, to `voxels` (more than n,).
 
     After them follows a number that is not that of the voxel before it: it ends the last run of pixels in one voxel without a test.
     """
-    count, along, rows = columns.size, size[0], size[1]
+    count, along, rows, before = columns.size, bounds[1, 0], bounds[1, 1], bounds[0, 2]
     base_i = matrix[0, 1] * row + (matrix[0, 3] + 0.5)
     base_j = matrix[1, 1] * row + (matrix[1, 3] + 0.5)
     base_k = matrix[2, 1] * row + (matrix[2, 3] + 0.5)
@@ -141,14 +145,14 @@ def number_voxels(matrix: Matrix, row: int, columns: Floats, size: Floats, voxel
     # Numbers stay below 2^31: exact in float64. None is negative, so that a conversion to integers rounds down
     if j == np.floor(base_j + step_j * last) and k == np.floor(base_k + step_k * last):
         # The row runs along a line of voxels: sums that only rise or only fall are the same everywhere if they are at both ends
-        line = np.int32((k * rows + j) * along)
+        line = np.int32(((k - before) * rows + j) * along)
         for n in range(count):
             voxels[n] = np.uint32(line + np.int32(base_i + step_i * columns[n]))
     else:
         for n in range(count):
             column = columns[n]
             i, j, k = np.floor(base_i + step_i * column), np.floor(base_j + step_j * column), np.floor(base_k + step_k * column)
-            voxels[n] = np.uint32(np.int32((k * rows + j) * along + i))
+            voxels[n] = np.uint32(np.int32(((k - before) * rows + j) * along + i))
     voxels[count] = ~voxels[count - 1]
 
 
@@ -168,7 +172,7 @@ def limited_cosine(beam_x: np.float32, beam_y: np.float32, facing_x: np.float32,
 
 @compiled
 def insert_plain(rule: int, frames: Frames, slab: Slab, state: Voxels, entered: Integers) -> None:
-    """Average (sums in float64), latest and maximum.
+    """Average (sums in float64, or packed with the hits), latest and maximum.
 
     Parameters
     ----------
@@ -179,7 +183,7 @@ def insert_plain(rule: int, frames: Frames, slab: Slab, state: Voxels, entered: 
     entered : (frames,) int64 array
         Result: raised by the pixels that entered.
     """
-    images, matrices, pieces, spans, size = frames
+    images, matrices, pieces, spans, bounds = frames
     value, hits, _ = state
     columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)
     for frame in range(images.shape[0]):
@@ -190,9 +194,12 @@ def insert_plain(rule: int, frames: Frames, slab: Slab, state: Voxels, entered: 
             if low >= high:
                 continue
             row, count = pieces[piece, ROW], high - low
-            number_voxels(matrices[frame], row, columns[low:high], size, voxels)
+            number_voxels(matrices[frame], row, columns[low:high], bounds, voxels)
             pixels = images[frame, row, low:high]
-            if rule == AVERAGE:
+            if rule == PACKED:
+                for n in range(count):
+                    value[voxels[n]] += value.dtype.type(HIT + np.uint64(pixels[n]))
+            elif rule == AVERAGE:
                 for n in range(count):
                     value[voxels[n]] += pixels[n]
                     hits[voxels[n]] += ONCE
@@ -211,7 +218,7 @@ def insert_plain(rule: int, frames: Frames, slab: Slab, state: Voxels, entered: 
 @compiled
 def insert_cosine(frames: Frames, slab: Slab, best: Singles, bone: Bone) -> None:
     """The best cosine of incidence of every voxel, `best` (voxels,) float32."""
-    images, matrices, pieces, spans, size = frames
+    images, matrices, pieces, spans, bounds = frames
     _, directions, axes, beam_x, beam_y = bone
     columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)
     for frame in range(images.shape[0]):
@@ -223,7 +230,7 @@ def insert_cosine(frames: Frames, slab: Slab, best: Singles, bone: Bone) -> None
             if low >= high:
                 continue
             row, count = pieces[piece, ROW], high - low
-            number_voxels(matrices[frame], row, columns[low:high], size, voxels)
+            number_voxels(matrices[frame], row, columns[low:high], bounds, voxels)
             beam = pieces[piece, OFFSET] + low - pieces[piece, START]
             along_x, along_y = beam_x[beam : beam + count], beam_y[beam : beam + count]
             for n in range(count):
@@ -243,7 +250,7 @@ def insert_aif(frames: Frames, slab: Slab, state: Voxels, bone: Bone, factors: A
     What belongs to the voxel is held while its pixels last. Where no bone is expected its weight stays 0, and the rule comes down to
     the last pixel.
     """
-    images, matrices, pieces, spans, size = frames
+    images, matrices, pieces, spans, bounds = frames
     value, hits, weight = state
     probability, directions, axes, beam_x, beam_y = bone
     alpha, beta, maximum, compensated = factors
@@ -257,7 +264,7 @@ def insert_aif(frames: Frames, slab: Slab, state: Voxels, bone: Bone, factors: A
             if low >= high:
                 continue
             row, count = pieces[piece, ROW], high - low
-            number_voxels(matrices[frame], row, columns[low:high], size, voxels)
+            number_voxels(matrices[frame], row, columns[low:high], bounds, voxels)
             beam = pieces[piece, OFFSET] + low - pieces[piece, START]
             along_x, along_y, pixels = beam_x[beam : beam + count], beam_y[beam : beam + count], images[frame, row, low:high]
             # Unsigned, so that no index is tested for being negative
@@ -314,7 +321,7 @@ def insert_weighted(
     -----
     Without an onset, as nearly everywhere, the weight is floor R and the value is the pixel: the bone map is not looked at.
     """
-    images, matrices, pieces, spans, size = frames
+    images, matrices, pieces, spans, bounds = frames
     value, hits, weight = state
     probability, directions, axes, beam_x, beam_y = bone
     floor, gain, beta, maximum = factors
@@ -331,7 +338,7 @@ def insert_weighted(
             if low >= high:
                 continue
             row, count = pieces[piece, ROW], high - low
-            number_voxels(matrices[frame], row, columns[low:high], size, voxels)
+            number_voxels(matrices[frame], row, columns[low:high], bounds, voxels)
             beam = pieces[piece, OFFSET] + low - pieces[piece, START]
             along_x, along_y, pixels = beam_x[beam : beam + count], beam_y[beam : beam + count], images[frame, row, low:high]
             reached = reach[frame, beam : beam + count]

@@ -93,6 +93,7 @@ def spread(
     """
     images, matrices, pieces, columns, size = frames
     axis, bottom, top = slab
+    first_plane, stop_plane = size[3], size[4]
     coordinates, importance = pixels
     value, hits, _ = state
     line, plane = size[0], size[0] * size[1]
@@ -130,15 +131,16 @@ def spread(
                 entered[frame] += lower >= bottom
                 pixel = np.float32(images[frame, row, low + n])
                 factor = 1.0 if equal else float(importance[first_number + n])
-                first = (low_k * plane + low_j * line) + low_i
-                if rule == AVERAGE and bottom <= lower < top - 1 and part_i > 0.0 and part_j > 0.0 and part_k > 0.0:
+                first = ((low_k - first_plane) * plane + low_j * line) + low_i
+                amid = bottom <= lower < top - 1 and first_plane <= low_k < stop_plane - 1
+                if rule == AVERAGE and amid and part_i > 0.0 and part_j > 0.0 and part_k > 0.0:
                     # As nearly always; the loop below would do the same, slowly
                     give_to_all(np.uint64(first), line, plane, (part_i, part_j, part_k), factor, pixel, state)
                     continue
                 for corner in range(8):
                     right, down, behind = corner & 1, (corner >> 1) & 1, corner >> 2
                     along = lower + (right if axis == 0 else down if axis == 1 else behind)
-                    if along < bottom or along >= top:
+                    if along < bottom or along >= top or low_k + behind < first_plane or low_k + behind >= stop_plane:
                         continue
                     share = (part_i if right else 1.0 - part_i) * (part_j if down else 1.0 - part_j) * (part_k if behind else 1.0 - part_k)
                     if share <= 0.0 or (rule != AVERAGE and share < least_share):
@@ -164,10 +166,14 @@ class NumbaSplatEngine(SplatEngine):
         settings: ReconstructionSettings,
         importance: Reals | None = None,
         threads: int | None = None,
+        planes: tuple[int, int] | None = None,
     ):
-        super().__init__(state, grid_size, settings, importance)
+        super().__init__(state, grid_size, settings, importance, planes=planes)
         self.threads = checked_threads(threads)
-        self._size = np.array(grid_size, dtype=np.int64)
+        first, stop = self._planes
+        self._size = np.array([*grid_size, first, stop], dtype=np.int64)
+        # A corner of a pixel beside these planes may lie in them
+        self._bounds = np.array([(0, 0, max(first - 1, 0)), (*grid_size[:2], min(stop + 1, grid_size[2]))], dtype=np.float64)
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None = None) -> list[int]:
         """As `SplatEngine.insert`."""
@@ -190,10 +196,10 @@ class NumbaSplatEngine(SplatEngine):
         """Frames of which the same pixels of the window count, (rows, columns) bool; None: all of the layout's."""
         images, matrices = batch.images[frames], batch.image_to_ijk[frames]
         pieces = layout.pieces if counting is None else layout.pieces_within(layout.mask & counting)
-        axis, edges = cut_into_slabs(matrices, layout, self._size)
+        axis, edges = cut_into_slabs(matrices, layout, self._bounds)
         spans = np.empty((len(images), len(pieces), 4), np.int32)
         if layout.moved is None:
-            clip_to_volume(matrices, pieces, self._size.astype(np.float64), axis, spans)
+            clip_to_volume(matrices, pieces, self._bounds, axis, spans)
         entered = np.zeros((len(edges) - 1, len(images)), np.int64)
         state = self.state
         coordinates = np.empty((2, 0)) if layout.moved is None else layout.moved

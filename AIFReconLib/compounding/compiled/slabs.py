@@ -11,14 +11,15 @@ SLABS = 8
 """Slabs that a batch is cut into: what frames share of one fits into a core's cache, and threads end at about the same time."""
 
 
-def cut_into_slabs(matrices: Matrix, layout: PixelLayout, size: Numbers) -> tuple[int, Integers]:
+def cut_into_slabs(matrices: Matrix, layout: PixelLayout, bounds: Numbers) -> tuple[int, Integers]:
     """The axis across which to cut, and the edges of the slabs along it, for frames at these places.
 
     Parameters
     ----------
     matrices : (frames, 4, 4) float64 array, image_to_ijk
     layout : PixelLayout
-    size : (3,) array, voxels along i, j, k
+    bounds : (2, 3) array, along i, j, k
+        The first voxel of the part that counts, and the one after the last.
 
     Returns
     -------
@@ -36,5 +37,6 @@ def cut_into_slabs(matrices: Matrix, layout: PixelLayout, size: Numbers) -> tupl
     axis = int(np.argmax(down - along))
     corners = np.array([(x, y, 0, 1) for x in (left, right) for y in (top, bottom)], dtype=np.float64)
     reached = corners @ matrices[:, axis, :].T + 0.5
-    first, last = (float(np.clip(np.floor(end), 0, size[axis] - 1)) for end in (reached.min(), reached.max()))
-    return axis, np.unique(np.floor(np.linspace(max(first - 1, 0), min(last + 2, size[axis]), SLABS + 1)).astype(np.int64))
+    low, high = bounds[:, axis]
+    first, last = (float(np.clip(np.floor(end), low, high - 1)) for end in (reached.min(), reached.max()))
+    return axis, np.unique(np.floor(np.linspace(max(first - 1, low), min(last + 2, high), SLABS + 1)).astype(np.int64))

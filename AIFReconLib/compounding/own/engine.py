@@ -27,15 +27,25 @@ class OwnMethodEngine:
         Brightest value an image can hold, which shadows are judged by.
     bone : BoneOnGrid or None
         Needed by a method that looks at bone, and where the state keeps the best cosine.
+    planes : (first, stop) or None
+        The part of the grid that the state is of, and the bone; by default all of it, which a method that looks at bone needs.
     """
 
     name = "numpy"
     frames_at_once = 1
 
-    def __init__(self, state: VoxelState, grid_size: tuple[int, int, int], method: Method, maximum: float, bone: BoneOnGrid | None):
+    def __init__(
+        self,
+        state: VoxelState,
+        grid_size: tuple[int, int, int],
+        method: Method,
+        maximum: float,
+        bone: BoneOnGrid | None,
+        planes: tuple[int, int] | None = None,
+    ):
         self.state = state
         self.method = method
-        self._grid_size = grid_size
+        self._grid_size, self._planes = grid_size, planes
         self._maximum = maximum
         self._bone = bone
 
@@ -50,7 +60,7 @@ class OwnMethodEngine:
         return [self._insert(batch, place, layout, scan_lines) for place in range(len(batch))]
 
     def _insert(self, batch: FrameBatch, place: int, layout: PixelLayout, scan_lines: ScanLines | None) -> int:
-        pixels, voxels = layout.voxels(batch.image_to_ijk[place], self._grid_size)
+        pixels, voxels = layout.voxels(batch.image_to_ijk[place], self._grid_size, self._planes)
         if place in batch.measured:
             measured = layout.values(batch.measured[place])[pixels] > 0
             pixels, voxels = pixels[measured], voxels[measured]
@@ -111,8 +121,7 @@ class _Frame:
                 raise ValueError("Input scan_lines must be given for a method that looks at shadows; got None.")
             expected = None
             if self._bone is not None:
-                i, j, k = self._bone.probability.shape[::-1]
-                expected = self._scan_lines.expected(self._bone.probability.reshape(-1), (i, j, k), self._image_to_ijk)
+                expected = self._scan_lines.expected(self._bone.map_probability, self._bone.ijk_to_map @ self._image_to_ijk)
             self._evidence = self._scan_lines.evidence(self._layout.values(self._image), self._maximum, expected)
         return self._layout.filled(self._evidence.reach if name == "reach" else self._evidence.onset)
 

@@ -12,7 +12,7 @@ from ...arrays import Numbers
 from ...errors import FileFormatError, GeometryError, OutputError, VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
-from ..disk.atomic import atomic_outputs, check_writable
+from ..disk.atomic import atomic_output, atomic_outputs, check_writable
 from ..disk.header_pairs import check_pair_name, split_metaimage
 from ..disk.itk import itk_path, short_cause
 from ..disk.regular_files import file_stamp
@@ -23,6 +23,7 @@ from ..transform.files import read_transform, write_transform
 from .itk_images import to_sitk
 from .metafile_volumes import StoredVolume, read_metafile_volume
 from .nifti_payload import check_nifti
+from .nrrd_writer import type_name, write_nrrd
 
 __all__ = [
     "check_volume_path",
@@ -129,6 +130,10 @@ def write_volume(volume: Volume, path: str | Path) -> None:
     """
     path = Path(path)
     suffix = _writable_suffix(path)
+    if suffix == ".nrrd" and type_name(volume.array) is not None:
+        with atomic_output(path) as temporary:
+            write_nrrd(volume, temporary)
+        return
     try:
         image = to_sitk(volume)
     except GeometryError as error:

@@ -120,7 +120,7 @@ def test_of_two_echoes_of_a_scan_line_the_ct_decides_which_is_bone():
     lines = ScanLines(layout, LINEAR)
     for middle in (62, 92):
         probability = np.exp(-0.5 * ((np.arange(ROWS) - middle) / 6.0) ** 2).astype(np.float32)
-        expected = lines.expected(np.tile(probability[:, None], (1, COLUMNS)).reshape(-1), (COLUMNS, ROWS, 1), np.eye(4))
+        expected = lines.expected(np.tile(probability[:, None], (1, 1, COLUMNS)), np.eye(4))
         onset = lines.evidence(layout.values(image), 255.0, expected).onset.reshape(image.shape)
         found = np.flatnonzero(onset[:, 60])
         assert found.size
@@ -130,7 +130,7 @@ def test_of_two_echoes_of_a_scan_line_the_ct_decides_which_is_bone():
 def test_a_ct_makes_no_onset_where_no_shadow_begins():
     layout = PixelLayout.build((COLUMNS, ROWS), SPACING, ImageRegion(), LINEAR)
     lines = ScanLines(layout, LINEAR)
-    expected = lines.expected(np.ones(COLUMNS * ROWS, np.float32), (COLUMNS, ROWS, 1), np.eye(4))
+    expected = lines.expected(np.ones((1, ROWS, COLUMNS), np.float32), np.eye(4))
     assert lines.evidence(layout.values(tissue()), 255.0, expected).onset.mean() < 0.01
 
 
@@ -139,7 +139,7 @@ def test_what_the_ct_expects_is_read_where_the_frame_lies():
     lines = ScanLines(layout, LINEAR)
     place = np.eye(4)
     place[0, 3] = -10.0
-    expected = lines.expected(np.arange(COLUMNS * ROWS, dtype=np.float32), (COLUMNS, ROWS, 1), place)
+    expected = lines.expected(np.arange(COLUMNS * ROWS, dtype=np.float32).reshape(1, ROWS, COLUMNS), place)
     column, row = np.meshgrid(np.arange(0, COLUMNS, 2), np.arange(0, ROWS, 2))
     np.testing.assert_array_equal(expected, np.where(column >= 10, row * COLUMNS + column - 10, 0))
 

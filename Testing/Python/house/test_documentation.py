@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import ast
+import importlib
 import re
 import shutil
 import signal
@@ -11,7 +13,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from doc_pages import PAGES, REPOSITORY, ROOTS, Block, anchors, blocks, code_spans, emphasized, first_column, links, name_of, paths
+from doc_pages import PAGES, REPOSITORY, ROOTS, SOURCES, Block, anchors, blocks, code_spans, emphasized, first_column, links, name_of, paths
 from doc_workplace import make_workplace, serve
 
 from AIFReconLib.commands.parser import build_parser, main
@@ -203,6 +205,37 @@ def test_every_path_in_running_text_exists(page: Path):
     assert [path for path in paths(page) if not any((root / path).exists() for root in ROOTS)] == []
 
 
+def wrong_in_running_text(page: Path) -> list[str]:
+    """Commands, options, choices, make targets and paths that a page names and that do not exist."""
+    spans = code_spans(page)
+    options = {word for span in spans for word in re.findall(r"^--[a-z][a-z-]*", span)} - EVERY_OPTION
+    commands = [bad for span in spans if re.match(r"aifrecon [a-z]", span) for bad in unknown_options(span.split()[1:])]
+    made = {span.split()[1] for span in spans if re.match(r"make [a-z]", span)} - make_targets()
+    missing = [path for path in paths(page) if not any((root / path).exists() for root in ROOTS)]
+    return [*commands, *sorted(options), *sorted(made), *missing]
+
+
+def test_everything_that_docstrings_and_the_gallery_name_exists():
+    assert {name_of(source): wrong for source in SOURCES if (wrong := wrong_in_running_text(source))} == {}
+
+
+@pytest.mark.parametrize("source", [source for source in SOURCES if source.parent.name == "examples"], ids=name_of)
+def test_everything_that_the_gallery_imports_exists(source: Path):
+    for node in ast.walk(ast.parse(source.read_text("utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("AIFReconLib"):
+            module = importlib.import_module(node.module)
+            assert [alias.name for alias in node.names if not hasattr(module, alias.name)] == []
+
+
+def test_every_room_has_a_page_in_the_api_reference():
+    tree = ast.parse((REPOSITORY / "docs" / "site" / "api_pages.py").read_text("utf-8"))
+    [rooms] = [node.value for node in tree.body if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "ROOMS"]
+    listed = [word.value for word in ast.walk(rooms) if isinstance(word, ast.Constant)]
+    library = REPOSITORY / "AIFReconLib"
+    there = {path.stem for path in library.iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()} - {"__init__", "__main__"}
+    assert (sorted(listed), len(listed)) == (sorted(there), len(set(listed)))
+
+
 @pytest.mark.parametrize(("page", "head"), [(README, "Method"), (REPOSITORY / "docs" / "method.md", "")], ids=["README", "method"])
 def test_the_table_of_methods_is_complete(page, head):
     assert sorted(first_column(page, head)) == sorted(METHODS)
@@ -256,6 +289,12 @@ def test_a_command_over_several_lines_is_one(tmp_path):
 def test_what_a_command_prints_is_no_command(tmp_path):
     page = page_with(tmp_path, "```text\naifrecon reconstruct demo\n```\n")
     assert next(blocks(page)).commands() == []
+
+
+def test_what_a_docstring_names_is_seen(tmp_path):
+    source = tmp_path / "source.py"
+    source.write_text('def f():\n    """See `--no-such-option`, ``aifrecon reconstrut`` and `make nothing`."""\n', "utf-8")
+    assert wrong_in_running_text(source) == ["reconstrut", "--no-such-option", "nothing"]
 
 
 def test_links_and_anchors_are_seen(tmp_path):

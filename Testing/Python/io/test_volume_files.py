@@ -18,6 +18,7 @@ from AIFReconLib.errors import OutputError, TransformFileError, VolumeFormatErro
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.transform.files import read_transform, write_transform
+from AIFReconLib.io.volume import nrrd_writer
 from AIFReconLib.io.volume.files import read_label_names, read_labels, read_volume, write_volume
 
 SUFFIXES = (".nrrd", ".mha", ".mhd", ".nii", ".nii.gz")
@@ -136,12 +137,12 @@ def test_a_failure_of_simpleitk_is_an_output_error_and_leaves_nothing(tmp_path, 
         raise RuntimeError("Exception thrown in SimpleITK\nitk.cxx:1:\nITK ERROR: ImageIO(0x55): no space left")
 
     monkeypatch.setattr(sitk, "WriteImage", fail)
-    with pytest.raises(OutputError, match=r"volume\.nrrd: ImageIO: no space left\. Check"):
-        write_volume(noise_volume(), tmp_path / "volume.nrrd")
+    with pytest.raises(OutputError, match=r"volume\.mha: ImageIO: no space left\. Check"):
+        write_volume(noise_volume(), tmp_path / "volume.mha")
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("suffix", [suffix for suffix in SUFFIXES if suffix != ".nrrd"])
 def test_a_file_that_came_out_incomplete_does_not_get_its_name(tmp_path, monkeypatch, suffix):
     write = sitk.WriteImage
 
@@ -154,6 +155,22 @@ def test_a_file_that_came_out_incomplete_does_not_get_its_name(tmp_path, monkeyp
     with pytest.raises(OutputError, match="incomplete"):
         write_volume(noise_volume(), tmp_path / f"volume{suffix}")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("kind", ["u1", "i1", "i2", "u4", "f4", "f8"])
+def test_a_nrrd_has_the_header_and_the_voxels_of_the_one_that_simpleitk_writes(tmp_path, monkeypatch, kind):
+    monkeypatch.setattr(nrrd_writer, "BLOCK", 200)
+    whole = noise_volume(kind)
+    volume = Volume(whole.array[:, ::-1, ::2], whole.ijk_to_reference, {"AIFRecon_settings": '{"path": "a\\b"}', "AIFRecon_a": "1"})
+    image = volume.to_sitk()
+    for key, text in volume.fields.items():
+        image.SetMetaData(key, text)
+    sitk.WriteImage(image, str(tmp_path / "theirs.nrrd"), useCompression=True)
+    volume.write(tmp_path / "ours.nrrd")
+    ours, theirs = ((tmp_path / name).read_bytes().split(b"\n\n", 1) for name in ("ours.nrrd", "theirs.nrrd"))
+    assert ours[0] == theirs[0]
+    assert gzip.decompress(ours[1]) == gzip.decompress(theirs[1]) == volume.array.tobytes()
+    np.testing.assert_array_equal(sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / "ours.nrrd"))), volume.array)
 
 
 LIMITED = """

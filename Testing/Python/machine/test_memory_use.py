@@ -18,7 +18,8 @@ from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
 
 GRID = VoxelGrid.from_spacing((-24, -24, -24), (160, 160, 160), 0.3)
-PROMISED_BYTES_PER_VOXEL = 32
+PROMISED = {"average": 10, "latest": 7, "maximum": 7}
+"""Bytes a voxel of docs/performance.md; of the methods that read a bone map and here keep the cosine too: 32."""
 
 
 @pytest.fixture(scope="module")
@@ -35,16 +36,17 @@ def sequence():
 def test_a_reconstruction_stays_within_its_promised_memory(method, hole_limit, sequence):
     bone = sphere_bone() if method in BONE_METHODS else None
     settings = ReconstructionSettings(method=method, best_cosine=bone is not None, hole_limit=hole_limit)
+    how = {"probe": ProbeGeometry("linear"), "region": ImageRegion(), "beside": ()}
     # Compiling is done once and for all, and takes memory of its own
     small = VoxelGrid.from_spacing((-24, -24, -24), (8, 8, 8), 6.0)
-    reconstruct(sequence, settings, bone, small, probe=ProbeGeometry("linear"), region=ImageRegion())
+    reconstruct(sequence, settings, bone, small, **how)
     tracemalloc.start()
     try:
-        reconstruct(sequence, settings, bone, GRID, probe=ProbeGeometry("linear"), region=ImageRegion())
+        reconstruct(sequence, settings, bone, GRID, **how)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
     # Beside the voxels there are the frames and tables of one chunk, a few MB here
     per_voxel = (peak - 8e6) / GRID.voxels
-    assert per_voxel <= PROMISED_BYTES_PER_VOXEL
-    assert per_voxel <= 1.05 * bytes_per_voxel(method, bone is not None, bone is not None)
+    assert per_voxel <= PROMISED.get(method, 32)
+    assert per_voxel <= 1.05 * bytes_per_voxel(method, bone is not None, bone is not None, whole=True, beside=(), output=1)

@@ -15,7 +15,7 @@ MODULE = REPOSITORY / "AIFRecon"
 MODULE_FILES = sorted(MODULE.rglob("*.py"))
 UI = ElementTree.parse(MODULE / "Resources" / "UI" / "AIFRecon.ui").getroot()
 WIDGETS = {widget.get("name"): widget for widget in UI.iter("widget")}
-PASSIVE = {"QLabel", "qMRMLWidget", "ctkCollapsibleButton", "QWidget", "QFrame", "ctkCollapsibleGroupBox", "QProgressBar"}
+PASSIVE = {"QLabel", "qMRMLWidget", "ctkCollapsibleButton", "QWidget", "QFrame", "QTabWidget", "ctkCollapsibleGroupBox", "QProgressBar"}
 WITHIN_A_RECONSTRUCTION = (
     "imaging/beams", "bone/map", "imaging/detection", "imaging/extent", "machine/memory", "sweep/poses", "reconstruction", "resolve",
     "imaging/region", "geometry/transform_graph", "geometry/volume", "compounding/reconstructor", "io/plus/configuration",

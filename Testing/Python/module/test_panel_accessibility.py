@@ -18,7 +18,7 @@ import pytest
 REPOSITORY = Path(__file__).resolve().parents[3]
 MODULE = REPOSITORY / "AIFRecon"
 PROGRAM = REPOSITORY / "Testing" / "host" / "panel_looks.py"
-STATES = REPOSITORY / "AIFRecon" / "AIFReconGui" / "panel" / "livePanel.py"
+STATES = REPOSITORY / "AIFRecon" / "AIFReconGui" / "panel" / "signals.py"
 COLOR = re.compile(r"#[0-9a-fA-F]{6}\b|\brgba?\(|\bcolor:|QColor|setForeground|setPalette")
 
 
@@ -49,7 +49,10 @@ def found_dense():
     return looked("2")
 
 
-@pytest.mark.parametrize("look", ["without inputs", "light", "open", "large letters", "dark", "after a reconstruction"])
+@pytest.mark.parametrize(
+    "look",
+    ["without inputs", "light", "open", "large letters", "dark", "live", "live, large letters", "live, dark", "after a reconstruction"],
+)
 def test_no_text_is_cut_at_400_px(found, look):
     assert found["cut"][look] == []
 
@@ -59,24 +62,36 @@ def test_no_text_is_cut_on_a_dense_screen(found_dense):
     assert [cut for cuts in found_dense["cut"].values() for cut in cuts] == []
 
 
-@pytest.mark.parametrize("look", ["light", "dark"])
+@pytest.mark.parametrize("tab", ["recorded", "live"])
+def test_the_panel_of_a_newcomer_is_seen_whole_on_a_small_screen(found, tab):
+    assert 200 < found["newcomer"][tab] <= 700
+
+
+@pytest.mark.parametrize("look", ["light", "dark", "live", "live, dark"])
 def test_every_label_stands_out_from_what_is_behind_it(found, look):
     assert found["faint"][look] == []
 
 
 @pytest.mark.parametrize("path", sorted([*MODULE.rglob("*.py"), *MODULE.rglob("*.ui")]), ids=lambda path: path.name)
 def test_colors_are_left_to_the_palette(path):
-    """The tracking state alone has colors of its own, and brings its background along; volumes and models are no widgets."""
+    """The signs alone have colors of their own, and bring their background along; volumes and models are no widgets."""
     if path == STATES or "AIFReconScene" in path.parts:
         return
     assert COLOR.findall(path.read_text("utf-8")) == []
 
 
-def test_white_letters_stand_out_on_every_color_of_the_tracking_state():
-    colors = re.findall(r'"#([0-9a-f]{6})"', STATES.read_text("utf-8"))
-    assert len(colors) == 3
-    for color in colors:
-        assert 1.05 / (luminance(color) + 0.05) >= 4.5
+def test_letters_stand_out_on_every_sign_of_the_panel():
+    colors = re.findall(r'\("#([0-9a-f]{6})", "#([0-9a-f]{6})"\)', STATES.read_text("utf-8"))
+    assert len(colors) == 4
+    for pair in colors:
+        dark, light = sorted(map(luminance, pair))
+        assert (light + 0.05) / (dark + 0.05) >= 4.5
+
+
+def test_signs_differ_in_shape_and_word_and_not_in_color_alone():
+    shapes = re.findall(r"\\N\{([A-Z -]+)\}", STATES.read_text("utf-8"))
+    words = re.findall(r'_\("([a-z ]+)"\)', STATES.read_text("utf-8"))
+    assert len(set(shapes)) == len(set(words)) == 4
 
 
 def luminance(color: str) -> float:
@@ -103,7 +118,7 @@ def test_everything_that_tab_reaches_has_a_name_for_a_screen_reader(found):
     assert found["keyboard"]["unnamed"] == []
 
 
-def test_the_space_bar_on_apply_reconstructs(found):
+def test_the_space_bar_on_the_button_reconstructs(found):
     assert found["applied"]
 
 

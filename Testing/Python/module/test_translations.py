@@ -24,8 +24,10 @@ SOURCES = [*translations.python_files(translations.LIBRARY), *translations.pytho
 ERRORS = translations.error_classes()
 
 FORGOTTEN = {
-    "Reconstruct the volume": "a text of the module",
-    "Apply": "a string of the .ui file",
+    "Reconstruct the volume, and judge tracking, registration and coverage": "a text of the module",
+    "Settings": "a string of the .ui file",
+    "Recorded": "the title of a tab",
+    "{frames}, {speed:.0f} mm/s": "a verdict",
     "{usable} of {frames} frames can be placed.": "what is said of the sweep",
     "Reconstructing": "progress",
     "frames used": "the report",
@@ -81,6 +83,12 @@ def test_templates_name_the_values_that_they_are_given(path):
 
 
 @pytest.fixture(scope="module")
+def texts() -> translations.Texts:
+    """All texts by context."""
+    return translations.all_texts()
+
+
+@pytest.fixture(scope="module")
 def written(tmp_path_factory) -> Path:
     """The translators' file."""
     path = tmp_path_factory.mktemp("resources") / "Translations" / translations.TARGET.name
@@ -88,19 +96,19 @@ def written(tmp_path_factory) -> Path:
     return path
 
 
-def test_the_translators_file_holds_every_text(written):
+def test_the_translators_file_holds_every_text(written, texts):
     root = ElementTree.parse(written).getroot()
     read = {(context.findtext("name"), source.text) for context in root.iter("context") for source in context.iter("source")}
-    assert read == {(context, text) for context, texts in translations.all_texts().items() for text in texts}
+    assert read == {(context, text) for context, held in texts.items() for text in held}
 
 
-def test_qt_reads_the_translators_file(written):
+def test_qt_reads_the_translators_file(written, texts):
     pyside = pytest.importorskip("PySide6", reason="PySide6-Essentials is not installed: pip install '.[test]'")
     program = shutil.which("lrelease", path=Path(pyside.__file__).parent)
     if program is None:
         pytest.skip("this PySide6 has no lrelease")
     done = subprocess.run([program, written, "-qm", written.with_suffix(".qm")], capture_output=True, text=True, check=True)
-    count = sum(len(texts) for texts in translations.all_texts().values())
+    count = sum(map(len, texts.values()))
     assert f"{count} untranslated" in done.stdout
 
 
@@ -121,8 +129,8 @@ def test_translators_are_told_where_a_text_is(written):
         ("AIFReconLib", "waiting to reconnect"),
     ],
 )
-def test_texts_of_every_kind_are_found(context, text):
-    assert text in translations.all_texts()[context]
+def test_texts_of_every_kind_are_found(context, text, texts):
+    assert text in texts[context]
 
 
 @pytest.mark.parametrize("text", ["{path}: {problem}", " > ", "{share:.1f}%"])

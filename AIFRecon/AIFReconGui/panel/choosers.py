@@ -1,0 +1,227 @@
+"""Lists of the panel that parameterNodeWrapper has no connector for: check marks, methods, presets, and the box that lays itself."""
+
+from typing import Any
+
+import qt
+import slicer
+from AIFReconScene.inputs import boxes, presets
+from AIFReconScene.inputs.parameters import Method, Region, ownMethods
+from AIFReconScene.sweep.severalSweeps import furtherSweeps
+from slicer.i18n import tr as _
+
+
+class CheckableList:
+    """Items of a combo box, each with a check mark; hidden with its label where there are none.
+
+    Parameters
+    ----------
+    comboBox : ctkCheckableComboBox
+    label : QLabel
+    onChecked : callable
+        Called with the keys of the checked items when the user changes them.
+    """
+
+    def __init__(self, comboBox, label, onChecked):
+        self._comboBox = comboBox
+        self._label = label
+        self._onChecked = onChecked
+        self._updating = False
+        comboBox.connect("checkedIndexesChanged()", self._onIndexes)
+        self.show([], [])
+
+    def show(self, items, checked) -> None:
+        """Show items, as (key, name), and check those of these keys."""
+        self._updating = True
+        self._comboBox.clear()
+        for key, name in items:
+            self._comboBox.addItem(name, key)
+        for row, (key, _name) in enumerate(items):
+            self._comboBox.setCheckState(self._index(row), qt.Qt.Checked if key in checked else qt.Qt.Unchecked)
+        self._comboBox.visible = self._label.visible = bool(items)
+        self._updating = False
+
+    def _index(self, row: int):
+        return self._comboBox.model().index(row, self._comboBox.modelColumn)
+
+    def _onIndexes(self) -> None:
+        if not self._updating:
+            rows = [row for row in range(self._comboBox.count) if self._comboBox.checkState(self._index(row)) == qt.Qt.Checked]
+            self._onChecked([self._comboBox.itemData(row) for row in rows])
+
+
+class Follower:
+    """What follows the parameters beside the widgets that parameterNodeWrapper connects."""
+
+    _parameterNode: Any = None
+
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none."""
+        self._parameterNode = parameterNode
+
+
+class SweepsChooser(Follower):
+    """Shows the other sweeps of the scene that have frames which can be placed; those that are checked enter the volume too.
+
+    Parameters
+    ----------
+    comboBox : ctkCheckableComboBox
+    label : QLabel
+        Hidden with the list where there is no other sweep.
+    offered : callable
+        From the parameters to the sequence browsers that can be chosen.
+    """
+
+    def __init__(self, comboBox, label, offered):
+        self._offered = offered
+        self._list = CheckableList(comboBox, label, self._onChecked)
+        self._shown = None
+
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none."""
+        super().setParameterNode(parameterNode)
+        self._shown = None
+
+    def update(self) -> None:
+        """Show the sweeps that there are."""
+        chosen = [browser.GetID() for browser in furtherSweeps(self._parameterNode)]
+        shown = [(browser.GetID(), browser.GetName()) for browser in self._offered(self._parameterNode)], chosen
+        if shown != self._shown:
+            self._shown = shown
+            self._list.show(*shown)
+
+    def _onChecked(self, ids) -> None:
+        if self._parameterNode is not None:
+            self._shown = (self._shown[0], ids)
+            self._parameterNode.otherSweeps = [slicer.mrmlScene.GetNodeByID(each) for each in ids]
+
+
+class SegmentsChooser(Follower):
+    """Shows the segments of the chosen segmentation with check marks; none checked means all.
+
+    Parameters
+    ----------
+    comboBox : ctkCheckableComboBox
+    label : QLabel
+        Hidden with the list where the bone is no segmentation.
+    """
+
+    def __init__(self, comboBox, label):
+        self._list = CheckableList(comboBox, label, self._onChecked)
+        self._shown = None
+        self._boneID = None
+
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none."""
+        super().setParameterNode(parameterNode)
+        self._shown = self._boneID = None
+
+    def update(self) -> None:
+        """Show the segments that there are and which of them are chosen."""
+        bone = self._parameterNode.bone
+        segments = []
+        if bone is not None and bone.IsA("vtkMRMLSegmentationNode"):
+            segmentation = bone.GetSegmentation()
+            ids = [segmentation.GetNthSegmentID(number) for number in range(segmentation.GetNumberOfSegments())]
+            segments = [(segmentID, segmentation.GetSegment(segmentID).GetName()) for segmentID in ids]
+        chosen = self._stillThere(bone, [segmentID for segmentID, _name in segments])
+        if self._shown == (segments, chosen):
+            return
+        self._shown = (segments, chosen)
+        self._list.show(segments, chosen or [segmentID for segmentID, _name in segments])
+
+    def _stillThere(self, bone, present) -> list:
+        """The chosen segments. Those of another segmentation, which may have the same IDs, and removed ones are chosen no more."""
+        chosen = list(self._parameterNode.boneSegments)
+        kept = [segmentID for segmentID in chosen if segmentID in present]
+        boneID = bone.GetID() if bone is not None else None
+        if self._boneID is not None and boneID != self._boneID:
+            kept = []
+        self._boneID = boneID if boneID is not None else self._boneID
+        # A segmentation without segments may be one whose file is still to be read
+        if not present or kept == chosen:
+            return chosen
+        self._parameterNode.boneSegments = kept
+        return kept
+
+    def _onChecked(self, checked) -> None:
+        if self._parameterNode is None:
+            return
+        chosen = [] if len(checked) == len(self._shown[0]) else checked
+        # Nothing checked means all, so all are checked again
+        self._shown = (self._shown[0], chosen) if checked else None
+        self._parameterNode.boneSegments = chosen
+
+
+class MethodChooser(Follower):
+    """Keeps the list and two parameters alike: `method`, and `ownMethod`, which comes before it where it is not empty.
+
+    Parameters
+    ----------
+    comboBox : QComboBox
+    """
+
+    def __init__(self, comboBox):
+        self._comboBox = comboBox
+        self._own = None
+        self._updating = False
+        comboBox.connect("currentIndexChanged(int)", self._onChanged)
+
+    def update(self) -> None:
+        """Show the methods that there are, and which is chosen; one that a scene was saved with is shown even where it is not known."""
+        chosen, known = self._parameterNode.ownMethod, ownMethods()
+        own = (*known, *((chosen,) if chosen and chosen not in known else ()))
+        self._updating = True
+        if own != self._own:
+            self._own = own
+            self._comboBox.clear()
+            for label in (*(method.label() for method in Method), *own):
+                self._comboBox.addItem(label)
+        self._comboBox.currentIndex = len(Method) + own.index(chosen) if chosen else list(Method).index(self._parameterNode.method)
+        self._updating = False
+
+    def _onChanged(self, row: int) -> None:
+        if self._updating or self._parameterNode is None or row < 0:
+            return
+        if row < len(Method):
+            self._parameterNode.method = list(Method)[row]
+        self._parameterNode.ownMethod = "" if row < len(Method) else self._own[row - len(Method)]
+
+
+class PresetChooser(Follower):
+    """Sets many parameters at once, and says which preset they are now; "own settings" where they are none.
+
+    Parameters
+    ----------
+    comboBox : QComboBox
+    """
+
+    def __init__(self, comboBox):
+        self._comboBox = comboBox
+        self._updating = False
+        for label in (*(preset.label() for preset in presets.Preset), _("Own settings")):
+            comboBox.addItem(label)
+        comboBox.connect("currentIndexChanged(int)", self._onChosen)
+
+    def update(self) -> None:
+        """Show which preset the parameters are."""
+        known = presets.presetOf(self._parameterNode)
+        self._updating = True
+        self._comboBox.currentIndex = len(presets.Preset) if known is None else list(presets.Preset).index(known)
+        self._updating = False
+
+    def _onChosen(self, row: int) -> None:
+        if self._updating or self._parameterNode is None:
+            return
+        if row < len(presets.Preset):
+            presets.choose(self._parameterNode, list(presets.Preset)[row])
+        self.update()
+
+
+class BoxChooser(Follower):
+    """A new box is laid around the sweep or the CT as soon as it is chosen; one that has a place already stays as it is."""
+
+    def update(self) -> None:
+        """Lay the chosen box around what there is, if it is empty."""
+        parameters = self._parameterNode
+        if parameters.region == Region.BOX and parameters.roi is not None and boxes.isEmpty(parameters.roi):
+            boxes.layAround(parameters.roi, parameters)

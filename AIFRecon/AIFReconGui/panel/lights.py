@@ -1,0 +1,87 @@
+"""Three traffic lights below Reconstruct: tracking, registration and coverage, each with a verdict in words and what to do."""
+
+from html import escape
+
+import qt
+from AIFReconScene.background import Beside
+from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.registration.sweepVerdicts import COVERAGE, NAMES
+from slicer.i18n import tr as _
+
+from .choosers import Follower
+from .layout import say
+from .signals import signOf
+
+BEGUN_AFTER, LOOKED_EVERY = 300, 100
+"""ms: from a reconstruction until its coverage is looked at, which takes seconds beside everything else; and between two looks for it."""
+
+
+class Lights(Follower):
+    """Shows the verdicts of `SweepVerdicts`, and opens and closes what belongs to each.
+
+    Parameters
+    ----------
+    ui : namespace of the widgets in AIFRecon.ui
+    verdicts : SweepVerdicts
+    """
+
+    def __init__(self, ui, verdicts):
+        self._ui, self._verdicts = ui, verdicts
+        self._beside = Beside()
+        self._timer = qt.QTimer()
+        self._timer.connect("timeout()", self._look)
+        for name in NAMES:
+            button, details = getattr(ui, f"{name}MoreButton"), getattr(ui, f"{name}Details")
+            button.connect("toggled(bool)", details.setVisible)
+        ui.registrationMoreButton.connect("toggled(bool)", lambda checked: self.update())
+
+    def update(self) -> None:
+        """Show what is known of the chosen sweep and CT."""
+        if self._parameterNode is None:
+            return
+        shown = self._verdicts.of(self._parameterNode)
+        for name, verdict in shown.items():
+            known = name != COVERAGE or not (self._beside.isRunning or self._timer.isActive())
+            self._show(name, verdict.level.value, verdict.finding if known else _("being looked at ..."), verdict.advice if known else "")
+        # At hand where it is needed, and with the rest of its kind else
+        good = shown["registration"].level.value == "good"
+        button = self._ui.placeButton
+        button.visible = self._ui.registrationMoreButton.checked or (button.enabled and not good)
+
+    def lookBeside(self) -> None:
+        """Begin to look at the coverage of what was reconstructed, as soon as the panel is at rest."""
+        self.cancel()
+        self._timer.setInterval(BEGUN_AFTER)
+        self._timer.start()
+
+    def cancel(self) -> None:
+        """Look no further: the scene or the panel is being closed, or something else is done."""
+        self._timer.stop()
+        self._beside.cancel()
+
+    def _look(self) -> None:
+        if not self._beside.isRunning:
+            work = None if self._parameterNode is None else self._verdicts.coverageWork(self._parameterNode)
+            self._timer.setInterval(LOOKED_EVERY)
+            if work is None:
+                self._timer.stop()
+            else:
+                self._beside.begin(work)
+        else:
+            told = self._beside.take()
+            if told is None:
+                return
+            self._timer.stop()
+            self._verdicts.takeCoverage(told)
+        self.update()
+
+    def _show(self, name: str, level: str, finding, advice) -> None:
+        titles = {"tracking": _("Tracking"), "registration": _("Registration"), "coverage": _("Coverage")}
+        sign, label = getattr(self._ui, f"{name}SignalLabel"), getattr(self._ui, f"{name}VerdictLabel")
+        word, style = signOf(level)
+        if sign.text != word:
+            sign.text, sign.styleSheet = word, style
+        advised = f"<br>{escape(inPanelWords(advice))}" if advice else ""
+        text = f"<b>{escape(titles[name])}:</b> {escape(inPanelWords(finding))}{advised}"
+        if label.text != text:
+            say(label, text)

@@ -1,0 +1,172 @@
+"""The tab Recorded: what is opened, Reconstruct, the lights below it, and the settings."""
+
+import pathlib
+
+import qt
+import slicer
+from AIFReconScene.display.boneOutlines import BoneOutlines
+from AIFReconScene.inputs import readiness
+from AIFReconScene.inputs.parameters import fileFrom
+from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.sweep.fileKinds import OPENED
+from slicer.i18n import tr as _
+
+from AIFReconLib.message import shorten
+from AIFReconLib.progress import part
+
+from ..packages import offerSpeed
+from .choosers import BoxChooser, Follower, MethodChooser, PresetChooser, SegmentsChooser, SweepsChooser
+from .dependentWidgets import updateButtons, updateDependentWidgets
+from .layout import say
+from .lights import Lights
+from .pathField import PATHS, PathField
+from .reportPanel import ReportPanel
+
+FOLDER_SETTING = "AIFRecon/OpenFolder"
+
+LONGEST_NAMES = 40
+"""Letters of the names in the header of what has folded away."""
+
+
+class RecordedPanel(Follower):
+    """Connects the buttons of the tab to the logic, and lets everything follow the parameters.
+
+    Parameters
+    ----------
+    ui : namespace of the widgets in AIFRecon.ui
+    logic : AIFReconLogic
+    work : LongWork
+    refresh : callable
+        Called without arguments when something was done.
+    """
+
+    def __init__(self, ui, logic, work, refresh):
+        self._ui, self._logic, self._work, self._refresh = ui, logic, work, refresh
+        self._report = ""
+        self._wasComplete = False
+        ui.summaryLabel.visible = False
+        self.lights = Lights(ui, logic.verdicts)
+        self._followers = (
+            SweepsChooser(ui.otherSweepsComboBox, ui.otherSweepsLabel, logic.offeredSweeps),
+            SegmentsChooser(ui.segmentsComboBox, ui.segmentsLabel),
+            *(PathField(getattr(ui, f"{name}LineEdit"), name) for name in PATHS),
+            MethodChooser(ui.methodComboBox),
+            PresetChooser(ui.presetComboBox),
+            BoxChooser(),
+            BoneOutlines(),
+            ReportPanel(ui, logic.trackingReport),
+            self.lights,
+        )
+        for button, slot in (
+            (ui.openButton, self.onOpen),
+            (ui.sampleButton, self.onSample),
+            (ui.loadButton, self.onLoad),
+            (ui.applyButton, self.onReconstruct),
+            (ui.compareButton, self.onCompare),
+            (ui.singleViewButton, self.onSingleView),
+        ):
+            button.connect("clicked(bool)", slot)
+
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none."""
+        super().setParameterNode(parameterNode)
+        for follower in self._followers:
+            follower.setParameterNode(parameterNode)
+
+    def update(self, waits: str) -> None:
+        """Show what follows from the parameters; `waits` says why everything has to wait."""
+        parameters = self._parameterNode
+        for follower in self._followers:
+            follower.update()
+        updateDependentWidgets(self._ui, parameters, self._logic.describeSweep(parameters))
+        updateButtons(self._ui, self._logic, parameters, waits, self._report)
+        self._fold(parameters)
+
+    def close(self) -> None:
+        """The scene or the panel is being closed."""
+        self._report = ""
+        self._wasComplete = False
+        self.lights.cancel()
+        if self._ui.summaryLabel:  # destroyed: the application is being closed
+            self._ui.summaryLabel.visible = False
+            self._ui.inputsCollapsibleButton.collapsed = False
+
+    # ---- buttons
+
+    def onOpen(self) -> None:
+        """Ask for files and read them all, whatever they are."""
+        paths = self._ask()
+        if paths:
+            failure = _("Not everything could be opened.")
+            self._run(_("Opening"), failure, lambda parameters, progress: self._logic.openFiles(parameters, paths, progress))
+
+    def _ask(self) -> list:
+        """The files that the user chooses, in the folder where some were chosen before."""
+        asked = " ".join(f"*{suffix}" for suffix in OPENED)
+        words = _("Recordings, calibrations, CT, segmentations ({suffixes})").format(suffixes=asked)
+        folder = slicer.util.settingsValue(FOLDER_SETTING, "")
+        names = qt.QFileDialog.getOpenFileNames(self._ui.openButton, _("Open recording, CT, segmentation"), folder, words)
+        paths = [pathlib.Path(name) for name in names or ()]
+        if paths:
+            slicer.app.userSettings().setValue(FOLDER_SETTING, str(paths[0].parent))
+        return paths
+
+    def onSample(self) -> None:
+        """Make the simulated patient and reconstruct it."""
+        self._reconstruct(self._sample)
+
+    def onLoad(self) -> None:
+        """Read the recording."""
+        self._run(_("Load recording"), _("The recording could not be loaded."), self._logic.loadRecording)
+
+    def onReconstruct(self) -> None:
+        """Reconstruct."""
+        self._reconstruct(self._logic.apply)
+
+    def onCompare(self) -> None:
+        """Reconstruct with every method that is compared."""
+        self._run(_("Compare methods"), _("The methods could not be compared."), self._logic.compare)
+
+    def onSingleView(self) -> None:
+        """Go back from the comparison."""
+        self._logic.display.showOutput(self._parameterNode)
+
+    def _reconstruct(self, work) -> None:
+        def told(parameters, progress) -> str:
+            method, voxels, *notes = inPanelWords(work(parameters, progress=progress)).split("\n")
+            self._ui.summaryLabel.visible = True
+            say(self._ui.summaryLabel, f"{method}\n{voxels}")
+            return "\n".join((_("Done."), *notes))
+
+        self.lights.cancel()
+        self._run(_("Reconstruction"), _("The volume could not be reconstructed."), told)
+        self.lights.lookBeside()
+
+    def _sample(self, parameters, progress) -> str:
+        from ..sampleData import addPhantom
+
+        addPhantom(part(progress, 0.0, 0.6))
+        readiness.chooseDefaults(parameters)
+        return self._logic.apply(parameters, part(progress, 0.6, 1.0))
+
+    def _run(self, title: str, failure: str, work) -> None:
+        """Do long work with progress and cancel; its errors are shown, a cancel leaves the scene as it was."""
+        self._report = ""
+        offerSpeed()
+        try:
+            self._report = self._work.run(title, failure, work, self._parameterNode)
+        finally:
+            self._refresh()
+
+    # ---- what folds away
+
+    def _fold(self, parameters) -> None:
+        """Close what was chosen when all of it is there, and open it when nothing is: only then, for the user may want it otherwise."""
+        ui, fold = self._ui, self._ui.inputsCollapsibleButton
+        complete = parameters.sweep is not None and parameters.bone is not None
+        if complete != self._wasComplete:
+            self._wasComplete = complete
+            fold.collapsed = complete
+        names = ", ".join(node.GetName() for node in (parameters.sweep, parameters.ctVolume or parameters.bone) if node is not None)
+        fold.text = _("Sweep and CT: {names}").format(names=shorten(names, LONGEST_NAMES)) if names else _("Sweep and CT")
+        ui.sampleButton.visible = parameters.sweep is None and fileFrom(parameters.recordingPath) is None and not fold.collapsed

@@ -1,0 +1,47 @@
+"""Where a scanner's server answers: on this computer first, then where one has been before. Nobody else's computer is asked."""
+
+import socket
+
+LOCALHOST = "127.0.0.1"
+PORTS = (18944, 18945, 18946, 18947)
+"""That Plus gives to its servers, one after the other."""
+
+PATIENCE = 0.5
+"""s for an answer: a server in the next room takes some milliseconds."""
+
+MOST_REMEMBERED = 5
+
+
+def answering(remembered: list, progress=None):
+    """The first server that takes a connection, as (host, port); None where none does.
+
+    Parameters
+    ----------
+    remembered : list of (str, int)
+        Where servers have been.
+    progress : callable or None
+        False cancels, as everywhere.
+    """
+    from AIFReconLib.message import Message
+    from AIFReconLib.progress import report
+
+    servers = list(dict.fromkeys([*((LOCALHOST, port) for port in PORTS), *remembered]))
+    for number, (host, port) in enumerate(servers):
+        report(progress, number / len(servers), Message("Asking {host}, port {port}", host=host, port=port))
+        try:
+            socket.create_connection((host, port), PATIENCE).close()
+        except OSError:
+            continue
+        return host, port
+    return None
+
+
+def fromText(text: str) -> list:
+    """Servers that `asText` has written; what cannot be understood is left out."""
+    pairs = (each.rpartition(" ") for each in text.split(";"))
+    return [(host, int(port)) for host, _space, port in pairs if host and port.isdecimal()]
+
+
+def asText(servers: list) -> str:
+    """Servers as one line for the settings, the newest first."""
+    return ";".join(f"{host} {port}" for host, port in dict.fromkeys(servers[:MOST_REMEMBERED]))

@@ -1,0 +1,85 @@
+"""A box too large for the memory is worked in parts: slabs of whole planes, each with the voxels that it has in the whole."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ...geometry.volume import VoxelGrid
+from ...machine.memory import LARGEST_GRID, MAXIMUM_VOXELS, SAFETY, available_memory, require_memory
+
+PART_OF_FREE = 0.75
+"""Of the free memory, what a reconstruction takes where nobody says."""
+
+Planes = tuple[int, int]
+"""First plane [k], and the one after the last."""
+
+
+@dataclass(frozen=True)
+class Costs:
+    """What a reconstruction takes, bytes per voxel.
+
+    Parameters
+    ----------
+    whole : int
+        Worked in one part, at its peak.
+    results : int
+        Of the whole box, when worked in parts.
+    part : int
+        Of a part beside that.
+    parts : bool
+        Whether it can be worked in parts.
+    """
+
+    whole: int
+    results: int
+    part: int
+    parts: bool = True
+
+
+def cut_into_parts(grid: VoxelGrid, costs: Costs, memory: int | None = None) -> list[Planes]:
+    """The parts in which to work a box: one where it fits, else as few as do, alike in size.
+
+    Parameters
+    ----------
+    grid : VoxelGrid
+    costs : Costs
+    memory : int or None
+        Bytes to stay within; by default `PART_OF_FREE` of what is free.
+
+    Raises
+    ------
+    InsufficientMemoryError
+        When the results and one plane do not fit.
+    """
+    if memory is None:
+        free = available_memory()
+        memory = None if free is None else int(PART_OF_FREE * free)
+    planes, plane = grid.size[2], grid.size[0] * grid.size[1]
+    most = MAXIMUM_VOXELS // plane
+    if (memory is None or grid.voxels * costs.whole <= memory) and planes <= most:
+        return [(0, planes)]
+    usable = None if memory is None else round(memory / SAFETY)
+    if not costs.parts or most < 1:
+        require_memory(grid.size, grid.spacing, costs.whole, usable)
+    if memory is not None:
+        most = min((memory - grid.voxels * costs.results) // (plane * costs.part), most)
+    if most < 1:
+        # What one plane takes beside the results, as if all planes did
+        require_memory(grid.size, grid.spacing, costs.results + math.ceil(costs.part / planes), usable, most=LARGEST_GRID)
+    count = math.ceil(planes / max(most, 1))
+    return [(number * planes // count, (number + 1) * planes // count) for number in range(count)]
+
+
+def frames_of(planes: Planes, reached: Mapping[int, Planes]) -> frozenset[int]:
+    """Numbers of the frames that may have a pixel in these planes.
+
+    Parameters
+    ----------
+    planes : (first, stop)
+    reached : mapping of int to (lowest, highest)
+        Planes that each frame reaches, as a reconstruction of the first part notes them.
+    """
+    first, stop = planes
+    return frozenset(number for number, (low, high) in reached.items() if low < stop and high >= first)

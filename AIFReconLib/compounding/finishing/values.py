@@ -1,0 +1,83 @@
+"""What was remembered of voxels becomes their values; untouched memory stays untouched."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Bytes, Numbers
+from ...machine.threads import in_parts, optional_module, usable_cores
+from ..state import VoxelState
+
+AT_ONCE = 2**16
+"""Voxels that numpy finishes at a time: what lies between state and result stays in the cache."""
+
+PARTS = 64
+"""Parts that threads take."""
+
+
+def finish_values(state: VoxelState, intensity: Numbers, mask: Bytes, *, engine: str = "auto", threads: int | None = None) -> None:
+    """Write the values of a state, and 1 where there is one, wherever a pixel entered.
+
+    Parameters
+    ----------
+    state : VoxelState
+    intensity : (voxels,) uint8 or float32 array
+        0 elsewhere, or the state's own values. Gray levels of 8 bits are rounded, halves up.
+    mask : (voxels,) uint8 array
+        0 elsewhere.
+    engine : "auto", "numpy" or "numba"
+        Who does it; the values are the same.
+    threads : int or None
+        How many numba uses; by default every core.
+    """
+    to_8_bit = intensity.dtype == np.uint8
+    compiled = None if engine == "numpy" else optional_module("AIFReconLib.compounding.compiled.numba_finish")
+    voxels = len(intensity)
+    if compiled is None:
+        for start in range(0, voxels, AT_ONCE):
+            _finish(state, start, min(start + AT_ONCE, voxels), intensity, mask, to_8_bit)
+        return
+    divisor = divisor_of(state)
+
+    def finish(part: int) -> None:
+        start, stop = part * voxels // PARTS, (part + 1) * voxels // PARTS
+        if state.packed:
+            compiled.finish_packed(state.value, start, stop, to_8_bit, intensity, mask)
+        elif divisor is not None:
+            compiled.finish_quotients(state.value, divisor, state.hits, start, stop, to_8_bit, intensity, mask)
+        else:
+            compiled.finish_values(state.value, state.hits, start, stop, to_8_bit, intensity, mask)
+
+    in_parts(finish, PARTS, threads or usable_cores())
+
+
+def divisor_of(state: VoxelState) -> Numbers | None:
+    """What the values of a state are divided by; None where they stand as they are, or are packed with it."""
+    if state.packed or (state.method != "weighted" and state.value.dtype != np.float64):
+        return None
+    return state.hits if state.weight is None else state.weight
+
+
+def _finish(state: VoxelState, start: int, stop: int, intensity: Numbers, mask: Bytes, to_8_bit: bool) -> None:
+    part = slice(start, stop)
+    sums: Numbers
+    hits: NDArray[np.uint32]
+    sums, hits = state.value[part], state.hits[part]
+    divisor = divisor_of(state)
+    if state.packed:
+        sums, hits = (half[part] for half in state.halves())
+        divisor = hits
+    elif divisor is not None:
+        divisor = divisor[part]
+    met = np.flatnonzero(hits)
+    if not met.size:
+        return
+    # Where next to nothing is empty, numpy is faster with all
+    at = slice(None) if met.size == stop - start else met
+    values = sums[at] if divisor is None else np.true_divide(sums[at], divisor[at])
+    values = values.astype(np.float32)
+    if to_8_bit:
+        np.floor(np.clip(values, 0.0, 255.0, out=values) + np.float32(0.5), out=values)
+    intensity[part][at] = values
+    mask[part][at] = 1

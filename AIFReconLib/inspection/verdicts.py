@@ -1,0 +1,146 @@
+"""Three verdicts on a sweep, each in a few words with what to do: was it tracked, does the CT lie on it, was the bone met."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..message import Message, listed
+from ..registration.agreement import ENOUGH, LARGEST_MEDIAN, Agreement
+from ..registration.echoes import FEWEST
+from .tracking_report import TrackingReport
+
+MOST_FRAMES, FEW_FRAMES = 0.9, 0.5
+"""Shares of the frames that were used. With one in ten missing a sweep is whole where its frames overlap; with half of them gone
+what is reconstructed is not what was scanned, and nobody knows what lay in between."""
+
+FAST = 60.0
+"""mm/s, of the probe in the median. A lumbar sweep moves at 10 to 60; at 20 frames per second, 60 leaves 3 mm from frame to frame, the
+thickness of the beam, so that beyond it there is bone that no beam crosses. A pose that comes 30 ms late is 2 mm off then."""
+
+MANY_JUMPS = 0.02
+"""Share of the frames before which the pose jumps. One jump is a marker that was seen wrongly once; one in fifty frames and more is a
+tracker that cannot be believed."""
+
+COVERED, BARELY_COVERED = 0.6, 0.3
+"""Share of what faces the back of a vertebra that is expected to show. Simulated sweeps from nine angles show 67% to 80% of the vertebrae
+that they pass over with 144 to 480 frames and 44% to 48% with 72; where they end, 30% to 56%."""
+
+REACHED = 0.1
+"""Share of a vertebra that was met at all, from which on it counts as scanned: the CT may show others, which nobody looked at."""
+
+
+class Level(enum.Enum):
+    """How good something is; the panel has a sign and a color for each."""
+
+    GOOD = "good"
+    LOOK = "look"
+    POOR = "poor"
+    UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is to be thought of a sweep in one respect.
+
+    Parameters
+    ----------
+    level : Level
+    finding : str
+        What was found, with the number that decides.
+    advice : str
+        What to do; empty where nothing is.
+    """
+
+    level: Level
+    finding: str
+    advice: str = ""
+
+
+def unknown(why: str) -> Verdict:
+    """Nothing can be said, for the reason `why`."""
+    return Verdict(Level.UNKNOWN, why)
+
+
+def tracking_verdict(report: TrackingReport) -> Verdict:
+    """Whether the tracker saw the probe all the way, without jumps, and slow enough."""
+    frames = Message("{used} of {frames} frames", used=report.used, frames=report.frames)
+    share = report.used / max(report.frames, 1)
+    jumps = len(report.jumps)
+    if not report.used:
+        advice = Message("Check that the tracker sees the probe, and that the calibration belongs to it.")
+        return Verdict(Level.POOR, Message("no frame can be placed"), advice)
+    if jumps >= max(2, MANY_JUMPS * report.frames):
+        return Verdict(
+            Level.POOR,
+            Message("{frames}; the pose jumps {count} times", frames=frames, count=jumps),
+            Message("Fasten the markers, clear the tracker's view, and scan again."),
+        )
+    if share < FEW_FRAMES:
+        return Verdict(Level.POOR, frames, Message("Keep the markers in the tracker's view, and scan again."))
+    if jumps:
+        advice = Message("Look at the picture there: a marker was seen wrongly, or bumped.")
+        found = Message("{frames}; the pose jumps once, after frame {frame}", frames=frames, frame=report.jumps[0].before)
+        return Verdict(Level.LOOK, found, advice)
+    if share < MOST_FRAMES:
+        return Verdict(Level.LOOK, frames, Message("Keep the markers in the tracker's view; parts of the sweep are missing."))
+    if report.median_speed is None:
+        return Verdict(Level.GOOD, frames)
+    found = Message("{frames}, {speed:.0f} mm/s", frames=frames, speed=report.median_speed)
+    if report.median_speed > FAST:
+        return Verdict(Level.LOOK, found, Message("Move the probe more slowly: {fast:.0f} mm/s at most.", fast=FAST))
+    return Verdict(Level.GOOD, found)
+
+
+def registration_verdict(agreement: Agreement, names: Mapping[int, str] | None = None) -> Verdict:
+    """Whether the bone of the CT lies on the bone that the sweep shows, by the rule that registrations are accepted by.
+
+    Parameters
+    ----------
+    agreement : Agreement
+    names : mapping of int to str, optional
+        What the labels are called.
+    """
+    if agreement.echoes + agreement.elsewhere < FEWEST:
+        return unknown(Message("the sweep shows too little bone to compare"))
+    place = Message("Place the CT on the sweep before you believe the picture.")
+    if not agreement.echoes:
+        return Verdict(Level.POOR, Message("no bone of the CT is near the bone of the sweep"), place)
+    found = Message("{share:.0%} of the echoes, {median:.1f} mm", share=agreement.share, median=agreement.median_distance)
+    if agreement.enough:
+        return Verdict(Level.GOOD, Message("CT agrees: {found}", found=found))
+    if agreement.share >= ENOUGH and agreement.median_distance <= LARGEST_MEDIAN:
+        bones = listed([(names or {}).get(label, str(label)) for label in agreement.disagreeing_labels])
+        return Verdict(
+            Level.LOOK,
+            Message("CT agrees but for {bones}: {found}", bones=bones, found=found),
+            Message("Do not believe the picture there: the spine has bent, or the CT is a level off."),
+        )
+    return Verdict(Level.POOR, Message("CT does not agree: {found}", found=found), place)
+
+
+def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move: str = "") -> Verdict:
+    """How much of the vertebrae that were scanned is expected to show.
+
+    Parameters
+    ----------
+    shown : mapping of str to float
+        By the name of a vertebra, the share of what can be reached that is expected to show, 0 to 1; NaN: nothing can be reached.
+    met : mapping of str to float
+        By the same names, the share that any beam met.
+    move : str
+        Where to move the probe next, if that is known.
+    """
+    scanned = {name: share for name, share in shown.items() if met[name] >= REACHED and share == share}
+    if not scanned:
+        return Verdict(
+            Level.POOR, Message("the sweep has met no bone of the CT"), Message("Scan over the bone, or place the CT on the sweep.")
+        )
+    found = listed([Message("{name} {share:.0%}", name=name, share=share) for name, share in scanned.items()])
+    least = min(scanned.values())
+    if least >= COVERED:
+        return Verdict(Level.GOOD, found)
+    name = min(scanned, key=scanned.__getitem__)
+    again = move or Message("Scan {name} again, from other angles.", name=name)
+    return Verdict(Level.LOOK if least >= BARELY_COVERED else Level.POOR, found, again)

@@ -1,0 +1,167 @@
+"""A box worked in parts has the voxels of the box worked as a whole, to the last bit, and keeps within the memory that it is given."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from sweeps import oblique_frames, sphere_bone, turned_grid
+
+from AIFReconLib import reconstruction
+from AIFReconLib.compounding.finishing.parts import Costs, cut_into_parts
+from AIFReconLib.errors import InsufficientMemoryError
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.holes.filling import KINDS, HoleFilling
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
+from AIFReconLib.machine.threads import optional_module
+from AIFReconLib.settings import LINEAR_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.sweep.frames import TrackedSequence
+
+ENGINES = ("numpy", "numba") if optional_module("AIFReconLib.compounding.compiled.numba_engine") else ("numpy",)
+REGION = ImageRegion(ClipRectangle((1, 2), (31, 22)))
+PLANES = 9
+VOLUMES = ("intensity", "mask", "score", "hits", "cosine")
+
+
+def sequence(seed, dtype=np.uint8, spread=3.0):
+    """A few frames, some of which miss the volume, or most of it."""
+    frames = oblique_frames(seed, count=6, dtype=dtype)
+    poses = np.stack([frame.image_to_reference for frame in frames])
+    poses[:, :3, 3] += np.random.default_rng(seed).normal(0, spread, (6, 3))
+    poses[4, :3, 3] += 500.0
+    return TrackedSequence.from_arrays(np.stack([frame.image for frame in frames]), poses)
+
+
+def volumes_of(sweep, wanted, grid, cuts, monkeypatch, holes=(), **more):
+    """All volumes, which frames were left out and what is said, of a box that is cut at these planes."""
+    edges = [0, *sorted({cut for cut in cuts if 0 < cut < grid.size[2]}), grid.size[2]]
+    with monkeypatch.context() as patched:
+        patched.setattr(reconstruction, "cut_into_parts", lambda *_: list(itertools.pairwise(edges)))
+        if holes:
+            found = reconstruction.reconstructor_parts
+            patched.setattr(reconstruction, "reconstructor_parts", lambda *given: _with_holes(found(*given), holes))
+        result = reconstruction.reconstruct(
+            sweep, wanted, sphere_bone(), grid, region=REGION, probe=ProbeGeometry("sector", (16.0, -6.0)), **more
+        )
+    arrays = [None if (volume := getattr(result, name)) is None else volume.array for name in VOLUMES]
+    return arrays, (result.skipped, result.frames_inserted, result.said, result.hole_limit)
+
+
+def _with_holes(parts, holes):
+    object.__setattr__(parts, "holes", holes)
+    return parts
+
+
+def assert_same(ours, theirs):
+    for one, other in zip(ours[0], theirs[0], strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert ours[1] == theirs[1]
+
+
+@settings(max_examples=12, deadline=None)
+@given(
+    method=st.sampled_from(METHODS),
+    engine=st.sampled_from(ENGINES),
+    seed=st.integers(0, 10_000),
+    turn=st.tuples(*[st.floats(-180, 180)] * 3),
+    size=st.tuples(st.integers(1, 12), st.integers(1, 12)),
+    cuts=st.lists(st.integers(1, PLANES - 1), min_size=1, max_size=PLANES - 1),
+    output=st.sampled_from(["uint8", "float32"]),
+    hole_limit=st.sampled_from([0.0, 2.5, "auto"]),
+    linear=st.booleans(),
+    dtype=st.sampled_from([np.uint8, np.float32]),
+)
+@example("weighted", ENGINES[-1], 3, (0.0, 0.0, 0.0), (12, 12), list(range(1, PLANES)), "uint8", "auto", False, np.uint8)
+@example("average", ENGINES[-1], 4, (20.0, 30.0, 0.0), (12, 12), [1, 4], "uint8", 2.5, True, np.uint8)
+def test_parts_have_the_voxels_of_the_whole(method, engine, seed, turn, size, cuts, output, hole_limit, linear, dtype):
+    interpolation = "linear" if linear and method in LINEAR_METHODS else "nearest"
+    wanted = ReconstructionSettings(
+        method=method,
+        engine=engine,
+        output_type=output,
+        hole_limit=hole_limit,
+        interpolation=interpolation,
+        best_cosine=interpolation == "nearest",
+    )
+    sweep, grid = sequence(seed, dtype), turned_grid((0.9, 1.1, 1.3), (*size, PLANES), turn)
+    with pytest.MonkeyPatch.context() as patch:
+        try:
+            whole = volumes_of(sweep, wanted, grid, [], patch)
+        except reconstruction.NoUsableFramesError:
+            with pytest.raises(reconstruction.NoUsableFramesError):
+                volumes_of(sweep, wanted, grid, cuts, patch)
+            return
+        assert_same(volumes_of(sweep, wanted, grid, cuts, patch), whole)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_holes_filled_as_plus_does_it_are_those_of_the_whole_too(kind, monkeypatch):
+    holes, wanted = (HoleFilling(kind, 5),), ReconstructionSettings(method="average", hole_limit=0.0)
+    sweep, grid = sequence(5), turned_grid(size=(12, 11, PLANES))
+    whole = volumes_of(sweep, wanted, grid, [], monkeypatch, holes)
+    assert (whole[0][1] == 2).any()
+    assert_same(volumes_of(sweep, wanted, grid, [2, 3, 7], monkeypatch, holes), whole)
+
+
+@pytest.mark.parametrize("settings", [{"speed_of_sound": 1480.0}, {"pixel_rejection": 90.0}], ids=["moved", "rejected"])
+def test_pixels_that_move_or_are_left_out_do_so_in_parts(settings, monkeypatch):
+    wanted = ReconstructionSettings(method="average", **settings)
+    sweep, grid = sequence(6), turned_grid(size=(12, 11, PLANES))
+    whole = volumes_of(sweep, wanted, grid, [], monkeypatch)
+    assert_same(volumes_of(sweep, wanted, grid, [1, 5], monkeypatch), whole)
+
+
+def test_only_what_was_asked_for_is_made(monkeypatch):
+    sweep, grid = sequence(7), turned_grid(size=(12, 11, PLANES))
+    wanted = ReconstructionSettings(method="average")
+    everything = volumes_of(sweep, wanted, grid, [], monkeypatch)[0]
+    for cuts in ([], [3, 4]):
+        made = volumes_of(sweep, wanted, grid, cuts, monkeypatch, beside=())[0]
+        assert made[2:4] == [None, None]
+        np.testing.assert_array_equal(made[0], everything[0])
+
+
+COSTS = Costs(whole=28, results=2, part=28)
+
+
+@settings(max_examples=60, deadline=None)
+@given(size=st.tuples(*[st.integers(1, 400)] * 3), memory=st.integers(1, 10**9))
+def test_parts_lie_side_by_side_and_keep_within_the_memory(size, memory):
+    grid = VoxelGrid(size, np.eye(4))
+    try:
+        parts = cut_into_parts(grid, COSTS, memory)
+    except InsufficientMemoryError:
+        assert memory < math.prod(size) * COSTS.results + size[0] * size[1] * COSTS.part
+        return
+    assert [0, *(stop for _, stop in parts)] == [*(first for first, _ in parts), size[2]]
+    largest = size[0] * size[1] * max(stop - first for first, stop in parts)
+    assert len(parts) == 1 or math.prod(size) * COSTS.results + largest * COSTS.part <= memory
+    assert (len(parts) == 1) == (math.prod(size) * COSTS.whole <= memory)
+
+
+def test_a_box_of_more_voxels_than_can_be_numbered_is_worked_in_parts():
+    parts = cut_into_parts(VoxelGrid((2001, 1501, 751), np.eye(4)), COSTS, 10**12)
+    assert len(parts) == 2
+
+
+def test_a_method_of_ones_own_that_looks_at_bone_is_not_cut():
+    with pytest.raises(InsufficientMemoryError, match="needs 28"):
+        cut_into_parts(VoxelGrid((100, 100, 100), np.eye(4)), Costs(28, 2, 28, parts=False), 10**7)
+
+
+def test_a_reconstruction_keeps_within_the_memory_that_it_is_given(monkeypatch):
+    asked = []
+    found = reconstruction.cut_into_parts
+    monkeypatch.setattr(reconstruction, "cut_into_parts", lambda *given: asked.append(found(*given)) or asked[-1])
+    sweep, grid = sequence(8), turned_grid(size=(12, 11, PLANES))
+    wanted = ReconstructionSettings(method="weighted")
+    bone = {"bone": sphere_bone(), "grid": grid, "region": REGION, "probe": ProbeGeometry("linear")}
+    little = reconstruction.reconstruct(sweep, wanted, **bone, beside=(), memory=2 * grid.voxels + 3 * 28 * 12 * 11)
+    plenty = reconstruction.reconstruct(sweep, wanted, **bone)
+    assert [len(parts) for parts in asked] == [3, 1]
+    np.testing.assert_array_equal(little.intensity.array, plenty.intensity.array)

@@ -1,0 +1,139 @@
+"""Releases, Slicer's extension index and the workflows, as far as they can be tested where the repository has no address."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(REPOSITORY / "Testing"))
+
+from release import extension_index, notes  # noqa: E402
+
+HOMEPAGE = "https://github.com/somebody/SlicerAIFRecon"
+PROJECT = (REPOSITORY / "pyproject.toml").read_text("utf-8")
+CMAKE = (REPOSITORY / "CMakeLists.txt").read_text("utf-8")
+WORKFLOWS = sorted((REPOSITORY / ".github" / "workflows").glob("*.yml"))
+
+
+@pytest.fixture(scope="module")
+def published(tmp_path_factory):
+    """A copy of what the script reads, with an address."""
+    folder = tmp_path_factory.mktemp("published") / "SlicerAIFRecon"
+    for name in [*extension_index.EDITS, "LICENSE", extension_index.ICON]:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(REPOSITORY / name, folder / name)
+    shutil.copytree(REPOSITORY / "Resources" / "Screenshots" / "application", folder / "Resources" / "Screenshots" / "application")
+    try:
+        subprocess.run(["git", "init", "--quiet"], cwd=folder, check=True)
+    except OSError:
+        pytest.skip("git is not installed")
+    assert extension_index.main(["--homepage", HOMEPAGE], folder) == 0
+    return folder
+
+
+def extras() -> dict[str, str]:
+    """What pyproject.toml lists under each extra."""
+    table = re.search(r"^\[project\.optional-dependencies\]\n(.*?)^\[", PROJECT, re.DOTALL | re.MULTILINE)
+    assert table
+    return dict(re.findall(r"^(\w+) = \[(.*?)\]$", table.group(1), re.DOTALL | re.MULTILINE))
+
+
+# ---- the notes of a release
+
+
+def test_the_notes_of_a_version_end_where_those_of_the_one_before_begin():
+    new = "## 1.1.0 (2026-01-01)\n\n- [some](docs/some.md) and [far](https://a.b)\n\n"
+    changelog = f"# Changelog\n\n## Unreleased\n\n- newer\n\n{new}## 1.0.0\n\n- first\n"
+    assert notes.notes_of(changelog, "1.1.0") == "- some and [far](https://a.b)"
+
+
+@pytest.mark.parametrize("heading", ["1.2.0", "1.1", "Unreleased"])
+def test_a_version_without_notes_is_refused(heading):
+    with pytest.raises(LookupError, match="Unreleased"):
+        notes.notes_of("## Unreleased\n\n## 1.1.0\n\n- new\n", heading)
+
+
+def test_a_tag_that_is_not_the_version_is_refused(capsys):
+    assert notes.main(["v99.0.0"]) == 1
+    assert "v99.0.0 is not that of this version" in capsys.readouterr().err
+
+
+# ---- the extension index
+
+
+def test_nothing_that_the_index_asks_is_wrong_here():
+    assert [rule.asks for rule in extension_index.rules(extension_index.extension_of(CMAKE)) if rule.met is False] == []
+
+
+def test_one_address_is_all_that_publishing_needs(published):
+    extension = extension_index.extension_of((published / "CMakeLists.txt").read_text("utf-8"))
+    assert [rule.asks for rule in extension_index.rules(extension, published) if not rule.met] == []
+
+
+def test_the_addresses_of_pictures_lead_to_files_of_the_repository(published):
+    extension = extension_index.extension_of((published / "CMakeLists.txt").read_text("utf-8"))
+    raw = "https://raw.githubusercontent.com/somebody/SlicerAIFRecon/main/"
+    addresses = [extension["EXTENSION_ICONURL"], *extension["EXTENSION_SCREENSHOTURLS"].split()]
+    assert [address for address in addresses if not (REPOSITORY / address.removeprefix(raw)).is_file()] == []
+
+
+@pytest.mark.parametrize("name", ["pyproject.toml", "CITATION.cff"])
+def test_the_address_is_written_once_however_often_it_is_given(published, name):
+    edit, once = extension_index.EDITS[name], (published / name).read_text("utf-8")
+    assert HOMEPAGE in once
+    assert edit(once, HOMEPAGE) == once
+
+
+def test_an_address_that_does_not_follow_is_seen():
+    extension = extension_index.extension_of(extension_index.published(CMAKE, HOMEPAGE))
+    extension["EXTENSION_ICONURL"] = "${EXTENSION_HOMEPAGE}/icon.png"
+    assert [rule.asks for rule in extension_index.rules(extension) if rule.met is False] == [
+        "every address follows from that of the repository"
+    ]
+
+
+def test_a_repository_of_another_name_is_seen():
+    extension = extension_index.extension_of(extension_index.published(CMAKE, "https://github.com/somebody/AIFRecon"))
+    assert [rule.asks for rule in extension_index.rules(extension) if rule.met is False] == ["the repository's name begins with Slicer"]
+
+
+def test_what_is_submitted_has_only_what_the_schema_knows():
+    known = {"$schema", "build_dependencies", "build_subdirectory", "category", "scm_revision", "scm_url", "tier"}
+    assert set(extension_index.entry(extension_index.extension_of(CMAKE))) <= known
+
+
+# ---- extras
+
+
+def test_all_extras_that_users_want_are_in_all():
+    for_developers = {"all", "test", "fuzz", "lint", "docs", "release"}
+    [listed] = re.findall(r'"aifrecon\[([\w,]+)\]"', extras()["all"])
+    assert set(listed.split(",")) == set(extras()) - for_developers
+
+
+# ---- workflows
+
+
+@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.name)
+def test_a_workflow_says_that_it_has_not_run(path):
+    assert re.search(r"not run", path.read_text("utf-8").split("name:")[0])
+
+
+@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.name)
+def test_a_workflow_may_only_read_unless_a_job_asks_for_more(path):
+    assert re.search(r"^permissions:\n  contents: read\n", path.read_text("utf-8"), re.MULTILINE)
+
+
+@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.name)
+def test_what_a_workflow_calls_exists(path):
+    text = path.read_text("utf-8")
+    targets = set(re.findall(r"^([a-z][\w-]*):", (REPOSITORY / "Makefile").read_text("utf-8"), re.MULTILINE))
+    assert set(re.findall(r"\bmake ([a-z-]+)", text)) - targets == set()
+    assert [name for name in re.findall(r"(?:Testing|docs)/[\w/.-]+\.\w+", text) if not (REPOSITORY / name).exists()] == []
+    assert set(re.findall(r"\.\[(\w+)\]", text)) - set(extras()) == set()

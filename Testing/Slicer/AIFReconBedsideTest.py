@@ -1,0 +1,195 @@
+"""Self tests of what stands at the bedside: how many clicks a picture takes, the three lights, presets, and scenes of the older panel."""
+
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+from AIFReconLiveTest import waitFor
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+
+class AIFReconBedsideTest(unittest.TestCase):
+    """The panel as somebody meets it who has never seen it."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        self.ui.tabWidget.currentIndex = 0
+        self.clicks = 0
+
+    def tearDown(self):
+        slicer.mrmlScene.Clear()
+
+    def click(self, button):
+        """Click what can be seen and pressed, and count."""
+        self.assertTrue(button.enabled, f"{button.text}: {button.toolTip}")
+        self.assertTrue(button.isVisibleTo(self.widget.parent), button.text)
+        self.clicks += 1
+        button.click()
+
+    def assertPicture(self):
+        """There is a volume with something in it, and the views show it."""
+        output = self.parameters.output
+        self.assertIsNotNone(output, self.ui.statusLabel.text)
+        self.assertTrue(slicer.util.arrayFromVolume(output).any())
+        composite = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceCompositeNode()
+        self.assertEqual(composite.GetForegroundVolumeID(), output.GetID())
+
+    def levels(self) -> list:
+        """What the lights say: the words on their signs."""
+        return [getattr(self.ui, f"{name}SignalLabel").text.split(" ", 1)[1] for name in ("tracking", "registration", "coverage")]
+
+    def addInputs(self):
+        """Sweep, CT and bone, chosen."""
+        self.parameters.sweep = tinyScene.addSweep()
+        self.parameters.ctVolume, self.parameters.bone, self.registration = tinyScene.addCT()
+        self.parameters.spacing = 1.0
+
+    # ---- clicks
+
+    def test_the_sample_patient_is_one_click_away_from_an_empty_scene(self):
+        self.parameters.spacing = 2.0
+        self.click(self.ui.sampleButton)
+        self.assertPicture()
+        self.assertEqual(self.clicks, 1)
+        self.assertEqual(self.levels()[1], "good")
+        self.assertFalse(self.ui.sampleButton.isVisibleTo(self.widget.parent))
+
+    def test_a_recording_with_its_ct_is_open_placed_and_reconstructed_in_three_clicks(self):
+        from AIFReconLib import write_sequence
+
+        ct, bone, registration = tinyScene.addCT()
+        off = tinyScene.moved(0.0, 4.0, 0.0) @ tinyScene.matrixOf(registration)
+        tinyScene.setMatrix(registration, off)
+        with tempfile.TemporaryDirectory() as folder:
+            paths = [pathlib.Path(folder) / name for name in ("sweep.igs.mha", "CT.nrrd", "vertebrae.seg.nrrd", "place.tfm")]
+            write_sequence(tinyScene.makeSequence(), paths[0])
+            for node, path, kind in zip((ct, bone, registration), paths[1:], ("NRRD", "Segmentation", "Transform")):
+                storage = slicer.mrmlScene.AddNewNodeByClass(f"vtkMRML{kind}StorageNode")
+                storage.SetFileName(str(path))
+                self.assertTrue(storage.WriteData(node), path)
+            slicer.mrmlScene.Clear()
+            self.parameters = self.widget._parameterNode
+            self.widget._recorded._ask = lambda: paths
+            self.addCleanup(lambda: delattr(self.widget._recorded, "_ask"))
+            self.click(self.ui.openButton)
+            self.parameters.spacing = 1.0
+            self.assertEqual(self.ui.statusLabel.text, "Opened sweep.igs.mha, CT.nrrd, vertebrae.seg.nrrd, place.tfm.")
+            self.assertTrue(self.ui.inputsCollapsibleButton.collapsed)
+            self.click(self.ui.placeButton)
+            self.click(self.ui.applyButton)
+        self.assertPicture()
+        self.assertEqual(self.clicks, 3)
+        np.testing.assert_allclose(tinyScene.worldOf(self.parameters.bone)[:3, 3], tinyScene.CT_TO_WORLD[:3, 3], atol=4.0)
+
+    def test_a_file_of_no_kind_is_named_and_nothing_is_read(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "picture.doc"
+            path.write_text("x")
+            with self.assertRaises(Exception) as raised:
+                self.widget.logic.openFiles(self.parameters, [path])
+        self.assertIn("picture.doc", str(raised.exception))
+
+    # ---- lights
+
+    def test_the_lights_say_what_was_found_and_go_out_when_it_no_longer_holds(self):
+        self.assertEqual(self.levels(), ["not yet"] * 3)
+        self.addInputs()
+        self.click(self.ui.applyButton)
+        self.assertEqual(self.levels()[0], "good")
+        self.assertIn("11 of 12 frames", self.ui.trackingVerdictLabel.text)
+        self.assertIn("echoes", self.ui.registrationVerdictLabel.text)
+        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights._timer.isActive()))
+        self.assertIn("%", self.ui.coverageVerdictLabel.text)
+        self.assertNotEqual(self.levels()[2], "not yet")
+        tinyScene.setMatrix(self.registration, tinyScene.moved(0.0, 0.0, 9.0) @ tinyScene.matrixOf(self.registration))
+        self.assertTrue(waitFor(lambda: self.levels()[1:] == ["not yet"] * 2))
+        self.assertEqual(self.levels()[0], "good")
+
+    def test_a_ct_that_lies_elsewhere_is_red_with_the_button_that_places_it(self):
+        self.addInputs()
+        tinyScene.setMatrix(self.registration, tinyScene.moved(0.0, 6.0, 0.0) @ tinyScene.matrixOf(self.registration))
+        self.click(self.ui.applyButton)
+        self.assertEqual(self.levels()[1], "poor")
+        self.assertIn("Place the CT", self.ui.registrationVerdictLabel.text)
+        self.assertTrue(self.ui.placeButton.isVisibleTo(self.widget.parent))
+
+    def test_more_opens_what_belongs_to_a_light(self):
+        for name in ("tracking", "registration", "coverage"):
+            details = getattr(self.ui, f"{name}Details")
+            for opened in (True, False):
+                getattr(self.ui, f"{name}MoreButton").checked = opened
+                self.assertEqual(details.isVisibleTo(self.widget.parent), opened)
+
+    # ---- settings
+
+    def test_a_preset_sets_the_settings_and_is_named_while_they_are_as_it_says(self):
+        from AIFReconScene.inputs.parameters import Method
+
+        combo = self.ui.presetComboBox
+        self.assertEqual(combo.currentText, "Standard")
+        combo.currentIndex = combo.findText("As in the paper")
+        self.assertEqual((self.parameters.method, self.parameters.holeLimit), (Method.AIF, 0.0))
+        self.ui.spacingSpinBox.value = 0.77
+        self.assertEqual(combo.currentText, "Own settings")
+        combo.currentIndex = combo.findText("Fast look")
+        self.assertEqual((self.parameters.spacing, self.parameters.method), (1.0, Method.AUTOMATIC))
+
+    def test_every_parameter_has_its_widget_in_the_panel(self):
+        held = {"otherSweeps", "recordingPath", "configurationPath", "boneSegments", "method", "ownMethod", "importanceMaskPath"}
+        held |= {"liveRecordPath"}  # lists, paths and methods follow in ways of their own
+        shown = {str(widget.property("SlicerParameterName") or "") for widget in vars(self.ui).values() if hasattr(widget, "property")}
+        self.assertEqual(set(self.parameters.allParameters) - held - shown, set())
+
+    def test_a_scene_of_the_older_panel_opens_with_its_settings(self):
+        from AIFReconScene.inputs.parameters import ImageOrientation, Method, ProbeShape, Region, RegistrationStart, SigmaUnit
+
+        slicer.mrmlScene.SetURL(str(HERE / "savedByOlderPanel.mrml"))
+        self.assertTrue(slicer.mrmlScene.Connect())
+        p = self.widget.logic.getParameterNode()
+        self.assertEqual(
+            (p.alpha, p.spacing, p.holeLimit, p.boneSigma, p.opacity, p.apexColumn, p.skip), (0.35, 0.8, 1.5, 4.0, 0.25, 320.5, 2)
+        )
+        self.assertEqual((p.liveHost, p.livePort, p.liveImageDevice), ("scanner", 18950, "Image_Reference"))
+        self.assertEqual((p.method, p.region, p.boneSigmaUnit, p.probe), (Method.AIF, Region.BOX, SigmaUnit.MM, ProbeShape.SECTOR))
+        self.assertEqual((p.registrationStart, p.imageOrientation), (RegistrationStart.ANYWHERE, ImageOrientation.UN))
+        self.assertTrue(p.guidance and p.keepScore and p.liveRecord)
+        self.assertEqual(p.recordingPath, pathlib.Path("sweep.igs.mha"))
+
+    # ---- live
+
+    def test_a_scan_is_recorded_beside_the_scene_unless_nobody_wants_that(self):
+        from AIFReconScene.live.liveFiles import recordingPath
+
+        with tempfile.TemporaryDirectory() as folder:
+            slicer.mrmlScene.SetURL(str(pathlib.Path(folder) / "scene.mrb"))
+            self.addCleanup(slicer.mrmlScene.SetURL, "")
+            self.assertEqual(recordingPath(self.parameters).parent, pathlib.Path(folder))
+            self.parameters.liveRecordPath = pathlib.Path(folder) / "mine.mha"
+            self.assertEqual(recordingPath(self.parameters).name, "mine.mha")
+            self.parameters.liveRecord = False
+            self.assertIsNone(recordingPath(self.parameters))
+
+    def test_a_server_is_looked_for_on_this_computer_first(self):
+        from AIFReconScene.live import serverSearch
+
+        from AIFReconLib.live.replay.server import ReplayServer
+
+        with ReplayServer(tinyScene.makeSequence(), 0, rate=20.0, loop=True) as server:
+            asked = []
+            found = serverSearch.answering([("127.0.0.1", server.port)], lambda share, said: asked.append(str(said)) or True)
+        if found == ("127.0.0.1", server.port):  # else this computer has a scanner of its own
+            self.assertIn("18944", asked[0])
+        self.assertEqual(found[0], "127.0.0.1")
+        kept = [("scanner", 18944), ("127.0.0.1", 18945)]
+        self.assertEqual(serverSearch.fromText(serverSearch.asText(kept)), kept)
