@@ -311,7 +311,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
         inputs, settings = Inputs.fromParameters(parameters), settingsFrom(parameters)
-        nodes, prepared, said = self._reconstruct(inputs, settings, parameters.output, keep, part(progress, 0.0, 0.85))
+        nodes, prepared, said = self._reconstruct(inputs, settings, parameters.output, keep, part(progress, 0.0, 0.85), True)
         parameters.output = nodes["intensity"]
         self.display.showOutput(parameters, part(progress, 0.85, 0.9))
         self.verdicts.judge(parameters, prepared, self.trackingReport(parameters)[1], part(progress, 0.9, 1.0))
@@ -332,15 +332,19 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         self.display.showComparison(comparison, parameters)
         return comparison.report
 
-    def _reconstruct(self, inputs, settings, output, keep, progress):
+    def _reconstruct(self, inputs, settings, output, keep, progress, forViews=False):
         from AIFReconScene.inputs.inputs import reconstructed
-        from AIFReconScene.volumes.volumeNodes import outputNodes
+        from AIFReconScene.picture.kept import Beside, besideOf, keptNodes
 
-        result, prepared, said = reconstructed(inputs, settings, part(progress, 0.0, 0.95), keep)
+        from AIFReconLib.message import listed
+
+        wished = ("score", "hits") if forViews else ()
+        result, prepared, said = reconstructed(inputs, settings, part(progress, 0.0, 0.75), keep, wished)
+        beside = besideOf(prepared, settings, result, part(progress, 0.75, 0.95)) if forViews else Beside()
         self._tracking.remember(inputs, prepared.sequence, result)
         slicer.mrmlScene.SaveStateForUndo()
-        nodes = outputNodes(result, inputs.name, ("intensity", *keep), {"intensity": output}, inputs=inputs.nodes())
-        return nodes, prepared, said
+        nodes = keptNodes(result, beside, inputs, output, keep)
+        return nodes, prepared, said if beside.problem is None else listed([said, beside.problem], "\n")
 
 
 class AIFReconTest(ScriptedLoadableModuleTest):

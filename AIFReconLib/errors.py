@@ -82,6 +82,10 @@ class SettingsFileError(FileFormatError):
     """A settings file, or what a volume says of how it was made, cannot be understood."""
 
 
+class ModelError(FileFormatError):
+    """A network's model cannot be understood or run, or does not fit."""
+
+
 class NoUsableFramesError(AIFReconError, ValueError):
     """Not one frame of a sequence has both an image and a valid pose."""
 

@@ -126,3 +126,8 @@ class AIFReconParameterNode:
     volumeRendering: bool = False
     showProbe: bool = False
     showOutlines: bool = False
+    showMeasured: bool = False
+    showRaised: bool = True
+    showSpine: bool = True
+    probeUp: bool = False
+    showLevels: bool = False

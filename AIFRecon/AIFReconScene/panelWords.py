@@ -105,6 +105,8 @@ def _words() -> dict:
     return {
         "--apex-px": _("Apex"),
         "--bone-from-sweep": _("Look for bone in the sweep"),
+        "--bone-frames": _("Predictions of bone"),
+        "--bone-frames-px": _("Rectangle of predictions"),
         "--bone-labels": _("Bone"),
         "--bone-probability": _("Bone"),
         "--bone-transform": _("the transform of the CT"),

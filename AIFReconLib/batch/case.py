@@ -41,6 +41,7 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
 from ..terminal.options import bone_from, imaging_from, importance_from, labeled_bone_from, load_method_here, settings_from
+from ..terminal.seen_bone_options import seen_bone_inputs
 from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance
 from ..terminal.volume_options import SIDE_OUTPUTS, grid_from
@@ -268,7 +269,7 @@ class _Work:
         beside = [name for name in BESIDE if getattr(arguments, name)]
         result = reconstruct(self._sequence, settings, bone, grid, importance=importance_from(arguments), beside=beside, **self._how)
         of_bone = [arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.importance_mask]
-        result = with_provenance(result, arguments, [*self._sequence_files, *of_bone], of_map)
+        result = with_provenance(result, arguments, [*self._sequence_files, *of_bone, *seen_bone_inputs(arguments)], of_map)
         stem = result.method.replace(":", "-")
         volume = self._folder / f"{stem}.nrrd"
         result.intensity.write(volume)

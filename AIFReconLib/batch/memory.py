@@ -14,6 +14,7 @@ from ..message import Message
 from ..reconstruction import plan
 from ..settings import DEFAULT_SPACING
 from ..terminal.options import settings_from
+from ..terminal.seen_bone_options import seen_source
 from ..terminal.sequence_options import of_each, sequence_from
 from .table import Case, with_method
 
@@ -114,7 +115,7 @@ def _weight(case: Case) -> float:
 def _of_case(case: Case) -> int:
     """Bytes of the volume and of the bone; 0 of a case that cannot be opened, as its worker will say."""
     arguments = with_method(case.arguments, case.methods[0])
-    has_bone = bool(arguments.bone_labels or arguments.bone_probability or arguments.bone_from_sweep)
+    has_bone = bool(arguments.bone_labels or arguments.bone_probability or seen_source(arguments))
     try:
         sequences = [sequence_from(one) for one in of_each(arguments, arguments.sequences)]
         names = {"image_to_reference": arguments.image_to_reference, "reference": arguments.reference}

@@ -22,6 +22,7 @@ from ..io.metafile.opening import data_files
 from ..message import Message, said
 from ..settings import is_own_method
 from ..terminal.options import PARAMETERS, check_bone_options, settings_from
+from ..terminal.seen_bone_options import seen_source
 from ..terminal.sequence_options import of_each
 from .columns import CASE, METHOD, REQUIRED, SWEEPS, Columns, in_column_words
 
@@ -271,9 +272,10 @@ class _Reading:
         try:
             check_bone_options(arguments)
         except SettingsError as error:
-            column = "bone_from_sweep" if arguments.bone_from_sweep else "bone_transform"
+            source = seen_source(arguments)
+            column = "bone_transform" if source is None else source.removeprefix("--").replace("-", "_")
             yield Problem(case.row, column, in_column_words(said(error)))
-        has_bone = bool(arguments.bone_labels or arguments.bone_probability or arguments.bone_from_sweep)
+        has_bone = bool(arguments.bone_labels or arguments.bone_probability or seen_source(arguments))
         for method in case.methods:
             message = self._why_not_settings(with_method(arguments, method), has_bone)
             if message is not None:

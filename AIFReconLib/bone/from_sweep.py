@@ -16,22 +16,22 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage, sparse
+from scipy import ndimage
 
-from ..arrays import Array, Floats, Integers, Mask, Matrix, Numbers, Reals, Singles
-from ..errors import BeamGeometryError, GeometryError
+from ..arrays import Floats, Integers, Mask, Matrix, Numbers, Reals, Singles
+from ..errors import GeometryError
 from ..geometry.transforms import pixel_spacing
 from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import ProbeGeometry
 from ..imaging.extent import grid_around_sweep
 from ..imaging.region import ImageRegion
-from ..imaging.scan_lines import scan_line_samples
 from ..progress import Progress, report
 from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import SweepPoses, sweep_poses, tracked_frames
 from .map import BoneMap
+from .scan_line_reader import ScanLineReader, running_sum
 
 SPACING = 1.0
 """mm between voxels of the map."""
@@ -41,9 +41,6 @@ SIGMA = 1.5
 
 ECHO_ALONG, ECHO_ACROSS = 0.4, 0.8
 """mm. Smoothing of the image along scan lines (about the axial resolution) and across them, against speckle."""
-
-LINE_PITCH, SAMPLE_STEP = 0.5, 0.2
-"""mm. Scan lines and samples closer than this are read as one, half of what they are smoothed by: a tenth of the time, the same echoes."""
 
 SHADOW_FROM, SHADOW_TO, SHADOW_LEAST = 1.0, 10.0, 3.0
 """mm behind an echo: where its shadow is measured, and how much of that must lie in the image."""
@@ -59,6 +56,9 @@ CREST = 1.0
 
 NEIGHBORHOOD, NEIGHBOR_DEPTH, NEIGHBORS_NEEDED = 2.0, 2.0, 0.5
 """Where neighbors of an echo are, mm to the sides; how much deeper or higher theirs may be, mm; which part of the lines must have one."""
+
+HALF_THICKNESS = 0.75
+"""mm before and behind an echo that are drawn as bone."""
 
 SLAB = 4.0
 """mm behind the surface that count as inside of bone, and in front of it as outside; nothing is known beyond."""
@@ -106,31 +106,14 @@ class BoneEchoFinder:
     """
 
     def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging):
-        if imaging.probe is None:
-            raise BeamGeometryError(
-                "Bone is looked for along the beams, whose directions are not known. "
-                "Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
-            )
-        self._spacing = np.asarray(spacing)
-        mask = imaging.region.mask(*size)
-        at_row, at_column = np.nonzero(mask)
-        lines = scan_line_samples(at_column, at_row, spacing, imaging.probe)
-        columns, rows = lines.columns, lines.rows
-        across = np.hypot(np.diff(columns, axis=0) * spacing[0], np.diff(rows, axis=0) * spacing[1])
-        # A sector's lines diverge: their distance at half depth stands for all
-        pitch = max(float(across[:, across.shape[1] // 2].mean()), 1e-3) if across.size else 1.0
-        known = _within(columns, rows, mask)
-        # As many lines and samples are read as one as the smoothing that follows would blur anyway
-        together = max(min(int(LINE_PITCH / pitch), len(columns)), 1), max(min(int(SAMPLE_STEP / lines.step), columns.shape[1]), 1)
-        self._read = _reading_matrix(columns, rows, known, size, together)
-        self._columns, self._rows, share = (_mean_of_blocks(values, together) for values in (columns, rows, known))
-        self._known = share > 0.5
-        self._pitch, self._step = pitch * together[0], lines.step * together[1]
+        self._lines = lines = ScanLineReader(size, spacing, imaging)
+        self._spacing, self._pitch, self._step = np.asarray(spacing), lines.pitch, lines.step
+        self._columns, self._rows, self._known = lines.columns, lines.rows, lines.known
         self._sigma = ECHO_ACROSS / self._pitch, ECHO_ALONG / self._step
         self._reach = np.maximum(ndimage.gaussian_filter(self._known.astype(np.float32), self._sigma), np.float32(1e-3))
         samples = np.arange(self._rows.shape[1])
         self._from, self._to = (np.minimum(samples + round(mm / self._step), samples.size) for mm in (SHADOW_FROM, SHADOW_TO))
-        known_before = _running_sum(self._known)
+        known_before = running_sum(self._known)
         self._behind = (known_before[:, self._to] - known_before[:, self._from]).astype(np.float32)
         depth = (samples - self._known.argmax(axis=1)[:, None]) * self._step
         self._eligible = self._known & (depth >= SKIN) & (self._behind * self._step >= SHADOW_LEAST)
@@ -142,23 +125,7 @@ class BoneEchoFinder:
 
     def find(self, image: Numbers) -> BoneEchoes:
         """The bone echoes of an image, (rows, columns); values below 0 and not finite count as 0."""
-        image = image.astype(np.float32)
-        if not np.isfinite(image).all():
-            image = np.nan_to_num(image, nan=0.0, posinf=0.0, neginf=0.0)
-        values = (self._read @ np.maximum(image, 0.0).ravel()).reshape(self._known.shape)
-        values[~self._known] = 0.0
-        lit = values[values > 0]
-        scores: Singles = np.zeros(len(values), dtype=np.float32)
-        samples: Floats = np.zeros(len(values))
-        if lit.size:
-            echo = ndimage.gaussian_filter(values, self._sigma, output=np.float32) / self._reach
-            sums = _running_sum(values)
-            behind = (sums[:, self._to] - sums[:, self._from]).astype(np.float32) / np.maximum(self._behind, 1)
-            score = np.where(self._eligible, (echo - behind) / (echo + behind + lit.mean()), 0.0)
-            strongest = score.argmax(axis=1)
-            scores = np.take_along_axis(score, strongest[:, None], axis=1)[:, 0].astype(np.float32)
-            samples = self._crest(echo, strongest)
-        bone = np.flatnonzero(self._agreed(samples, scores >= LEAST_SCORE))
+        scores, samples, bone = self._strongest(image)
         # Scan lines are straight: places between samples, and the way along the beam, follow from the two around
         before = np.clip(np.floor(samples[bone]).astype(np.int64), 0, max(self._rows.shape[1] - 2, 0))
         after = np.minimum(before + 1, self._rows.shape[1] - 1)
@@ -166,6 +133,37 @@ class BoneEchoFinder:
         way = stop - start
         beams = way / np.maximum(np.linalg.norm(way * self._spacing, axis=1, keepdims=True), 1e-9)
         return BoneEchoes(start + (samples[bone] - before)[:, None] * way, beams, scores[bone])
+
+    def _strongest(self, image: Numbers) -> tuple[Singles, Floats, Integers]:
+        """The score and place of the strongest echo of every line, (lines,) each, and the numbers of the lines where it is bone."""
+        scores: Singles = np.zeros(self.lines, dtype=np.float32)
+        samples: Floats = np.zeros(self.lines)
+        echo, score = self.look(image)
+        if score is not None:
+            strongest = score.argmax(axis=1)
+            scores = np.take_along_axis(score, strongest[:, None], axis=1)[:, 0]
+            samples = self._crest(echo, strongest)
+        return scores, samples, np.flatnonzero(self._agreed(samples, scores >= LEAST_SCORE))
+
+    def drawn(self, image: Numbers) -> Singles:
+        """Bone in every pixel of an image, (rows, columns) float32: the score of an echo, `HALF_THICKNESS` mm before and behind it."""
+        scores, samples, bone = self._strongest(image)
+        near = np.abs(np.arange(self._rows.shape[1]) - samples[bone, None]) * self._step <= HALF_THICKNESS
+        lines: Singles = np.zeros(self._rows.shape, dtype=np.float32)
+        lines[bone] = np.where(near, scores[bone, None], np.float32(0.0))
+        return self._lines.draw(lines)
+
+    def look(self, image: Numbers) -> tuple[Singles, Singles | None]:
+        """Smoothed intensity e and score of every sample, (lines, samples) each; no score where the image is black."""
+        values = self._lines.read(image)
+        lit = values[values > 0]
+        if not lit.size:
+            return values, None
+        echo: Singles = (ndimage.gaussian_filter(values, self._sigma, output=np.float32) / self._reach).astype(np.float32)
+        sums = running_sum(values)
+        behind = (sums[:, self._to] - sums[:, self._from]).astype(np.float32) / np.maximum(self._behind, 1)
+        score: Singles = np.where(self._eligible, (echo - behind) / (echo + behind + lit.mean()), 0.0).astype(np.float32)
+        return echo, score
 
     def _crest(self, echo: Reals, samples: Integers) -> Floats:
         """Where each line is brightest up to `CREST` before these samples, between samples by a parabola, (lines,) float64."""
@@ -266,46 +264,6 @@ def bone_from_sweep(
     inside = (smooth > 0) & (ndimage.gaussian_filter(weight.reshape(grid.shape), sigma, mode="constant") > 0.05 * LEAST_SCORE)
     report(progress, 1.0, "Looked for bone in the sweep")
     return BoneMap(Volume(probability, grid.ijk_to_reference), Volume(inside.astype(np.uint8), grid.ijk_to_reference))
-
-
-def _within(columns: Floats, rows: Floats, mask: Mask) -> Mask:
-    """Which samples have a pixel of the mask (rows, columns) nearest to them."""
-    column, row = np.rint(columns).astype(np.int64), np.rint(rows).astype(np.int64)
-    within: Mask = (column >= 0) & (column < mask.shape[1]) & (row >= 0) & (row < mask.shape[0])
-    within &= mask[np.clip(row, 0, mask.shape[0] - 1), np.clip(column, 0, mask.shape[1] - 1)]
-    return within
-
-
-def _mean_of_blocks(values: Floats | Mask, together: tuple[int, int]) -> Floats:
-    """Means over blocks of so many lines and samples; lines and samples that fill no block are left out."""
-    lines, samples = (n // block for n, block in zip(values.shape, together))
-    kept = values[: lines * together[0], : samples * together[1]]
-    means: Floats = kept.reshape(lines, together[0], samples, together[1]).mean(axis=(1, 3))
-    return means
-
-
-def _reading_matrix(
-    columns: Floats, rows: Floats, known: Mask, size: tuple[int, int], together: tuple[int, int]
-) -> sparse.csr_matrix[np.float32]:
-    """The matrix that takes an image's pixels to the mean of each block of known samples, by linear interpolation; sparse float32."""
-    lines, samples = (n // block for n, block in zip(columns.shape, together))
-    line, sample = (number // block for number, block in zip(np.nonzero(known), together))
-    kept = (line < lines) & (sample < samples)
-    block = (line * samples + sample)[kept]
-    column, row = (np.clip(values[known][kept], 0, n - 1) for values, n in zip((columns, rows), size))
-    left, top = (np.minimum(values.astype(np.int64), n - 2) for values, n in zip((column, row), np.maximum(size, 2)))
-    right, down = column - left, row - top
-    corners = [(0, 0, (1 - right) * (1 - down)), (1, 0, right * (1 - down)), (0, 1, (1 - right) * down), (1, 1, right * down)]
-    pixels = np.concatenate([np.minimum(top + y, size[1] - 1) * size[0] + np.minimum(left + x, size[0] - 1) for x, y, _ in corners])
-    share = (
-        np.concatenate([weight for *_, weight in corners]) / np.maximum(np.bincount(block, minlength=lines * samples), 1)[np.tile(block, 4)]
-    )
-    return sparse.csr_matrix((share.astype(np.float32), (np.tile(block, 4), pixels)), shape=(lines * samples, size[0] * size[1]))
-
-
-def _running_sum(lines: Array) -> Floats:
-    """Sums before each sample of a line: (lines, samples + 1)."""
-    return np.cumsum(np.pad(lines, ((0, 0), (1, 0))), axis=1, dtype=np.float64)
 
 
 def _padded(grid: VoxelGrid, voxels: int) -> VoxelGrid:

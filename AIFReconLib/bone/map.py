@@ -75,6 +75,8 @@ class BoneMap(Described):
         V_prob. Its matrix places it in Reference.
     inside : Volume of uint8 or None
         1 within bone, on the same voxels; None when only a probability is known, then bone is where it exceeds one half.
+    notes : tuple of str
+        What a user should know of how it was made, one sentence each.
 
     Notes
     -----
@@ -83,6 +85,7 @@ class BoneMap(Described):
 
     probability: Volume
     inside: Volume | None = None
+    notes: tuple[str, ...] = ()
 
     def _facts(self) -> list[tuple[str, str]]:
         known = "probability" if self.inside is None else f"probability and {np.count_nonzero(self.inside.array):,} voxels of bone"
@@ -183,6 +186,11 @@ class BoneMap(Described):
         volume = Volume(array, probability.ijk_to_reference)
         return cls(volume if probability_to_reference is None else volume.placed_by(probability_to_reference))
 
+    def _slope(self, potential: Numbers, axis: int) -> Singles:
+        """How what V_dir is the gradient of rises along an axis (0: i) of the map, [k, j, i]."""
+        slope: Singles = ndimage.sobel(potential, axis=2 - axis, mode="nearest")
+        return slope
+
     def on_grid(
         self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None, planes: tuple[int, int] | None = None
     ) -> BoneOnGrid:
@@ -220,7 +228,7 @@ class BoneMap(Described):
         directions = np.zeros((*probability.shape, 3), dtype=np.float32)
         for axis in range(3):
             begun = 0.3 + 0.2 * axis
-            slope = sample(ndimage.sobel(potential, axis=2 - axis, mode="nearest"), part(progress, begun, begun + 0.1))
+            slope = sample(self._slope(potential, axis), part(progress, begun, begun + 0.1))
 
             def turn(k: int, axis: int = axis, slope: Singles = slope) -> None:
                 rows = _not_empty(slope[k])

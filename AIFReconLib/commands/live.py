@@ -5,12 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import TextIO
-
-import numpy as np
 
 from ..compounding.needs import method_needs_bone
 from ..compounding.state import Reconstruction
@@ -20,14 +17,15 @@ from ..io.volume.files import check_volume_path
 from ..live.pairing.placement import UNCONFIRMED
 from ..live.pairing.synchronizer import SynchronizerSettings
 from ..live.replay.server import PLUS_PORT
-from ..live.session.session import SCOUTING, LiveSession
+from ..live.session.session import LiveSession
 from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
 from ..machine.threads import pause
 from ..message import said
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.configuration import NO_CONFIGURATION
-from ..terminal.console import ProgressBar, show
+from ..terminal.console import ProgressBar
+from ..terminal.live_bone import LiveBone, add_streamed_bone_option, predictions_path
 from ..terminal.options import (
     Commands,
     add_bone_options,
@@ -41,8 +39,10 @@ from ..terminal.options import (
     refuse_to_overwrite,
     settings_from,
 )
+from ..terminal.seen_bone_options import seen_bone_inputs
 from ..terminal.sequence_options import add_tracking_options
 from ..terminal.settings_options import OF_A_RECORDING, add_settings_options, check_save_settings, save_settings, with_provenance
+from ..terminal.status_line import StatusLine
 from ..terminal.volume_options import SIDE_OUTPUTS, add_tuning_options, add_volume_options, grid_from
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 from .reconstruct import FIRST_OPTIONS, describe
@@ -65,8 +65,6 @@ SCOUT_MARGIN = 5.0
 """mm added on each side of the box that was scouted."""
 
 POLL = 0.1
-TERMINAL_INTERVAL, LINE_INTERVAL = 0.2, 5.0
-"""s between two status lines, on a terminal and elsewhere."""
 
 
 def add_to(commands: Commands) -> None:
@@ -84,6 +82,7 @@ def add_to(commands: Commands) -> None:
     server.add_argument("--host", default="127.0.0.1", metavar="H", help="name or address of the server (default: %(default)s)")
     server.add_argument("--port", type=int, default=PLUS_PORT, metavar="P", help="default: %(default)s, as Plus")
     server.add_argument("--image", metavar="DEVICE", help="name of the image device (default: the only one there is)")
+    add_streamed_bone_option(server)
     server.add_argument(
         "--trust-image-pose",
         action="store_true",
@@ -130,7 +129,7 @@ def add_to(commands: Commands) -> None:
     add_preview_option(add_volume_options(parser))
     add_tuning_options(parser)
     add_settings_options(parser, without=OF_A_RECORDING)
-    parser.show_first("host", "port", "record", "seconds", *(name for name in FIRST_OPTIONS if name != "bone_from_sweep"), "quiet")
+    parser.show_first("host", "port", "record", "seconds", *FIRST_OPTIONS, "quiet")
     parser.set_defaults(run=run)
 
 
@@ -142,7 +141,8 @@ def run(arguments: argparse.Namespace) -> None:
             raise SettingsError("Input --{option} must be above 0; got {value!r}.", option=name.replace("_", "-"), value=value)
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
     inputs = [arguments.config, arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.importance_mask]
-    of_the_run = [*outputs.values(), arguments.preview, arguments.record, arguments.save_settings]
+    inputs += seen_bone_inputs(arguments)
+    of_the_run = [*outputs.values(), arguments.preview, arguments.record, predictions_path(arguments), arguments.save_settings]
     refuse_to_overwrite(of_the_run, [*inputs, arguments.grid_like, arguments.settings])
     check_preview(arguments.preview)
     check_save_settings(arguments)
@@ -150,8 +150,9 @@ def run(arguments: argparse.Namespace) -> None:
         check_volume_path(path)
     started = time.perf_counter()
     labeled = labeled_bone_from(arguments, None)
-    session = _session(arguments, labeled)
-    result, interrupted = _scan(session, arguments)
+    session, seen = _session(arguments, labeled)
+    with seen.beside(session) if seen else nullcontext():
+        result, interrupted = _scan(session, arguments)
     statistics, error = session.statistics, session.error
     recording = _recording_line(session)
     if result is None or not result.frames_inserted:
@@ -169,7 +170,7 @@ def run(arguments: argparse.Namespace) -> None:
     files = [path for path in (*outputs.values(), *drawn) if path]
     width = [str(line) for line in labeled.lines(result.method)] if labeled and method_needs_bone(result.method) else []
     print(describe(result, statistics.frames_received, time.perf_counter() - started, files, agreement=width))
-    for line in filter(None, [*_what_else(statistics, result), recording, *how_to_look(arguments)]):
+    for line in filter(None, [*_what_else(statistics, result), *(seen.lines() if seen else ()), recording, *how_to_look(arguments)]):
         print(f"  {line}")
     if error is not None:
         cause = said(error).rstrip(".")
@@ -182,18 +183,14 @@ def run(arguments: argparse.Namespace) -> None:
         raise KeyboardInterrupt
 
 
-def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> LiveSession:
-    """The session that the options ask for, with a client that is connected."""
-    if arguments.bone_from_sweep:
-        raise SettingsError(
-            "--bone-from-sweep looks at a whole recorded sweep, which a live scan has not yet. Give --bone-labels or --bone-probability, "
-            "or --record the scan and reconstruct it afterwards."
-        )
+def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> tuple[LiveSession, LiveBone | None]:
+    """The session that the options ask for, with a client that is connected, and what looks for bone beside it."""
     configuration = read_plus_configuration(arguments.config) if arguments.config else NO_CONFIGURATION
     region, probe = imaging_from(arguments, configuration)
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     with ProgressBar() as progress:
-        bone = bone_from(arguments, settings.method_for(True), labeled, None, progress=progress)
+        seen = LiveBone.of(arguments, configuration, region, probe)
+        bone = seen.bone if seen else bone_from(arguments, settings.method_for(True), labeled, None, progress=progress)
     synchronizer = SynchronizerSettings(
         image_device=arguments.image,
         image_to_reference=arguments.image_to_reference,
@@ -204,7 +201,7 @@ def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> Live
     )
     client = OpenIGTLinkClient(arguments.host, arguments.port)
     session = LiveSession(
-        client,
+        seen.source(client) if seen else client,
         settings,
         bone,
         grid_from(arguments),
@@ -217,7 +214,7 @@ def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> Live
         frame_limit=arguments.frames,
     )
     client.connect_once()
-    return session
+    return session, seen
 
 
 def _scan(session: LiveSession, arguments: argparse.Namespace) -> tuple[Reconstruction | None, bool]:
@@ -338,61 +335,3 @@ def _recording_line(session: LiveSession) -> str | None:
     if session.recorder is None or session.recorded is None:
         return None
     return f"recorded {session.recorder.frames} frames to {session.recorded}"
-
-
-class StatusLine:
-    """One line that tells how the scan goes: redrawn on a terminal, a new line now and then elsewhere."""
-
-    def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic):
-        self._stream = stream
-        self._clock = clock
-        self._terminal = stream.isatty()
-        self._interval = TERMINAL_INTERVAL if self._terminal else LINE_INTERVAL
-        self._last = -self._interval
-        self._width = 0
-        self._told: str | None = None
-
-    def show(self, session: LiveSession) -> None:
-        """Draw the line, unless it was drawn a moment ago; before it, once, what is wrong with the stream."""
-        now = self._clock()
-        if now - self._last < self._interval:
-            return
-        self._last = now
-        trouble = session.statistics.trouble
-        if trouble and trouble != self._told:
-            self.say(trouble)
-        self._told = trouble
-        self._draw(status_text(session.statistics, session.scouted))
-
-    def say(self, text: str) -> None:
-        """A line of its own that stays."""
-        self.clear()
-        show(self._stream, " ".join(text.split()) + "\n")
-
-    def clear(self) -> None:
-        """Take the status off the line."""
-        if self._width:
-            show(self._stream, "\r" + " " * self._width + "\r")
-            self._width = 0
-
-    def _draw(self, text: str) -> None:
-        if self._terminal:
-            show(self._stream, "\r" + text.ljust(self._width))
-            self._width = len(text)
-        else:
-            show(self._stream, text + "\n")
-
-
-def status_text(statistics: LiveStatistics, scouted: int = 0) -> str:
-    """Connection, tracking, rate, latency, and where the frames went, in one line."""
-    parts = [f"{statistics.frame_rate:4.1f} frames/s", statistics.tracking]
-    if statistics.connection != "connected":
-        parts.insert(0, statistics.connection)
-    if statistics.phase == SCOUTING:
-        parts.append(f"scouting, {scouted} frames")
-    else:
-        latency = "" if np.isnan(statistics.latency_p50) else f", {1000 * statistics.latency_p50:.0f} ms"
-        parts.append(f"{statistics.inserted} inserted{latency}, {statistics.frames_skipped} skipped")
-    if statistics.recorded or statistics.recording_failure:
-        parts.append("recording stopped" if statistics.recording_failure else f"{statistics.recorded} recorded")
-    return "  ".join(parts)

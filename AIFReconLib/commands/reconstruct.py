@@ -38,6 +38,7 @@ from ..terminal.options import (
     refuse_to_overwrite,
     settings_from,
 )
+from ..terminal.seen_bone_options import seen_bone_inputs
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
 from ..terminal.volume_options import SIDE_OUTPUTS, add_memory_option, add_tuning_options, add_volume_options, grid_from
@@ -98,6 +99,7 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.bone_probability,
         arguments.bone_transform,
         arguments.importance_mask,
+        *seen_bone_inputs(arguments),
     ]
     of_the_run = [*outputs.values(), arguments.preview, arguments.report, arguments.save_settings]
     refuse_to_overwrite(of_the_run, [*inputs, arguments.grid_like, arguments.settings])

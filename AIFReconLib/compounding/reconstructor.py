@@ -285,6 +285,7 @@ class Reconstructor:
 
     def _place_bone(self, bone: BoneMap, progress: Progress | None) -> BoneOnGrid:
         placed = bone.on_grid(self.grid, self.settings.bone_direction, progress, self._part)
+        self.notes += bone.notes
         if not placed.overlaps:
             self.notes.append(BESIDE_BONE)
         return placed

@@ -104,7 +104,7 @@ def preview(volume: Volume, mask: Volume | None = None, labels: Volume | None = 
     """
     require_matplotlib()
     scanned = (volume.array if mask is None else mask.array) != 0
-    center = _center(volume, scanned, labels)
+    center = middle_of_bone(volume, scanned, labels)
     seen = Volume(scanned.view(np.uint8), volume.ijk_to_reference)
     some = max(volume.grid.voxels // LOOKED_AT, 1)
     levels = volume.array.reshape(-1)[::some][scanned.reshape(-1)[::some]]
@@ -124,8 +124,8 @@ def preview(volume: Volume, mask: Volume | None = None, labels: Volume | None = 
     return Picture(png.getvalue())
 
 
-def _center(volume: Volume, scanned: Mask, labels: Volume | None) -> Floats:
-    """Where the cuts meet, (3,) mm."""
+def middle_of_bone(volume: Volume, scanned: Mask, labels: Volume | None) -> Floats:
+    """Where cuts through a volume meet, (3,) mm: the middle of the labeled bone that shows, else of what was scanned."""
     grid = volume.grid
     if labels is not None:
         every = max(np.count_nonzero(labels.array) // LOOKED_AT, 1)

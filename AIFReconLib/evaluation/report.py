@@ -38,6 +38,9 @@ figure { margin: 1rem 0 0; }
 figcaption { font-size: 0.875rem; margin-top: 0.4rem; }
 img { display: block; width: 100%; min-width: 46rem; border-radius: 6px; }
 .wide { overflow-x: auto; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(17rem, 100%), 1fr)); gap: 0 1rem; align-items: end; }
+.pictures img { min-width: 0; }
+.named td, .named th { white-space: nowrap; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: 0.9375rem; }
 .metrics { table-layout: fixed; width: 100%; min-width: calc(14.75rem + var(--volumes) * 6.75rem); }
 .metrics thead td { width: 14.75rem; }
@@ -89,6 +92,30 @@ dd { margin: 0; overflow-wrap: anywhere; }
 
 
 @dataclass(frozen=True)
+class Section:
+    """A part of a page in its author's words.
+
+    Parameters
+    ----------
+    title : str
+    rows : tuple of (str, str)
+        Names and values.
+    said : tuple of str
+        Sentences.
+    table : tuple of tuple of str
+        The first row holds the headings, the first column names.
+    pictures : tuple of (str, bytes)
+        Captions, and PNG files.
+    """
+
+    title: str
+    rows: tuple[tuple[str, str], ...] = ()
+    said: tuple[str, ...] = ()
+    table: tuple[tuple[str, ...], ...] = ()
+    pictures: tuple[tuple[str, bytes], ...] = ()
+
+
+@dataclass(frozen=True)
 class Report:
     """All that a page shows.
 
@@ -96,7 +123,7 @@ class Report:
     ----------
     title, date : str
     metrics : dict of str to BoneMetrics
-        By the name of the volume or method.
+        By the name of the volume or method; none: the page does not judge them.
     frames : int or None
         Of the sweep that decides which bone counts; None: no sweep is known.
     inputs : iterable of (name, bytes)
@@ -109,6 +136,10 @@ class Report:
         Of the software, see `software_versions`.
     figure_png : bytes or None
     figure_caption : str
+    sections : tuple of Section
+        Between the figure and the metrics.
+    language : str
+        Of what the author says, as HTML names it.
     """
 
     title: str
@@ -121,6 +152,8 @@ class Report:
     versions: dict[str, str] = field(default_factory=dict)
     figure_png: bytes | None = None
     figure_caption: str = ""
+    sections: tuple[Section, ...] = ()
+    language: str = "en"
 
 
 def software_versions() -> dict[str, str]:
@@ -146,13 +179,10 @@ def write_report(path: str | Path, report: Report) -> None:
 
 def report_html(report: Report) -> str:
     """One self-contained HTML page: figure, table, definitions, provenance. The same report gives the same page."""
-    first = next(iter(report.metrics.values()))
-    counted = what_counted(first, report.frames).replace("cm2", "cm\N{SUPERSCRIPT TWO}")
-    counted = counted if report.frames is None else f"Numbers are {counted}."
     return "\n".join(
         [
             "<!DOCTYPE html>",
-            '<html lang="en">',
+            f'<html lang="{escape(report.language)}">',
             "<head>",
             '<meta charset="utf-8">',
             '<meta name="viewport" content="width=device-width, initial-scale=1">',
@@ -168,13 +198,8 @@ def report_html(report: Report) -> str:
             "</header>",
             "<main>",
             *_figure(report),
-            "<section>",
-            "<h2>How clearly, sharply and completely bone is shown</h2>",
-            f"<p>{escape(counted)} {_best_note(report)}</p>",
-            *_metrics_table(report),
-            "<h3>Definitions</h3>",
-            *_definitions(report),
-            "</section>",
+            *(line for section in report.sections for line in _section(section)),
+            *(_judged(report) if report.metrics else ()),
             *_provenance(report),
             "</main>",
             "</body>",
@@ -182,6 +207,46 @@ def report_html(report: Report) -> str:
             "",
         ]
     )
+
+
+def _section(section: Section) -> list[str]:
+    lines = ["<section>", f"<h2>{escape(section.title)}</h2>"]
+    if section.pictures:
+        lines += ['<div class="pictures">', *(_picture(caption, data) for caption, data in section.pictures), "</div>"]
+    if section.rows:
+        lines += ['<dl class="facts">', *(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in section.rows)]
+        lines.append("</dl>")
+    if section.table:
+        headings, *rows = section.table
+        lines += ['<div class="wide"><table class="named">', f"<thead><tr>{_cells('th', headings)}</tr></thead><tbody>"]
+        lines += [f'<tr><th scope="row">{escape(name)}</th>{_cells("td", values)}</tr>' for name, *values in rows]
+        lines.append("</tbody></table></div>")
+    return [*lines, *(f"<p>{escape(sentence)}</p>" for sentence in section.said), "</section>"]
+
+
+def _cells(tag: str, texts: Iterable[str]) -> str:
+    return "".join(f"<{tag}>{escape(text)}</{tag}>" for text in texts)
+
+
+def _picture(caption: str, data: bytes) -> str:
+    source = base64.b64encode(data).decode("ascii")
+    return f'<figure><img alt="{escape(caption)}" src="data:image/png;base64,{source}"><figcaption>{escape(caption)}</figcaption></figure>'
+
+
+def _judged(report: Report) -> list[str]:
+    """What the metrics say."""
+    first = next(iter(report.metrics.values()))
+    counted = what_counted(first, report.frames).replace("cm2", "cm\N{SUPERSCRIPT TWO}")
+    counted = counted if report.frames is None else f"Numbers are {counted}."
+    return [
+        "<section>",
+        "<h2>How clearly, sharply and completely bone is shown</h2>",
+        f"<p>{escape(counted)} {_best_note(report)}</p>",
+        *_metrics_table(report),
+        "<h3>Definitions</h3>",
+        *_definitions(report),
+        "</section>",
+    ]
 
 
 def _best_note(report: Report) -> str:

@@ -33,6 +33,7 @@ NUMBERS = {
     "longest_gap": 1,
     "bone_sigma_voxels": 1,
     "bone_belief": 1,
+    "bone_frames_px": 4,
 }
 """Settings that are so many numbers, but for those of `ReconstructionSettings`."""
 

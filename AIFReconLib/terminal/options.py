@@ -34,6 +34,7 @@ from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
 from .one_line_parser import OneLineParser
+from .seen_bone_options import add_seen_bone_options, check_seen_bone, seen_bone_from
 
 Commands: TypeAlias = "argparse._SubParsersAction[OneLineParser]"
 """What a command adds itself to."""
@@ -130,6 +131,7 @@ def add_bone_options(parser: argparse.ArgumentParser) -> None:
     source.add_argument(
         "--bone-from-sweep", action="store_true", help="no CT: take for bone what is bright with darkness behind it in the sweep itself"
     )
+    add_seen_bone_options(source, bone)
     add_sigma_options(bone)
     bone.add_argument(
         "--bone-transform",
@@ -167,14 +169,8 @@ def check_bone_options(arguments: argparse.Namespace) -> None:
     ------
     SettingsError
     """
-    if arguments.bone_from_sweep:
-        if arguments.bone_transform:
-            raise SettingsError("--bone-transform places a CT, and --bone-from-sweep needs none. Leave out one of them.")
-        if getattr(arguments, "speed_of_sound", None) is not None:
-            raise SettingsError(
-                "--bone-from-sweep takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels."
-            )
-    elif arguments.bone_transform and not (arguments.bone_labels or arguments.bone_probability):
+    check_seen_bone(arguments)
+    if arguments.bone_transform and not (arguments.bone_labels or arguments.bone_probability):
         raise SettingsError("--bone-transform places a bone input, and there is none. Give --bone-labels or --bone-probability.")
 
 
@@ -224,6 +220,8 @@ def bone_from(
         poses = sweep_poses(sequence, arguments.image_to_reference, arguments.reference)
         poses.require_usable(sequence.name)
         return bone_from_sweep(sequence, poses, resolve_imaging(sequence, poses, True, region, probe), progress=progress)
+    if sequence is not None and (seen := seen_bone_from(arguments, sequence, region, probe, progress)) is not None:
+        return seen
     if arguments.bone_probability:
         to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else None
         return BoneMap.from_probability(read_volume(arguments.bone_probability), to_reference)

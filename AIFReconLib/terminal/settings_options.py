@@ -50,7 +50,7 @@ def _defaults_without(without: tuple[str, ...]) -> Callable[[argparse.Namespace]
             kept = replace(kept, grid=None)
         if given.bone_sigma_voxels is not None:
             options.pop("bone_sigma_mm", None)
-        if given.bone_labels or given.bone_probability:
+        if given.bone_labels or given.bone_probability or given.bone_frames or given.bone_model:
             options.pop("bone_from_sweep", None)
         return {**options, "kept": kept}
 
@@ -87,6 +87,8 @@ def with_provenance(
     settings = {**settings_of(result.intensity), **(bone or {})}
     if arguments.bone_from_sweep:
         settings["bone_from_sweep"] = True
+    if arguments.bone_frames_px:
+        settings["bone_frames_px"] = list(arguments.bone_frames_px)
     if stream is None:
         settings.update({name: value for name in OF_A_RECORDING if (value := getattr(arguments, name)) is not None})
     files = [path for path in inputs if path is not None]

@@ -109,7 +109,7 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertEqual(self.levels()[0], "good")
         self.assertIn("11 of 12 frames", self.ui.trackingVerdictLabel.text)
         self.assertIn("echoes", self.ui.registrationVerdictLabel.text)
-        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights._timer.isActive()))
+        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking))
         self.assertIn("%", self.ui.coverageVerdictLabel.text)
         self.assertNotEqual(self.levels()[2], "not yet")
         tinyScene.setMatrix(self.registration, tinyScene.moved(0.0, 0.0, 9.0) @ tinyScene.matrixOf(self.registration))
@@ -148,7 +148,7 @@ class AIFReconBedsideTest(unittest.TestCase):
     def test_every_parameter_has_its_widget_in_the_panel(self):
         held = {"otherSweeps", "recordingPath", "configurationPath", "boneSegments", "method", "ownMethod", "importanceMaskPath"}
         held |= {"liveRecordPath"}  # lists, paths and methods follow in ways of their own
-        shown = {str(widget.property("SlicerParameterName") or "") for widget in vars(self.ui).values() if hasattr(widget, "property")}
+        shown = {str(widget.property("SlicerParameterName") or "") for widget in slicer.util.findChildren(self.widget.parent)}
         self.assertEqual(set(self.parameters.allParameters) - held - shown, set())
 
     def test_a_scene_of_the_older_panel_opens_with_its_settings(self):

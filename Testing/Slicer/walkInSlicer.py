@@ -89,6 +89,8 @@ class Walk:
         """ms until Slicer had drawn what a step has changed; that is its own work."""
         slicer.util.mainWindow().resize(*WINDOW)
         slicer.util.mainWindow().move(0, 0)
+        # The offer of numba, made once, is a question that nobody here answers
+        slicer.app.userSettings().setValue("AIFRecon/FastOffered", True)
         slicer.util.selectModule("AIFRecon")
         dock = slicer.util.findChild(slicer.util.mainWindow(), "PanelDockWidget")
         slicer.util.mainWindow().resizeDocks([dock], [PANEL_WIDTH], qt.Qt.Horizontal)

@@ -16,7 +16,7 @@ SIZE = (400, 300)
 
 
 def empty(module, folder: Path) -> None:
-    """step-1-empty.png: the panel in an empty scene, with the reason why Apply is disabled."""
+    """step-1-empty.png: the panel in an empty scene, with the reason why nothing can be reconstructed."""
     _write(_panel(module), folder / "step-1-empty.png")
 
 
@@ -37,19 +37,19 @@ def registration(module, folder: Path) -> None:
     true = slicer.util.arrayFromTransformMatrix(transform)
     away = np.eye(4)
     away[:3, 3] = 4.0, -3.0, 7.0
-    ui.registrationCollapsibleButton.collapsed = False
+    ui.registrationMoreButton.checked = True
     rows = []
     for button, matrix in ((ui.checkButton, away @ true), (ui.placeButton, None)):
         if matrix is not None:
             transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(matrix))
         module.press(button)
-        top, end = _top(module, ui.registrationCollapsibleButton) - 8, _top(module, ui.volumeCollapsibleButton)
+        top, end = _top(module, ui.registrationSignalLabel) - 8, _top(module, ui.coverageSignalLabel) - 8
         section = _panel(module).copy(0, top, PANEL_WIDTH, end - top)
         rows.append([section, module.slice_view("Yellow", SIZE, field_of_view=110.0), _echoes_in_3d(module)])
     view_frames.write_png(view_frames.tiled(rows, background=_background(module)), folder / "step-registration.png")
     module.widget._registration.forget()
     transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(true))
-    ui.registrationCollapsibleButton.collapsed = True
+    ui.registrationMoreButton.checked = False
 
 
 def _echoes_in_3d(module):
@@ -79,7 +79,7 @@ def guidance(module, folder: Path) -> None:
     from host import view_frames, view_render
 
     ui = module.widget.ui
-    ui.liveCollapsibleButton.collapsed = False
+    ui.coverageMoreButton.checked = True
     node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
     node.SetBoxVisible(False)
     node.SetAxisLabelsVisible(False)
@@ -92,28 +92,28 @@ def guidance(module, folder: Path) -> None:
         center = np.add(np.reshape(bounds, (3, 2)).mean(axis=1), (0.0, -25.0, 0.0))
         view.look(center, np.add(center, (-130.0, -300.0, 110.0)), (0.0, 0.0, 1.0), 430.0)
         shown = view_frames.framed(view.image(), "1   Bone met by the sweep, and the next move", node.GetLayoutColor())
-    top, end = _top(module, ui.guidanceCheckBox) - 8, _top(module, ui.liveSourceComboBox) - 8
+    top, end = _top(module, ui.coverageSignalLabel) - 8, _top(module, ui.settingsCollapsibleButton) - 8
     section = _panel(module).copy(0, top, PANEL_WIDTH, end - top)
     picture = view_frames.tiled([[section, shown]], background=_background(module))
     view_frames.write_png(picture, folder / "step-guidance.png")
     ui.guidanceCheckBox.click()
-    ui.liveCollapsibleButton.collapsed = True
+    ui.coverageMoreButton.checked = False
 
 
-def advanced(module, folder: Path) -> None:
-    """step-3-advanced.png: the advanced groups, in two columns."""
+def settings(module, folder: Path) -> None:
+    """step-3-settings.png: the settings, all opened, in two columns."""
     from host import view_frames
 
     ui = module.widget.ui
-    groups = [ui.loadAdvancedGroupBox, ui.imageAdvancedGroupBox, ui.boneAdvancedGroupBox, ui.volumeAdvancedGroupBox, ui.advancedGroupBox]
+    groups = [ui.displayGroupBox, ui.volumeGroupBox, ui.volumeAdvancedGroupBox, ui.advancedGroupBox, ui.boneAdvancedGroupBox]
+    groups += [ui.imageAdvancedGroupBox, ui.loadGroupBox, ui.compareGroupBox, ui.settingsCollapsibleButton]
     for group in groups:
         group.collapsed = False
     module.host.process_events()
     whole = _panel(module)
-    middle, end = _top(module, ui.volumeCollapsibleButton), _top(module, ui.applyButton)
-    margin = _top(module, ui.sweepCollapsibleButton)
-    columns = [whole.copy(0, top - margin, PANEL_WIDTH, height) for top, height in ((margin, middle), (middle, end - middle))]
-    _write(view_frames.tiled([columns], background=_background(module)), folder / "step-3-advanced.png")
+    margin, middle, end = _top(module, ui.settingsCollapsibleButton), _top(module, ui.boneAdvancedGroupBox) - 4, whole.height()
+    columns = [whole.copy(0, top, PANEL_WIDTH, bottom - top) for top, bottom in ((margin, middle), (middle, end))]
+    _write(view_frames.tiled([columns], background=_background(module)), folder / "step-3-settings.png")
     for group in groups:
         group.collapsed = True
 
@@ -165,14 +165,14 @@ def result(module, folder: Path) -> None:
 
 
 def report(module, folder: Path) -> None:
-    """step-6-report.png: the tracking report, below Apply."""
+    """step-6-report.png: the three lights, with the tracking report opened."""
     ui = module.widget.ui
-    ui.reportCollapsibleButton.collapsed = False
+    ui.trackingMoreButton.checked = True
     module.host.process_events()
     whole = _panel(module)
-    top, end = _top(module, ui.applyButton) - 8, _top(module, ui.displayCollapsibleButton)
+    top, end = _top(module, ui.applyButton) - 8, _top(module, ui.settingsCollapsibleButton) - 4
     _write(whole.copy(0, top, PANEL_WIDTH, end - top), folder / "step-6-report.png")
-    ui.reportCollapsibleButton.collapsed = True
+    ui.trackingMoreButton.checked = False
 
 
 def dark(module, folder: Path) -> None:
@@ -200,10 +200,10 @@ def compared(module, views: list, folder: Path) -> None:
 
 
 def live(module, views: list, folder: Path) -> None:
-    """step-8-live.png: the Live section and the views during a scan."""
+    """step-8-live.png: the tab Live and the views during a scan."""
     from host import view_frames
 
-    top = _top(module, module.widget.ui.liveCollapsibleButton) - 8
+    top = _top(module, module.widget.ui.tabWidget)
     whole = _panel(module)
     section = whole.copy(0, top, PANEL_WIDTH, min(whole.height() - top, views[0].height()))
     view_frames.write_png(view_frames.tiled([[section, *views]], background=_background(module)), folder / "step-8-live.png")

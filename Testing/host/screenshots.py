@@ -94,7 +94,12 @@ class Module:
 
 
 def panel(module: Module, folder: Path) -> None:
-    """panel.png: the panel after a reconstruction."""
+    """panel.png: the panel after a reconstruction, when its coverage is told."""
+    import time
+
+    while module.widget._recorded.lights.isLooking:
+        module.host.process_events()
+        time.sleep(0.05)
     module.host.grab(module.widget.parent, folder / "panel.png", width=PANEL_WIDTH)
 
 
@@ -156,7 +161,7 @@ def overlay(module: Module, folder: Path) -> None:
 
 
 def live(module: Module, folder: Path) -> None:
-    """live-panel.png, live.png: the Live section and the views during a scan, from a server that replays the sweep."""
+    """live-panel.png, live.png: the tab Live and the views during a scan, from a server that replays the sweep."""
     import time
 
     from AIFReconScene.inputs.parameters import Region
@@ -186,9 +191,6 @@ def live(module: Module, folder: Path) -> None:
         module.press(ui.liveUseBoxButton)
         wait(lambda: session.statistics.inserted > FRAMES_SEEN and session.statistics.waiting == 0 and parameters.output is not None)
         wait(lambda: ui.liveStateLabel.text == "tracked")
-        for section in (ui.sweepCollapsibleButton, ui.boneCollapsibleButton, ui.volumeCollapsibleButton, ui.methodCollapsibleButton):
-            section.collapsed = True
-        ui.displayCollapsibleButton.collapsed, ui.liveCollapsibleButton.collapsed = True, False
         module.host.grab(module.widget.parent, folder / "live-panel.png", width=PANEL_WIDTH)
         size = (330, 330)
         views = [module.slice_view("Red", size, center=None, field_of_view=110.0)]
@@ -196,6 +198,7 @@ def live(module: Module, folder: Path) -> None:
         view_frames.write_png(view_frames.tiled([views]), folder / "live.png")
         guide_pictures.live(module, views[:1], folder)
         module.press(ui.liveStopButton)
+    ui.tabWidget.currentIndex = 0
 
 
 def _show_frame(slice_logic, image, ct) -> np.ndarray:
@@ -256,7 +259,7 @@ def main(arguments=None) -> int:
         guide = guide_pictures
         guide.empty(module, options.output)
         module.load_sample()
-        first = (guide.inputs, guide.registration, guide.guidance, guide.advanced, guide.progress)
+        first = (guide.inputs, guide.registration, guide.guidance, guide.settings, guide.progress)
         for make in (*first, panel, slices, guide.result, guide.report, guide.dark):
             make(module, options.output)
             print(make.__doc__)

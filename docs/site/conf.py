@@ -195,6 +195,7 @@ html_theme_options = {
     "footer_end": [],
     "secondary_sidebar_items": ["page-toc"],
     "back_to_top_button": True,
+    "show_prev_next": False,
     **({"github_url": HOMEPAGE} if HOMEPAGE else {}),
 }
 html_sidebars = {"README": [], "CHANGELOG": [], "CONTRIBUTING": []}

@@ -41,12 +41,17 @@ class Lights(Follower):
             return
         shown = self._verdicts.of(self._parameterNode)
         for name, verdict in shown.items():
-            known = name != COVERAGE or not (self._beside.isRunning or self._timer.isActive())
+            known = name != COVERAGE or not self.isLooking
             self._show(name, verdict.level.value, verdict.finding if known else _("being looked at ..."), verdict.advice if known else "")
         # At hand where it is needed, and with the rest of its kind else
         good = shown["registration"].level.value == "good"
         button = self._ui.placeButton
         button.visible = self._ui.registrationMoreButton.checked or (button.enabled and not good)
+
+    @property
+    def isLooking(self) -> bool:
+        """Whether the coverage is still to be told."""
+        return self._beside.isRunning or self._timer.isActive()
 
     def lookBeside(self) -> None:
         """Begin to look at the coverage of what was reconstructed, as soon as the panel is at rest."""

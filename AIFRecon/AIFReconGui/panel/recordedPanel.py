@@ -15,6 +15,7 @@ from AIFReconLib.message import shorten
 from AIFReconLib.progress import part
 
 from ..packages import offerSpeed
+from ..picture.picturePanel import PicturePanel
 from .choosers import BoxChooser, Follower, MethodChooser, PresetChooser, SegmentsChooser, SweepsChooser
 from .dependentWidgets import updateButtons, updateDependentWidgets
 from .layout import say
@@ -56,6 +57,7 @@ class RecordedPanel(Follower):
             BoneOutlines(),
             ReportPanel(ui, logic.trackingReport),
             self.lights,
+            PicturePanel(ui.picturePlace.layout(), work, logic.trackingReport),
         )
         for button, slot in (
             (ui.openButton, self.onOpen),
@@ -152,11 +154,13 @@ class RecordedPanel(Follower):
     def _run(self, title: str, failure: str, work) -> None:
         """Do long work with progress and cancel; its errors are shown, a cancel leaves the scene as it was."""
         self._report = ""
-        offerSpeed()
         try:
             self._report = self._work.run(title, failure, work, self._parameterNode)
         finally:
             self._refresh()
+        if self._report:
+            # A first picture comes before any question
+            qt.QTimer.singleShot(0, offerSpeed)
 
     # ---- what folds away
 

@@ -69,11 +69,34 @@ def showsReconstruction(applicationLogic=None) -> bool:
 
 def setOpacity(outputNode, opacity: float, applicationLogic=None) -> None:
     """Set how strongly `outputNode` covers the CT, 0 to 1, wherever it is in the foreground."""
-    logics = _applicationLogic(applicationLogic).GetSliceLogics()
-    for index in range(logics.GetNumberOfItems()):
-        composite = logics.GetItemAsObject(index).GetSliceCompositeNode()
-        if composite is not None and composite.GetForegroundVolumeID() == outputNode.GetID():
+    for composite in _composites(applicationLogic):
+        if composite.GetForegroundVolumeID() == outputNode.GetID():
             composite.SetForegroundOpacity(opacity)
+
+
+def exchange(before, after, applicationLogic=None) -> bool:
+    """Show one volume wherever the other is shown, as background or foreground; whether it was shown anywhere."""
+    found = False
+    for composite in _composites(applicationLogic):
+        for layer in ("Background", "Foreground"):
+            if getattr(composite, f"Get{layer}VolumeID")() == before.GetID():
+                getattr(composite, f"Set{layer}VolumeID")(after.GetID())
+                found = True
+    return found
+
+
+def showLabels(labelNode, overNode, applicationLogic=None) -> None:
+    """Show labels over a volume, as opaque as it is, wherever it is shown and nothing else takes their place; elsewhere no longer."""
+    for composite in _composites(applicationLogic):
+        shown = composite.GetLabelVolumeID()
+        over = overNode.GetID() if overNode is not None else None
+        if over is not None and over in (composite.GetBackgroundVolumeID(), composite.GetForegroundVolumeID()):
+            if shown in (None, "", labelNode.GetID()):
+                composite.SetLabelVolumeID(labelNode.GetID())
+                composite.SetLabelOpacity(composite.GetForegroundOpacity() if composite.GetForegroundVolumeID() == over else 1.0)
+        elif shown == labelNode.GetID():
+            composite.SetLabelVolumeID(None)
+            composite.SetLabelOpacity(1.0)
 
 
 def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", applicationLogic=None, tableNode=None, fit: bool = True) -> None:
@@ -218,6 +241,13 @@ def _likeUltrasound(display, node) -> None:
 
 def _applicationLogic(applicationLogic):
     return applicationLogic if applicationLogic is not None else slicer.app.applicationLogic()
+
+
+def _composites(applicationLogic) -> list:
+    """What each slice view shows, in any layout."""
+    logics = _applicationLogic(applicationLogic).GetSliceLogics()
+    found = [logics.GetItemAsObject(index).GetSliceCompositeNode() for index in range(logics.GetNumberOfItems())]
+    return [each for each in found if each is not None]
 
 
 def _sliceLogics(names, applicationLogic) -> list:

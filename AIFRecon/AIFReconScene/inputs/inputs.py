@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from AIFReconLib.errors import SettingsError
+from AIFReconLib.errors import InsufficientMemoryError, SettingsError
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion, chosen_region
 from AIFReconLib.progress import part
 
@@ -18,11 +18,12 @@ from ..sweep.severalSweeps import furtherSweeps
 from ..transforms import matrixToWorld
 from .boneNodes import named
 from .imagingChoices import imageRegionFrom, probeFrom
-from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom
+from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom, needsBone
 
 if TYPE_CHECKING:
-    from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence
+    from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence, Volume
     from AIFReconLib.geometry.volume import VoxelGrid
+    from AIFReconLib.inspection.shown_bone import ShownBone
     from AIFReconLib.registration.labeled_bone import LabeledBone
 
 
@@ -55,6 +56,10 @@ class Inputs:
         An 8-bit gray image: the weight of each pixel in an average.
     boneFromSweep : bool
         Whether bone is looked for in the sweep itself where no `bone` is given.
+    boneFrames : vtkMRMLSequenceNode or None
+        A network's predictions for the frames, where no `bone` is given.
+    boneModel : Path or None
+        A network in an ONNX file, where neither is.
     """
 
     sweep: Any
@@ -72,6 +77,8 @@ class Inputs:
     fanRadii: tuple | None = None
     importanceMask: Path | None = None
     boneFromSweep: bool = False
+    boneFrames: Any = None
+    boneModel: Path | None = None
 
     @classmethod
     def fromParameters(cls, parameters) -> Inputs:
@@ -138,7 +145,7 @@ class Inputs:
         """
         sequence = self.sequence()
         region, grid = self.imageRegion(sequence.configuration), self.grid(settings)
-        if self.bone is None and self.boneFromSweep:
+        if self.bone is None and (self.boneFromSweep or self.boneFrames is not None or self.boneModel is not None):
             bone = self._boneOf(sequence, region, progress)
             return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), boneFromSweep=True)
         labels = self.labels()
@@ -213,6 +220,11 @@ class Inputs:
 
     def _boneOf(self, sequence, region, progress):
         from AIFReconLib import bone_from_sweep
+
+        if self.boneFrames is not None or self.boneModel is not None:
+            from ..sweep.predictedBone import predictedBone
+
+            return predictedBone(sequence, self.boneFrames, self.boneModel, region=region, probe=self.probe, progress=progress)
         from AIFReconLib.resolve import resolve_imaging
         from AIFReconLib.sweep.poses import sweep_poses
 
@@ -280,14 +292,51 @@ class PreparedInputs:
 
         return inBackground(work, progress)
 
+    def measured(self, settings, result, progress=None) -> Volume:
+        """The plain mean of the echoes on the voxels of a result that a method has made, with the same holes filled."""
 
-def reconstructed(inputs: Inputs, settings, progress=None, beside=()) -> tuple:
-    """A `Reconstruction`, the `PreparedInputs` that it was made from, and what was done, a line each."""
+        from AIFReconLib import reconstruct
+
+        plain = replace(settings, method="average", best_cosine=False, hole_limit=result.hole_limit or settings.hole_limit)
+
+        def work(progress):
+            imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}
+            return reconstruct(self.sequence, plain, None, result.grid, beside=(), progress=progress, **imaging).intensity
+
+        return inBackground(work, progress)
+
+    def shown(self, result, progress=None) -> ShownBone | None:
+        """The bone that a result shows, for 3D; None of one without score and hits."""
+        from AIFReconLib.inspection.shown_bone import shown_bone
+
+        if result.score is None or result.hits is None:
+            return None
+        labeled = (None, None) if self.labeledBone is None else (self.labeledBone.labels, self.labeledBone.labels_to_reference)
+        return inBackground(lambda _progress: shown_bone(result, *labeled), progress)
+
+    @property
+    def hasBone(self) -> bool:
+        """Whether there is any."""
+        return self.bone is not None or self.labeledBone is not None
+
+
+def reconstructed(inputs: Inputs, settings, progress=None, beside=(), wished=()) -> tuple:
+    """A `Reconstruction`, the `PreparedInputs` that it was made from, and what was done, a line each.
+
+    The volumes `beside` are made in any case; those that are `wished`, with a method that weights by bone and where memory allows.
+    """
     from AIFReconLib.inspection.summary import summary_lines
     from AIFReconLib.message import listed
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
-    result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), [name for name in beside if name in ("score", "hits")])
+    asked = [name for name in beside if name in ("score", "hits")]
+    wished = wished if needsBone(settings.method_for(prepared.hasBone)) else ()
+    try:
+        result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), sorted({*asked, *wished}))
+    except InsufficientMemoryError:
+        if not wished:
+            raise
+        result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), asked)
     lines = [*summary_lines(result, len(prepared.sequence)), *prepared.widthLines(result.method, part(progress, 0.95, 1.0))]
     return result, prepared, listed(lines, "\n")
 

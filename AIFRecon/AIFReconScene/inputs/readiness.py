@@ -99,7 +99,7 @@ def whyNotRegister(parameters, sweep=None, isScanning: bool = False) -> str:
 
 def withoutRepeating(missing: str, sweepText: str) -> str:
     """What is missing, for a place beside what is said of the sweep: a pointer where the same is said there."""
-    return _("The sweep cannot be reconstructed: see under Sweep.") if missing and missing in sweepText else missing
+    return _("The sweep cannot be reconstructed: see above.") if missing and missing in sweepText else missing
 
 
 def describeBone(parameters) -> str:

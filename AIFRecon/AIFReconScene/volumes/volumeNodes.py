@@ -18,11 +18,14 @@ INTENSITY, SCORE, HITS, COSINE, MASK = "intensity", "score", "hits", "cosine", "
 KINDS = (INTENSITY, SCORE, HITS, COSINE, MASK)
 """The volumes of a `Reconstruction`, by their names there."""
 
+MEASURED = "measured"
+"""The plain mean of the same echoes, kept beside intensities that a method has raised."""
+
 MASK_NAMES = ("empty", "measured", "filled")
 MASK_COLORS = ((0.0, 0.0, 0.0, 0.0), (0.25, 0.65, 0.35, 1.0), (0.95, 0.7, 0.2, 1.0))
 _MASK_ATTRIBUTE = "AIFRecon.MaskColors"
 KIND_ATTRIBUTE = "AIFRecon.Volume"
-"""Which of `KINDS` a volume that was made here is."""
+"""Which of `KINDS` a volume that was made here is, or `MEASURED`."""
 
 _NAME_ATTRIBUTE = "AIFRecon.Name"
 """The name that a node was given here, by which one that the user has changed is known."""
@@ -87,6 +90,7 @@ def outputNodes(
     nodes: dict | None = None,
     *,
     inputs: tuple = (),
+    measured: Volume | None = None,
     scene=None,
 ) -> dict:
     """Nodes for the volumes of a reconstruction, made or brought up to date.
@@ -103,6 +107,8 @@ def outputNodes(
         transform, because the result holds world coordinates. A name that was given here follows the method; one of the user's stays.
     inputs : tuple of node
         What must not be overwritten: CT, bone, volume of the region.
+    measured : Volume or None
+        The plain mean of the same echoes, on the same voxels; one that was kept with earlier intensities goes where there is none now.
     scene : vtkMRMLScene or None
         Default: Slicer's scene.
 
@@ -120,6 +126,7 @@ def outputNodes(
     given = {kind: node for kind, node in (nodes or {}).items() if node is not None and kind in kinds}
     if INTENSITY in given:
         earlier = {kind: given[INTENSITY].GetNodeReference(_ROLE.format(kind=kind)) for kind in kinds if kind not in given}
+        earlier[MEASURED] = measuredOf(given[INTENSITY]) if measured is not None else None
         given.update({kind: node for kind, node in earlier.items() if node is not None})
     for kind, node in given.items():
         if kind != MASK and node.IsA("vtkMRMLLabelMapVolumeNode"):
@@ -131,6 +138,8 @@ def outputNodes(
                 "Output must be another volume than the inputs; got {node!r}. Choose or create another one.", node=node.GetName()
             )
     volumes = {kind: getattr(result, kind) for kind in KINDS if kind in kinds and getattr(result, kind) is not None}
+    if measured is not None:
+        volumes[MEASURED] = measured
     # All memory is taken before the first node changes
     images = {kind: _imageData(volume.array) for kind, volume in volumes.items()}
     window = ultrasoundWindow(result.intensity.array, result.mask.array)
@@ -139,7 +148,7 @@ def outputNodes(
         placed = {}
         for kind, volume in volumes.items():
             node = given.get(kind)
-            name = f"{sweepName} {result.method}" + ("" if kind == INTENSITY else f" {kind}")
+            name = " ".join([sweepName, *{INTENSITY: [result.method], MEASURED: [MEASURED]}.get(kind, [result.method, kind])])
             if node is None:
                 className = "vtkMRMLLabelMapVolumeNode" if kind == MASK else "vtkMRMLScalarVolumeNode"
                 node = scene.AddNewNodeByClass(className)
@@ -148,7 +157,7 @@ def outputNodes(
             elif hasGivenName(node) and re.sub(r"_\d+$", "", node.GetName()) != name:
                 giveName(node, name, scene)
             _place(node, images[kind], volume)
-            node.SetAttribute("AIFRecon.Method", result.method)
+            node.SetAttribute("AIFRecon.Method", "average" if kind == MEASURED else result.method)
             node.SetAttribute(KIND_ATTRIBUTE, kind)
             node.SetNodeReferenceID(COMPARED_ROLE, None)
             _show(node, kind, window, scene)
@@ -156,11 +165,29 @@ def outputNodes(
         for kind, node in placed.items():
             if INTENSITY in placed and kind != INTENSITY:
                 placed[INTENSITY].SetNodeReferenceID(_ROLE.format(kind=kind), node.GetID())
+        if INTENSITY in placed and measured is None:
+            _forgetMeasured(placed[INTENSITY], scene)
         _collect(placed.values(), sweepName, scene)
     except Exception:
         removeNodes(made, scene)
         raise
     return placed
+
+
+def measuredOf(node):
+    """The plain mean of the echoes that a volume was made of; None where none was kept, or what was kept is something else by now."""
+    kept = node.GetNodeReference(_ROLE.format(kind=MEASURED)) if node is not None else None
+    if kept is None or kept.GetAttribute(KIND_ATTRIBUTE) != MEASURED or None in (kept.GetImageData(), node.GetImageData()):
+        return None
+    return kept if kept.GetImageData().GetDimensions() == node.GetImageData().GetDimensions() else None
+
+
+def _forgetMeasured(node, scene) -> None:
+    """What was kept beside the voxels that a volume held before is not of those that it holds now."""
+    kept = node.GetNodeReference(_ROLE.format(kind=MEASURED))
+    node.SetNodeReferenceID(_ROLE.format(kind=MEASURED), None)
+    if kept is not None and kept.GetAttribute(KIND_ATTRIBUTE) == MEASURED and hasGivenName(kept):
+        removeNodes([kept], scene)
 
 
 def ultrasoundWindow(intensity: np.ndarray, mask: np.ndarray) -> tuple[float, float]:
@@ -170,6 +197,12 @@ def ultrasoundWindow(intensity: np.ndarray, mask: np.ndarray) -> tuple[float, fl
     levels = levels[np.isfinite(levels)]
     brightest = float(np.percentile(levels, BRIGHTEST_SHARE)) if levels.size else 0.0
     return 0.0, brightest if brightest > 0 else 1.0
+
+
+def ultrasoundWindowOf(node) -> tuple[float, float]:
+    """The same of a volume node, whose voxels are 0 where nothing was measured."""
+    array = slicer.util.arrayFromVolume(node)
+    return ultrasoundWindow(array, array)
 
 
 def _imageData(array: np.ndarray):
@@ -206,11 +239,11 @@ def _show(node, kind: str, window: tuple[float, float], scene) -> None:
     if kind == MASK:
         display.SetAndObserveColorNodeID(_maskColors(scene).GetID())
         return
-    if kind in (INTENSITY, COSINE):
+    if kind in (INTENSITY, MEASURED, COSINE):
         display.SetAutoWindowLevel(False)
-        display.SetWindowLevelMinMax(*(window if kind == INTENSITY else (0.0, 1.0)))
+        display.SetWindowLevelMinMax(*((0.0, 1.0) if kind == COSINE else window))
     display.SetInterpolate(False)
-    if kind == INTENSITY:
+    if kind in (INTENSITY, MEASURED):
         isByte = node.GetImageData().GetScalarType() == vtk.VTK_UNSIGNED_CHAR
         smallest, high = (1.0, 255.0) if isByte else (float(np.finfo(np.float32).tiny), node.GetImageData().GetScalarRange()[1])
         display.AutoThresholdOff()

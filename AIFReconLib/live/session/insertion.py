@@ -248,6 +248,8 @@ class Inserter:
             grid = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (8, 8, 8), 1.0)
             tiny = Reconstructor(grid, self._settings, self._bone, probe=ProbeGeometry(LINEAR), importance=importance)
             tiny.insert(TrackedFrame(image, np.eye(4)))
+            # The first snapshot would compile while frames wait
+            tiny.reconstruction()
         except Exception:  # what is wrong shows with the real volume, where it is reported
             logger.debug("The engine could not be warmed up", exc_info=True)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
+from collections import deque
 from dataclasses import replace
 from pathlib import Path
 
@@ -117,6 +118,7 @@ class LiveSession:
         self.recorded: Path | None = None
         self.finished = threading.Event()
         self.latest: LiveFrame | None = None
+        self.recent: deque[LiveFrame] = deque(maxlen=2 * FRAMES_LOOKED_AT)
         self._frame_limit = frame_limit
         self._meter = Meter()
         names = self._synchronizer.settings
@@ -128,8 +130,7 @@ class LiveSession:
         if grid is None:
             self._phase = SCOUTING
         self._scouted = ScoutedFrames()
-        self._paused = False
-        self._prepared = self._started = self._closed = False
+        self._paused = self._prepared = self._started = self._closed = False
         self._trouble = Trouble()
         self._unfinished: str | None = None
         self._collect_error: Exception | None = None
@@ -353,6 +354,7 @@ class LiveSession:
             if self._frame_limit is not None and frame.number >= self._frame_limit:
                 break
             self.latest = frame
+            self.recent.append(frame)
             if self.recorder is not None:
                 self.recorder.append(frame)
             with self._lock:

@@ -17,7 +17,6 @@ import pytest
 from files import refused, tracked_sequence
 from igtl_streams import ScriptedServer, image_bytes
 
-from AIFReconLib.commands.live import StatusLine, status_text
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.transform_graph import TransformStatus
@@ -29,6 +28,7 @@ from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.session.statistics import LiveStatistics
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.terminal.status_line import StatusLine, status_text
 
 LONG = 60.0
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
@@ -162,8 +162,17 @@ def test_impossible_lengths_are_refused(option, serve, live, results, capsys):
     assert option in refused(live(serve(), option, "0", "--output", results / "v.nrrd"), capsys, results)
 
 
-def test_bone_from_a_sweep_that_is_not_there_yet_is_refused(serve, live, results, capsys):
-    assert "--record" in refused(live(serve(), "--bone-from-sweep", "--output", results / "v.nrrd"), capsys, results)
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--bone-frames", "said.mha"], "--bone-frames belongs to a recorded sweep"),
+        (["--bone-image", "Bone", "--bone-from-sweep"], "--bone-image is a source of bone, and so is --bone-from-sweep"),
+        (["--bone-image", "Bone", "--image", "Bone"], "two devices; got 'Bone' for both"),
+        (["--bone-image", "Bone", "--bone-transform", "T.tfm"], "--bone-image needs none"),
+    ],
+)
+def test_sources_of_bone_that_do_not_go_together_are_refused(serve, live, results, capsys, options, words):
+    assert words in refused(live(serve(), *options, "--output", results / "v.nrrd"), capsys, results)
 
 
 def test_recording_over_an_input_is_refused(serve, live, patient, results, capsys):

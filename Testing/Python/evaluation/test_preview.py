@@ -28,7 +28,7 @@ def volume_with(*bright, background=40) -> Volume:
 
 
 def panel_of(plane, volume, labels=None):
-    center = room._center(volume, volume.array != 0, labels)
+    center = room.middle_of_bone(volume, volume.array != 0, labels)
     return room._cut_panel(volume, plane, center, (0.0, 255.0), None, labels)
 
 
@@ -75,7 +75,7 @@ def test_cuts_go_through_the_middle_of_bone_that_shows():
     labels[5:16, 20:29, 5:14] = 1
     volume = volume_with(background=10)
     volume.array[labels > 0] = 200
-    center = room._center(volume, volume.array > 0, Volume(labels, GRID.ijk_to_reference))
+    center = room.middle_of_bone(volume, volume.array > 0, Volume(labels, GRID.ijk_to_reference))
     np.testing.assert_allclose(center, np.add(GRID.origin, (9, 24, 10)), atol=0.51)
 
 
@@ -84,14 +84,14 @@ def test_bone_in_the_dark_does_not_draw_the_cuts_to_it():
     labels[:, 2:20, :] = labels[:, 28, :] = 1
     volume = volume_with(background=3)
     volume.array[:, 28, :] = 250
-    center = room._center(volume, volume.array > 0, Volume(labels, GRID.ijk_to_reference))
+    center = room.middle_of_bone(volume, volume.array > 0, Volume(labels, GRID.ijk_to_reference))
     assert center[1] == pytest.approx(GRID.origin[1] + 28)
 
 
 def test_without_labels_cuts_meet_in_the_middle_of_what_was_scanned():
     array = np.zeros(GRID.shape, np.uint8)
     array[4:9, 10:21, 20:31] = 7
-    center = room._center(Volume(array, GRID.ijk_to_reference), array > 0, None)
+    center = room.middle_of_bone(Volume(array, GRID.ijk_to_reference), array > 0, None)
     np.testing.assert_allclose(center, np.add(GRID.origin, (25, 15, 6)))
 
 

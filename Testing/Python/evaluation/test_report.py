@@ -17,7 +17,7 @@ from AIFReconLib.evaluation import figures
 from AIFReconLib.evaluation.figures import comparison_png, require_matplotlib, within_spinous_process
 from AIFReconLib.evaluation.metrics import BoneMetrics, SurfaceMetrics
 from AIFReconLib.evaluation.quantities import HEADINGS, PARTS, QUANTITIES, best_of, cell, metrics_csv, table
-from AIFReconLib.evaluation.report import Report, file_sizes, report_html, software_versions, write_report
+from AIFReconLib.evaluation.report import Report, Section, file_sizes, report_html, software_versions, write_report
 from AIFReconLib.evaluation.surface import BoneSurface
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.settings import METHODS, ReconstructionSettings
@@ -332,3 +332,20 @@ def test_the_figure_looks_into_the_spinous_process_nearest_to_the_middle(block):
     labels = np.repeat([1, 2], len(y))
     surface = BoneSurface(points, np.zeros_like(points), np.ones(len(points)), labels)
     assert within_spinous_process(surface, block.grid) == pytest.approx((2.0, 0.0, 1.0), abs=0.3)
+
+
+def test_sections_say_what_they_are_given_as_text_and_a_page_may_do_without_metrics():
+    section = Section(
+        "Sweep <1>",
+        rows=(("Frames", "270 of 270 & more"),),
+        said=("Nothing <b>else</b>.",),
+        table=(("Bone", "Met"), ("L3 <x>", "91%")),
+        pictures=(("Axial", PNG),),
+    )
+    page = Page(report_html(Report("One", "today", {}, None, sections=(section,), language="de")))
+    assert page.wrong == []
+    assert ["L3 <x>", "91%"] in page.rows
+    for words in ("Sweep <1>", "270 of 270 & more", "Nothing <b>else</b>."):
+        assert words in page.text
+    assert page.resources == ["data:image/png;base64," + base64.b64encode(PNG).decode()]
+    assert "How clearly" not in page.text

@@ -15,8 +15,8 @@ MODULE = REPOSITORY / "AIFRecon"
 DRAWING = ElementTree.parse(REPOSITORY / "docs" / "images" / "architecture.svg").getroot()
 
 ROOMS = (
-    *("AIFRecon.py", "AIFReconGui/panel", "AIFReconGui"),
-    *("AIFReconScene/live", "AIFReconScene/registration", "AIFReconScene/display"),
+    *("AIFRecon.py", "AIFReconGui/panel", "AIFReconGui/picture", "AIFReconGui"),
+    *("AIFReconScene/picture", "AIFReconScene/live", "AIFReconScene/registration", "AIFReconScene/display"),
     *("AIFReconScene/volumes", "AIFReconScene/inputs", "AIFReconScene/sweep"),
     "AIFReconScene",
     *("commands", "batch", "terminal"),

@@ -33,7 +33,7 @@ BLOCKS = [block for page in PAGES for block in blocks(page)]
 SHELL = [block for block in BLOCKS if block.commands()]
 PYTHON = [block for block in BLOCKS if block.language == "python"]
 README = REPOSITORY / "README.md"
-GUIDE = REPOSITORY / "docs" / "slicer.md"
+GUIDES = [REPOSITORY / "docs" / f"{name}.md" for name in ("slicer", "slicer-data", "slicer-live")]
 OF_SLICER = {"Edit", "Application Settings", "Modules", "Additional module paths", "Extensions Manager", "Install from file"}
 """Menus and labels that the guide names and that are Slicer's own."""
 
@@ -246,10 +246,11 @@ def test_the_table_of_commands_is_complete():
     assert sorted(listed) == sorted(OPTIONS)
 
 
-def test_every_label_that_the_guide_names_is_in_the_panel():
+@pytest.mark.parametrize("guide", GUIDES, ids=name_of)
+def test_every_label_that_the_guide_names_is_in_the_panel(guide):
     sources = [path for suffix in ("*.py", "*.ui") for path in (REPOSITORY / "AIFRecon").rglob(suffix)]
     words = " ".join(path.read_text("utf-8") for path in sources).replace("&amp;", "").lower()
-    named = [part.strip() for label in emphasized(GUIDE) for part in label.split(">")]
+    named = [part.strip() for label in emphasized(guide) for part in label.split(">")]
     assert [label for label in named if label not in OF_SLICER and label.lower() not in words] == []
 
 

@@ -1,4 +1,4 @@
-"""The lines for Slicer's Python console in docs/slicer.md run, on the host, in a process of their own as in Slicer."""
+"""The lines for Slicer's Python console in docs/slicer-data.md run, on the host, in a process of their own as in Slicer."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from doc_pages import REPOSITORY, blocks
 from doc_workplace import make_workplace
 
-GUIDE = REPOSITORY / "docs" / "slicer.md"
+GUIDE = REPOSITORY / "docs" / "slicer-data.md"
 
 AROUND = """
 import sys

@@ -19,6 +19,7 @@ PYTHON_FILES = [
 EVERYWHERE = {"numpy", "scipy", "AIFReconLib"}
 IN_ROOMS = {
     "batch": {"dask", "distributed", "pyarrow"},
+    "bone": {"onnxruntime"},
     "evaluation": {"matplotlib", "vtk"},
     "io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg"},
     "live": {"pyigtl"},
@@ -169,6 +170,7 @@ def test_a_relative_import_is_no_package():
         ("io/foreign/pictures.py", "PIL", True),
         ("sweep/frames.py", "PIL", False),
         ("bone/map.py", "SimpleITK", False),
+        ("bone/model.py", "onnxruntime", True),
         ("io.py", "SimpleITK", False),
         ("live/wire/client.py", "pyigtl", True),
         ("live/wire/client.py", "SimpleITK", False),

@@ -20,7 +20,6 @@ from files import refused, tracked_sequence
 from AIFReconLib import __main__ as entry
 from AIFReconLib.commands import evaluate as evaluate_command
 from AIFReconLib.commands import parser as cli
-from AIFReconLib.commands.live import StatusLine
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import OutputError
 from AIFReconLib.geometry.volume import Volume
@@ -31,6 +30,7 @@ from AIFReconLib.machine.read_ahead import read_ahead
 from AIFReconLib.machine.threads import in_parts, pause
 from AIFReconLib.terminal.console import ProgressBar
 from AIFReconLib.terminal.signals import orderly_end
+from AIFReconLib.terminal.status_line import StatusLine
 
 posix = pytest.mark.skipif(os.name == "nt", reason="POSIX")
 

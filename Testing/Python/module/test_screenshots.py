@@ -185,7 +185,7 @@ def test_pictures_in_rows_keep_their_pixels(tmp_path):
 
 PANELS = ("panel", "panel-needs", "panel-dark", "live-panel", "step-1-empty", "step-2-inputs", "step-4-progress", "step-6-report")
 VIEWS = (
-    *("slices", "compare", "overlay", "live", "step-3-advanced", "step-5-result", "step-7-compare", "step-8-live"),
+    *("slices", "compare", "overlay", "live", "step-3-settings", "step-5-result", "step-7-compare", "step-8-live"),
     *("step-registration", "step-guidance"),
 )
 

@@ -174,3 +174,69 @@ def visible(text: str) -> list[str]:
     """What of a text is seen whatever its values are, in the case that the panel gives it."""
     parts = [part for part, *_ in string.Formatter().parse(text) if part.strip()]
     return [part[1:] for part in parts]
+
+
+LANGUAGES = sorted((translations.MODULE / "Resources" / "Translations").glob("AIFRecon_*.ts"))
+FIRST_SCREEN = (
+    *("tabWidget", "openButton", "sampleButton", "sweepLabel", "otherSweepsLabel", "ctLabel", "boneLabel", "segmentsLabel", "applyButton"),
+    *("placeButton", "trackingMoreButton", "settingsCollapsibleButton", "liveStartButton", "livePauseButton", "liveStopButton"),
+    *(
+        "liveResetButton",
+        "liveUseBoxButton",
+        "livePlaceButton",
+        "liveRecordCheckBox",
+        "liveGuidanceCheckBox",
+        "connectionCollapsibleButton",
+    ),
+)
+"""Widgets of both tabs that are seen before anything was opened."""
+
+
+def sentences(path: Path) -> dict[tuple[str, str], str]:
+    """Context and text to translation, of a .ts file."""
+    contexts = ElementTree.parse(path).getroot().iter("context")
+    return {
+        (each.findtext("name", ""), message.findtext("source", "")): message.findtext("translation", "")
+        for each in contexts
+        for message in each.iter("message")
+    }
+
+
+def test_german_french_spanish_and_chinese_are_begun():
+    assert [path.stem.partition("_")[2] for path in LANGUAGES] == ["de-DE", "es-ES", "fr-FR", "zh-CN"]
+
+
+@pytest.mark.parametrize("path", LANGUAGES, ids=lambda path: path.stem)
+def test_a_language_has_the_first_screen_and_nothing_that_is_no_longer_said(path):
+    known, texts = sentences(path), translations.all_texts()
+    assert [text for context, text in known if text not in texts.get(context, ())] == []
+    root = ElementTree.parse(translations.MODULE / "Resources" / "UI" / "AIFRecon.ui").getroot()
+    shown = [widget.find("property[@name='text']/string") for widget in root.iter("widget") if widget.get("name") in FIRST_SCREEN]
+    tabs = [attribute.find("string") for attribute in root.iter("attribute") if attribute.get("name") == "title"]
+    said = [each.text or "" for each in (*shown, *tabs) if each is not None]
+    assert len(said) > 20
+    assert [text for text in said if ("AIFRecon", text) not in known] == []
+
+
+@pytest.mark.parametrize("path", LANGUAGES, ids=lambda path: path.stem)
+def test_a_language_keeps_every_placeholder(path):
+    def places(text):
+        return sorted((name, form) for _, name, form, _ in string.Formatter().parse(text) if name is not None)
+
+    assert [text for (_, text), said in sentences(path).items() if places(text) != places(said) or not said] == []
+
+
+@pytest.mark.parametrize("path", LANGUAGES, ids=lambda path: path.stem)
+def test_qt_speaks_the_language_once_it_is_compiled(path, tmp_path):
+    pyside = pytest.importorskip("PySide6", reason="PySide6-Essentials is not installed: pip install '.[test]'")
+    program = shutil.which("lrelease", path=Path(pyside.__file__).parent)
+    if program is None:
+        pytest.skip("this PySide6 has no lrelease")
+    compiled = tmp_path / "language.qm"
+    subprocess.run([program, path, "-qm", compiled], capture_output=True, check=True)
+    from PySide6 import QtCore
+
+    translator = QtCore.QTranslator()
+    assert translator.load(str(compiled))
+    known = sentences(path)
+    assert {key: translator.translate(*key) for key in known} == known

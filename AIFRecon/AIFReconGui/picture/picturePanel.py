@@ -1,0 +1,119 @@
+"""The picture in the panel: how the reconstruction is looked at, and what is told of it on a page or in a line."""
+
+import pathlib
+
+import qt
+import slicer
+from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.picture import windows
+from AIFReconScene.picture.echoView import EchoView
+from AIFReconScene.picture.levelNames import LevelNames
+from AIFReconScene.picture.probeUp import ProbeUp
+from AIFReconScene.picture.spineView import SpineView, spineOf
+from AIFReconScene.volumes.volumeNodes import measuredOf
+from slicer.i18n import tr as _
+
+UI = pathlib.Path(__file__).resolve().parents[2] / "Resources" / "UI" / "Picture.ui"
+
+
+class PicturePanel:
+    """A widget of its own, and what it does.
+
+    Parameters
+    ----------
+    layout : QLayout
+        Takes the widget at its end.
+    work : LongWork
+    trackingOf : callable
+        ``trackingOf(parameters) -> (title, TrackingReport)``.
+    """
+
+    def __init__(self, layout, work, trackingOf):
+        widget = slicer.util.loadUI(str(UI))
+        layout.addWidget(widget)
+        self._ui = ui = slicer.util.childWidgetVariables(widget)
+        self._work, self._trackingOf = work, trackingOf
+        self._parameterNode = self._bound = None
+        self._views = EchoView(), SpineView(), ProbeUp(), LevelNames()
+        self._presets = windows.presets()
+        for label in (_("as they are"), *(preset.label for preset in self._presets)):
+            ui.windowComboBox.addItem(label)
+        ui.windowComboBox.connect("activated(int)", self.onWindow)
+        ui.copyLineButton.connect("clicked(bool)", self.onCopyLine)
+        ui.saveReportButton.connect("clicked(bool)", self.onSaveReport)
+
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none."""
+        if self._parameterNode is not None:
+            self._parameterNode.disconnectGui(self._bound)
+            for view in self._views if parameterNode is None else ():
+                view.clear()
+        self._parameterNode = parameterNode
+        self._bound = parameterNode.connectGui(self._ui) if parameterNode is not None else None
+
+    def update(self) -> None:
+        """Show what is chosen, and enable what can be."""
+        ui, parameters = self._ui, self._parameterNode
+        plain, spine = measuredOf(parameters.output), spineOf(parameters.output)
+        enhanced = _("Press “Reconstruct” with a method that weights by bone: its plain echo is kept beside it.")
+        shown = _("No bone is kept with this volume: press “Reconstruct” with a method that weights by bone. It may have shown none.")
+        tells = self._whyNotTell()
+        for widget, missing, does in (
+            (ui.showMeasuredCheckBox, "" if plain else enhanced, _("Show the plain mean of the echoes, in the same gray levels")),
+            (ui.showRaisedCheckBox, "" if plain else enhanced, _("Violet where the picture is brighter than the echoes are on the mean")),
+            (ui.showSpineCheckBox, "" if spine else shown, _("Show the bone that was seen as a surface, smoothed for display")),
+            (ui.probeUpCheckBox, "" if parameters.sweep else _("Select a tracked sweep."), _("Turn the slice views as the scanner does")),
+            (ui.copyLineButton, tells, _("Put what is to be known into the clipboard, in one line")),
+            (ui.saveReportButton, tells, _("Write a page with pictures, sweep, agreement of the CT, coverage, settings and software")),
+        ):
+            widget.enabled = not missing
+            widget.toolTip = missing or does
+        for view in self._views:
+            view.update(parameters)
+
+    # ---- what is done
+
+    def onWindow(self, row: int) -> None:
+        """Gray levels of a preset; they are the user's after that."""
+        if row > 0 and self._parameterNode is not None:
+            windows.showIn(self._presets[row - 1], self._parameterNode.output, self._parameterNode.ctVolume)
+
+    def onCopyLine(self) -> None:
+        """Put one line about the reconstruction into the clipboard."""
+
+        def work(parameters, progress):
+            from AIFReconScene.picture.sweepPage import tell
+
+            qt.QApplication.clipboard().setText(tell(parameters, self._trackingOf(parameters), progress, pictures=False).line)
+            return ""
+
+        self._work.run(_("Report"), _("The line could not be made."), work, self._parameterNode)
+
+    def onSaveReport(self) -> None:
+        """Ask where to, and write the page."""
+        asked = qt.QFileDialog.getSaveFileName(self._ui.saveReportButton, _("Save report"), "report.html", _("Web page (*.html)"))
+        # Some Pythons for Qt tell the filter too
+        path = asked if isinstance(asked, str) else asked[0]
+        if path:
+            self.saveReport(pathlib.Path(path))
+
+    def saveReport(self, path: pathlib.Path) -> None:
+        """Write the page, completely or not at all; a name without a suffix is given one."""
+        path = path if path.suffix.lower() in (".html", ".htm") else path.with_name(f"{path.name}.html")
+
+        def work(parameters, progress):
+            from AIFReconScene.picture.sweepPage import tell
+
+            from AIFReconLib.evaluation.report import write_report
+            from AIFReconLib.io.disk.atomic import check_writable
+
+            check_writable(path)
+            write_report(path, tell(parameters, self._trackingOf(parameters), progress).page)
+            return ""
+
+        self._work.run(_("Report"), _("The report was not saved."), work, self._parameterNode)
+
+    def _whyNotTell(self) -> str:
+        from AIFReconScene.picture.sweepPage import whyNotTell
+
+        return inPanelWords(whyNotTell(self._parameterNode))

@@ -1,0 +1,62 @@
+"""A reconstruction becomes nodes: its volumes, and what is kept beside them for the views."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from AIFReconLib.errors import AIFReconError, OperationCanceled
+from AIFReconLib.message import Message
+from AIFReconLib.progress import part
+
+from ..inputs.parameters import needsBone
+from ..volumes.volumeNodes import outputNodes
+from .spineView import keepSpine
+
+
+@dataclass(frozen=True)
+class Beside:
+    """What is kept beside a reconstruction for the views.
+
+    Parameters
+    ----------
+    measured : Volume or None
+        Its plain echo.
+    shown : ShownBone or None
+    problem : Message or None
+        Why there is none of them.
+    """
+
+    measured: Any = None
+    shown: Any = None
+    problem: Any = None
+
+
+def besideOf(prepared, settings, result, progress=None) -> Beside:
+    """What is kept of a `Reconstruction` that was made of these `PreparedInputs`; nothing of a method that does not weight by bone."""
+    if not needsBone(result.method):
+        return Beside()
+    try:
+        measured = prepared.measured(settings, result, part(progress, 0.0, 0.7))
+        return Beside(measured, prepared.shown(result, part(progress, 0.7, 1.0)))
+    except OperationCanceled:
+        raise
+    except AIFReconError as error:
+        return Beside(problem=Message("The plain echo and the bone in 3D were not made. {error}", error=error))
+
+
+def keptNodes(result, beside: Beside, inputs, output, kinds) -> dict:
+    """The volume nodes of a `Reconstruction` by kind, the intensities first, with what is kept beside them.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    beside : Beside
+    inputs : Inputs
+    output : vtkMRMLScalarVolumeNode or None
+        Takes the intensities; None: a new node.
+    kinds : sequence of str
+        Further volumes that are wanted.
+    """
+    volumes = {"intensity": output}
+    nodes = outputNodes(result, inputs.name, ("intensity", *kinds), volumes, inputs=inputs.nodes(), measured=beside.measured)
+    keepSpine(nodes["intensity"], beside.shown, inputs.name)
+    return nodes

@@ -1,0 +1,138 @@
+"""The names of levels in the slice views: those of the segments that a slice cuts near their middle."""
+
+import numpy as np
+import slicer
+import vtk
+
+from AIFReconLib.errors import AIFReconError
+
+from ..display import sliceDisplay
+from ..sceneNodes import removeNodes
+from ..transforms import matrixToWorld
+
+REACH = 0.6
+"""Of a segment's half extent across the slice: farther from its middle it goes unnamed, or two levels would be named in one place."""
+
+LETTERS = 4.0
+"""Size of the letters, in percent of the view."""
+
+COLOR = (1.0, 0.95, 0.6)
+
+
+class LevelNames:
+    """A markups node for each of the red, yellow and green view, whose points follow the slice; drawn for orientation, and never saved."""
+
+    def __init__(self):
+        self._nodeIDs, self._observed, self._shown = {}, [], {}
+        self._levels, self._key = [], None
+
+    def update(self, parameters) -> None:
+        """Follow the box and the bone."""
+        bone = parameters.bone
+        wanted = parameters.showLevels and bone is not None and bone.IsA("vtkMRMLSegmentationNode")
+        if not wanted:
+            self.clear()
+            return
+        key = _keyOf(bone)
+        if key is None or key == self._key:
+            return
+        self._key, self._levels = key, _levelsOf(bone)
+        if not self._observed:
+            for logic in _logics():
+                node = logic.GetSliceNode()
+                self._observed.append((node, node.AddObserver(vtk.vtkCommand.ModifiedEvent, lambda caller, event: self._follow(caller))))
+        for node, _tag in self._observed:
+            self._follow(node)
+
+    def clear(self) -> None:
+        """Take the names out of the views and of the scene."""
+        for node, tag in self._observed:
+            node.RemoveObserver(tag)
+        scene = slicer.mrmlScene
+        removeNodes([scene.GetNodeByID(each) for each in self._nodeIDs.values()], scene)
+        self._nodeIDs, self._observed, self._shown = {}, [], {}
+        self._levels, self._key = [], None
+
+    def _follow(self, sliceNode) -> None:
+        names = namesIn(slicer.util.arrayFromVTKMatrix(sliceNode.GetSliceToRAS()), self._levels)
+        shown = [(name, tuple(np.round(place, 2))) for name, place in names]
+        if self._shown.get(sliceNode.GetID()) == shown:
+            return
+        self._shown[sliceNode.GetID()] = shown
+        node = self._nodeOf(sliceNode)
+        with slicer.util.NodeModify(node):
+            node.RemoveAllControlPoints()
+            for name, place in names:
+                node.AddControlPoint(vtk.vtkVector3d(*place), name)
+            node.SetLocked(True)
+
+    def _nodeOf(self, sliceNode):
+        scene = slicer.mrmlScene
+        node = scene.GetNodeByID(self._nodeIDs.get(sliceNode.GetID(), ""))
+        if node is not None:
+            return node
+        node = slicer.vtkMRMLMarkupsFiducialNode()
+        node.SetName(f"Levels {sliceNode.GetLayoutName()}")
+        node.SetHideFromEditors(True)
+        node = scene.AddNode(node)
+        node.CreateDefaultDisplayNodes()
+        display = node.GetDisplayNode()
+        with slicer.util.NodeModify(display):
+            display.AddViewNodeID(sliceNode.GetID())
+            display.SetPointLabelsVisibility(True)
+            display.SetUseGlyphScale(False)
+            display.SetGlyphSize(0.1)
+            display.SetTextScale(LETTERS)
+            display.SetSelectedColor(*COLOR)
+        for each in (node, display):
+            each.SetSaveWithScene(False)
+        node.SetSelectable(False)
+        self._nodeIDs[sliceNode.GetID()] = node.GetID()
+        return node
+
+
+def namesIn(sliceToRAS: np.ndarray, levels: list) -> list:
+    """The names that a slice shows, each with its place on the slice.
+
+    Parameters
+    ----------
+    sliceToRAS : (4, 4) array
+    levels : list of (str, (8, 3) array)
+        Names, and the corners of their boxes in RAS.
+
+    Returns
+    -------
+    names : list of (str, (3,) array)
+    """
+    normal = sliceToRAS[:3, 2] / np.linalg.norm(sliceToRAS[:3, 2])
+    names = []
+    for name, corners in levels:
+        along = (corners - sliceToRAS[:3, 3]) @ normal
+        away = along.mean()
+        if abs(away) <= REACH * np.ptp(along) / 2:
+            names.append((name, corners.mean(axis=0) - away * normal))
+    return names
+
+
+def _keyOf(bone):
+    try:
+        place = matrixToWorld(bone)
+    except AIFReconError:
+        return None
+    return bone.GetID(), bone.GetSegmentation().GetMTime(), place.tobytes()
+
+
+def _levelsOf(bone) -> list:
+    segmentation, place, levels = bone.GetSegmentation(), matrixToWorld(bone), []
+    for number in range(segmentation.GetNumberOfSegments()):
+        segment, bounds = segmentation.GetNthSegment(number), [0.0] * 6
+        segment.GetBounds(bounds)
+        if vtk.vtkMath.AreBoundsInitialized(bounds):
+            corners = np.array([(x, y, z, 1.0) for x in bounds[:2] for y in bounds[2:4] for z in bounds[4:]])
+            levels.append((segment.GetName(), (corners @ place.T)[:, :3]))
+    return levels
+
+
+def _logics() -> list:
+    logics = (slicer.app.applicationLogic().GetSliceLogicByLayoutName(name) for name in sliceDisplay.MAIN_VIEWS)
+    return [each for each in logics if each is not None]

@@ -1,0 +1,113 @@
+"""Slice views turned as a scanner shows them: the probe's side up, in the sweep's own planes; or as radiologists look."""
+
+import numpy as np
+import slicer
+from slicer.i18n import tr as _
+
+from AIFReconLib.errors import AIFReconError
+
+from ..display import sliceDisplay
+from ..sweep.sweepStatus import sweepKey
+from ..transforms import matrixToWorld
+
+LEAST = 0.3
+"""Length of the mean of unit vectors below which they point everywhere: the first frame then tells which way the columns run."""
+
+
+class ProbeUp:
+    """Turns the red, yellow and green view when the choice or the sweep changes, and leaves a view alone that the user turns after that.
+
+    Notes
+    -----
+    Red lies as the frames do, yellow along the sweep with the head on the left, green across the beams as one looks along them. The
+    turns are orientations of the views, by name in their bars; the center of each view stays.
+    """
+
+    def __init__(self):
+        self._turned = None
+
+    def update(self, parameters) -> None:
+        """Follow the parameters; a sweep that cannot be placed turns nothing."""
+        wanted = None
+        if parameters.probeUp and parameters.sweep is not None:
+            bone = parameters.bone.GetTransformNodeID() if parameters.bone is not None else None
+            wanted = sweepKey(parameters.sweep, parameters.imageSequence), bone
+        if wanted == self._turned:
+            return
+        before, self._turned = self._turned, wanted
+        if wanted is None:
+            for node in _views() if before is not None else ():
+                if node.GetOrientation() == orientationName(node):
+                    node.SetOrientationToDefault()
+            return
+        try:
+            axes = sweepAxes(parameters.sweep, parameters.imageSequence, _head(parameters.bone))
+        except AIFReconError:
+            return
+        for node, turn in zip(_views(), axes):
+            name, matrix = orientationName(node), slicer.util.vtkMatrixFromArray(turn)
+            if node.HasSliceOrientationPreset(name):
+                node.RemoveSliceOrientationPreset(name)
+            node.AddSliceOrientationPreset(name, matrix)
+            node.SetOrientation(name)
+
+    def clear(self) -> None:
+        """The user leaves, or the scene goes with its views: what is turned stays so."""
+        self._turned = None
+
+
+def orientationName(sliceNode) -> str:
+    """What a view's orientation is called."""
+    return _("{orientation}, probe up").format(orientation=sliceNode.GetDefaultOrientation())
+
+
+def sweepAxes(browser, imageSequence, head) -> tuple:
+    """The axes of three views, (3, 3) each: right, up and out of the screen as columns, in RAS.
+
+    Parameters
+    ----------
+    browser : vtkMRMLSequenceBrowserNode
+    imageSequence : vtkMRMLSequenceNode or None
+    head : (3,) array
+        Toward the patient's head, in RAS.
+
+    Raises
+    ------
+    AIFReconError
+        When no frame of the sweep can be placed.
+    """
+    from AIFReconLib.sweep.poses import sweep_poses
+
+    from ..sweep.sequenceReader import sequenceFromBrowser
+
+    sequence = sequenceFromBrowser(browser, imageSequence)
+    poses = sweep_poses(sequence)
+    poses.require_usable(sequence.name)
+    placed = poses.image_to_reference[poses.usable][:, :3, :2]
+    across, beam = (_mean(placed[..., axis]) for axis in (0, 1))
+    across = across - (across @ beam) * beam
+    across /= np.linalg.norm(across)
+    along = np.cross(across, beam)
+    along = along if along @ head > 0 else -along
+    pairs = ((across, -beam), (-along, -beam), (np.cross(along, -beam), along))
+    return tuple(np.column_stack([right, up, np.cross(right, up)]) for right, up in pairs)
+
+
+def _mean(directions: np.ndarray) -> np.ndarray:
+    unit = directions / np.linalg.norm(directions, axis=1)[:, None]
+    mean = unit.mean(axis=0)
+    mean = mean if np.linalg.norm(mean) >= LEAST else unit[0]
+    return mean / np.linalg.norm(mean)
+
+
+def _head(bone) -> np.ndarray:
+    """The head is where the CT says, or where RAS world says."""
+    try:
+        return matrixToWorld(bone)[:3, 2] if bone is not None else np.array([0.0, 0.0, 1.0])
+    except AIFReconError:
+        return np.array([0.0, 0.0, 1.0])
+
+
+def _views() -> list:
+    logics = (slicer.app.applicationLogic().GetSliceLogicByLayoutName(name) for name in sliceDisplay.MAIN_VIEWS)
+    return [logic.GetSliceNode() for logic in logics if logic is not None]

@@ -1,0 +1,146 @@
+"""Bone in 3D: a model of what the reconstruction shows of it, kept with the volume, before the translucent bone of the CT, from behind."""
+
+import numpy as np
+import slicer
+import vtk
+
+from AIFReconLib.errors import AIFReconError
+
+from ..background import inBackground
+from ..display import threeDViews
+from ..sceneNodes import removeNodes
+from ..transforms import matrixToWorld
+from ..volumes.volumeNodes import giveName, hasGivenName, intoFolder
+from .spineSurface import DISTANCE, FARTHEST, distanceColors, spineSurface
+
+SPINE_ROLE = "AIFRecon.spine"
+"""Of the reference from a volume to the model of the bone that it shows."""
+
+TRANSLUCENT = 0.2
+"""Opacity of the CT's bone behind."""
+
+_COLORS = "AIFRecon.SpineColors"
+
+
+def keepSpine(node, shown, sweepName: str, progress=None):
+    """The model of a `ShownBone`, made or brought up to date beside the volume `node`; where there is none, an earlier one goes."""
+    scene, model = node.GetScene(), spineOf(node)
+    surface = None if shown is None else inBackground(lambda _progress: spineSurface(shown), progress)
+    if surface is None or not surface.GetNumberOfPolys():
+        node.SetNodeReferenceID(SPINE_ROLE, None)
+        if model is not None and hasGivenName(model):
+            removeNodes([model], scene)
+        return None
+    if model is None:
+        model = scene.AddNewNodeByClass("vtkMRMLModelNode")
+        giveName(model, f"{sweepName} bone", scene)
+        node.SetNodeReferenceID(SPINE_ROLE, model.GetID())
+    model.SetAndObserveTransformNodeID(None)
+    model.SetAndObservePolyData(surface)
+    model.SetDescription("Smoothed for display: not for measuring.")
+    _show(model)
+    intoFolder([model], sweepName, scene)
+    return model
+
+
+def spineOf(node):
+    """The model of the bone that a volume shows, or None."""
+    model = node.GetNodeReference(SPINE_ROLE) if node is not None else None
+    return model if model is not None and model.GetPolyData() is not None else None
+
+
+def _show(model) -> None:
+    if model.GetDisplayNode() is None:
+        model.CreateDefaultDisplayNodes()
+        model.GetDisplayNode().SetVisibility(False)
+    display = model.GetDisplayNode()
+    with slicer.util.NodeModify(display):
+        display.SetColor(*distanceColors(2)[0])
+        # Slices show the volume itself
+        display.SetVisibility2D(False)
+        hasDistance = model.GetPolyData().GetPointData().GetArray(DISTANCE) is not None
+        if hasDistance:
+            display.SetAndObserveColorNodeID(_colors(model.GetScene()).GetID())
+            display.SetActiveScalar(DISTANCE, vtk.vtkAssignAttribute.POINT_DATA)
+            display.SetScalarRangeFlag(slicer.vtkMRMLDisplayNode.UseManualScalarRange)
+            display.SetScalarRange(0.0, FARTHEST)
+        display.SetScalarVisibility(hasDistance)
+
+
+def _colors(scene):
+    """The color table, one for all models."""
+    for number in range(scene.GetNumberOfNodesByClass("vtkMRMLColorTableNode")):
+        node = scene.GetNthNodeByClass(number, "vtkMRMLColorTableNode")
+        if node.GetAttribute(_COLORS):
+            return node
+    node = slicer.vtkMRMLColorTableNode()
+    node.SetName("Distance of shown bone")
+    node.SetTypeToUser()
+    colors = distanceColors()
+    node.SetNumberOfColors(len(colors))
+    for number, color in enumerate(colors):
+        node.SetColor(number, f"{FARTHEST * number / (len(colors) - 1):.1f} mm", *color, 1.0)
+    node.SetAttribute(_COLORS, "1")
+    node.SetAttribute("Category", "AIFRecon")
+    return scene.AddNode(node)
+
+
+class SpineView:
+    """Shows the model of the chosen output, and of no other, with the CT's bone translucent behind it.
+
+    Notes
+    -----
+    A model that has just come is looked at from the back, as a surgeon looks at a spine; the view is the user's after that. The opacity
+    of the CT's bone is given back when the model goes or the user leaves.
+    """
+
+    def __init__(self):
+        self._modelID = self._boneID = self._seen = None
+        self._opacity = 1.0
+
+    def update(self, parameters) -> None:
+        """Follow output, box and bone."""
+        model = spineOf(parameters.output)
+        # In the colors of guidance the bone itself is what is looked at
+        visible = model is not None and parameters.showSpine and not parameters.guidance
+        self._hideOther(model)
+        if model is not None and bool(model.GetDisplayVisibility()) != visible:
+            model.SetDisplayVisibility(visible)
+        bone = parameters.bone
+        isSegmented = visible and bone is not None and bone.IsA("vtkMRMLSegmentationNode") and bone.GetDisplayNode() is not None
+        self._fade(bone.GetDisplayNode() if isSegmented else None)
+        if visible and self._seen != model.GetID():
+            self._seen = model.GetID()
+            _lookFromBehind(bone)
+
+    def clear(self) -> None:
+        """The user leaves: the CT's bone as it was."""
+        self._fade(None)
+        self._seen = self._modelID = None
+
+    def _hideOther(self, model) -> None:
+        before = slicer.mrmlScene.GetNodeByID(self._modelID) if self._modelID else None
+        if before is not None and before is not model:
+            before.SetDisplayVisibility(False)
+        self._modelID = model.GetID() if model is not None else None
+
+    def _fade(self, display) -> None:
+        boneID = display.GetID() if display is not None else None
+        if boneID == self._boneID:
+            return
+        before = slicer.mrmlScene.GetNodeByID(self._boneID) if self._boneID else None
+        if before is not None and before.GetOpacity3D() == TRANSLUCENT:
+            before.SetOpacity3D(self._opacity)
+        self._boneID = boneID
+        if display is not None:
+            self._opacity = display.GetOpacity3D()
+            display.SetOpacity3D(TRANSLUCENT)
+
+
+def _lookFromBehind(bone) -> None:
+    """From the back, the head up: as the CT says, or RAS world without one."""
+    try:
+        place = matrixToWorld(bone) if bone is not None else np.eye(4)
+    except AIFReconError:
+        place = np.eye(4)
+    threeDViews.lookAlong(place[:3, 1], place[:3, 2])

@@ -1,0 +1,155 @@
+"""Who tells where bone is, frame by frame: the sweep's own echoes, a network, or predictions that were made elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+
+from ..arrays import Matrix
+from ..errors import GeometryError
+from ..geometry.transforms import pixel_spacing
+from ..geometry.volume import VoxelGrid
+from ..holes.automatic import SHARE, distances_between_frames
+from ..imaging.beams import ProbeGeometry
+from ..imaging.extent import grid_around_sweep
+from ..imaging.region import ImageRegion
+from ..message import Message
+from ..progress import Progress, part, report
+from ..resolve import Imaging, resolve_imaging
+from ..sweep.frames import TrackedFrame, TrackedSequence
+from ..sweep.joined import joined
+from ..sweep.poses import SweepPoses, sweep_poses, tracked_frames
+from .from_sweep import BoneEchoFinder
+from .seen import LARGEST_SIGMA, SIGMA, SPACING, BoneDrawing, FrameListener, Prediction, SeenBone, cubes_over
+
+
+class BoneEstimator(Protocol):
+    """What tells where bone is in a frame."""
+
+    def estimate(self, frame: TrackedFrame) -> Prediction | None:
+        """The probability of bone in a frame that has an image and a pose; None where nothing is known of it."""
+        ...
+
+    def notes(self) -> tuple[str, ...]:
+        """What a user should know of it, one sentence each."""
+        ...
+
+
+class EchoEstimator:
+    """The rule of `BoneEchoFinder` as an estimator: no network, no CT.
+
+    Parameters
+    ----------
+    imaging : Imaging
+        Region and probe; both must be known.
+
+    Notes
+    -----
+    A scan line that found bone says its score from `HALF_THICKNESS` mm before the echo to as much behind it, and 0 elsewhere.
+    """
+
+    def __init__(self, imaging: Imaging):
+        self._imaging = imaging
+        self._finders: dict[tuple[object, ...], BoneEchoFinder] = {}
+
+    def estimate(self, frame: TrackedFrame) -> Prediction | None:
+        """See `BoneEstimator`."""
+        image, pose = frame.placed()
+        size, spacing = (int(image.shape[1]), int(image.shape[0])), pixel_spacing(pose)
+        key = (size, *np.round(spacing, 6))
+        if key not in self._finders:
+            self._finders[key] = BoneEchoFinder(size, spacing, self._imaging)
+        return Prediction(self._finders[key].drawn(image))
+
+    def notes(self) -> tuple[str, ...]:
+        """Nothing."""
+        return ()
+
+
+class Listeners:
+    """The `FrameListener` of each kind of frame; sweeps that were joined may differ in depth."""
+
+    def __init__(self, imaging: Imaging):
+        self._imaging = imaging
+        self._known: dict[tuple[object, ...], FrameListener] = {}
+
+    def of(self, frame: TrackedFrame) -> FrameListener:
+        """The one for a frame that has an image and a pose."""
+        image, pose = frame.placed()
+        size, spacing = (int(image.shape[1]), int(image.shape[0])), pixel_spacing(pose)
+        key = (size, *np.round(spacing, 6))
+        if key not in self._known:
+            self._known[key] = FrameListener(size, spacing, self._imaging)
+        return self._known[key]
+
+
+def bone_from_frames(
+    sequence: TrackedSequence | Iterable[TrackedSequence],
+    estimator: BoneEstimator,
+    poses: SweepPoses | None = None,
+    imaging: Imaging | None = None,
+    progress: Progress | None = None,
+    *,
+    region: ImageRegion | None = None,
+    probe: ProbeGeometry | None = None,
+    image_to_reference: str | None = None,
+    reference: str | None = None,
+) -> SeenBone:
+    """A bone map of what an estimator says of every frame.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence or several in one Reference
+    estimator : BoneEstimator
+        `RecordedPredictions` of files, an `OnnxModel`, an `EchoEstimator`, or one of your own.
+    poses, imaging : SweepPoses, Imaging or None
+        Where they are known already, as `sweep_poses` and `resolve_imaging` return them.
+    progress : Progress or None
+    region, probe, image_to_reference, reference
+        As in `reconstruct`; what `poses` or `imaging` tell comes before them.
+
+    Raises
+    ------
+    BeamGeometryError
+        When the probe is not known.
+    GeometryError
+        When no frame shows bone.
+    """
+    sequence = joined(sequence)
+    poses = sweep_poses(sequence, image_to_reference, reference) if poses is None else poses
+    usable = poses.require_usable(sequence.name)
+    imaging = resolve_imaging(sequence, poses, True, region, probe) if imaging is None else imaging
+    matrices = poses.image_to_reference[usable]
+    box = grid_around_sweep(matrices, sequence.frame_size, imaging.region, (SPACING,) * 3, 40)
+    sigma = sigma_for(matrices, imaging, sequence.frame_size, box)
+    drawing = BoneDrawing(cubes_over(box, margin=3 * sigma), sigma)
+    listeners, silent = Listeners(imaging), 0
+    looking = part(progress, 0.0, 0.9)
+    for done, frame in enumerate(tracked_frames(sequence, poses, usable)):
+        report(looking, done / len(usable), "Looking for bone in the sweep")
+        prediction = estimator.estimate(frame)
+        if prediction is None:
+            silent += 1
+        else:
+            drawing.add(listeners.of(frame).listen(frame.placed()[0], prediction), frame.placed()[1])
+    if not drawing.shows_bone:
+        raise GeometryError(
+            "{sequence}: no frame shows bone by what it is looked for with. Give --bone-labels, or no bone.", sequence=sequence.name
+        )
+    found = drawing.map(part(progress, 0.9, 1.0))
+    notes = list(estimator.notes())
+    if silent:
+        notes.append(Message("Nothing is said of bone in {silent} of {frames} frames.", silent=silent, frames=len(usable)))
+    return replace(found, notes=tuple(notes))
+
+
+def sigma_for(image_to_reference: Matrix, imaging: Imaging, size: tuple[int, int], box: VoxelGrid) -> float:
+    """The smoothing, mm, that joins frames as far apart as these: half of what all but `SHARE` of the space between them is within."""
+    if len(image_to_reference) < 2:
+        return SIGMA
+    distances = distances_between_frames(image_to_reference[:, :3], imaging.region.mask(*size), box)
+    apart = 2.0 * float(np.quantile(distances, SHARE)) if distances.size else 0.0
+    return float(np.clip(0.5 * apart, SIGMA, LARGEST_SIGMA))

@@ -1,0 +1,102 @@
+"""A bone map that is empty when a scan begins and grows while it goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..arrays import Matrix
+from ..geometry.volume import Volume, VoxelGrid
+from ..progress import Progress
+from .map import BoneMap, BoneOnGrid, Box
+from .seen import BoneDrawing, Said, SeenBone, cubes_over
+
+AT_ONCE = 100_000
+"""Voxels that are brought up to date in one go, some 10 ms."""
+
+
+@dataclass(frozen=True, eq=False)
+class GrowingOnGrid(BoneOnGrid):
+    """What engines read of it: arrays whose values change between two frames."""
+
+    @property
+    def overlaps(self) -> bool:
+        """That nothing is known yet is no mistake."""
+        return True
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GrowingBone(BoneMap):
+    """Bone of which nothing is known at first.
+
+    A reconstructor reads it on its own grid (`on_grid`), where `learn` and `spread` bring what frames say meanwhile. One that inserts at
+    the same time sees some voxels as they were and others as they are: each is written as a whole, so its frame is weighted by what is
+    known so far, and nothing waits.
+    """
+
+    probability: Volume = field(default_factory=lambda: Volume(np.zeros((1, 1, 1), np.float32), np.eye(4)))
+    _now: list[tuple[VoxelGrid, BoneOnGrid]] = field(default_factory=list)
+    _drawn: list[tuple[VoxelGrid, BoneDrawing]] = field(default_factory=list)
+
+    def on_grid(
+        self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None, planes: tuple[int, int] | None = None
+    ) -> BoneOnGrid:
+        """Arrays of nothing, which `spread` fills; those of an earlier grid are let go. A scan is never made in parts."""
+        if planes is not None:
+            raise ValueError("A map that grows has one volume to grow in; got a part of one.")
+        nowhere = np.zeros(grid.shape, np.float32)
+        empty = GrowingOnGrid(nowhere, np.zeros((*grid.shape, 3), np.float32), nowhere, np.eye(4))
+        self._now[:] = [(grid, empty)]
+        return empty
+
+    def learn(self, said: Said, image_to_reference: Matrix, grid: VoxelGrid) -> None:
+        """Take a frame's word, for a volume on `grid`; another grid than before begins anew."""
+        if not self._drawn or self._drawn[0][0] is not grid:
+            self._drawn[:] = [(grid, BoneDrawing(cubes_over(grid)))]
+        self._drawn[0][1].add(said, image_to_reference)
+
+    def spread(self, breathe: Callable[[], object] = lambda: None) -> bool:
+        """Bring what was learned since the last time to the voxels of the reconstructor; whether there was anything.
+
+        `breathe` is called between steps of some 10 ms. For one thread alone.
+        """
+        if not self._now or not self._drawn or self._now[0][0] is not self._drawn[0][0]:
+            return False
+        (grid, placed), drawing = self._now[0], self._drawn[0][1]
+        if not placed.probability.any():
+            # A volume that begins anew is told all
+            drawing.tell_all()
+        news = drawing.news(breathe)
+        if news is None:
+            return False
+        self._write(*news, drawing.grid, grid, placed, breathe)
+        return True
+
+    def seen(self) -> SeenBone | None:
+        """All that is known now; None before there is anything."""
+        return self._drawn[0][1].map() if self._drawn and self._drawn[0][1].shows_bone else None
+
+    def _write(
+        self, seen: SeenBone, box: Box, cubes: VoxelGrid, grid: VoxelGrid, placed: BoneOnGrid, breathe: Callable[[], object]
+    ) -> None:
+        low, high = (np.array([getattr(part, end) for part in box[::-1]]) for end in ("start", "stop"))
+        spots = np.stack(np.meshgrid(*zip(low - 0.5, high - 0.5, strict=True), indexing="ij"), axis=-1).reshape(-1, 3)
+        to_grid = grid.reference_to_ijk @ cubes.ijk_to_reference
+        corners = spots @ to_grid[:3, :3].T + to_grid[:3, 3]
+        first = np.maximum(np.ceil(corners.min(axis=0)).astype(int), 0)
+        stop = np.minimum(np.floor(corners.max(axis=0)).astype(int) + 1, grid.size)
+        if (first >= stop).any():
+            return
+        (i, j, k), (i_stop, j_stop, k_stop) = first.tolist(), stop.tolist()
+        planes = max(AT_ONCE // ((i_stop - i) * (j_stop - j)), 1)
+        for start in range(k, k_stop, planes):
+            breathe()
+            end = min(start + planes, k_stop)
+            matrix = grid.ijk_to_reference.copy()
+            matrix[:3, 3] += matrix[:3, :3] @ (i, j, start)
+            new = seen.on_grid(VoxelGrid((i_stop - i, j_stop - j, end - start), matrix))
+            where = slice(start, end), slice(j, j_stop), slice(i, i_stop)
+            placed.directions_reference[where] = new.directions_reference
+            placed.probability[where] = new.probability

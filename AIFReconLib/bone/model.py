@@ -1,0 +1,238 @@
+"""A network in an ONNX file that says where bone is in a frame, run by onnxruntime on this computer's processor."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+from scipy.special import expit, softmax
+
+from ..arrays import Numbers, Singles
+from ..errors import ModelError
+from ..io.disk.small_files import read_bytes
+from ..message import Message, shorten
+from ..sweep.frames import TrackedFrame
+from .model_description import CLASSES, LARGEST_SIDE, LOGITS, ModelDescription, read_description
+from .onnx_file import why_not_self_contained
+from .seen import Prediction, white_of
+
+LARGEST_MODEL = 2**30
+"""Bytes of a model file."""
+
+WHITE_OF_FLOATS = 255.0
+ROUNDING = 1e-3
+
+Shape = tuple[int | str | None, ...]
+
+
+class OnnxModel:
+    """A model as an estimator of bone.
+
+    Parameters
+    ----------
+    path : str or Path
+        The ``.onnx`` file. A JSON file of the same name beside it, if there is one, says how images go in; see `ModelDescription`.
+    threads : int
+        How many onnxruntime uses.
+
+    Raises
+    ------
+    ModelError
+        When onnxruntime is not installed, or the file is no model that takes an image and answers with one, which is tried on a black
+        image. Nothing but the file itself, and the JSON beside it, is read.
+    """
+
+    def __init__(self, path: str | Path, threads: int = 1):
+        self.path = Path(path)
+        beside = self.path.with_suffix(".json")
+        self.description = read_description(beside) if beside.is_file() else ModelDescription()
+        self._session = _session(self.path, threads)
+        inputs, outputs = self._session.get_inputs(), self._session.get_outputs()
+        if len(inputs) != 1 or not outputs:
+            raise self._misfit(Message("it has {count} inputs", count=len(inputs)))
+        self._input, self._output = inputs[0].name, outputs[0].name
+        shape: Shape = tuple(inputs[0].shape)
+        if inputs[0].type != "tensor(float)" or len(shape) != 4 or not _may_be(shape[0], (1,)) or not _may_be(shape[1], (1, 3)):
+            raise self._misfit(Message("its input is {type} of {shape}", type=inputs[0].type, shape=_words(shape)))
+        self._channels = shape[1] if isinstance(shape[1], int) else max(len(self.description.mean), len(self.description.std))
+        if not {len(self.description.mean), len(self.description.std)} <= {1, self._channels}:
+            raise ModelError(
+                "{path}: mean and std of {beside} must be one number, or {channels}. Correct them.",
+                path=self.path,
+                beside=beside.name,
+                channels=self._channels,
+            )
+        self._size = self._input_size(shape)
+        self._resizers: dict[tuple[int, int], tuple[sparse.csr_matrix[np.float32], sparse.csr_matrix[np.float32]]] = {}
+        rows, columns = self._size or (256, 256)
+        self._probability(np.zeros((rows, columns), dtype=np.float32))
+
+    def estimate(self, frame: TrackedFrame) -> Prediction | None:
+        """See `BoneEstimator`.
+
+        Raises
+        ------
+        ModelError
+            When the model fails at it, or answers what is no probability.
+        """
+        image = frame.placed()[0]
+        white = white_of(image) or WHITE_OF_FLOATS
+        rows, columns = self._size or (int(image.shape[0]), int(image.shape[1]))
+        return Prediction(self._probability(self._resized(image.astype(np.float32) / np.float32(white), rows, columns), frame.number))
+
+    def notes(self) -> tuple[str, ...]:
+        """Which model it is."""
+        return (Message("Bone is what the model {name} says.", name=self.path.name),)
+
+    def _input_size(self, shape: Shape) -> tuple[int, int] | None:
+        asked = self.description.input_size
+        own = tuple(side if isinstance(side, int) else None for side in shape[2:])
+        if any(side is not None and not 1 <= side <= LARGEST_SIDE for side in own):
+            raise self._misfit(Message("its input is {shape}", shape=_words(shape)))
+        if asked is None:
+            asked = (own[0], own[1]) if own[0] is not None and own[1] is not None else None
+        elif any(side is not None and side != wanted for side, wanted in zip(own, asked, strict=True)):
+            raise ModelError(
+                "{path}: its input is {shape}, and input_size of {beside} says {asked}. Correct one of them.",
+                path=self.path,
+                shape=_words(shape),
+                beside=self.path.with_suffix(".json").name,
+                asked=_words(asked),
+            )
+        return asked
+
+    def _resized(self, image: Singles, rows: int, columns: int) -> Singles:
+        size = int(image.shape[0]), int(image.shape[1])
+        if size == (rows, columns):
+            return image
+        if size not in self._resizers:
+            self._resizers[size] = _resizer(size[0], rows), _resizer(size[1], columns)
+        along, across = self._resizers[size]
+        resized: Singles = np.ascontiguousarray((across @ (along @ image).T).T)
+        return resized
+
+    def _probability(self, image: Singles, number: int | None = None) -> Singles:
+        """Of an image of the model's size, 0 black and 1 white."""
+        mean, std = (np.array(values, dtype=np.float32).reshape(-1, 1, 1) for values in (self.description.mean, self.description.std))
+        given = np.broadcast_to((image[None] - mean) / std, (self._channels, *image.shape))[None]
+        try:
+            answer = np.asarray(self._session.run([self._output], {self._input: np.ascontiguousarray(given, dtype=np.float32)})[0])
+        except Exception as error:  # onnxruntime has classes of its own for each failure
+            raise ModelError(
+                "{path}: the model fails with an input of {shape} ({why}). Check input_size in the JSON file beside it.",
+                path=self.path,
+                shape=_words(given.shape),
+                why=_reason(error),
+            ) from None
+        return self._bone_of(answer, number)
+
+    def _bone_of(self, answer: Numbers, number: int | None) -> Singles:
+        """The channel of bone as a probability; of the trial, which has no `number`, whatever numbers it answers."""
+        channels = answer[None] if answer.ndim == 3 else answer
+        if channels.ndim != 4 or channels.shape[0] != 1 or min(channels.shape) < 1 or channels.dtype.kind != "f":
+            raise self._misfit(Message("it answers with {kind} of {shape}", kind=answer.dtype.name, shape=_words(answer.shape)))
+        values, wanted = channels[0].astype(np.float32), self.description.bone_class
+        if self.description.output == CLASSES:
+            values = softmax(values, axis=0)
+        elif self.description.output == LOGITS:
+            values = expit(values)
+        count = len(values)
+        if count == 1 and self.description.output != CLASSES:
+            wanted = 0
+        if wanted >= count or (count == 1 and self.description.output == CLASSES):
+            raise ModelError(
+                "{path}: its answer of {shape} has no class {wanted} of several. Correct output and bone_class in the JSON file beside it.",
+                path=self.path,
+                shape=_words(answer.shape),
+                wanted=wanted,
+            )
+        bone: Singles = values[wanted]
+        where = "" if number is None else Message(" in frame {number}", number=number)
+        if not np.isfinite(bone).all():
+            raise ModelError(
+                "{path}: the model answers NaN or infinity{where}. Export it again, or use another.", path=self.path, where=where
+            )
+        if number is not None and (float(bone.min()) < -ROUNDING or float(bone.max()) > 1 + ROUNDING):
+            raise ModelError(
+                "{path}: the model answers {low:g} to {high:g}{where}, which is no probability. "
+                'Say "output": "logits" in the JSON file beside it.',
+                path=self.path,
+                low=float(bone.min()),
+                high=float(bone.max()),
+                where=where,
+            )
+        return np.clip(bone, 0.0, 1.0)
+
+    def _misfit(self, what: str) -> ModelError:
+        return ModelError(
+            "{path}: {what}, and a model of bone takes one image of 1 x 1 x H x W or 1 x 3 x H x W floats and answers with 1 x N x H x W. "
+            "Export it with these.",
+            path=self.path,
+            what=what,
+        )
+
+
+def _session(path: Path, threads: int) -> Any:  # onnxruntime has no types
+    """A session that runs the model in this file.
+
+    Raises
+    ------
+    ModelError
+    """
+    data = read_bytes(path, LARGEST_MODEL, ModelError)
+    problem = why_not_self_contained(data)
+    if problem is not None:
+        raise ModelError("{path}: {problem}", path=path, problem=problem)
+    try:
+        runtime = import_module("onnxruntime")
+    except ImportError:
+        raise ModelError(
+            "{path}: a model cannot be run without the Python package onnxruntime. Install it: pip install onnxruntime.", path=path
+        ) from None
+    options = runtime.SessionOptions()
+    options.intra_op_num_threads, options.inter_op_num_threads = threads, 1
+    # Threads that wait for work would take the cores from the reconstruction
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    # Given as bytes, a file of its own format would be taken too
+    options.add_session_config_entry("session.load_model_format", "ONNX")
+    options.log_severity_level = 4
+    try:
+        return runtime.InferenceSession(data, options, providers=["CPUExecutionProvider"])
+    except Exception as error:  # onnxruntime has classes of its own for each failure
+        raise ModelError(
+            "{path}: onnxruntime {version} cannot run this model ({why}). Export it with standard operators that this version has.",
+            path=path,
+            version=runtime.__version__,
+            why=_reason(error),
+        ) from None
+
+
+def _reason(error: Exception) -> str:
+    """What onnxruntime says, without its place in a source file."""
+    line = " ".join(str(error).split())
+    return shorten(line.split(" : ", 3)[-1], 200).rstrip(". ")
+
+
+def _may_be(side: int | str | None, allowed: tuple[int, ...]) -> bool:
+    """Whether a side of a shape is, or may be, one of these; those with a name may be any."""
+    return not isinstance(side, int) or side in allowed
+
+
+def _words(shape: tuple[object, ...]) -> str:
+    return " x ".join("?" if side is None else str(side) for side in shape)
+
+
+def _resizer(old: int, new: int) -> sparse.csr_matrix[np.float32]:
+    """The matrix (new, old) that resizes along one axis: linear between pixels, and means over them where it makes fewer."""
+    scale = old / new
+    reach = max(scale, 1.0)
+    center = (np.arange(new) + 0.5) * scale - 0.5
+    near = np.floor(center - reach).astype(np.int64)[:, None] + np.arange(int(np.ceil(2 * reach)) + 2)
+    weight = np.maximum(1 - np.abs(near - center[:, None]) / reach, 0.0)
+    weight /= weight.sum(axis=1, keepdims=True)
+    at = np.clip(near, 0, old - 1)
+    line = np.repeat(np.arange(new), near.shape[1])
+    return sparse.csr_matrix((weight.ravel().astype(np.float32), (line, at.ravel())), shape=(new, old))

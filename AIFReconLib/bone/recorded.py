@@ -1,0 +1,213 @@
+"""Predictions of bone that another program made and recorded: a sequence of probabilities beside the sequence of images."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from ..arrays import Floats, Integers, Numbers, Singles
+from ..errors import GeometryError, SequenceFormatError
+from ..geometry.transform_graph import TransformStatus
+from ..message import Message
+from ..sweep.frames import TrackedFrame, TrackedSequence
+from ..sweep.joined import sweeps_of
+from .scan_line_reader import Rectangle
+from .seen import Prediction
+
+COVERS = "BoneFramePx"
+"""The field of a prediction that says which rectangle of its frame it covers, as X Y W H."""
+
+SAME_TIME = 1e-3
+"""s. Time stamps this near to each other are of one frame: programs write them with different numbers of digits."""
+
+ROUNDING = 1e-3
+"""By how much a probability may lie outside 0 to 1: what a network's last layer rounds."""
+
+
+class RecordedPredictions:
+    """Probability images of a sweep's frames, as an estimator.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence or several in one Reference
+        The sweep.
+    predictions : TrackedSequence, or one for each sweep
+        As `read_sequence` returns them; 8 bit (0 to 255, or 0 and 1) or floating point (0 to 1). Their transforms are not looked at.
+    rectangle : (x, y, width, height) or None
+        What a prediction covers, in pixels of a frame, where it has not the size of one and does not say itself, as those recorded live do.
+
+    Raises
+    ------
+    GeometryError
+        When sizes or counts do not fit.
+    SequenceFormatError
+        When pixels are neither 8 bit nor floating point.
+
+    Notes
+    -----
+    A prediction belongs to the frame of its time stamp (to 1 ms). Where one of the files has no time stamps, or none of them is that of a
+    frame, it belongs to the frame of its number, if there are as many. Frames without one say nothing, and are counted.
+    """
+
+    def __init__(
+        self,
+        sequence: TrackedSequence | Iterable[TrackedSequence],
+        predictions: TrackedSequence | Iterable[TrackedSequence],
+        rectangle: Rectangle | None = None,
+    ):
+        sweeps, of_each = sweeps_of(sequence), sweeps_of(predictions)
+        if len(sweeps) != len(of_each):
+            raise GeometryError(
+                "Predictions must be one sequence for each sweep; got {predictions} for {sweeps}. "
+                "Give --bone-frames once for each, in their order.",
+                predictions=len(of_each),
+                sweeps=len(sweeps),
+            )
+        self._rectangle = checked_rectangle(rectangle)
+        self._notes: list[str] = []
+        self._of_frame: list[tuple[TrackedSequence, int] | None] = []
+        for sweep, said in zip(sweeps, of_each, strict=True):
+            self._check(sweep, said)
+            self._of_frame += [None if number < 0 else (said, number) for number in self._matched(sweep, said).tolist()]
+        self._full = {id(said): full_value(said) for said in of_each}
+
+    def estimate(self, frame: TrackedFrame) -> Prediction | None:
+        """What was recorded for a frame; None where nothing was.
+
+        Raises
+        ------
+        SequenceFormatError
+            When it holds what is no probability.
+        """
+        found = self._of_frame[frame.number] if 0 <= frame.number < len(self._of_frame) else None
+        if found is None or found[0].records[found[1]].image_status is not TransformStatus.OK:
+            return None
+        said, number = found
+        return Prediction(
+            probability_of(said.images[number], self._full[id(said)], Message("{name}, frame {number}", name=said.name, number=number)),
+            self._rectangle,
+        )
+
+    def notes(self) -> tuple[str, ...]:
+        """How predictions and frames were matched."""
+        return tuple(self._notes)
+
+    def _check(self, sweep: TrackedSequence, said: TrackedSequence) -> None:
+        if np.dtype(said.images.dtype).kind != "f" and np.dtype(said.images.dtype) not in (np.dtype(np.uint8), np.dtype(bool)):
+            raise SequenceFormatError(
+                "{name}: predictions must be 8 bit, 0 to 255, or floating point, 0 to 1; got {kind}. Save them as one of these.",
+                name=said.name,
+                kind=np.dtype(said.images.dtype).name,
+            )
+        self._rectangle = self._rectangle or _own_rectangle(said)
+        if self._rectangle is None and said.frame_size != sweep.frame_size:
+            raise GeometryError(
+                "{name}: predictions of {got} pixels do not fit frames of {frames}. "
+                "Say with --bone-frames-px X Y W H which rectangle of the frame they cover.",
+                name=said.name,
+                got=_size(said),
+                frames=_size(sweep),
+            )
+
+    def _matched(self, sweep: TrackedSequence, said: TrackedSequence) -> Integers:
+        """The number of each frame's prediction, (frames,); -1 for those without."""
+        frames, predicted = _times(sweep), _times(said)
+        if frames is not None and predicted is not None:
+            order = np.argsort(predicted, kind="stable")
+            place = np.searchsorted(predicted[order], frames)
+            candidates = order[np.clip(np.stack([place - 1, place]), 0, len(order) - 1)]
+            nearest = candidates[np.abs(predicted[candidates] - frames).argmin(axis=0), np.arange(len(frames))]
+            matched = np.where(np.abs(predicted[nearest] - frames) <= SAME_TIME, nearest, -1)
+            count = int((matched >= 0).sum())
+            if count:
+                self._tell(sweep, said, count, "time")
+                return matched
+        if len(sweep) == len(said):
+            self._tell(sweep, said, len(sweep), "number")
+            return np.arange(len(sweep))
+        raise GeometryError(
+            "{name}: {got} predictions for {frames} frames, and their time stamps are not those of the frames. "
+            "Save them with the time stamps of their frames, or one for each frame.",
+            name=said.name,
+            got=len(said),
+            frames=len(sweep),
+        )
+
+    def _tell(self, sweep: TrackedSequence, said: TrackedSequence, count: int, by: str) -> None:
+        template = {
+            "time": "{name}: bone is predicted for {count} of {frames} frames, matched by time.",
+            "number": "{name}: bone is predicted for {count} of {frames} frames, matched by number.",
+        }[by]
+        self._notes.append(Message(template, name=said.name, count=count, frames=len(sweep)))
+
+
+def full_value(said: TrackedSequence) -> float:
+    """The value that means certain bone: 255 of 8 bit, unless there are only 0 and 1; 1 of floating point."""
+    if np.dtype(said.images.dtype) != np.dtype(np.uint8):
+        return 1.0
+    return 255.0 if any(int(said.images[number].max(initial=0)) > 1 for number in range(len(said))) else 1.0
+
+
+def probability_of(image: Numbers, full: float, what: str) -> Singles:
+    """Values as probabilities, (rows, columns) float32.
+
+    Raises
+    ------
+    SequenceFormatError
+        When one is not finite, or none. `what` names it.
+    """
+    probability: Singles = image.astype(np.float32)
+    low, high = (
+        (float(probability.min(initial=0.0)), float(probability.max(initial=0.0))) if np.isfinite(probability).all() else (math.nan,) * 2
+    )
+    if math.isnan(low):
+        raise SequenceFormatError("{what}: a probability of bone must be a number; got NaN or infinity. Repair the predictions.", what=what)
+    if low < -ROUNDING * full or high > (1 + ROUNDING) * full:
+        raise SequenceFormatError(
+            "{what}: a probability of bone must be 0 to 1; got {low:g} to {high:g}. "
+            "Pass logits through a sigmoid, or divide by their largest value.",
+            what=what,
+            low=low,
+            high=high,
+        )
+    clipped: Singles = np.clip(probability / np.float32(full), 0.0, 1.0)
+    return clipped
+
+
+def checked_rectangle(rectangle: Rectangle | None) -> Rectangle | None:
+    """The rectangle, if it is one.
+
+    Raises
+    ------
+    GeometryError
+    """
+    if rectangle is None:
+        return None
+    if len(rectangle) != 4 or not all(math.isfinite(value) for value in rectangle) or min(rectangle[2:]) <= 0:
+        raise GeometryError("Input rectangle must be X Y W H in pixels, with W and H above 0; got {rectangle}.", rectangle=tuple(rectangle))
+    x, y, width, height = (float(value) for value in rectangle)
+    return x, y, width, height
+
+
+def _own_rectangle(said: TrackedSequence) -> Rectangle | None:
+    """What predictions say that they cover, in their first frame."""
+    words = said.records[0].fields.get(COVERS, "").split() if said.records else []
+    try:
+        x, y, width, height = (float(word) for word in words)
+    except ValueError:
+        return None
+    return checked_rectangle((x, y, width, height))
+
+
+def _times(sequence: TrackedSequence) -> Floats | None:
+    """Time stamps, (frames,) s; None where one is missing."""
+    times = [math.nan if record.timestamp is None else record.timestamp for record in sequence.records]
+    found = np.array(times, dtype=np.float64)
+    return found if found.size and np.isfinite(found).all() else None
+
+
+def _size(sequence: TrackedSequence) -> str:
+    columns, rows = sequence.frame_size
+    return f"{columns} x {rows}"

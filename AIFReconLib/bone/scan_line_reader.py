@@ -1,0 +1,139 @@
+"""Images read along scan lines, no finer than what is looked for there: a tenth of the pixels, the same echoes."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+from ..arrays import Array, Floats, Mask, Numbers, Singles
+from ..errors import BeamGeometryError
+from ..imaging.scan_lines import scan_line_samples
+from ..resolve import Imaging
+
+LINE_PITCH, SAMPLE_STEP = 0.5, 0.2
+"""mm. Scan lines and samples closer than this are read as one, half of what echoes are smoothed by."""
+
+Rectangle = tuple[float, float, float, float]
+"""x, y, width, height in pixels of a frame; a pixel (column, row) covers column to column + 1, row to row + 1."""
+
+
+class ScanLineReader:
+    """Reads images of one size, spacing and probe along their scan lines.
+
+    Parameters
+    ----------
+    size : (columns, rows)
+    spacing : (x, y), mm
+    imaging : Imaging
+        Region and probe; both must be known.
+
+    Attributes
+    ----------
+    columns, rows : (lines, samples) float64 arrays
+        Where the samples lie, in pixels of the image.
+    known : (lines, samples) bool array
+        Which of them lie in the region.
+    pitch, step : float, mm
+        Between lines (of a sector at half depth) and between samples of a line.
+    """
+
+    def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging):
+        if imaging.probe is None:
+            raise BeamGeometryError(
+                "Bone is looked for along the beams, whose directions are not known. "
+                "Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
+            )
+        mask = imaging.region.mask(*size)
+        at_row, at_column = np.nonzero(mask)
+        lines = scan_line_samples(at_column, at_row, spacing, imaging.probe)
+        columns, rows = lines.columns, lines.rows
+        across = np.hypot(np.diff(columns, axis=0) * spacing[0], np.diff(rows, axis=0) * spacing[1])
+        # A sector's lines diverge: their distance at half depth stands for all
+        pitch = max(float(across[:, across.shape[1] // 2].mean()), 1e-3) if across.size else 1.0
+        known = _within(columns, rows, mask)
+        # As many lines and samples are read as one as the smoothing that follows would blur anyway
+        together = max(min(int(LINE_PITCH / pitch), len(columns)), 1), max(min(int(SAMPLE_STEP / lines.step), columns.shape[1]), 1)
+        self.size, self._every = size, (columns, rows, known, together)
+        self._read = _reading_matrix(columns, rows, known, size, together)
+        self._drawn = mask, lines.sample_of_pixel
+        self._others: dict[tuple[tuple[int, int], Rectangle], sparse.csr_matrix[np.float32]] = {}
+        self.columns, self.rows, share = (_mean_of_blocks(values, together) for values in (columns, rows, known))
+        self.known: Mask = share > 0.5
+        self.pitch, self.step = pitch * together[0], lines.step * together[1]
+
+    def read(self, image: Numbers) -> Singles:
+        """The mean of each sample's pixels, (lines, samples) float32; 0 out of the region, and for what is below 0 or not finite."""
+        image = image.astype(np.float32)
+        if not np.isfinite(image).all():
+            image = np.nan_to_num(image, nan=0.0, posinf=0.0, neginf=0.0)
+        return self._of(self._read, np.maximum(image, 0.0))
+
+    def read_part(self, values: Singles, rectangle: Rectangle) -> Singles:
+        """The same of an array (rows, columns) of any size that covers this rectangle of the frame; 0 outside it."""
+        size = int(values.shape[1]), int(values.shape[0])
+        key = size, rectangle
+        if key not in self._others:
+            columns, rows, known, together = self._every
+            x, y, width, height = rectangle
+            # Both count pixels from their centers
+            there = (columns + 0.5 - x) * (size[0] / width) - 0.5, (rows + 0.5 - y) * (size[1] / height) - 0.5
+            within = known.copy()
+            for place, count in zip(there, size, strict=True):
+                within &= (place > -0.5 - 1e-9) & (place < count - 0.5 + 1e-9)
+            self._others[key] = _reading_matrix(*there, within, size, together)
+        return self._of(self._others[key], values)
+
+    def draw(self, samples: Singles) -> Singles:
+        """An image, (rows, columns) float32, of values on the samples: each pixel has that of its nearest one; 0 elsewhere."""
+        mask, nearest = self._drawn
+        image: Singles = np.zeros(mask.shape, dtype=np.float32)
+        line, sample = np.divmod(nearest, self._every[0].shape[1])
+        together = self._every[3]
+        last = np.array(samples.shape) - 1
+        image[mask] = samples[np.minimum(line // together[0], last[0]), np.minimum(sample // together[1], last[1])]
+        return image
+
+    def _of(self, matrix: sparse.csr_matrix[np.float32], values: Singles) -> Singles:
+        samples: Singles = (matrix @ values.ravel()).reshape(self.known.shape)
+        samples[~self.known] = 0.0
+        return samples
+
+
+def _within(columns: Floats, rows: Floats, mask: Mask) -> Mask:
+    """Which samples have a pixel of the mask (rows, columns) nearest to them."""
+    column, row = np.rint(columns).astype(np.int64), np.rint(rows).astype(np.int64)
+    within: Mask = (column >= 0) & (column < mask.shape[1]) & (row >= 0) & (row < mask.shape[0])
+    within &= mask[np.clip(row, 0, mask.shape[0] - 1), np.clip(column, 0, mask.shape[1] - 1)]
+    return within
+
+
+def _mean_of_blocks(values: Floats | Mask, together: tuple[int, int]) -> Floats:
+    """Means over blocks of so many lines and samples; lines and samples that fill no block are left out."""
+    lines, samples = (n // block for n, block in zip(values.shape, together))
+    kept = values[: lines * together[0], : samples * together[1]]
+    means: Floats = kept.reshape(lines, together[0], samples, together[1]).mean(axis=(1, 3))
+    return means
+
+
+def _reading_matrix(
+    columns: Floats, rows: Floats, known: Mask, size: tuple[int, int], together: tuple[int, int]
+) -> sparse.csr_matrix[np.float32]:
+    """The matrix that takes an image's pixels to the mean of each block of known samples, by linear interpolation; sparse float32."""
+    lines, samples = (n // block for n, block in zip(columns.shape, together))
+    line, sample = (number // block for number, block in zip(np.nonzero(known), together))
+    kept = (line < lines) & (sample < samples)
+    block = (line * samples + sample)[kept]
+    column, row = (np.clip(values[known][kept], 0, n - 1) for values, n in zip((columns, rows), size))
+    left, top = (np.minimum(values.astype(np.int64), n - 2) for values, n in zip((column, row), np.maximum(size, 2)))
+    right, down = column - left, row - top
+    corners = [(0, 0, (1 - right) * (1 - down)), (1, 0, right * (1 - down)), (0, 1, (1 - right) * down), (1, 1, right * down)]
+    pixels = np.concatenate([np.minimum(top + y, size[1] - 1) * size[0] + np.minimum(left + x, size[0] - 1) for x, y, _ in corners])
+    share = (
+        np.concatenate([weight for *_, weight in corners]) / np.maximum(np.bincount(block, minlength=lines * samples), 1)[np.tile(block, 4)]
+    )
+    return sparse.csr_matrix((share.astype(np.float32), (np.tile(block, 4), pixels)), shape=(lines * samples, size[0] * size[1]))
+
+
+def running_sum(lines: Array) -> Floats:
+    """Sums before each sample of a line: (lines, samples + 1)."""
+    return np.cumsum(np.pad(lines, ((0, 0), (1, 0))), axis=1, dtype=np.float64)

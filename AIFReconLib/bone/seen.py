@@ -1,0 +1,291 @@
+"""Bone as frames show it, one after the other: probabilities in images become one map in space, which may grow while they come."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+
+from ..arrays import Floats, Integers, Matrix, Numbers, Singles
+from ..geometry.volume import Volume, VoxelGrid
+from ..progress import Progress, report
+from ..resolve import Imaging
+from .map import GAUSSIAN_REACH, BoneMap, Box
+from .scan_line_reader import Rectangle, ScanLineReader, running_sum
+
+SPACING = 1.0
+"""mm between voxels of the map."""
+
+SIGMA, LARGEST_SIGMA = 1.0, 4.0
+"""mm. The least and the largest smoothing of the map in 3D."""
+
+LIT_WINDOW = 1.2
+"""mm along a scan line over which its brightness is averaged before it is asked how far sound came."""
+
+DARK = 0.1
+"""An image whose mean is below this share of white has lost contact, or has no gain."""
+
+UNLIT = 0.02
+"""What a sample counts that no sound reached, against one that it did."""
+
+BEHIND = 3.0
+"""mm behind bone that a frame shows, from where on its word counts little: sound does not pass."""
+
+SEEN = 0.05
+"""mm^2 of lit image per mm^3 at which the mean of what frames say is halved: where no frame passed, nothing is known."""
+
+FULL_SHARE, FULL_PERCENTILE = 0.5, 90
+"""Bone is certain where the map reaches this percentile of its voxels above this share of its largest value."""
+
+LEAST_FULL = 0.2
+"""What that is taken for at least: frames that are nowhere sure of bone make no certain map."""
+
+
+def white_of(image: Numbers) -> float | None:
+    """The largest gray level of an image of whole numbers; None of others."""
+    return float(np.iinfo(image.dtype.name).max) if image.dtype.kind in "iu" else None
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What is said of bone in one frame.
+
+    Parameters
+    ----------
+    probability : (rows, columns) float32 array, 0 to 1
+        Of any size.
+    rectangle : (x, y, width, height) or None
+        What it covers, in pixels of the frame; None: all of it.
+    """
+
+    probability: Singles
+    rectangle: Rectangle | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Said:
+    """What one frame says of bone at points along its scan lines.
+
+    Parameters
+    ----------
+    pixels : (n, 2) float64 array
+        Column and row of each.
+    beams : (lines, 2) float64 array
+        Along the sound in mm, of unit length, for each scan line; `line` (n,) says which is whose.
+    line : (n,) int array
+    probability : (n,) float32 array
+    weight : (n,) float32 array, mm^2
+        The area that each stands for, times how lit it was.
+    """
+
+    pixels: Floats
+    beams: Floats
+    line: Integers
+    probability: Singles
+    weight: Singles
+
+
+class FrameListener:
+    """Takes predictions on images of one size, spacing and probe for what they are worth.
+
+    Parameters
+    ----------
+    size : (columns, rows)
+    spacing : (x, y), mm
+    imaging : Imaging
+        Region and probe; both must be known.
+
+    Notes
+    -----
+    A frame knows of bone where its sound came. With the image's brightness q along a line (mean of `LIT_WINDOW`), S the largest q from a
+    sample to the end of its line and m the mean of what is not black in the image (of whole numbers at least `DARK` of their largest), a
+    sample is lit by min(1, S / m)^2; behind bone that the frame itself shows, `BEHIND` mm and more, by one minus the largest probability
+    before.
+    """
+
+    def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging):
+        self.lines = lines = ScanLineReader(size, spacing, imaging)
+        self._whole: Rectangle = (0.0, 0.0, float(size[0]), float(size[1]))
+        self._at = np.nonzero(lines.known)
+        self._pixels = np.stack([lines.columns[self._at], lines.rows[self._at]], axis=-1)
+        way = np.stack([lines.columns[:, -1] - lines.columns[:, 0], lines.rows[:, -1] - lines.rows[:, 0]], axis=-1) * spacing
+        self._beams = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9) / spacing
+        samples = np.arange(lines.known.shape[1])
+        half = max(round(0.5 * LIT_WINDOW / lines.step), 0)
+        self._first, self._stop = np.maximum(samples - half, 0), np.minimum(samples + half + 1, samples.size)
+        known = running_sum(lines.known)
+        self._known = np.maximum(known[:, self._stop] - known[:, self._first], 1.0)
+        self._behind = max(round(BEHIND / lines.step), 1)
+        self._area = np.float32(lines.pitch * lines.step)
+
+    def listen(self, image: Numbers, prediction: Prediction) -> Said:
+        """What a prediction says of bone, (rows, columns) `image` being what it was made of."""
+        probability = self.lines.read_part(prediction.probability, prediction.rectangle or self._whole)
+        weight = self._area * np.maximum(self._lit(image) * self._before(probability), np.float32(UNLIT))
+        return Said(self._pixels, self._beams, self._at[0], probability[self._at], weight[self._at])
+
+    def _lit(self, image: Numbers) -> Singles:
+        values = self.lines.read(image)
+        bright = values[values > 0]
+        if not bright.size:
+            return np.zeros_like(values)
+        level = max(float(bright.mean()), DARK * (white_of(image) or 0.0))
+        sums = running_sum(values)
+        smooth = (sums[:, self._stop] - sums[:, self._first]) / self._known
+        farthest = np.maximum.accumulate(smooth[:, ::-1], axis=1)[:, ::-1]
+        lit: Singles = (np.minimum(farthest / level, 1.0) ** 2).astype(np.float32)
+        return lit
+
+    def _before(self, probability: Singles) -> Singles:
+        """What bone lets through, as far as the frame shows it."""
+        passed = np.ones_like(probability)
+        shift = self._behind
+        passed[:, shift:] -= np.maximum.accumulate(probability, axis=1)[:, : probability.shape[1] - shift]
+        return np.maximum(passed, 0.0)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SeenBone(BoneMap):
+    """A bone map that frames drew, and from which side they saw it.
+
+    Parameters
+    ----------
+    slopes : (3, k, j, i) float32 array or None
+        V_dir along i, j, k of the voxels of `probability`, per voxel; not of unit length.
+
+    Notes
+    -----
+    `gradient` and `surface` directions are one here: the gradient of the probability, with the sign that the beams give it. Bone lies
+    behind its surface, so it never points against the sound.
+    """
+
+    slopes: Singles | None = None
+
+    def _slope(self, potential: Numbers, axis: int) -> Singles:
+        return super()._slope(potential, axis) if self.slopes is None else self.slopes[axis]
+
+
+class BoneDrawing:
+    """Collects what frames say of bone.
+
+    Parameters
+    ----------
+    grid : VoxelGrid
+        Of the map; its voxels are cubes along perpendicular axes.
+    sigma : float, mm
+        Smoothing of the map: as wide as the spacing of frames asks.
+
+    Notes
+    -----
+    A voxel's probability is the mean of what the frames say there, weighted by how lit they were, over voxels that a Gaussian weights too
+    (so that gaps between frames are closed), and falls to 0 where none passed. It is then divided by its `FULL_PERCENTILE`th percentile
+    where it is high, for a surface is thin: its smoothed probability is below what frames said on it, and on what is certain bone it
+    should be 1. V_dir is its gradient with the sign of the mean beam there, smoothed by as much again, so that it has a side on the very
+    ridge.
+    """
+
+    def __init__(self, grid: VoxelGrid, sigma: float = SIGMA):
+        self.grid, self.sigma = grid, sigma
+        self.frames = 0
+        self._said, self._lit = (np.zeros(grid.shape, dtype=np.float32) for _ in range(2))
+        self._beams = np.zeros((3, *grid.shape), dtype=np.float32)
+        self._full = 0.0
+        self._changed: tuple[Integers, Integers] | None = None
+
+    def add(self, said: Said, image_to_reference: Matrix) -> None:
+        """Take a frame's word at its pose, pixels to mm."""
+        to_ijk = self.grid.reference_to_ijk @ image_to_reference
+        ijk = np.floor(said.pixels @ to_ijk[:3, :2].T + to_ijk[:3, 3] + 0.5).astype(np.int64)
+        within = ((ijk >= 0) & (ijk < self.grid.size)).all(axis=1)
+        self.frames += 1
+        if not within.any():
+            return
+        ijk = ijk[within]
+        low, high = ijk.min(axis=0), ijk.max(axis=0)
+        if self._changed is not None:
+            low, high = np.minimum(low, self._changed[0]), np.maximum(high, self._changed[1])
+        self._changed = low, high
+        at = (ijk[:, 2] * self.grid.size[1] + ijk[:, 1]) * self.grid.size[0] + ijk[:, 0]
+        weight = said.weight[within]
+        bone = weight * said.probability[within]
+        np.add.at(self._lit.reshape(-1), at, weight)
+        some = bone > 0
+        np.add.at(self._said.reshape(-1), at[some], bone[some])
+        # A gradient per voxel times these is its slope along the beam, whatever the voxels' axes
+        beams = said.beams @ image_to_reference[:3, :2].T @ np.linalg.inv(self.grid.ijk_to_reference[:3, :3]).T
+        mine = beams.astype(np.float32)[said.line[within][some]]
+        for axis in range(3):
+            np.add.at(self._beams[axis].reshape(-1), at[some], bone[some] * mine[:, axis])
+
+    @property
+    def shows_bone(self) -> bool:
+        """Whether any frame showed any."""
+        return bool(self._said.any())
+
+    def tell_all(self) -> None:
+        """The next `news` are of the whole map."""
+        self._changed = np.zeros(3, dtype=np.int64), np.array(self.grid.size) - 1
+
+    def map(self, progress: Progress | None = None) -> SeenBone:
+        """The map as far as it is known."""
+        whole = tuple(slice(0, n) for n in self.grid.shape)
+        return self._drawn((whole[0], whole[1], whole[2]), progress)
+
+    def news(self, breathe: Callable[[], object] = lambda: None) -> tuple[SeenBone, Box] | None:
+        """The part of the map that has changed since this was asked last, and the box of its voxels [k, j, i] that hold good.
+
+        `breathe` is called between steps, for who wants the computer in between. Certain bone is what was surest until now.
+        """
+        if self._changed is None:
+            return None
+        (low, high), self._changed = self._changed, None
+        reach = np.ceil(GAUSSIAN_REACH * self.sigma / self.grid.spacing).astype(int) + 1
+        # What has changed spreads by two Gaussians; the voxels at the border want as many more around them
+        inner, outer = (
+            [slice(max(int(a - r), 0), min(int(b + r + 1), n)) for a, b, r, n in zip(low, high, times * reach, self.grid.size, strict=True)]
+            for times in (2, 4)
+        )
+        seen = self._drawn((outer[2], outer[1], outer[0]), None, breathe)
+        return seen, (inner[2], inner[1], inner[0])
+
+    def _drawn(self, box: Box, progress: Progress | None, breathe: Callable[[], object] = lambda: None) -> SeenBone:
+        """The map of a box of voxels [k, j, i]."""
+        sigma = self.sigma / self.grid.spacing[::-1]
+
+        def smooth(values: Singles) -> Singles:
+            breathe()
+            blurred: Singles = ndimage.gaussian_filter(values, sigma, mode="constant", truncate=GAUSSIAN_REACH, output=np.float32)
+            return blurred
+
+        report(progress, 0.0, "Drawing the bone map")
+        mean = smooth(self._said[box]) / (smooth(self._lit[box]) + np.float32(SEEN * np.prod(self.grid.spacing)))
+        report(progress, 0.3, "Drawing the bone map")
+        largest = float(mean.max(initial=0.0))
+        if largest > 0:
+            self._full = max(self._full, float(np.percentile(mean[mean >= FULL_SHARE * largest], FULL_PERCENTILE)))
+        probability = np.minimum(mean / np.float32(max(self._full, LEAST_FULL)), np.float32(1.0))
+        breathe()
+        slopes = np.stack([ndimage.sobel(probability, axis=2 - axis, mode="nearest") for axis in range(3)])
+        facing = np.zeros_like(probability)
+        for axis in range(3):
+            facing += slopes[axis] * smooth(self._beams[(axis, *box)])
+        report(progress, 0.7, "Drawing the bone map")
+        slopes *= np.where(facing < 0, np.float32(-1.0), np.float32(1.0))
+        slopes = np.stack([smooth(slope) for slope in slopes])
+        report(progress, 1.0, "Drew the bone map")
+        matrix = self.grid.ijk_to_reference.copy()
+        matrix[:3, 3] += matrix[:3, :3] @ [part.start for part in box[::-1]]
+        return SeenBone(Volume(probability, matrix), slopes=slopes)
+
+
+def cubes_over(grid: VoxelGrid, spacing: float = SPACING, margin: float = 0.0) -> VoxelGrid:
+    """Cubes of this edge (mm) over the same box, along its axes, and so much (mm) around it."""
+    ratio, before = spacing / grid.spacing, margin / grid.spacing
+    size = np.ceil((np.asarray(grid.size) - 1 + 2 * before) / ratio).astype(int) + 1
+    matrix = grid.ijk_to_reference.copy()
+    matrix[:3, 3] -= matrix[:3, :3] @ before
+    matrix[:3, :3] *= ratio
+    i, j, k = (int(n) for n in size)
+    return VoxelGrid((i, j, k), matrix)

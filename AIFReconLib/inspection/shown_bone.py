@@ -1,0 +1,142 @@
+"""The bone that a reconstruction shows, as a smooth field for a surface in 3D: for display only, never for measuring."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+
+from ..arrays import Floats, Integers, Matrix, Numbers, Singles
+from ..compounding.state import Reconstruction
+from ..errors import SettingsError
+from ..geometry.transforms import invert, transform_points
+from ..geometry.volume import Volume
+from ..registration.bone_field import BoneField
+
+CELL = 1.0
+"""mm, about: voxels are averaged to this before anything else, for a view shows no more."""
+
+SMOOTHING = 1.6
+"""mm, sigma. Joins what neighboring frames show of one bone; what lies farther apart stays apart."""
+
+LEAST_SEEN = 0.25
+"""Of what is smoothed: where less was measured than this, the rest is not made up."""
+
+LEVEL = 0.09
+"""Of the field, where the surface is drawn."""
+
+CRUMB = 150.0
+"""mm3. Pieces that are smaller are hidden: about a square centimeter of surface."""
+
+BRIGHT, STRONG = 99.5, 99.0
+"""Percentiles of the measured voxels, of gray level and of mean weight, that count fully."""
+
+STRONGER = 3.0
+"""Times the weight of most voxels that counts fully at least: where no voxel has more weight than others, no bone shows."""
+
+LOOKED_AT = 1_000_000
+"""Voxels from which percentiles are taken, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShownBone:
+    """Where bone shows.
+
+    Parameters
+    ----------
+    field : Volume of float32
+        Above `LEVEL` is bone; without pieces below `CRUMB`.
+    pieces, hidden : int
+        Pieces that are shown, and crumbs that are not.
+    bone : BoneField or None
+        Of the CT.
+    bone_to_reference : (4, 4) array or None
+    """
+
+    field: Volume
+    pieces: int
+    hidden: int
+    bone: BoneField | None = None
+    bone_to_reference: Matrix | None = None
+
+    def distances(self, points_reference: Floats) -> Floats | None:
+        """How far points (n, 3) lie from the CT's bone, (n,) mm; None without a CT."""
+        if self.bone is None or self.bone_to_reference is None:
+            return None
+        distance, _slopes = self.bone.sample(transform_points(invert(self.bone_to_reference), points_reference))
+        far: Floats = np.abs(distance)
+        return far
+
+
+def shown_bone(result: Reconstruction, labels: Volume | None = None, labels_to_reference: Matrix | None = None) -> ShownBone:
+    """What a method that weights by bone shows of it.
+
+    Parameters
+    ----------
+    result : Reconstruction
+        With score and hits.
+    labels : Volume of integers or None
+        Of the CT, for `ShownBone.distances`.
+    labels_to_reference : (4, 4) array, mm, or None
+
+    Raises
+    ------
+    SettingsError
+        When score or hits were not kept.
+
+    Notes
+    -----
+    The field follows the score: per voxel it is the product of brightness and of the mean weight of the pixels that entered, beyond that
+    of most voxels, both from 0 to 1. Smoothing is a normalized convolution [1]_ over measured voxels: one that no frame has met is no
+    evidence against bone.
+
+    References
+    ----------
+    .. [1] Knutsson and Westin (1993), Normalized and differential convolution, CVPR.
+    """
+    if result.score is None or result.hits is None:
+        raise SettingsError("Input result must have score and hits; got one without. Ask for them: reconstruct(..., beside=BESIDE).")
+    measured = result.hits.array > 0
+    weight = np.zeros(measured.shape, dtype=np.float32)
+    np.divide(result.score.array, result.hits.array, out=weight, where=measured)
+    most, strong = _levels(weight, measured, (50.0, STRONG))
+    strong = max(strong, STRONGER * most)
+    (bright,) = _levels(result.intensity.array, measured, (BRIGHT,))
+    weight -= np.float32(most)
+    weight *= np.float32(1.0 / max(strong - most, 1e-9))
+    np.clip(weight, 0.0, 1.0, out=weight)
+    brightness = result.intensity.array.astype(np.float32)
+    brightness *= np.float32(1.0 / max(bright, 1e-9))
+    weight *= np.minimum(brightness, np.float32(1.0), out=brightness)
+    spacing = result.grid.spacing
+    factors = np.clip(np.floor(CELL / spacing + 0.5), 1, result.grid.size).astype(int)
+    evidence, seen = (_averaged(array, factors) for array in (weight, measured))
+    sigma = (SMOOTHING / (spacing * factors))[::-1]
+    evidence, seen = (ndimage.gaussian_filter(array, sigma, mode="nearest") for array in (evidence, seen))
+    field = evidence / np.maximum(seen, np.float32(LEAST_SEEN))
+    pieces, count = ndimage.label(field > LEVEL, np.ones((3, 3, 3)))
+    small = np.bincount(pieces.reshape(-1), minlength=count + 1) * float(np.prod(spacing * factors)) < CRUMB
+    small[0] = False
+    field[small[pieces]] = 0.0
+    to_ijk = np.diag([*factors, 1.0])
+    to_ijk[:3, 3] = (factors - 1) / 2
+    hidden = int(small.sum())
+    bone = None if labels is None else BoneField.from_labels(labels)
+    place = np.eye(4) if labels_to_reference is None else labels_to_reference
+    return ShownBone(Volume(field, result.grid.ijk_to_reference @ to_ijk), count - hidden, hidden, bone, place)
+
+
+def _levels(array: Numbers, measured: Numbers, percents: tuple[float, ...]) -> list[float]:
+    step = max(array.size // LOOKED_AT, 1)
+    some = array.reshape(-1)[::step][measured.reshape(-1)[::step]]
+    return [float(np.percentile(some, percent)) if some.size else 0.0 for percent in percents]
+
+
+def _averaged(array: Numbers, factors: Integers) -> Singles:
+    """Means of blocks of voxels; what is left over at the far sides is left out."""
+    counts = [size // factor for size, factor in zip(array.shape, factors[::-1], strict=True)]
+    whole = array[tuple(slice(count * factor) for count, factor in zip(counts, factors[::-1], strict=True))]
+    blocks = whole.reshape([n for pair in zip(counts, factors[::-1], strict=True) for n in pair])
+    averaged: Singles = blocks.mean(axis=(1, 3, 5), dtype=np.float32)
+    return averaged

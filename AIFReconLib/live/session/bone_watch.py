@@ -1,0 +1,173 @@
+"""Bone that the frames of a scan show by themselves, found out beside the threads that receive and insert, which weight by it at once."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ...bone.estimators import BoneEstimator, Listeners
+from ...bone.growing import GrowingBone
+from ...bone.recorded import COVERS, SAME_TIME, probability_of
+from ...bone.seen import Prediction
+from ...errors import AIFReconError, GeometryError
+from ...imaging.beams import ProbeGeometry
+from ...imaging.region import ImageRegion
+from ...message import Message, said
+from ...resolve import Imaging
+from ...sweep.configuration import PlusConfiguration
+from ..pairing.predictions import PredictionSource
+from ..pairing.synchronizer import LiveFrame
+from ..wire.messages import ImageMessage
+from .recording import Recorder
+from .session import LiveSession
+from .watch import Watch
+
+SPREAD_EVERY = 0.5
+"""s between two updates of the volume's bone."""
+
+LONGEST_WAIT = 1.0
+"""s that a prediction waits for its frame to be placed."""
+
+
+@dataclass(frozen=True)
+class BoneState:
+    """How the search goes.
+
+    Parameters
+    ----------
+    frames : int
+        In which bone was looked for, or for which a prediction came.
+    unmatched : int
+        Predictions that belong to no frame.
+    problem : Message or None
+        Why nothing, or no more, is known.
+    """
+
+    frames: int = 0
+    unmatched: int = 0
+    problem: Message | None = None
+
+
+class BoneWatch(Watch):
+    """Lets a bone map grow while a session goes on.
+
+    Parameters
+    ----------
+    session : LiveSession
+        Made with `bone`.
+    bone : GrowingBone
+    source : callable from Imaging to BoneEstimator, or PredictionSource
+        What tells bone in a frame, made when region and probe are known; or the session's source, which keeps streamed predictions.
+    configuration, region, probe
+        See `Watch`.
+    record : Path or None
+        A sequence file for the predictions, 8 bit, which `RecordedPredictions` takes with the recorded scan.
+
+    Notes
+    -----
+    An estimator looks at the newest frame, and at most half of the time: frames that come meanwhile are passed over, as evenly
+    as they come. Streamed predictions are all taken. While a scan has no box yet, nothing is looked at.
+    """
+
+    def __init__(
+        self,
+        session: LiveSession,
+        bone: GrowingBone,
+        source: Callable[[Imaging], BoneEstimator] | PredictionSource,
+        configuration: PlusConfiguration | None = None,
+        region: ImageRegion | None = None,
+        probe: ProbeGeometry | None = None,
+        record: Path | None = None,
+    ):
+        super().__init__(session, "aifrecon live bone", 0.0, configuration, region, probe)
+        self._bone, self._source = bone, source
+        self._recorder = None if record is None else Recorder(record)
+        self.recorded: Path | None = None
+        self._estimator: BoneEstimator | None = None
+        self._listeners: Listeners | None = None
+        self._waiting: list[ImageMessage] = []
+        self._full = 1.0
+        self._spread = time.monotonic()
+        self.state = BoneState()
+        self._thread.start()
+
+    def stop(self, wait: bool = True) -> None:
+        """Look at no more frames, and finish the recording of what was said."""
+        super().stop(wait)
+        recorder, self._recorder = self._recorder, None
+        if recorder is not None and wait:
+            try:
+                self.recorded = recorder.finish()
+            except AIFReconError as error:
+                self._tell_problem(said(error))
+
+    def _tell_problem(self, problem: Message) -> None:
+        self.state = replace(self.state, problem=problem)
+
+    def _look(self, frame: LiveFrame | None) -> None:
+        if isinstance(self._source, PredictionSource):
+            for of_frame, message in self._matched(self._source):
+                self._take(of_frame, Prediction(self._streamed(message)))
+        elif frame is not None and self._session.grid is not None and (imaging := self._imaging(frame)) is not None:
+            if self._estimator is None:
+                self._estimator = self._source(imaging)
+            prediction = self._estimator.estimate(frame)
+            if prediction is not None:
+                self._take(frame, prediction)
+        if time.monotonic() - self._spread >= SPREAD_EVERY:
+            self._bone.spread(self._breathe)
+            self._spread = time.monotonic()
+
+    def _take(self, frame: LiveFrame, prediction: Prediction) -> None:
+        grid, imaging = self._session.grid, self._imaging(frame)
+        self.state = BoneState(self.state.frames + 1, self.state.unmatched)
+        if self._recorder is not None:
+            self._recorder.append(_as_frame(frame, prediction))
+        if grid is None or imaging is None:
+            return
+        if self._listeners is None:
+            self._listeners = Listeners(imaging)
+        image, pose = frame.placed()
+        self._bone.learn(self._listeners.of(frame).listen(image, prediction), pose, grid)
+
+    def _matched(self, source: PredictionSource) -> list[tuple[LiveFrame, ImageMessage]]:
+        """Predictions whose frames are placed; others wait a little."""
+        placed = [frame for frame in tuple(self._session.recent) if frame.status == "OK"]
+        times = np.array([frame.timestamp for frame in placed])
+        found, waiting, now = [], [], time.monotonic()
+        for message in [*self._waiting, *source.predictions()]:
+            near = int(np.abs(times - message.timestamp).argmin()) if times.size else -1
+            if near >= 0 and abs(times[near] - message.timestamp) <= SAME_TIME:
+                found.append((placed[near], message))
+            elif now - message.received < LONGEST_WAIT:
+                waiting.append(message)
+            else:
+                self.state = replace(self.state, unmatched=self.state.unmatched + 1)
+        self._waiting = waiting
+        return found
+
+    def _streamed(self, message: ImageMessage) -> np.ndarray[tuple[int, ...], np.dtype[np.float32]]:
+        """A streamed image as probabilities. Of 8 bit, 1 is certain until something larger has come."""
+        if message.image.dtype == np.uint8:
+            if int(message.image.max(initial=0)) > 1:
+                self._full = 255.0
+        elif message.image.dtype.kind != "f":
+            raise GeometryError(
+                "{device}: predictions must be 8 bit, 0 to 255, or floating point, 0 to 1; got {kind}. Stream them as one of these.",
+                device=message.device,
+                kind=message.image.dtype.name,
+            )
+        return probability_of(message.image, self._full if message.image.dtype == np.uint8 else 1.0, message.device)
+
+
+def _as_frame(frame: LiveFrame, prediction: Prediction) -> LiveFrame:
+    """A prediction as the image of its frame, for a recording."""
+    image = np.rint(255 * prediction.probability).astype(np.uint8)
+    rows, columns = frame.placed()[0].shape
+    rectangle = prediction.rectangle or (0.0, 0.0, float(columns), float(rows))
+    covers = {COVERS: " ".join(f"{value:g}" for value in rectangle)}
+    return replace(frame, image=image, record=replace(frame.record, fields={**frame.record.fields, **covers}))

@@ -1,0 +1,124 @@
+"""Bone that a live scan shows by itself: what `--bone-image`, `--bone-model` and `--bone-from-sweep` mean while frames come in."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..bone.estimators import BoneEstimator, EchoEstimator
+from ..bone.growing import GrowingBone
+from ..bone.model import OnnxModel
+from ..errors import SettingsError
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion
+from ..live.pairing.predictions import PredictionSource
+from ..live.session.bone_watch import BoneWatch
+from ..live.session.session import LiveSession
+from ..live.wire.sources import MessageSource
+from ..message import Message
+from ..resolve import Imaging
+from ..sweep.configuration import PlusConfiguration
+from .seen_bone_options import seen_source
+
+
+def add_streamed_bone_option(server: argparse._ActionsContainer) -> None:
+    """Declare --bone-image."""
+    server.add_argument(
+        "--bone-image",
+        metavar="DEVICE",
+        help="no CT: name of an image device that sends a network's predictions with the time stamps of their images",
+    )
+
+
+def predictions_path(arguments: argparse.Namespace) -> Path | None:
+    """Where predictions are recorded beside a recorded scan; None where they are not."""
+    record: Path | None = arguments.record
+    if record is None or not (arguments.bone_image or arguments.bone_model):
+        return None
+    return record.with_name(f"{record.name[: -len(record.suffix)]}-bone{record.suffix}")
+
+
+class LiveBone:
+    """What looks for bone beside a session.
+
+    Parameters
+    ----------
+    arguments : Namespace
+    configuration, region, probe
+        As for the session.
+    """
+
+    def __init__(
+        self, arguments: argparse.Namespace, configuration: PlusConfiguration, region: ImageRegion | None, probe: ProbeGeometry | None
+    ):
+        self.bone = GrowingBone()
+        self._device: str | None = arguments.bone_image
+        # Refused before the scan, not in it
+        self._model = OnnxModel(arguments.bone_model) if arguments.bone_model else None
+        self._how = configuration, region, probe
+        self._record = predictions_path(arguments)
+        self._streamed: PredictionSource | None = None
+        self._watch: BoneWatch | None = None
+        self._frames = 0
+
+    @classmethod
+    def of(
+        cls, arguments: argparse.Namespace, configuration: PlusConfiguration, region: ImageRegion | None, probe: ProbeGeometry | None
+    ) -> LiveBone | None:
+        """What the options ask for; None where they ask for none.
+
+        Raises
+        ------
+        SettingsError
+            When options do not go together.
+        """
+        if arguments.bone_frames:
+            raise SettingsError("--bone-frames belongs to a recorded sweep. Give --bone-image or --bone-model for a live scan.")
+        source = seen_source(arguments)
+        if source is None:
+            return None
+        others = ("bone_labels", "bone_probability", "bone_transform", "bone_model", "bone_from_sweep")
+        both = next((name for name in others if arguments.bone_image and getattr(arguments, name)), None)
+        if both is not None:
+            raise SettingsError("--bone-image is a source of bone, and so is {other}. Leave out one.", other=f"--{both.replace('_', '-')}")
+        if arguments.bone_image and arguments.bone_image == arguments.image:
+            raise SettingsError("--bone-image and --image must be two devices; got {device!r} for both.", device=arguments.image)
+        return cls(arguments, configuration, region, probe)
+
+    def source(self, client: MessageSource) -> MessageSource:
+        """What the session takes its messages from."""
+        if self._device is None:
+            return client
+        self._streamed = PredictionSource(client, self._device)
+        return self._streamed
+
+    @contextmanager
+    def beside(self, session: LiveSession) -> Iterator[None]:
+        """Look for bone while the block runs."""
+        self._watch = BoneWatch(session, self.bone, self._streamed or self._estimator, *self._how, record=self._record)
+        try:
+            yield
+        finally:
+            self._watch.stop()
+            self._frames = session.statistics.frames_received
+
+    def lines(self) -> list[str]:
+        """How it went, for the summary."""
+        if self._watch is None:
+            return []
+        state = self._watch.state
+        lines = [str(Message("bone was looked for in {looked} of {frames} frames", looked=state.frames, frames=self._frames))]
+        if self._device is not None:
+            lines = [str(Message("bone was predicted for {looked} of {frames} frames", looked=state.frames, frames=self._frames))]
+        if state.unmatched:
+            lines.append(str(Message("{count} predictions belonged to no frame with a pose", count=state.unmatched)))
+        if state.problem is not None:
+            lines.append(str(state.problem))
+        if self._watch.recorded is not None:
+            lines.append(str(Message("recorded what was said of bone to {path}", path=self._watch.recorded)))
+        return lines
+
+    def _estimator(self, imaging: Imaging) -> BoneEstimator:
+        return self._model or EchoEstimator(imaging)

@@ -1,0 +1,268 @@
+"""Bone that a network's predictions show: frames of an oblique sweep over a plane that is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from files import refused, tracked_sequence, write_patient
+from seen_planes import IMAGING, PlaneSweep, as_sequence
+
+from AIFReconLib.bone.estimators import EchoEstimator, bone_from_frames
+from AIFReconLib.bone.recorded import RecordedPredictions
+from AIFReconLib.bone.seen import Prediction, SeenBone
+from AIFReconLib.commands.parser import main
+from AIFReconLib.errors import BeamGeometryError, GeometryError, SequenceFormatError
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.resolve import Imaging
+from AIFReconLib.settings import ReconstructionSettings
+
+SWEEP = PlaneSweep()
+
+
+def bone_of(predictions, rectangle=None, times=None, sweep=SWEEP) -> SeenBone:
+    said = RecordedPredictions(sweep.sequence, as_sequence(predictions, times), rectangle)
+    return bone_from_frames(sweep.sequence, said, sweep.swept, IMAGING)
+
+
+@pytest.fixture(scope="module")
+def known() -> SeenBone:
+    return bone_of(SWEEP.predictions())
+
+
+def placed(bone, points):
+    """Probability and direction at points in Reference."""
+    grid = VoxelGrid.from_spacing(points.min(axis=0) - 1, np.ceil(np.ptp(points, axis=0) / 0.5).astype(int) + 5, 0.5)
+    on_grid = bone.on_grid(grid)
+    i, j, k = np.rint(transform_points(grid.reference_to_ijk, points)).astype(int).T
+    return on_grid.probability[k, j, i], on_grid.directions_reference[k, j, i]
+
+
+# The map
+
+
+def test_bone_is_probable_on_the_surface_that_frames_show(known):
+    assert placed(known, SWEEP.on_plane())[0].min() > 0.8
+
+
+@pytest.mark.parametrize("depth", [-7.0, 7.0])
+def test_bone_is_improbable_away_from_it(known, depth):
+    assert placed(known, SWEEP.on_plane(depth))[0].max() < 0.05
+
+
+def test_the_ridge_lies_where_bone_is_to_half_a_millimeter(known):
+    depths = np.arange(-5.0, 5.1, 0.5)
+    profile = np.array([np.median(placed(known, SWEEP.on_plane(depth))[0]) for depth in depths])
+    assert (depths * profile).sum() / profile.sum() == pytest.approx(0.0, abs=0.5)
+
+
+@pytest.mark.parametrize("depth", [-1.5, 0.0, 1.5])
+def test_bone_faces_away_from_the_sound_before_its_ridge_on_it_and_behind(known, depth):
+    assert (placed(known, SWEEP.on_plane(depth))[1] @ SWEEP.normal).min() > 0.9
+
+
+def test_what_one_frame_alone_says_against_all_others_counts_little():
+    said = SWEEP.predictions()
+    said[6, 10:16] = 1.0
+    there = transform_points(SWEEP.poses[6], np.array([[column, 13.0, 0.0] for column in range(20, 40, 2)]))
+    assert placed(bone_of(said), there)[0].max() < 0.5
+
+
+def test_frames_in_the_dark_do_not_speak_against_those_that_see():
+    """Every second frame of the first half has lost contact and sees nothing: there bone is as probable as in the second half."""
+    sweep = PlaneSweep(count=16, turn=0.0)
+    said = sweep.predictions()
+    said[:8:2] = 0.0
+    sweep.images[:8:2] = np.random.default_rng(1).integers(0, 2, sweep.images[:8:2].shape)
+    points = sweep.on_plane()
+    first = (points - sweep.point) @ sweep.poses[0, :3, 2] < 0
+    probability = placed(bone_of(said, sweep=sweep), points)[0]
+    assert np.median(probability[first]) > 0.9 * np.median(probability[~first])
+
+
+def test_gaps_between_frames_are_closed():
+    sweep = PlaneSweep(count=5, turn=0.0)
+    apart = sweep.poses.copy()
+    apart[:, :3, 3] += 3.0 * (np.arange(5) - 2)[:, None] * (apart[0, :3, 2] / np.linalg.norm(apart[0, :3, 2]))
+    sweep.poses[:] = apart
+    sweep.__dict__["sequence"] = type(sweep.sequence).from_arrays(sweep.images, apart)
+    assert placed(bone_of(sweep.predictions(), sweep=sweep), sweep.on_plane())[0].min() > 0.5
+
+
+def test_hesitant_predictions_make_no_certain_map():
+    assert bone_of(0.05 * SWEEP.predictions()).probability.array.max() < 0.3
+
+
+def test_frames_that_say_nothing_make_no_map():
+    with pytest.raises(GeometryError, match="no frame shows bone"):
+        bone_of(0 * SWEEP.predictions())
+
+
+def test_the_rule_for_echoes_is_an_estimator_too():
+    bone = bone_from_frames(SWEEP.sequence, EchoEstimator(IMAGING), SWEEP.swept, IMAGING)
+    assert np.median(placed(bone, SWEEP.on_plane())[0]) > 0.7
+
+
+def test_without_a_probe_there_are_no_beams_to_weigh_by():
+    with pytest.raises(BeamGeometryError):
+        bone_from_frames(SWEEP.sequence, EchoEstimator(IMAGING), SWEEP.swept, Imaging(ImageRegion(), None))
+
+
+# Predictions beside the frames
+
+
+def test_eight_bits_say_what_fractions_say(known):
+    np.testing.assert_allclose(bone_of((255 * SWEEP.predictions()).astype(np.uint8)).probability.array, known.probability.array, atol=1e-6)
+
+
+def test_masks_of_0_and_1_are_certain(known):
+    np.testing.assert_allclose(bone_of(SWEEP.predictions().astype(np.uint8)).probability.array, known.probability.array, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("columns", "rows", "rectangle"),
+    [
+        (30, 40, (0.0, 0.0, 60.0, 80.0)),
+        (90, 64, (0.0, 0.0, 60.0, 80.0)),
+        (50, 60, (5.0, 12.0, 50.0, 60.0)),
+        (25, 40, (5.0, 0.0, 50.0, 80.0)),
+    ],
+)
+def test_predictions_of_another_size_lie_where_their_rectangle_does(known, columns, rows, rectangle):
+    bone = bone_of(SWEEP.predictions(columns=columns, rows=rows, rectangle=rectangle), rectangle)
+    points = SWEEP.on_plane()
+    np.testing.assert_allclose(placed(bone, points)[0], placed(known, points)[0], atol=0.15)
+
+
+def test_predictions_are_matched_by_time_whatever_their_order(known):
+    order = np.random.default_rng(3).permutation(12)
+    said = bone_of(SWEEP.predictions()[order], times=5.0 + 0.1 * order)
+    np.testing.assert_array_equal(said.probability.array, known.probability.array)
+    assert "12 of 12 frames, matched by time" in said.notes[0]
+
+
+def test_missing_predictions_are_counted():
+    said = bone_of(SWEEP.predictions()[2:], times=5.0 + 0.1 * np.arange(2, 12))
+    assert "10 of 12 frames" in said.notes[0]
+    assert "2 of 12 frames" in said.notes[1]
+
+
+def test_a_missing_prediction_is_no_word_against_bone(known):
+    """Frames without one take no part: the rest says of the surface what all said."""
+    bone = bone_of(SWEEP.predictions()[::2], times=5.0 + 0.1 * np.arange(0, 12, 2))
+    points = SWEEP.on_plane()
+    np.testing.assert_allclose(placed(bone, points)[0], placed(known, points)[0], atol=0.2)
+
+
+def test_an_estimator_may_have_nothing_to_say():
+    class Silent:
+        def estimate(self, frame):
+            return None if frame.number else Prediction(SWEEP.predictions()[0])
+
+        def notes(self):
+            return ()
+
+    assert "11 of 12 frames" in bone_from_frames(SWEEP.sequence, Silent(), SWEEP.swept, IMAGING).notes[-1]
+
+
+def altered(change):
+    said = SWEEP.predictions()
+    change(said)
+    return said
+
+
+@pytest.mark.parametrize(
+    ("predictions", "times", "rectangle", "error", "words"),
+    [
+        (SWEEP.predictions()[:, ::2], None, None, GeometryError, r"60 x 40 pixels do not fit frames of 60 x 80"),
+        (SWEEP.predictions()[:7], None, None, GeometryError, "7 predictions for 12 frames"),
+        (SWEEP.predictions()[:7], 100.0 + np.arange(7), None, GeometryError, "7 predictions for 12 frames"),
+        (altered(lambda said: said.__setitem__((3, 5, 5), np.nan)), None, None, SequenceFormatError, "frame 3: .* got NaN"),
+        (9 * SWEEP.predictions() - 4, None, None, SequenceFormatError, "got -4 to 5. Pass logits through a sigmoid"),
+        (SWEEP.predictions().astype(np.uint16), None, None, SequenceFormatError, "8 bit, 0 to 255, or floating point, 0 to 1; got uint16"),
+        (SWEEP.predictions(), None, (0.0, 0.0, 60.0, 0.0), GeometryError, "W and H above 0"),
+    ],
+)
+def test_what_are_no_predictions_of_these_frames_is_refused(predictions, times, rectangle, error, words):
+    with pytest.raises(error, match=words):
+        bone_of(predictions, rectangle, times)
+
+
+def test_every_sweep_needs_its_own_predictions():
+    said = as_sequence(SWEEP.predictions())
+    with pytest.raises(GeometryError, match="got 1 for 2"):
+        RecordedPredictions([SWEEP.sequence, SWEEP.sequence], said)
+
+
+def test_of_several_sweeps_each_has_its_own():
+    said = RecordedPredictions([SWEEP.sequence] * 2, [as_sequence(0 * SWEEP.predictions()), as_sequence(SWEEP.predictions())])
+    frames = [type("Frame", (), {"number": number})() for number in (3, 15)]
+    assert [float(said.estimate(frame).probability.max()) for frame in frames] == [0.0, 1.0]
+
+
+# The command line
+
+
+@pytest.fixture
+def patient(tmp_path):
+    folder = tmp_path / "inputs"
+    folder.mkdir()
+    images = np.random.default_rng(0).integers(40, 90, (6, 30, 40), dtype=np.uint8)
+    images[:, 21:] //= 20
+    return write_patient(folder, tracked_sequence(images=images))
+
+
+def predicted(patient, columns=40, rows=30, least=0):
+    said = np.zeros((6, rows, columns), np.uint8)
+    said[:, rows * 18 // 30 : rows * 21 // 30] = 255
+    path = patient.sweep.with_name("bone.mha")
+    write_sequence(as_sequence(said[least:], [record.timestamp for record in patient.sequence.records][least:]), path)
+    return path
+
+
+def test_the_command_gives_what_the_library_gives_and_says_what_it_matched(patient, tmp_path, capsys):
+    path = predicted(patient, least=2)
+    assert main([*patient.reconstruct, "--engine", "numpy", "--bone-frames", str(path), "--output", str(tmp_path / "v.nrrd")]) == 0
+    sequence = read_sequence(patient.sweep, config=patient.config)
+    bone = bone_from_frames(sequence, RecordedPredictions(sequence, read_sequence(path)))
+    expected = reconstruct(sequence, ReconstructionSettings(method="weighted", engine="numpy"), bone)
+    np.testing.assert_array_equal(read_volume(tmp_path / "v.nrrd").array, expected.intensity.array)
+    assert "bone is predicted for 4 of 6 frames, matched by time" in capsys.readouterr().out
+
+
+def test_the_command_takes_a_rectangle(patient, tmp_path):
+    path = predicted(patient, 20, 15)
+    command = [*patient.reconstruct, "--engine", "numpy", "--bone-frames", str(path), "--output", str(tmp_path / "v.nrrd")]
+    assert main(command) == 2
+    assert main([*command, "--bone-frames-px", "0", "0", "40", "30"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (["--bone-frames-px", "0", "0", "9", "9"], "Give --bone-frames"),
+        (["--bone-frames", "SAID", "--bone-from-sweep"], "not allowed with"),
+        (["--bone-frames", "SAID", "--bone-transform", "T.tfm"], "--bone-frames needs none"),
+        (["--bone-frames", "SAID", "--speed-of-sound", "1480"], "--bone-frames takes depths"),
+        (["--bone-frames", "SAID", "--bone-frames", "SAID"], "got 2 for 1"),
+        (["--bone-frames", "nowhere.mha"], "nowhere.mha"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(patient, tmp_path, capsys, more, words):
+    said = str(predicted(patient))
+    (tmp_path / "results").mkdir()
+    command = [*patient.reconstruct, *(said if word == "SAID" else word for word in more), "--output", tmp_path / "results" / "v.nrrd"]
+    assert words in refused(command, capsys, tmp_path / "results")
+
+
+def test_predictions_are_never_overwritten(patient, capsys, tmp_path):
+    path = predicted(patient)
+    (tmp_path / "none").mkdir()
+    before = path.read_bytes()
+    refused([*patient.reconstruct, "--bone-frames", path, "--output", path], capsys, tmp_path / "none")
+    assert path.read_bytes() == before

@@ -1,0 +1,247 @@
+"""A network's model in an ONNX file: run by onnxruntime itself, or refused in one sentence with nothing else opened."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("onnxruntime")
+pytest.importorskip("onnx")
+
+from onnx import helper
+from onnx_models import echo_score, graph_of, saved, scaling
+from seen_planes import IMAGING, PlaneSweep
+
+from AIFReconLib.bone.estimators import bone_from_frames
+from AIFReconLib.bone.from_sweep import BoneEchoFinder
+from AIFReconLib.bone.model import OnnxModel
+from AIFReconLib.commands.parser import main
+from AIFReconLib.errors import ModelError
+from AIFReconLib.sweep.frames import TrackedFrame
+
+SWEEP = PlaneSweep(count=4)
+GRAY = np.random.default_rng(0).integers(0, 256, (48, 40), dtype=np.uint8)
+
+
+def model_in(folder, model, **description) -> Path:
+    path = saved(model, folder / "model.onnx")
+    if description:
+        path.with_suffix(".json").write_text(json.dumps(description))
+    return path
+
+
+def answer(path, image=GRAY):
+    return OnnxModel(path).estimate(TrackedFrame(image, np.eye(4))).probability
+
+
+# What goes in and comes out
+
+
+def test_the_rule_for_echoes_as_a_graph_gives_its_score_to_the_fourth_digit(tmp_path):
+    spacing = (0.6, 0.25)
+    rows, columns = SWEEP.images.shape[1:]
+    path = model_in(tmp_path, echo_score(rows, columns, spacing), std=1 / 255, output="probability")
+    image = SWEEP.images[1]
+    score = BoneEchoFinder((columns, rows), spacing, IMAGING).look(image)[1]
+    np.testing.assert_allclose(answer(path, image), np.maximum(score.T, 0), atol=1e-4)
+    assert score.max() > 0.5
+
+
+def test_gray_levels_go_in_as_fractions_of_white_less_mean_over_std(tmp_path):
+    path = model_in(tmp_path, scaling(), mean=0.25, std=2.0, output="logits")
+    expected = 1 / (1 + np.exp(-(GRAY / 255 - 0.25) / 2.0))
+    np.testing.assert_allclose(answer(path), expected, atol=1e-6)
+
+
+def test_images_of_16_bits_have_another_white(tmp_path):
+    path = model_in(tmp_path, scaling(), output="probability")
+    np.testing.assert_allclose(answer(path, GRAY.astype(np.uint16) * 257), GRAY / 255, atol=1e-6)
+
+
+def test_a_model_of_three_channels_gets_three(tmp_path):
+    path = model_in(tmp_path, scaling(0.25, shape=(1, 3, None, None)), mean=[0.0, 0.1, 0.2], std=[1.0, 1.0, 2.0], output="probability")
+    image = GRAY // 2 + 100
+    level = image / 255
+    np.testing.assert_allclose(answer(path, image), 0.25 * (level + (level - 0.1) + (level - 0.2) / 2), atol=1e-6)
+
+
+def test_of_several_classes_bone_is_the_one_that_is_named(tmp_path):
+    model = scaling(channels=3)
+    path = model_in(tmp_path, model, output="classes", bone_class=2)
+    np.testing.assert_allclose(answer(path), 1 / 3, atol=1e-6)
+
+
+@pytest.mark.parametrize("description", [{"input_size": [24, 20]}, {}])
+def test_images_are_resized_to_what_the_model_takes(tmp_path, description):
+    shape = (1, 1, None, None) if description else (1, 1, 24, 20)
+    path = model_in(tmp_path, scaling(shape=shape), output="probability", **description)
+    flat = np.repeat(np.arange(48, dtype=np.uint8)[:, None] * 4, 40, axis=1)
+    found = answer(path, flat)
+    assert found.shape == (24, 20)
+    # Each row is the middle of two, but at the border
+    np.testing.assert_allclose(255 * found[1:-1, 7], 4 * (2 * np.arange(1, 23) + 0.5), atol=1e-3)
+
+
+def test_a_model_draws_the_bone_map_of_a_sweep(tmp_path):
+    rows, columns = SWEEP.images.shape[1:]
+    path = model_in(tmp_path, echo_score(rows, columns, (0.5, 0.5)), std=1 / 255, output="probability")
+    bone = bone_from_frames(SWEEP.sequence, OnnxModel(path), SWEEP.swept, IMAGING)
+    assert bone.probability.array.max() == 1.0
+    assert bone.notes == ("Bone is what the model model.onnx says.",)
+
+
+# What is refused
+
+
+def no_graph(path):
+    path.write_bytes(b"\x08\x08")
+
+
+def words(path):
+    path.write_text("this is a letter, and no model")
+
+
+def cut_short(path):
+    saved(scaling(), path)
+    path.write_bytes(path.read_bytes()[:-20])
+
+
+def external(path):
+    saved(scaling(), path, save_as_external_data=True, location="weights.bin", size_threshold=0)
+
+
+def external_in_a_branch(path):
+    """The tensor that lies elsewhere hides in the graph of a node."""
+    saved(scaling(), path, save_as_external_data=True, location="weights.bin", size_threshold=0)
+    import onnx
+
+    inner = onnx.load(path, load_external_data=False).graph
+    node = helper.make_node("If", ["image"], ["bone"], then_branch=inner, else_branch=inner)
+    saved(graph_of([node], {}, [1, 1, 8, 8], [1, 1, 8, 8]), path)
+
+
+def missing_operator(path):
+    saved(graph_of([helper.make_node("Frobnicate", ["image"], ["bone"])], {}, [1, 1, 8, 8], [1, 1, 8, 8]), path)
+
+
+def foreign_operator(path):
+    model = graph_of([helper.make_node("Own", ["image"], ["bone"], domain="com.example")], {}, [1, 1, 8, 8], [1, 1, 8, 8])
+    model.opset_import.append(helper.make_opsetid("com.example", 1))
+    saved(model, path)
+
+
+def of_volumes(path):
+    saved(graph_of([helper.make_node("Relu", ["image"], ["bone"])], {}, [1, 1, 8, 8, 8], [1, 1, 8, 8, 8]), path)
+
+
+def of_four_channels(path):
+    saved(scaling(shape=(1, 4, None, None)), path)
+
+
+def of_one_number(path):
+    saved(
+        graph_of(
+            [helper.make_node("GlobalMaxPool", ["image"], ["m"]), helper.make_node("Flatten", ["m"], ["bone"])], {}, [1, 1, 8, 8], [1, 1]
+        ),
+        path,
+    )
+
+
+def of_nan(path):
+    saved(
+        graph_of(
+            [helper.make_node("Log", ["image"], ["log"]), helper.make_node("Sub", ["log", "log"], ["bone"])], {}, [1, 1, 8, 8], [1, 1, 8, 8]
+        ),
+        path,
+    )
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (no_graph, "this is no ONNX model"),
+        (words, "this is no ONNX model"),
+        (cut_short, "this is no ONNX model"),
+        (external, "takes data from other files, which are not opened"),
+        (external_in_a_branch, "takes data from other files, which are not opened"),
+        (missing_operator, "cannot run this model .*Frobnicate"),
+        (foreign_operator, "cannot run this model .*Own"),
+        (of_volumes, r"input is tensor\(float\) of 1 x 1 x 8 x 8 x 8, .* 1 x 1 x H x W or 1 x 3 x H x W"),
+        (of_four_channels, r"input is tensor\(float\) of 1 x 4 x h x w"),
+        (of_one_number, "answers with float32 of 1 x 1, "),
+        (of_nan, "answers NaN or infinity"),
+    ],
+)
+def test_what_is_no_model_of_bone_is_refused_in_a_sentence(tmp_path, make, sentence):
+    path = tmp_path / "model.onnx"
+    make(path)
+    with pytest.raises(ModelError, match=sentence) as refusal:
+        OnnxModel(path)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("description", "sentence"),
+    [
+        ("{", "this is no JSON"),
+        ("[]", "must be an object"),
+        ('{"colour": 1}', "colour is not known"),
+        ('{"input_size": [0, 5]}', "input_size must be two whole numbers"),
+        ('{"input_size": [16, 16]}', "input is 1 x 1 x 8 x 8, and input_size of model.json says 16 x 16"),
+        ('{"std": 0}', "std must be above 0"),
+        ('{"std": [1, 2]}', "std must be a number, or three"),
+        ('{"std": [1, 2, 3]}', "must be one number, or 1"),
+        ('{"mean": 1e400}', "mean must be a number"),
+        ('{"output": "heat"}', "output must be one of logits, probability, classes"),
+        ('{"bone_class": -1}', "bone_class must be the number of a channel"),
+        ('{"output": "classes", "bone_class": 1}', "has no class 1 of several"),
+    ],
+)
+def test_a_description_that_does_not_fit_is_refused(tmp_path, description, sentence):
+    path = model_in(tmp_path, scaling(shape=(1, 1, 8, 8)))
+    path.with_suffix(".json").write_text(description)
+    with pytest.raises(ModelError, match=sentence):
+        OnnxModel(path)
+
+
+def test_logits_that_pass_for_probabilities_are_refused_with_the_frame(tmp_path):
+    path = model_in(tmp_path, scaling(9.0), output="probability")
+    with pytest.raises(ModelError, match="in frame 7, which is no probability"):
+        OnnxModel(path).estimate(TrackedFrame(GRAY, np.eye(4), number=7))
+
+
+def test_data_in_another_file_is_not_opened(tmp_path):
+    opened = []
+    external(tmp_path / "model.onnx")
+    sys.addaudithook(lambda event, arguments: opened.append(str(arguments[0])) if event == "open" and opened is not None else None)
+    with pytest.raises(ModelError):
+        OnnxModel(tmp_path / "model.onnx")
+    assert [Path(name).name for name in opened if str(tmp_path) in name] == ["model.onnx"]
+    opened.clear()
+
+
+def test_without_onnxruntime_the_message_says_how_to_get_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "onnxruntime", None)
+    with pytest.raises(ModelError, match="pip install onnxruntime"):
+        OnnxModel(model_in(tmp_path, scaling()))
+
+
+def test_the_command_takes_a_model_and_refuses_what_is_none(tmp_path, capsys):
+    from files import refused, tracked_sequence, write_patient
+
+    (tmp_path / "inputs").mkdir()
+    (tmp_path / "results").mkdir()
+    images = np.random.default_rng(0).integers(40, 90, (6, 30, 40), dtype=np.uint8)
+    images[:, 21:] //= 20
+    patient = write_patient(tmp_path / "inputs", tracked_sequence(images=images))
+    path = model_in(tmp_path / "inputs", scaling(20.0, -5.0))
+    command = [*patient.reconstruct, "--engine", "numpy", "--bone-model", str(path), "--output", str(tmp_path / "results" / "v.nrrd")]
+    assert main(command) == 0
+    assert "Bone is what the model model.onnx says." in capsys.readouterr().out
+    (tmp_path / "results" / "v.nrrd").unlink()
+    words(path)
+    assert "no ONNX model" in refused(command, capsys, tmp_path / "results")

@@ -1,0 +1,40 @@
+"""What a method has added to the brightness of its echoes is told, and rounding is not taken for it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from AIFReconLib.errors import GeometryError
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.inspection.raised import BANDS, raised_bands, raised_share
+
+
+def volume(levels, dtype=np.uint8, spacing=1.0):
+    """Some gray levels in a row, and one of 255."""
+    return Volume(np.array([[[*levels, 255]]], dtype=dtype), np.diag([spacing, spacing, spacing, 1.0]))
+
+
+def test_a_voxel_three_times_as_bright_as_its_echoes_owes_two_thirds_to_the_method():
+    assert raised_share(np.array([150], np.uint8), np.array([50], np.uint8)) == pytest.approx(2 / 3)
+
+
+def test_a_voxel_as_bright_as_its_echoes_or_darker_is_not_marked():
+    assert raised_bands(volume([80, 80, 0]), volume([80, 90, 0])).max() == 0
+
+
+def test_one_gray_level_more_in_the_dark_is_rounding():
+    assert raised_bands(volume([3]), volume([2])).max() == 0
+    assert raised_bands(volume([20]), volume([2])).max() > 0
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.float32])
+def test_bands_are_those_of_the_share(dtype):
+    plain = [100 * (1 - share) for share in (0.05, *(each + 0.05 for each in BANDS))]
+    bands = raised_bands(volume([100] * 5, dtype), volume(np.rint(plain), dtype))
+    assert bands.ravel().tolist() == [0, 1, 2, 3, 4, 0]
+
+
+def test_volumes_on_other_voxels_are_refused():
+    with pytest.raises(GeometryError, match="voxels of the reconstruction"):
+        raised_bands(volume([1]), volume([1], spacing=2.0))

@@ -1,0 +1,230 @@
+"""Bone that grows while a scan goes on: from an estimator that looks at its frames, and from predictions that are streamed with them."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from seen_planes import IMAGING, PlaneSweep
+
+from AIFReconLib.bone.estimators import Listeners, bone_from_frames
+from AIFReconLib.bone.growing import GrowingBone
+from AIFReconLib.bone.recorded import RecordedPredictions
+from AIFReconLib.bone.seen import Prediction
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.live.pairing.predictions import MOST_WAITING, PredictionSource
+from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
+from AIFReconLib.live.session.bone_watch import BoneWatch
+from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.wire.messages import ImageMessage
+from AIFReconLib.live.wire.sources import QueueSource
+from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.frames import TrackedFrame
+
+LONG = 60.0
+SWEEP = PlaneSweep(count=6)
+SAID = SWEEP.predictions()
+GRID = VoxelGrid.from_spacing(SWEEP.point - 18.0, (45, 45, 45), 0.8)
+
+
+def wait_for(condition) -> None:
+    end = time.monotonic() + LONG
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.005)
+
+
+def learn(bone, numbers, grid=GRID) -> None:
+    listeners = Listeners(IMAGING)
+    for number in numbers:
+        frame = TrackedFrame(SWEEP.images[number], SWEEP.poses[number])
+        bone.learn(listeners.of(frame).listen(SWEEP.images[number], Prediction(SAID[number])), SWEEP.poses[number], grid)
+
+
+# The map that grows
+
+
+def test_what_is_spread_is_what_is_known():
+    bone = GrowingBone()
+    placed = bone.on_grid(GRID)
+    learn(bone, range(6))
+    assert bone.spread()
+    whole = bone.seen().on_grid(GRID)
+    np.testing.assert_allclose(placed.probability, whole.probability, atol=2e-3)
+    sure = whole.probability > 0.3
+    assert (np.einsum("vc,vc->v", placed.directions_reference[sure], whole.directions_reference[sure]) > 0.999).all()
+
+
+def test_news_alone_bring_a_map_up_to_date():
+    bone = GrowingBone()
+    placed = bone.on_grid(GRID)
+    learn(bone, range(6))
+    bone.spread()
+    learn(bone, [5])
+    bone.spread()
+    np.testing.assert_allclose(placed.probability, bone.seen().on_grid(GRID).probability, atol=0.02)
+
+
+def test_nothing_new_is_not_spread_again():
+    bone = GrowingBone()
+    bone.on_grid(GRID)
+    learn(bone, range(6))
+    assert (bone.spread(), bone.spread()) == (True, False)
+
+
+def test_a_volume_that_begins_anew_is_told_what_was_known():
+    bone = GrowingBone()
+    bone.on_grid(GRID)
+    learn(bone, range(6))
+    bone.spread()
+    again = bone.on_grid(GRID)
+    assert bone.spread()
+    assert again.probability.max() > 0.9
+
+
+def test_nothing_is_known_at_first_and_that_is_no_mistake():
+    placed = GrowingBone().on_grid(GRID)
+    assert placed.overlaps
+    assert not placed.probability.any()
+
+
+# A scan
+
+
+@pytest.fixture
+def scan(tmp_path):
+    """Starts a session over the plane with what looks for bone; the answer is session, bone, watch and queue."""
+    open_ = []
+
+    def start(source_of=None, device="Bone", record=None):
+        queue, bone = QueueSource(), GrowingBone()
+        source = PredictionSource(queue, device) if source_of is None else queue
+        session = LiveSession(
+            source,
+            ReconstructionSettings(method="weighted", engine="numpy"),
+            bone,
+            GRID,
+            region=IMAGING.region,
+            probe=IMAGING.probe,
+            synchronizer=SynchronizerSettings(trust_image_pose=True),
+            longest_delay=None,
+        )
+        watch = BoneWatch(session, bone, source_of or source, region=IMAGING.region, probe=IMAGING.probe, record=record)
+        open_.append((session, watch))
+        session.start()
+        return session, bone, watch, queue
+
+    yield start
+    for session, watch in open_:
+        watch.stop()
+        session.stop()
+
+
+class Knowing:
+    """An estimator that knows the plane."""
+
+    def estimate(self, frame):
+        return Prediction(SAID[round(10 * (frame.timestamp - 1.0))])
+
+    def notes(self):
+        return ()
+
+
+def shown(number) -> ImageMessage:
+    return ImageMessage("Image_Reference", 1.0 + 0.1 * number, SWEEP.images[number], SWEEP.poses[number], {}, time.monotonic())
+
+
+def predicted(number, image=None) -> ImageMessage:
+    said = (255 * SAID[number]).astype(np.uint8) if image is None else image
+    return ImageMessage("Bone", 1.0 + 0.1 * number, said, np.eye(4), {}, time.monotonic())
+
+
+def on_plane(bone) -> float:
+    """The usual probability of bone where it is, of what the volume knows."""
+    points = SWEEP.on_plane(half=2)
+    i, j, k = np.rint(transform_points(GRID.reference_to_ijk, points)).astype(int).T
+    return float(np.median(bone._now[0][1].probability[k, j, i]))
+
+
+def test_an_estimator_draws_bone_into_the_volume_that_grows(scan):
+    session, bone, watch, queue = scan(lambda imaging: Knowing())
+    for number in range(6):
+        queue.put(shown(number))
+        wait_for(lambda number=number: watch.state.frames == number or number == 0)
+    wait_for(lambda: session.statistics.inserted >= 5)
+    wait_for(lambda: on_plane(bone) > 0.5)
+    assert session.finish().frames_inserted == 6
+
+
+def test_streamed_predictions_belong_to_the_frames_of_their_times(scan):
+    session, bone, watch, queue = scan()
+    for number in range(6):
+        queue.put(shown(number))
+    for number in reversed(range(5)):
+        queue.put(predicted(number))
+    wait_for(lambda: watch.state.frames == 5)
+    wait_for(lambda: on_plane(bone) > 0.5)
+    assert session.finish().frames_inserted == 6
+    assert session.statistics.other_images == 0
+
+
+def test_a_prediction_without_a_frame_is_counted(scan):
+    _session, _bone, watch, queue = scan()
+    queue.put(shown(0))
+    message = predicted(40, SAID[0])
+    queue.put(ImageMessage("Bone", 99.0, message.image, message.image_to_sender, {}, time.monotonic() - 60.0))
+    wait_for(lambda: watch.state.unmatched == 1)
+
+
+def test_a_stream_of_what_is_no_probability_is_told_and_the_scan_goes_on(scan):
+    session, _bone, watch, queue = scan()
+    for number in range(3):
+        queue.put(shown(number))
+    queue.put(predicted(0, np.full((8, 8), np.nan, np.float32)))
+    wait_for(lambda: watch.state.problem is not None)
+    assert "got NaN" in watch.state.problem
+    assert session.finish().frames_inserted == 3
+
+
+def test_recorded_predictions_can_be_compounded_again(scan, tmp_path):
+    session, _bone, watch, queue = scan(record=tmp_path / "scan-bone.mha")
+    half = [SWEEP.predictions(columns=30, rows=40)[number] for number in range(6)]
+    for number in range(6):
+        queue.put(shown(number))
+    for number in range(5):
+        queue.put(predicted(number, half[number]))
+    wait_for(lambda: watch.state.frames == 5)
+    session.finish()
+    watch.stop()
+    sequence = type(SWEEP.sequence).from_arrays(SWEEP.images, SWEEP.poses, 1.0 + 0.1 * np.arange(6))
+    again = RecordedPredictions(sequence, read_sequence(watch.recorded))
+    assert "5 of 6 frames, matched by time" in again.notes()[0]
+    map_of = bone_from_frames(sequence, again, SWEEP.swept, IMAGING).on_grid(GRID).probability
+    points = transform_points(GRID.reference_to_ijk, SWEEP.on_plane(half=2))
+    i, j, k = np.rint(points).astype(int).T
+    assert np.median(map_of[k, j, i]) > 0.5
+
+
+# The stream
+
+
+def test_predictions_are_taken_out_of_the_stream():
+    queue = QueueSource()
+    source = PredictionSource(queue, "Bone")
+    queue.put(predicted(0))
+    queue.put(shown(0))
+    assert source.get(0.1).device == "Image_Reference"
+    assert [message.device for message in source.predictions()] == ["Bone"]
+    assert source.devices() == {"Image_Reference": ("IMAGE",)}
+
+
+def test_predictions_that_nobody_takes_do_not_fill_the_memory():
+    queue = QueueSource()
+    source = PredictionSource(queue, "Bone")
+    for _ in range(MOST_WAITING + 3):
+        queue.put(predicted(0))
+        source.get(0.0)
+    assert (len(source.predictions()), source.let_go) == (MOST_WAITING, 3)

@@ -1,0 +1,274 @@
+"""Self tests of the picture: measured or enhanced, the tint, bone in 3D, the probe's side up, names of levels, and the report."""
+
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+import qt
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
+
+
+class AIFReconPictureTest(unittest.TestCase):
+    """The part of the panel that says how a reconstruction is looked at."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        slicer.app.layoutManager().setLayout(slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpView)
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        self.picture = next(each for each in self.widget._recorded._followers if type(each).__name__ == "PicturePanel")
+
+    def tearDown(self):
+        slicer.mrmlScene.Clear()
+
+    def reconstruct(self):
+        """Sweep, CT and bone are chosen and Reconstruct is pressed; the volume."""
+        self.parameters.sweep = tinyScene.addSweep()
+        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
+        self.parameters.bone.CreateDefaultDisplayNodes()
+        self.parameters.spacing = 2.0
+        self.ui.applyButton.click()
+        return self.parameters.output
+
+    def composite(self, name="Red"):
+        """What a slice view shows."""
+        return slicer.app.layoutManager().sliceWidget(name).mrmlSliceCompositeNode()
+
+    def measured(self):
+        """The plain echo that is kept beside the output."""
+        from AIFReconScene.volumes.volumeNodes import measuredOf
+
+        return measuredOf(self.parameters.output)
+
+    # ---- measured or enhanced
+
+    def test_the_plain_echo_is_the_average_of_the_same_frames_on_the_same_voxels(self):
+        output = self.reconstruct()
+        import AIFRecon
+
+        averaged = AIFRecon.AIFReconLogic().reconstruct(self.parameters.sweep, region=output, method="average", spacing=2.0)
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(self.measured()), slicer.util.arrayFromVolume(averaged))
+        self.assertGreater(np.abs(slicer.util.arrayFromVolume(output).astype(int) - slicer.util.arrayFromVolume(averaged)).max(), 10)
+
+    def test_one_toggle_shows_the_plain_echo_in_the_same_gray_levels_and_back(self):
+        output = self.reconstruct()
+        output.GetDisplayNode().SetWindowLevelMinMax(10.0, 90.0)
+        box = self.picture._ui.showMeasuredCheckBox
+        box.click()
+        for name in ("Red", "Yellow", "Green"):
+            self.assertEqual(self.composite(name).GetForegroundVolumeID(), self.measured().GetID())
+        display = self.measured().GetDisplayNode()
+        self.assertEqual((display.GetWindowLevelMin(), display.GetWindowLevelMax()), (10.0, 90.0))
+        self.parameters.opacity = 0.25
+        self.assertAlmostEqual(self.composite().GetForegroundOpacity(), 0.25)
+        box.click()
+        self.assertEqual(self.composite().GetForegroundVolumeID(), output.GetID())
+
+    def test_the_plain_echo_stays_in_view_when_apply_is_pressed_again(self):
+        self.reconstruct()
+        kept = self.measured()
+        self.parameters.showMeasured = True
+        self.ui.applyButton.click()
+        self.assertIs(self.measured(), kept)
+        self.assertEqual(self.composite().GetForegroundVolumeID(), kept.GetID())
+
+    def test_where_nothing_is_enhanced_there_is_nothing_to_toggle(self):
+        self.reconstruct()
+        from AIFReconScene.inputs.parameters import Method
+
+        kept = self.measured()
+        self.parameters.method = Method.AVERAGE
+        self.ui.applyButton.click()
+        self.assertIsNone(self.measured())
+        self.assertIsNone(kept.GetScene())
+        self.assertFalse(self.picture._ui.showMeasuredCheckBox.enabled)
+        self.assertIn("Reconstruct", self.picture._ui.showMeasuredCheckBox.toolTip)
+
+    # ---- tint
+
+    def test_brightness_that_the_method_added_is_tinted_and_nothing_else_is(self):
+        output = self.reconstruct()
+        tint = slicer.mrmlScene.GetNodeByID(self.composite().GetLabelVolumeID())
+        bands, shown, plain = (slicer.util.arrayFromVolume(each) for each in (tint, output, self.measured()))
+        self.assertTrue((bands > 0).any())
+        self.assertTrue((shown[bands > 0] > plain[bands > 0]).all())
+        self.assertTrue((bands[shown <= plain] == 0).all())
+
+    def test_the_tint_fades_with_the_volume_and_goes_with_its_box_the_plain_echo_and_the_panel(self):
+        self.reconstruct()
+        self.parameters.opacity = 0.3
+        self.assertAlmostEqual(self.composite().GetLabelOpacity(), 0.3)
+        for change in ("showRaised", "showMeasured"):
+            with self.subTest(change=change):
+                setattr(self.parameters, change, not getattr(self.parameters, change))
+                self.assertFalse(self.composite().GetLabelVolumeID())
+                setattr(self.parameters, change, not getattr(self.parameters, change))
+                self.assertTrue(self.composite().GetLabelVolumeID())
+        self.widget.exit()
+        self.assertFalse(self.composite().GetLabelVolumeID())
+        self.assertIsNone(slicer.mrmlScene.GetFirstNodeByName("Raised brightness"))
+        self.widget.enter()
+        self.assertTrue(self.composite().GetLabelVolumeID())
+
+    def test_labels_that_somebody_else_shows_stay(self):
+        other = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLabelMapVolumeNode", "Lesion")
+        self.composite("Green").SetLabelVolumeID(other.GetID())
+        self.reconstruct()
+        self.assertEqual(self.composite("Green").GetLabelVolumeID(), other.GetID())
+        self.assertNotEqual(self.composite("Red").GetLabelVolumeID(), other.GetID())
+
+    # ---- bone in 3D
+
+    def showBone(self):
+        """Reconstruct is pressed, and bone shows as a plate on the near face of the slab; the model that is kept beside the output."""
+        from AIFReconScene.inputs.boneNodes import labelsFromNode
+        from AIFReconScene.picture.spineView import keepSpine
+
+        from AIFReconLib.geometry.volume import Volume
+        from AIFReconLib.inspection.shown_bone import ShownBone
+        from AIFReconLib.registration.bone_field import BoneField
+
+        self.reconstruct()
+        plate = np.zeros((24, 9, 24), np.float32)
+        plate[4:20, 3:6, 4:20] = 1.0
+        bone = BoneField.from_labels(labelsFromNode(self.parameters.bone))
+        field = Volume(plate, tinyScene.moved(-12.0, tinyScene.FACE - 4.0, -12.0))
+        model = keepSpine(self.parameters.output, ShownBone(field, 1, 0, bone, np.eye(4)), "Sweep")
+        self.parameters.opacity = 0.5
+        return model
+
+    def test_the_bone_that_shows_is_a_surface_in_3d_and_the_ct_s_bone_is_translucent_behind(self):
+        model, bone = self.showBone(), self.parameters.bone.GetDisplayNode()
+        self.assertTrue(model.GetDisplayVisibility())
+        points = slicer.util.arrayFromModelPoints(model)
+        self.assertAlmostEqual(points[:, 1].mean(), tinyScene.FACE, delta=0.5)
+        # On a plate that lies on the face, no corner is farther than half of its thickness
+        distances = slicer.util.arrayFromModelPointData(model, model.GetDisplayNode().GetActiveScalarName())
+        self.assertLess(distances.max(), 3.0)
+        self.assertLess(bone.GetOpacity3D(), 0.5)
+        self.parameters.showSpine = False
+        self.assertFalse(model.GetDisplayVisibility())
+        self.assertEqual(bone.GetOpacity3D(), 1.0)
+
+    def test_bone_is_looked_at_from_behind_once_and_then_the_view_is_the_user_s(self):
+        self.showBone()
+        camera = slicer.app.layoutManager().threeDWidget(0).threeDView().cameraNode()
+        looks = np.subtract(camera.GetFocalPoint(), camera.GetPosition())
+        np.testing.assert_allclose(looks / np.linalg.norm(looks), tinyScene.CT_TO_WORLD[:3, 1], atol=1e-6)
+        camera.SetPosition(500.0, 0.0, 0.0)
+        self.parameters.opacity = 0.7
+        self.assertEqual(camera.GetPosition(), (500.0, 0.0, 0.0))
+
+    def test_bone_in_3d_goes_with_the_volume_that_shows_it(self):
+        model, output = self.showBone(), self.parameters.output
+        self.parameters.output = None
+        self.assertFalse(model.GetDisplayVisibility())
+        self.parameters.output = output
+        self.assertTrue(model.GetDisplayVisibility())
+        # Of the slab no frame shows a shadow that is long enough: none of its bone shows
+        self.ui.applyButton.click()
+        self.assertIsNone(model.GetScene())
+        self.assertFalse(self.picture._ui.showSpineCheckBox.enabled)
+        self.assertEqual(self.parameters.bone.GetDisplayNode().GetOpacity3D(), 1.0)
+
+    # ---- slice views
+
+    def axes(self, name):
+        """Right and up of a slice view, RAS."""
+        place = tinyScene.placeOf(slicer.app.layoutManager().sliceWidget(name).mrmlSliceNode())
+        return place[:3, 0], place[:3, 1]
+
+    def test_with_the_probe_s_side_up_the_red_view_lies_as_the_frames_do_and_comes_back(self):
+        self.parameters.sweep = tinyScene.addSweep()
+        before = self.axes("Red")
+        self.picture._ui.probeUpCheckBox.click()
+        right, up = self.axes("Red")
+        # On the mean the frames' rows run along +y, and their columns along +x
+        np.testing.assert_allclose(up, [0.0, -1.0, 0.0], atol=0.1)
+        np.testing.assert_allclose(right, [1.0, 0.0, 0.0], atol=0.1)
+        head_on_the_left, up = self.axes("Yellow")
+        np.testing.assert_allclose((head_on_the_left, up), [[0.0, 0.0, -1.0], [0.0, -1.0, 0.0]], atol=0.1)
+        right, up = self.axes("Green")
+        np.testing.assert_allclose((right, up), [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=0.1)
+        self.picture._ui.probeUpCheckBox.click()
+        np.testing.assert_allclose(self.axes("Red"), before, atol=1e-6)
+
+    def test_gray_levels_of_a_preset_are_those_of_ultrasound_and_ct_and_no_voxel_changes(self):
+        output = self.reconstruct()
+        voxels = slicer.util.arrayFromVolume(output).copy()
+        brightest = output.GetDisplayNode().GetWindowLevelMax()
+        self.picture.onWindow(1)
+        ct = self.parameters.ctVolume.GetDisplayNode()
+        self.assertEqual((ct.GetWindowLevelMin(), ct.GetWindowLevelMax()), (-200.0, 900.0))
+        for node in (output, self.measured()):
+            self.assertAlmostEqual(node.GetDisplayNode().GetWindowLevelMin(), 0.2 * brightest)
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(output), voxels)
+
+    def namesIn(self, name):
+        """Names that are written into a slice view."""
+        node = slicer.mrmlScene.GetFirstNodeByName(f"Levels {name}")
+        return [] if node is None else [node.GetNthControlPointLabel(number) for number in range(node.GetNumberOfControlPoints())]
+
+    def test_a_level_is_named_in_the_slices_near_its_middle_and_nowhere_after_that(self):
+        self.parameters.ctVolume, bone, _registration = tinyScene.addCT()
+        bone.GetSegmentation().GetNthSegment(0).SetName("L3")
+        self.parameters.bone = bone
+        self.picture._ui.showLevelsCheckBox.click()
+        green = slicer.app.layoutManager().sliceWidget("Green").mrmlSliceNode()
+        for away, names in ((0.0, ["L3"]), (60.0, [])):
+            with self.subTest(away=away):
+                green.JumpSliceByCentering(0.0, tinyScene.FACE + 4.0 + away, 0.0)
+                self.assertEqual(self.namesIn("Green"), names)
+        self.picture._ui.showLevelsCheckBox.click()
+        self.assertIsNone(slicer.mrmlScene.GetFirstNodeByName("Levels Green"))
+
+    # ---- report
+
+    def test_the_line_says_what_is_to_be_known(self):
+        self.reconstruct()
+        self.picture._ui.copyLineButton.click()
+        line = qt.QApplication.clipboard().text()
+        self.assertNotIn("\n", line)
+        for words in (
+            self.parameters.output.GetName(),
+            f"{tinyScene.FRAMES - 1} of {tinyScene.FRAMES} frames",
+            "CT agrees",
+            "bone met",
+            "AIFRecon",
+        ):
+            self.assertIn(words, line)
+
+    def test_the_page_stands_alone_with_pictures_sweep_agreement_coverage_and_settings(self):
+        self.showBone()
+        with tempfile.TemporaryDirectory() as folder:
+            self.picture.saveReport(pathlib.Path(folder) / "one")
+            page = (pathlib.Path(folder) / "one.html").read_text("utf-8")
+        self.assertEqual(page.count("data:image/png;base64,"), 7)
+        for words in ("as measured", "CT and sweep", "Bone met by the beams", "weight_floor", "frames used".capitalize(), "AIFRecon"):
+            self.assertIn(words, page)
+        self.assertNotIn("://", page)
+
+    def test_where_it_cannot_be_written_one_message_says_so_and_nothing_is_left(self):
+        self.reconstruct()
+        with tempfile.TemporaryDirectory() as folder:
+            place = pathlib.Path(folder) / "missing" / "report.html"
+            said = []
+            shown, slicer.util.infoDisplay = slicer.util.infoDisplay, lambda text, **_more: said.append(text)
+            try:
+                self.picture.saveReport(place)
+            finally:
+                slicer.util.infoDisplay = shown
+            self.assertEqual(list(pathlib.Path(folder).iterdir()), [])
+        self.assertEqual(len(said), 1)
+        self.assertIn("does not exist", said[0])
+
+    def test_without_a_reconstruction_nothing_can_be_told_and_the_buttons_say_why(self):
+        self.assertFalse(self.picture._ui.saveReportButton.enabled)
+        self.assertIn("Reconstruct", self.picture._ui.saveReportButton.toolTip)

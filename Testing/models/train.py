@@ -1,0 +1,209 @@
+"""Train a tiny U-Net on simulated frames, export it as ONNX, and say what it is worth beside the rule for echoes.
+
+Needs torch and onnx (`pip install torch onnx`), of this script only. Run: python Testing/models/train.py --output bone.onnx [--real FOLDER]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import torch
+from scipy import ndimage
+from torch import nn
+from torch.nn import functional
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from AIFReconLib.bone.estimators import BoneEstimator, EchoEstimator
+from AIFReconLib.bone.model import OnnxModel
+from AIFReconLib.commands.simulate import write_simulated_patient
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.transform.files import read_transform
+from AIFReconLib.io.volume.files import read_labels
+from AIFReconLib.resolve import Imaging, resolve_imaging
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.poses import SweepPoses, sweep_poses, tracked_frames
+from models.truth import TrueBone, worth_of
+
+SIDE, CROP = 256, 128
+"""Pixels of what the exported model takes, and of what it is trained on: pieces of images of about that size."""
+
+TRAINED, HELD_OUT = (100, 101, 102, 103), (110, 111)
+"""Seeds of patients; none of them appears in the study."""
+
+MEAN, STD = 0.2, 0.2
+Patient = tuple[TrackedSequence, Volume, SweepPoses, Imaging]
+
+
+class TinyUNet(nn.Module):
+    """Bone in a gray image: three levels of half the size, skips between them; logits of the input's size."""
+
+    def __init__(self, width: int = 12):
+        super().__init__()
+        a, b, c, d = width, 2 * width, 3 * width, 4 * width
+        self.stem = block(1, a, stride=2)
+        self.down = nn.ModuleList([block(a, b, 2), block(b, c, 2), block(c, d, 2)])
+        self.up = nn.ModuleList([block(d + c, c), block(c + b, b), block(b + a, a)])
+        self.last = nn.Conv2d(a, 1, 1)
+
+    def forward(self, image: torch.Tensor) -> torch.Tensor:
+        levels = [self.stem(image)]
+        for down in self.down:
+            levels.append(down(levels[-1]))
+        deep = levels.pop()
+        for up in self.up:
+            deep = up(torch.cat([functional.interpolate(deep, scale_factor=2.0, mode="nearest"), levels.pop()], dim=1))
+        return functional.interpolate(self.last(deep), scale_factor=2.0, mode="bilinear", align_corners=False)
+
+
+def block(before: int, after: int, stride: int = 1) -> nn.Sequential:
+    """Two convolutions."""
+    return nn.Sequential(
+        *(nn.Conv2d(before, after, 3, stride, 1), nn.BatchNorm2d(after), nn.ReLU()),
+        *(nn.Conv2d(after, after, 3, 1, 1), nn.BatchNorm2d(after), nn.ReLU()),
+    )
+
+
+def simulated(seed: int, frames: int, folder: Path) -> Patient:
+    """A simulated patient; made once."""
+    place = folder / f"patient-{seed}-{frames}"
+    if not (place / "done").exists():
+        write_simulated_patient(place, seed, "multi-angle", frames)
+        (place / "done").touch()
+    sequence = read_sequence(next(place.glob("*.igs.mha")), config=next(place.glob("*.xml")))
+    labels = read_labels(next(place.glob("*segmentation*.nrrd"))).placed_by(read_transform(next(place.glob("*.tfm"))))
+    poses = sweep_poses(sequence)
+    return sequence, labels, poses, resolve_imaging(sequence, poses, True)
+
+
+def pictures(patient: Patient) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Frames and what should be said of them, as they are, and straightened out along their scan lines as a linear probe's are."""
+    sequence, labels, poses, imaging = patient
+    truth = TrueBone(labels, imaging)
+    for frame in tracked_frames(sequence, poses, poses.usable):
+        lines, image = truth.reader(frame), frame.placed()[0]
+        yield image.astype(np.float32) / 255, truth.estimate(frame).probability
+        # Square pixels, which every second line and sample of the reading are nearly
+        stretch = lines.pitch / lines.step
+        straight, said = lines.read(image).T / 255, truth.on_lines(frame).T
+        yield ndimage.zoom(straight, (1.0, stretch), order=1), ndimage.zoom(said, (1.0, stretch), order=1)
+
+
+def piece(image: np.ndarray, said: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """A random part of a picture, with another gain, contrast, blur, speckle and clutter."""
+    scale = float(rng.uniform(0.7, 1.6)) * SIDE / max(image.shape)
+    size = np.maximum((np.array(image.shape) * scale).astype(int), CROP)
+    image, said = (_resized(each, size) for each in (image, said))
+    row, column = (int(rng.integers(0, n - CROP + 1)) for n in size)
+    image, said = (each[row : row + CROP, column : column + CROP].copy() for each in (image, said))
+    if rng.random() < 0.5:
+        image, said = image[:, ::-1], said[:, ::-1]
+    image = np.clip(image, 0, 1) ** rng.uniform(0.5, 1.8) * rng.uniform(0.5, 1.4)
+    if rng.random() < 0.5:
+        # Reverberation: what is bright appears again below, fainter
+        shift = int(rng.integers(10, 60))
+        image[shift:] += rng.uniform(0.05, 0.35) * image[:-shift]
+    if rng.random() < 0.5:
+        image = ndimage.gaussian_filter(image, rng.uniform(0.2, 1.2))
+    if rng.random() < 0.5:
+        clutter = ndimage.gaussian_filter(rng.random(image.shape), rng.uniform(0.5, 2.0))
+        image = image + rng.uniform(0.0, 0.3) * clutter / clutter.max()
+    image = image * (1 + rng.uniform(0.0, 0.3) * rng.standard_normal(image.shape))
+    return ((np.clip(image, 0, 1) - MEAN) / STD).astype(np.float32), (said > 0.5).astype(np.float32)
+
+
+def _resized(image: np.ndarray, size: np.ndarray) -> np.ndarray:
+    tensor = torch.from_numpy(np.ascontiguousarray(image, dtype=np.float32))[None, None]
+    return functional.interpolate(tensor, size=tuple(size.tolist()), mode="bilinear", align_corners=False, antialias=True)[0, 0].numpy()
+
+
+def trained(patients: list[Patient], steps: int, batch: int, minutes: float) -> TinyUNet:
+    """The network after so many steps, or minutes."""
+    torch.manual_seed(0)
+    rng, network = np.random.default_rng(0), TinyUNet()
+    print(f"{sum(parameter.numel() for parameter in network.parameters()):,} weights", flush=True)
+    every = [pair for patient in patients for pair in pictures(patient)]
+    print(f"{len(every)} pictures", flush=True)
+    optimizer = torch.optim.AdamW(network.parameters(), 2e-3, weight_decay=1e-4)
+    schedule = torch.optim.lr_scheduler.OneCycleLR(optimizer, 4e-3, total_steps=steps)
+    started, lost = time.monotonic(), 0.0
+    for step in range(steps):
+        images, said = zip(*(piece(*every[int(rng.integers(len(every)))], rng) for _ in range(batch)))
+        wanted = torch.from_numpy(np.stack(said))[:, None]
+        answer = network(torch.from_numpy(np.stack(images))[:, None])
+        probability = torch.sigmoid(answer)
+        overlap = 1 - (2 * (probability * wanted).sum() + 1) / (probability.sum() + wanted.sum() + 1)
+        loss = functional.binary_cross_entropy_with_logits(answer, wanted, pos_weight=torch.tensor(3.0)) + overlap
+        optimizer.zero_grad()
+        loss.backward()
+        optimizer.step()
+        schedule.step()
+        lost = 0.98 * lost + 0.02 * float(loss) if step else float(loss)
+        if step % 50 == 49:
+            print(f"step {step + 1}: loss {lost:.3f}, {time.monotonic() - started:.0f} s", flush=True)
+        if time.monotonic() - started > 60 * minutes:
+            break
+    return network.eval()
+
+
+def export(network: TinyUNet, path: Path) -> None:
+    """Write the ONNX file and the description beside it."""
+    torch.onnx.export(
+        network, (torch.zeros(1, 1, SIDE, SIDE),), str(path), input_names=["image"], output_names=["bone"], opset_version=17, dynamo=False
+    )
+    description = {"input_size": [SIDE, SIDE], "mean": MEAN, "std": STD, "output": "logits"}
+    path.with_suffix(".json").write_text(json.dumps(description) + "\n")
+
+
+def report(what: str, patient: Patient, model: Path, every: int) -> None:
+    """A line for each estimator."""
+    sequence, labels, poses, imaging = patient
+    truth = TrueBone(labels, imaging)
+    estimators: dict[str, tuple[BoneEstimator, float]] = {"network": (OnnxModel(model), 0.5), "classical": (EchoEstimator(imaging), 0.01)}
+    for name, (estimator, sure) in estimators.items():
+        worth = worth_of(estimator, truth, sequence, poses, every, sure)
+        print(
+            f"{what}, {name}: precision {worth.precision:.3f}, recall {worth.recall:.3f}, F1 {worth.f1:.3f}, {worth.median_mm:.2f} mm",
+            flush=True,
+        )
+
+
+def main() -> None:
+    """Train, export, report."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--output", type=Path, required=True, metavar="FILE.onnx")
+    parser.add_argument("--real", type=Path, metavar="FOLDER", help="holds fibula-distal.igs.mha and fibula-labels.nrrd")
+    parser.add_argument("--patients", type=Path, metavar="FOLDER", help="keeps simulated patients (default: a temporary folder)")
+    parser.add_argument("--frames", type=int, default=120, help="of each simulated patient (default: %(default)s)")
+    parser.add_argument("--steps", type=int, default=3000)
+    parser.add_argument("--batch", type=int, default=16)
+    parser.add_argument("--minutes", type=float, default=600.0, help="stop training after so many")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = arguments.patients or Path(temporary)
+        network = trained(
+            [simulated(seed, arguments.frames, folder) for seed in TRAINED], arguments.steps, arguments.batch, arguments.minutes
+        )
+        export(network, arguments.output)
+        print(f"{arguments.output}: {arguments.output.stat().st_size:,} bytes", flush=True)
+        for seed in HELD_OUT:
+            report(f"held-out patient {seed}", simulated(seed, arguments.frames, folder), arguments.output, 4)
+    if arguments.real:
+        sequence = read_sequence(arguments.real / "fibula-distal.igs.mha")
+        labels = read_labels(arguments.real / "fibula-labels.nrrd")
+        imaging = Imaging(ImageRegion(), ProbeGeometry(LINEAR))
+        report("real fibula", (sequence, labels, sweep_poses(sequence), imaging), arguments.output, 8)
+
+
+if __name__ == "__main__":
+    main()
