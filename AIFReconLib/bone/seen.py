@@ -33,6 +33,9 @@ UNLIT = 0.02
 BEHIND = 3.0
 """mm behind bone that a frame shows, from where on its word counts little: sound does not pass."""
 
+NEGLIGIBLE = 0.02
+"""A probability below it counts as none: networks are never quite sure, and most of an image is no bone."""
+
 SEEN = 0.05
 """mm^2 of lit image per mm^3 at which the mean of what frames say is halved: where no frame passed, nothing is known."""
 
@@ -211,7 +214,7 @@ class BoneDrawing:
         weight = said.weight[within]
         bone = weight * said.probability[within]
         np.add.at(self._lit.reshape(-1), at, weight)
-        some = bone > 0
+        some = said.probability[within] >= NEGLIGIBLE
         np.add.at(self._said.reshape(-1), at[some], bone[some])
         # A gradient per voxel times these is its slope along the beam, whatever the voxels' axes
         beams = said.beams @ image_to_reference[:3, :2].T @ np.linalg.inv(self.grid.ijk_to_reference[:3, :3]).T

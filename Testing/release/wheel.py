@@ -23,6 +23,9 @@ sys.path.insert(0, str(REPOSITORY / "Testing" / "Python"))
 from doc_pages import blocks  # noqa: E402
 from doc_workplace import make_workplace  # noqa: E402
 
+SURROUNDINGS = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+"""Which may lead to this repository."""
+
 EXTRAS = "figures"
 """For `plot()`."""
 
@@ -31,7 +34,7 @@ def environment(folder: Path, wheel: Path) -> Path:
     """The folder of the programs of a new environment that holds this wheel and what it needs."""
     venv.create(folder, with_pip=True)
     programs = folder / ("Scripts" if os.name == "nt" else "bin")
-    subprocess.run([programs / "python", "-m", "pip", "install", "--quiet", f"{wheel.resolve()}[{EXTRAS}]"], check=True)
+    subprocess.run([programs / "python", "-m", "pip", "install", "--quiet", f"{wheel.resolve()}[{EXTRAS}]"], env=SURROUNDINGS, check=True)
     return programs
 
 
@@ -39,15 +42,20 @@ def run(programs: Path, folder: Path) -> int:
     """How many Python blocks of the README ran in the environment, in a folder that holds their files."""
     python = programs / "python"
     where = subprocess.run(
-        [python, "-c", "import AIFReconLib; print(AIFReconLib.__file__)"], cwd=folder, check=True, capture_output=True, text=True
+        [python, "-c", "import AIFReconLib; print(AIFReconLib.__file__)"],
+        cwd=folder,
+        env=SURROUNDINGS,
+        check=True,
+        capture_output=True,
+        text=True,
     )
     if Path(where.stdout.strip()).is_relative_to(REPOSITORY):
         raise RuntimeError(f"this is not the wheel's library: {where.stdout}")
     for command in (["--version"], ["info", "sweep.igs.mha", "--config", "PlusDeviceSet.xml"]):
-        subprocess.run([programs / "aifrecon", *command], cwd=folder, check=True)
+        subprocess.run([programs / "aifrecon", *command], cwd=folder, env=SURROUNDINGS, check=True)
     texts = [block.text for block in blocks(REPOSITORY / "README.md") if block.language == "python"]
     for text in texts:
-        subprocess.run([python, "-W", "error", "-c", text], cwd=folder, check=True)
+        subprocess.run([python, "-c", text], cwd=folder, env=SURROUNDINGS, check=True)
     return len(texts)
 
 

@@ -61,6 +61,8 @@ TABLES = {
         (
             "Use",
             "slicer",
+            "slicer-data",
+            "slicer-live",
             "live-setup",
             "live",
             "coordinate-frames",

@@ -58,7 +58,7 @@ class RecordedPanel(Follower):
             BoneOutlines(),
             ReportPanel(ui, logic.trackingReport),
             self.lights,
-            PicturePanel(ui.picturePlace.layout(), work, logic.trackingReport),
+            PicturePanel(ui.picturePlace.layout(), ui.guidanceSweepButton, work, logic.trackingReport),
         )
         for button, slot in (
             (ui.openButton, self.onOpen),

@@ -15,6 +15,10 @@ from slicer.i18n import tr as _
 
 UI = pathlib.Path(__file__).resolve().parents[2] / "Resources" / "UI" / "Picture.ui"
 
+BOXES = ("showMeasuredCheckBox", "showRaisedCheckBox", "showSpineCheckBox", "probeUpCheckBox", "showLevelsCheckBox")
+IN_ORDER = (*BOXES, "windowComboBox", "copyLineButton", "saveReportButton")
+"""Names of the widgets as they stand, from the top."""
+
 
 class PicturePanel:
     """A widget of its own, and what it does.
@@ -23,15 +27,20 @@ class PicturePanel:
     ----------
     layout : QLayout
         Takes the widget at its end.
+    after : QWidget
+        What comes before it for who goes by keyboard.
     work : LongWork
     trackingOf : callable
         ``trackingOf(parameters) -> (title, TrackingReport)``.
     """
 
-    def __init__(self, layout, work, trackingOf):
+    def __init__(self, layout, after, work, trackingOf):
         widget = slicer.util.loadUI(str(UI))
         layout.addWidget(widget)
         self._ui = ui = slicer.util.childWidgetVariables(widget)
+        for name in IN_ORDER:
+            qt.QWidget.setTabOrder(after, getattr(ui, name))
+            after = getattr(ui, name)
         self._work, self._trackingOf = work, trackingOf
         self._parameterNode = self._bound = None
         self._views = EchoView(), SpineView(), ProbeUp(), LevelNames()

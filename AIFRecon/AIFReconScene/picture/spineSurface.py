@@ -12,7 +12,7 @@ FARTHEST = 6.0
 
 AT = (0.0, 2.5, 4.0, FARTHEST)
 COLORS = np.array([(0.94, 0.88, 0.76), (0.94, 0.88, 0.76), (1.00, 0.62, 0.10), (0.80, 0.05, 0.10)])
-"""Bone keeps the color of bone where the CT has it too: the surface lies up to 2 mm outside of what it is drawn around."""
+"""Bone keeps the color of bone where the CT has it too: the surface lies some 2 mm outside of what it is drawn around."""
 
 ITERATIONS, PASS_BAND = 25, 0.08
 """Of the windowed sinc filter: the staircase of the cells goes, the shape of a process stays."""

@@ -261,6 +261,13 @@ def test_every_page_of_docs_is_on_the_map():
     ] == []
 
 
+def test_every_page_of_docs_is_in_the_site_s_menus():
+    tree = ast.parse((REPOSITORY / "docs" / "site" / "conf.py").read_text("utf-8"))
+    [tables] = [node.value for node in tree.body if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "TABLES"]
+    listed = {word.value for word in ast.walk(tables) if isinstance(word, ast.Constant)}
+    assert [page.stem for page in PAGES if page.parent.name == "docs" and page.stem != "index" and page.stem not in listed] == []
+
+
 # ---- the checks themselves can fail
 
 
