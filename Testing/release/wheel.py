@@ -63,7 +63,9 @@ def main(wheel: Path) -> None:
     """Try the wheel, and say so."""
     with tempfile.TemporaryDirectory() as folder:
         programs = environment(Path(folder, "environment"), wheel)
-        workplace = make_workplace(Path(folder, "made"))
+        made = Path(folder, "made")
+        made.mkdir()
+        workplace = make_workplace(made)
         here = Path(folder, "here")
         shutil.copytree(workplace, here)
         print(f"{wheel.name}: installed, and {run(programs, here)} Python blocks of README.md ran")
