@@ -46,7 +46,8 @@ class GrowingBone(BoneMap):
         """Arrays of nothing, which `spread` fills; those of an earlier grid are let go. A scan is never made in parts."""
         if planes is not None:
             raise ValueError("A map that grows has one volume to grow in; got a part of one.")
-        empty = GrowingOnGrid(np.zeros(grid.shape, np.float32), np.zeros((*grid.shape, 3), np.float32))
+        nowhere = np.zeros(grid.shape, np.float32)
+        empty = GrowingOnGrid(nowhere, np.zeros((*grid.shape, 3), np.float32), nowhere, np.eye(4))
         self._now[:] = [(grid, empty)]
         return empty
 

@@ -48,10 +48,16 @@ class BoneOnGrid:
     probability : [k, j, i] float32 array, 0 to 1
     directions_reference : [k, j, i, 3] float32 array, unit vectors or zero
         Where bone faces away from the sound, in Reference: along the beam on the near side of a surface.
+    map_probability : [k, j, i] float32 array, 0 to 1
+        The probability in the map's own voxels: what a frame asks for that leaves the grid, or the part of it that is reconstructed.
+    ijk_to_map : (4, 4) array
+        From the voxels of the whole grid to those of the map.
     """
 
     probability: Singles
     directions_reference: Singles
+    map_probability: Singles
+    ijk_to_map: Matrix
 
     @property
     def overlaps(self) -> bool:
@@ -232,7 +238,8 @@ class BoneMap(Described):
             in_parts(turn, stop - first, usable_cores(), part(progress, begun + 0.1, begun + 0.2), "Placing the bone map")
         _normalize(directions, part(progress, 0.9, 1.0))
         report(progress, 1.0, "Placed the bone map")
-        return BoneOnGrid(probability, directions)
+        ijk_to_map = self.probability.grid.reference_to_ijk @ grid.ijk_to_reference
+        return BoneOnGrid(probability, directions, np.asarray(self.probability.array, np.float32), ijk_to_map)
 
 
 def _smoothed(array: Singles, sigma_kji: Floats) -> Singles:

@@ -1,10 +1,12 @@
 """What a frame itself tells of bone: which pixels sound reached, and where a shadow begins.
 
-Bone stops sound. Behind it a scan line stays dark to its end, however weak the echo of the bone itself was: so the last place before
-lasting darkness is bone, at any angle of incidence, and whatever lies in the darkness was not seen. Neither needs a CT.
+Bone stops sound. Behind it a scan line holds no more than reverberation and clutter to its end, however weak the echo of the bone itself
+was: so the place from which brightness falls to that level for good is bone, at any angle of incidence. A scan line has one such place at
+most. Where several compete, the CT's word counts, if there is one; it makes no echo where there is none.
 
-Ancestors: shadows as evidence of bone in ultrasound segmentation, and confidence along scan lines (Karamalis et al., Ultrasound
-confidence maps using random walks, Medical Image Analysis 2012), of which this is a much simpler, one-pass relative.
+Ancestors: shadows as evidence of bone in ultrasound segmentation (Foroughi et al., Ultrasound bone segmentation using dynamic programming,
+IEEE Ultrasonics Symposium 2007), and confidence along scan lines (Karamalis et al., Ultrasound confidence maps using random walks, Medical
+Image Analysis 2012), of which this is a much simpler, one-pass relative.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Integers, Mask, Singles
+from ..arrays import Integers, Mask, Matrix, Singles
 from ..imaging.beams import ProbeGeometry
 from ..imaging.scan_lines import scan_line_samples
 from .layout import PixelLayout
@@ -24,11 +26,14 @@ SMOOTHING = 1.25
 SMOOTHING_LINES = 3
 """Scan lines across which speckle is averaged before brightness is judged."""
 
-ONSET_DEPTH = 3.0
+ONSET_DEPTH = 2.0
 """mm. A shadow must have begun this far behind bone: an oblique echo with its smoothing is about as long as this."""
 
-CREST = 1.0
-"""mm before a pixel in which nothing may be brighter: an onset is the crest of the last echo, not its slope down into the shadow."""
+PACE = 0.25
+"""mm along the beam at which onsets are looked for: brightness is smoothed over five times that."""
+
+FADE = 4.0
+"""mm over which the level of a shadow is averaged: one speckle in it is not its level."""
 
 LEAST_SHADOW = 8.0
 """mm. Darkness shorter than this, at the end of a scan line, is no evidence of a shadow."""
@@ -39,17 +44,36 @@ REACHED = 0.35
 LEAST_REACH = 0.01
 """Weight left to pixels in full shadow, so that a voxel seen by shadowed beams alone shows their mean and not nothing."""
 
-FALL = 0.16
-"""Part of the gray scale by which brightness must fall for a full-blown onset (with 8 bit over 58 dB: 9 dB)."""
+LEAST_CONTRAST, FULL_CONTRAST = 0.1, 0.25
+"""Contrast of an echo to the shadow behind it from which an onset counts, and from which it counts in full."""
 
-LAST_ECHO = 0.9
-"""Part of the brightest echo from `CREST` before it to the end of the line that a pixel must have to count as the shadow's source."""
+DARK = 0.2
+"""Part of the gray scale that is added to echo and shadow when they are compared: a contrast among faint echoes says little."""
+
+UNSURE = 0.1
+"""How much more contrast is asked for where the CT expects no bone."""
+
+TISSUE, SHADOW = 0.31, 0.23
+"""Part of the gray scale from which what is behind an echo is no shadow, and below which it is: a bright layer over tissue is no bone."""
+
+PREFERENCE, RIVAL = 1.5, 0.3
+"""Times the level behind them that is taken off echoes where they compete, so that a bright layer over tissue loses against a faint echo
+over a shadow; and part of the gray scale by which the CT's word counts against brightness."""
+
+UNEXPECTED = 0.05
+"""What is added to the CT's probability of bone where echoes compete: where it expects none they may still win."""
+
+EXPECTED_PITCH = 0.5
+"""mm along and across the beams at which the CT's probability is read; its maps are 1.5 mm wide at least."""
+
+CREST = 0.25
+"""mm about the place that wins within which pixels belong to the onset: its crest."""
 
 VECTOR = 16
 """Scan lines that compiled code takes at a time."""
 
-Scales = tuple[np.float32, np.float32, np.float32, np.float32, np.float32, np.float32, np.float32]
-"""What brightness is multiplied with: 1 / taps, 1 / 3, 1 / reached, 1 / fall, the last echo, 1 / (1 - last echo), least reach."""
+Scales = tuple[np.float32, ...]
+"""What brightness is judged by, 14 numbers: see `ScanLines.scales`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,8 +119,14 @@ class ScanLines:
         Number of the first run of each sample, and of all runs.
     active : (samples, 2) int64 array
         First line, and the one after the last, that a sample must be computed for: on no other does it matter to any pixel.
+    pace : int
+        Every so many samples an onset is looked for.
     judged : (lines,) int32 array
         First sample of each line at which no onset is looked for any more.
+    paces : int
+        How many of these share a number of the CT's probability.
+    expected_of_line : (lines,) int64 array
+        Column of `expected` that each line reads.
 
     Notes
     -----
@@ -110,7 +140,16 @@ class ScanLines:
         lines = scan_line_samples(columns + left, rows + top, layout.spacing, probe)
         count, samples = lines.columns.shape
         self.step = lines.step
-        self.depth, self.crest = max(self._samples(ONSET_DEPTH), 1), max(self._samples(CREST), 1)
+        self.pace = max(self._samples(PACE), 1)
+        self.depth, self.crest = (max(self._samples(length), 1) for length in (ONSET_DEPTH, CREST))
+        # A whole number of paces
+        self.depth = -(-self.depth // self.pace) * self.pace
+        self.paces = max(round(EXPECTED_PITCH / (self.pace * self.step)), 1)
+        across = np.hypot(*(np.diff(lines.columns, axis=0) * layout.spacing[0], np.diff(lines.rows, axis=0) * layout.spacing[1]))
+        # A sector's lines diverge: their distance at half depth stands for all
+        pitch = max(float(across[:, samples // 2].mean()), 1e-3) if across.size else lines.step
+        every = max(round(EXPECTED_PITCH / pitch), 1)
+        self.expected_of_line = np.arange(count) // every
         self.taps = self._samples(SMOOTHING) | 1
         # Kept as (samples, lines), so that neighbors on neighboring lines lie side by side and rows are added to rows
         self.shape = samples, count
@@ -127,6 +166,10 @@ class ScanLines:
         number[layout.inside] = np.arange(layout.inside.size)
         self._number_of_sample = number[sampled].reshape(-1)
         inside = number[sampled] < layout.inside.size
+        asked = number[sampled][:: self.pace * self.paces, ::every]
+        self._expected_shape, self._has_pixel = asked.shape, np.flatnonzero(asked.reshape(-1) < layout.inside.size)
+        pixels = asked.reshape(-1)[self._has_pixel]
+        self._expected_at = (layout.coordinates if layout.moved is None else layout.moved)[:, pixels]
         # Stored as it will be read, line after line; the places above come the other way round
         self.pixel_of_sample = np.where(inside, (row + top) * layout.size[0] + (column + left), 0).astype(np.int32, order="C")
         edges = np.diff(np.pad(inside, ((0, 0), (1, 1))).astype(np.int8), axis=1)
@@ -143,8 +186,8 @@ class ScanLines:
 
         Notes
         -----
-        Outside of these lines brightness is 0. Each line counts from its deepest bright sample or pixel up to the last place before the
-        first, without a gap, because what is found there is handed on from sample to sample.
+        Outside of these lines brightness is 0. Each line counts from its deepest bright sample or pixel up to the first, without a gap,
+        because what is found there is handed on from sample to sample.
         """
         bright, wanted = inside.copy(), np.zeros(inside.size, dtype=bool)
         bright[:, 1:] |= inside[:, :-1]
@@ -153,7 +196,7 @@ class ScanLines:
         smoothed = self.taps // 2 + 1
         first, last = _first_and_last(bright)
         first_wanted, last_wanted = _first_and_last(wanted.reshape(inside.shape))
-        first, last = np.minimum(first - smoothed, first_wanted) - self.crest, np.maximum(last + smoothed, last_wanted)
+        first, last = np.minimum(first - smoothed, first_wanted), np.maximum(last + smoothed, last_wanted)
         sample = np.arange(len(inside))[:, None]
         starts, stops = _first_and_last(((first <= sample) & (sample <= last)).T)
         # Whole vectors are the fastest; where there is nothing at all, nothing
@@ -161,12 +204,51 @@ class ScanLines:
         return np.stack([np.minimum(starts, stops), stops], axis=1)
 
     def scales(self, full_scale: float) -> Scales:
-        """What brightness is judged by."""
-        per_tap, per_line = np.float32(1 / self.taps), np.float32(1 / SMOOTHING_LINES)
-        per_reached, per_fall = np.float32(1 / (REACHED * full_scale)), np.float32(1 / (FALL * full_scale))
-        return per_tap, per_line, per_reached, per_fall, np.float32(LAST_ECHO), np.float32(1 / (1 - LAST_ECHO)), np.float32(LEAST_REACH)
+        """What brightness is judged by: 1 / taps, 1 / 3, 1 / (reached M), least reach; what of a shadow's level is kept from pace to
+        pace, and what the new one adds; 1 / ((tissue - shadow) M), dark M, least contrast where no bone is expected,
+        tissue / (tissue - shadow), unsure, 1 / (full - least contrast); preference, rival M."""
+        kept = np.float32(np.exp(-self.pace * self.step / FADE))
+        return (
+            np.float32(1 / self.taps),
+            np.float32(1 / SMOOTHING_LINES),
+            np.float32(1 / (REACHED * full_scale)),
+            np.float32(LEAST_REACH),
+            kept,
+            np.float32(1) - kept,
+            np.float32(1 / ((TISSUE - SHADOW) * full_scale)),
+            np.float32(DARK * full_scale),
+            np.float32(LEAST_CONTRAST + UNSURE),
+            np.float32(TISSUE / (TISSUE - SHADOW)),
+            np.float32(UNSURE),
+            np.float32(1 / (FULL_CONTRAST - LEAST_CONTRAST)),
+            np.float32(PREFERENCE),
+            np.float32(RIVAL * full_scale),
+        )
 
-    def evidence(self, values: Singles, full_scale: float) -> FrameEvidence:
+    def expected(self, probability: Singles, image_to_map: Matrix) -> Singles:
+        """Where the CT expects bone in a frame, at a few samples of a few lines, (n, m) float32; 0 outside of the CT.
+
+        Parameters
+        ----------
+        probability : [k, j, i] float32 array, 0 to 1
+            In the CT's own voxels: what a frame shows of bone does not depend on what is reconstructed of it.
+        image_to_map : (4, 4) float64 array
+            To these voxels.
+        """
+        column, row = self._expected_at
+        flat, outside = np.zeros(column.size), np.zeros(column.size, dtype=bool)
+        for along, size in zip(image_to_map[2::-1], probability.shape, strict=True):
+            place = np.floor((along[1] * row + (along[3] + 0.5)) + along[0] * column)
+            outside |= (place < 0.0) | (place >= size)
+            flat = flat * size + place
+        flat[outside] = 0.0
+        read = probability.reshape(-1)[flat.astype(np.int64)]
+        read[outside] = 0.0
+        expected = np.zeros(self._expected_shape, np.float32)
+        expected.reshape(-1)[self._has_pixel] = read
+        return expected
+
+    def evidence(self, values: Singles, full_scale: float, expected: Singles | None = None) -> FrameEvidence:
         """Judge one frame.
 
         Parameters
@@ -175,22 +257,43 @@ class ScanLines:
             The layout's pixels; those that are not finite count as dark.
         full_scale : float
             Brightest value an image can hold.
+        expected : float32 array or None
+            As `expected` returns it; None without a CT.
 
         Notes
         -----
-        With q the smoothed brightness along a scan line, S(r) = max of q from r to the end of the line (all of it for r < 0), M the full
-        scale: A(r) = min(1, S(r) / (0.35 M))^2 is how much of the sound arrives at r or deeper, and R = A(r) + 0.01;
-        E = clip((S(r) - S(r')) / (0.16 M)) clip((q(r) / S(r - 1 mm) - 0.9) / 0.1) (1 - A(r')), r' = r + 3 mm, where clip limits to 0 to 1:
-        brightness falls here, this is the crest of the last bright place, and nothing arrives behind it. E is 0 in the last 8 mm of a
-        line.
+        With q the smoothed brightness along a scan line, M the full scale, b(r) the mean of q behind r, weighted by exp(-distance / 4 mm),
+        and L(r) the largest b from r + 2 mm on, which is the level of the shadow if r is bone, an onset is possible where
+        c = (q - L) / (q + L + 0.2 M) - 0.2 + 0.1 P exceeds 0 and L is below 0.31 M. Of these places of a line, without its last 8 mm, that
+        of the largest max(0, q - 1.5 L + 0.3 M) (0.05 + P) is its onset; there E = clip(c / 0.15) clip((0.31 - L / M) / 0.08) within
+        0.25 mm, and 0 elsewhere.
+        With S(r) = max of q from r to the end, A = min(1, S / (0.35 M))^2 is how much of the sound arrives at r or deeper; R = A + 0.01.
+        clip limits to 0 to 1.
         """
-        per_tap, per_line, per_reached, per_fall, last_echo, per_echo, least = self.scales(full_scale)
-        samples, _ = self.shape
-        dark = np.float32(0)
+        one = np.float32(1)
+        _, _, per_reached, least, *_ = scales = self.scales(full_scale)
+        brightness = self._brightness(values, scales)
+        below, paced = brightness.copy(), np.ascontiguousarray(brightness[:: self.pace])
+        # Row by row: the accumulation of numpy goes down every line by itself
+        for sample in range(len(below) - 1, 0, -1):
+            np.maximum(below[sample - 1], below[sample], out=below[sample - 1])
+        arrived = np.minimum(below * per_reached, one)
+        arrived *= arrived
+        arrived += least
+        place, strength = self._onsets(paced, self._levels_behind(paced, scales), expected, scales)
+        onset = np.zeros_like(below)
+        for line in np.flatnonzero(strength > 0):
+            onset[max(place[line] - self.crest, 0) : place[line] + self.crest + 1, line] = strength[line]
+        return FrameEvidence(arrived.reshape(-1)[self.sample_of_pixel], onset.reshape(-1)[self.sample_of_pixel])
+
+    def _brightness(self, values: Singles, scales: Scales) -> Singles:
+        """q at the samples, (samples, lines), not below 0."""
+        per_tap, per_line, *_ = scales
+        dark, samples = np.float32(0), self.shape[0]
         finite = values if np.isfinite(values).all() else np.where(np.isfinite(values), values, dark)
         lines = np.append(finite, dark)[self._number_of_sample].reshape(self.shape)
         around = np.pad(lines, ((self.taps // 2, self.taps // 2), (0, 0)), mode="edge")
-        brightness = lines
+        brightness: Singles = lines
         brightness[:] = around[:samples]
         for tap in range(1, self.taps):
             brightness += around[tap : tap + samples]
@@ -199,30 +302,44 @@ class ScanLines:
         np.add(around[:, :-2], around[:, 1:-1], out=brightness)
         brightness += around[:, 2:]
         brightness *= per_line
-        np.maximum(brightness, dark, out=brightness)
-        below = brightness.copy()
-        # Row by row: the accumulation of numpy goes down every line by itself
-        for sample in range(samples - 1, 0, -1):
-            np.maximum(below[sample - 1], below[sample], out=below[sample - 1])
-        arrived = np.minimum(below * per_reached, np.float32(1))
-        arrived *= arrived
-        onset = np.zeros_like(below)
-        now, later = below[: -self.depth], below[self.depth :]
-        found, ratio = onset[: -self.depth], brightness[: -self.depth]
-        np.subtract(now, later, out=found)
-        found *= per_fall
-        np.minimum(np.maximum(found, dark, out=found), np.float32(1), out=found)
-        crest = np.empty_like(now)
-        crest[: self.crest] = below[0]
-        crest[self.crest :] = now[: -self.crest]
-        ratio /= np.maximum(crest, np.float32(np.finfo(np.float32).tiny), out=crest)
-        ratio -= last_echo
-        ratio *= per_echo
-        found *= np.minimum(np.maximum(ratio, dark, out=ratio), np.float32(1), out=ratio)
-        found *= np.float32(1) - arrived[self.depth :]
-        onset *= self._is_judged
-        arrived += least
-        return FrameEvidence(arrived.reshape(-1)[self.sample_of_pixel], onset.reshape(-1)[self.sample_of_pixel])
+        return np.maximum(brightness, dark, out=brightness)
+
+    @staticmethod
+    def _levels_behind(brightness: Singles, scales: Scales) -> Singles:
+        """The largest mean level behind each sample and the deeper ones, (samples, lines)."""
+        kept, new = scales[4:6]
+        levels = np.empty_like(brightness)
+        level, largest = np.zeros((2, brightness.shape[1]), np.float32)
+        for sample in range(len(brightness) - 1, -1, -1):
+            np.maximum(largest, level, out=largest)
+            levels[sample] = largest
+            level *= kept
+            level += new * brightness[sample]
+        return levels
+
+    def _onsets(self, brightness: Singles, levels: Singles, expected: Singles | None, scales: Scales) -> tuple[Integers, Singles]:
+        """Of each line: the sample of its onset, and how surely it is one; 0 where there is none.
+
+        `brightness` and `levels` are those at every `pace`-th sample.
+        """
+        per_span, dark, least, tissue, unsure, per_contrast = scales[6:12]
+        none, depth, lines = np.float32(0), self.depth // self.pace, np.arange(self.shape[1])
+        if len(brightness) <= depth:
+            return np.zeros(self.shape[1], np.int64), np.zeros(self.shape[1], np.float32)
+        now, later = brightness[:-depth], levels[depth:]
+        believed = np.ones_like(now)
+        if expected is not None:
+            believed = np.repeat(expected[:, self.expected_of_line], self.paces, axis=0)[: len(now)]
+        asked = least - unsure * believed
+        enough = (now - later > asked * ((now + later) + dark)) & (later * per_span < tissue) & self._is_judged[:: self.pace][:-depth]
+        merit = np.maximum((now - scales[12] * later) + scales[13], none) * (believed + np.float32(UNEXPECTED))
+        merit[~enough] = none
+        place = merit.argmax(axis=0)
+        echo, shadow, asked = now[place, lines], later[place, lines], asked[place, lines]
+        contrast = (echo - shadow) / ((echo + shadow) + dark) - asked
+        strength = np.minimum(np.maximum(contrast * per_contrast, none), np.float32(1))
+        strength *= np.minimum(np.maximum(tissue - shadow * per_span, none), np.float32(1))
+        return place * self.pace, np.where(merit[place, lines] > none, strength, none)
 
     def _samples(self, length: float) -> int:
         return round(length / self.step)

@@ -132,6 +132,7 @@ class NumpyEngine:
         self._maximum = np.float32(maximum)
         self._alpha, self._beta = np.float32(settings.alpha), np.float32(settings.beta)
         self._floor, self._gain = np.float32(settings.weight_floor), np.float32(settings.bone_gain)
+        self._bone = bone
         self._probability = NOTHING if bone is None else bone.probability.reshape(-1)
         self._directions = NOTHING if bone is None else bone.directions_reference.reshape(-1, 3)
 
@@ -174,9 +175,10 @@ class NumpyEngine:
         if method in ("aif", "aif-compensated"):
             self._insert_aif(values, voxels, beams)
         elif method == "weighted":
-            if scan_lines is None:
-                raise ValueError("Input scan_lines must be given for method weighted; got None.")
-            evidence = scan_lines.evidence(all_values, float(self._maximum))
+            if scan_lines is None or self._bone is None:
+                raise ValueError("Input scan_lines and bone must be given for method weighted; got None.")
+            expected = scan_lines.expected(self._bone.map_probability, self._bone.ijk_to_map @ batch.image_to_ijk[place])
+            evidence = scan_lines.evidence(all_values, float(self._maximum), expected)
             self._insert_weighted(values, voxels, beams, evidence.reach[chosen], evidence.onset[chosen])
         elif method == "average":
             np.add.at(state.value, voxels, values.astype(np.float64))

@@ -32,6 +32,7 @@ NUMBERS = {
     "time_offset": 1,
     "longest_gap": 1,
     "bone_sigma_voxels": 1,
+    "bone_belief": 1,
     "bone_frames_px": 4,
 }
 """Settings that are so many numbers, but for those of `ReconstructionSettings`."""

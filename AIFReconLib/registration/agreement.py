@@ -31,6 +31,9 @@ WIDTH_PER_MM, LEAST_WIDTH, LARGEST_WIDTH = 3.0, 1.5, 6.0
 """Width of the bone map for each mm within which three quarters of the echoes lie, and its limits, mm. Three widths of the Gaussian hold
 nearly all of the bone that is that far off: 1.7 mm for the fibula where it is, 2.3 to 3.5 mm with it 1 mm off, 6 mm from 4 mm on."""
 
+SURE_WIDTH = 2.0
+"""mm. A bone map that has to be wider than this is believed the less: the CT's surface is one of many that bone may have."""
+
 LABEL_ECHOES = 0.05
 """Share of all echoes near bone that must be a label's before it is judged alone."""
 
@@ -114,6 +117,11 @@ class Agreement:
         if not np.isfinite(self.upper_quartile):
             return LARGEST_WIDTH
         return round(float(np.clip(WIDTH_PER_MM * self.upper_quartile, LEAST_WIDTH, LARGEST_WIDTH)), 1)
+
+    @property
+    def bone_belief(self) -> float:
+        """How far that map is to be believed, 0 to 1, in steps of 0.01."""
+        return round(min(1.0, SURE_WIDTH / self.bone_width), 2)
 
     @property
     def explained(self) -> float:

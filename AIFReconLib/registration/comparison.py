@@ -35,10 +35,6 @@ class Comparison:
     agreement: Agreement | None
     lines: tuple[Message, ...]
 
-    def bone_width(self, unknown: float) -> float:
-        """Width of the bone map that goes with it, mm; `unknown` where it cannot be told."""
-        return unknown if self.agreement is None else self.agreement.bone_width
-
 
 def compared(
     sequences: TrackedSequence | Iterable[TrackedSequence],

@@ -37,6 +37,8 @@ class LabeledBone:
     sigma_mm : float, "auto" or None
         Width of the map, as in `BoneMap.from_labels`, or by how well CT and sweep agree. With neither it is "auto" for `weighted`, and the
         paper's 10 voxels for the paper's methods and one's own.
+    belief : float or None
+        What the probability is multiplied with. With None it is 1, and where the width is "auto" it follows from it: see `Agreement`.
     region, probe, image_to_reference, reference
         As in `reconstruct`.
 
@@ -54,6 +56,7 @@ class LabeledBone:
         *,
         sigma_voxels: float | None = None,
         sigma_mm: float | str | None = None,
+        belief: float | None = None,
         region: ImageRegion | None = None,
         probe: ProbeGeometry | None = None,
         image_to_reference: str | None = None,
@@ -61,7 +64,9 @@ class LabeledBone:
     ):
         if isinstance(sigma_mm, str) and sigma_mm != AUTOMATIC:
             raise SettingsError("Input sigma_mm must be a number or {word}; got {value!r}.", word=AUTOMATIC, value=sigma_mm)
-        self.labels, self.labels_to_reference = labels, labels_to_reference
+        if belief is not None and not 0 < belief <= 1:
+            raise SettingsError("Input bone_belief must be above 0 and at most 1; got {value!r}.", value=belief)
+        self.labels, self.labels_to_reference, self._belief = labels, labels_to_reference, belief
         self._sequence, self._sigma_voxels, self._sigma_mm = sequence, sigma_voxels, sigma_mm
         self._compare = partial(compared, region=region, probe=probe, image_to_reference=image_to_reference, reference=reference)
         self._comparison: Comparison | None = None
@@ -74,10 +79,19 @@ class LabeledBone:
         return method == "weighted"
 
     def settings(self, method: str, progress: Progress | None = None) -> dict[str, float]:
-        """The width for a method, by the name and in the unit of the option that repeats it."""
+        """Width of the map for a method and, where it is not 1, its belief, by the names of the options that repeat it."""
+        belief = {} if self._belief is None else {"bone_belief": self._belief}
         if self.is_automatic(method):
             comparison = self.comparison(progress)
-            return {"bone_sigma_mm": UNKNOWN_WIDTH if comparison is None else comparison.bone_width(UNKNOWN_WIDTH)}
+            agreement = None if comparison is None else comparison.agreement
+            if agreement is None:
+                return {"bone_sigma_mm": UNKNOWN_WIDTH, **belief}
+            if self._belief is None and agreement.bone_belief < 1:
+                belief = {"bone_belief": agreement.bone_belief}
+            return {"bone_sigma_mm": agreement.bone_width, **belief}
+        return {**self._given_width(), **belief}
+
+    def _given_width(self) -> dict[str, float]:
         if isinstance(self._sigma_mm, int | float):
             return {"bone_sigma_mm": float(self._sigma_mm)}
         return {"bone_sigma_voxels": SIGMA_VOXELS if self._sigma_voxels is None else self._sigma_voxels}
@@ -90,6 +104,8 @@ class LabeledBone:
             # Gone before the next is made: each may be as large as the CT
             self._last = None
             made = BoneMap.from_labels(self.labels, voxels, mm, self.labels_to_reference, part(progress, 0.5, 1.0))
+            if "bone_belief" in settings:
+                np.multiply(made.probability.array, np.float32(settings["bone_belief"]), out=made.probability.array)
             self._last = settings, made
         return self._last[1]
 
@@ -109,4 +125,8 @@ class LabeledBone:
         width = self.settings(method)["bone_sigma_mm"]
         if comparison is None or comparison.agreement is None:
             return [*lines, Message("Width of the bone map: {width:g} mm, as CT and sweep were not compared.", width=width)]
-        return [*lines, Message("Width of the bone map: {width:g} mm, by how far these echoes lie from the CT's bone.", width=width)]
+        said = Message("Width of the bone map: {width:g} mm, by how far these echoes lie from the CT's bone.", width=width)
+        belief = self.settings(method).get("bone_belief", 1.0)
+        if belief == 1.0:
+            return [*lines, said]
+        return [*lines, said, Message("So the map is believed by {belief:.0%}.", belief=belief)]

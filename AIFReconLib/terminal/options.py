@@ -139,6 +139,12 @@ def add_bone_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="transform CT -> Reference as Slicer saves it (.tfm, .txt, .h5); default: none needed",
     )
+    bone.add_argument(
+        "--bone-belief",
+        type=float,
+        metavar="N",
+        help="how far labels are believed, above 0 to 1 (default: 1; less where --bone-sigma-mm auto chooses a wide map)",
+    )
     add_setting(bone, "bone_direction")
 
 
@@ -185,6 +191,7 @@ def labeled_bone_from(
         sequence,
         sigma_voxels=arguments.bone_sigma_voxels,
         sigma_mm=arguments.bone_sigma_mm,
+        belief=arguments.bone_belief,
         region=region,
         probe=probe,
         image_to_reference=arguments.image_to_reference,

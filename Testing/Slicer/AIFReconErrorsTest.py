@@ -99,7 +99,7 @@ class AIFReconErrorsTest(unittest.TestCase):
         self.assertFalse(self.ui.applyButton.enabled)
         self.assertTrue(wrong)
         self.assertNotIn(wrong, self.ui.statusLabel.text)
-        self.assertIn("Sweep", self.ui.statusLabel.text)
+        self.assertIn("see above", self.ui.statusLabel.text)
 
     def test_how_many_frames_were_loaded_is_said_in_one_place(self):
         from AIFReconLib import write_sequence

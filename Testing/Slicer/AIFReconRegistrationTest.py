@@ -257,15 +257,15 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.assertIn("Not moved.", self.ui.registrationLabel.text)
         self.assertEqual(self.ui.agreementProgressBar.value, value)
 
-    def test_apply_says_whether_ct_and_sweep_agree(self):
+    def test_a_reconstruction_says_whether_ct_and_sweep_agree(self):
         self.ui.applyButton.click()
-        self.assertIn("CT and sweep agree: ", self.ui.statusLabel.text)
+        self.assertIn("CT agrees: ", self.ui.registrationVerdictLabel.text)
 
-    def test_apply_warns_where_they_do_not(self):
+    def test_a_reconstruction_warns_where_they_do_not(self):
         self.displace(tinyScene.moved(0.0, 0.0, 12.0))
         self.ui.applyButton.click()
-        self.assertIn("WARNING", self.ui.statusLabel.text)
-        self.assertIn("Registration", self.ui.statusLabel.text)
+        self.assertIn("CT does not agree", self.ui.registrationVerdictLabel.text)
+        self.assertIn("Place the CT", self.ui.registrationVerdictLabel.text)
 
     # ---- echoes
 

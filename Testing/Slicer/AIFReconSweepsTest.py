@@ -75,7 +75,7 @@ class AIFReconSweepsTest(unittest.TestCase):
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(volume), expected.array)
         np.testing.assert_allclose(tinyScene.ijkToRAS(volume), expected.ijk_to_reference, atol=1e-6)
         self.assertEqual(volume.GetName(), "First +1 average")
-        self.assertIn("22 of 24 frames", self.ui.statusLabel.text)
+        self.assertIn("22 of 24 frames", self.ui.summaryLabel.text)
         self.assertIn("Second: 11 of 12 frames; skipped:", self.ui.statusLabel.text)
 
     def test_a_new_box_lies_around_all_of_them(self):
@@ -116,7 +116,7 @@ class AIFReconSweepsTest(unittest.TestCase):
         self.parameters.sweep = second
         self.assertEqual((self.offered(), self.checked()), (["First"], []))
         self.ui.applyButton.click()
-        self.assertIn("11 of 12 frames", self.ui.statusLabel.text)
+        self.assertIn("11 of 12 frames", self.ui.summaryLabel.text)
 
     def test_a_chosen_sweep_that_cannot_be_placed_any_more_is_named(self):
         import vtk

@@ -22,6 +22,7 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_labels
 from AIFReconLib.progress import Progress
 from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.settings import BONE_METHODS, ReconstructionSettings
 from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
@@ -32,7 +33,8 @@ from .real_bone_measures import by_incidence, false_bone, precision, reached_poi
 
 SPACING, HOLE_LIMIT = 0.5, 1.0
 SIGMA = 4.0
-"""mm; width of the bone map, for every method alike, where a case does not say otherwise."""
+"""mm; width of the bone map of the paper's methods where a case does not say otherwise. Then `weighted` has the one that follows from how
+well CT and sweep agree."""
 
 PROBE = ProbeGeometry(LINEAR)
 ALL = "all"
@@ -150,9 +152,7 @@ class RealBone:
     def reconstructed(self, case: Case, method: str) -> Reconstruction:
         """The volume of a case by a method; where none of it depends on the CT, that made before."""
         if method in BONE_METHODS:
-            bone = self._map(case.sigma)
-            inside = bone.inside.placed_by(case.ct_error) if bone.inside else None
-            return self._reconstruct(self.passes[case.frames], method, BoneMap(bone.probability.placed_by(case.ct_error), inside))
+            return self._reconstruct(self.passes[case.frames], method, self._placed_map(case, method))
         if (method, case.frames) not in self._without_ct:
             self._without_ct[method, case.frames] = self._reconstruct(self.passes[case.frames], method, None)
         return self._without_ct[method, case.frames]
@@ -164,6 +164,14 @@ class RealBone:
     @cached_property
     def _maps(self) -> dict[float, BoneMap]:
         return {}
+
+    def _placed_map(self, case: Case, method: str) -> BoneMap:
+        """The bone map of a case where its CT lies."""
+        if method == "weighted" and case.sigma == SIGMA:
+            return LabeledBone(self.labels, case.ct_error, self.passes[case.frames], probe=PROBE).map(method)
+        bone = self._map(case.sigma)
+        inside = bone.inside.placed_by(case.ct_error) if bone.inside else None
+        return BoneMap(bone.probability.placed_by(case.ct_error), inside)
 
     def _map(self, sigma: float) -> BoneMap:
         if sigma not in self._maps:

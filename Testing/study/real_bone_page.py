@@ -56,7 +56,8 @@ def real_bone_page(rows: list[Row]) -> str:
         "A misplaced CT": _misplaced(rows),
     }
     head = (
-        f"Voxels of {SPACING:g} mm, holes to {HOLE_LIMIT:g} mm, bone map of {SIGMA:g} mm where nothing else is said. Of the voxels above "
+        f"Voxels of {SPACING:g} mm, holes to {HOLE_LIMIT:g} mm, bone map of {SIGMA:g} mm where nothing else is said, of "
+        "weighted by how well CT and sweep agree. Of the voxels above "
         f"a gray level within 8 mm of the bone, so many lie within 1.5 mm of its surface, deeper inside it, and farther outside. {SOURCE}"
     )
     return "\n\n".join([head, *(f"### {title}\n\n{table}" for title, table in sections.items())]) + "\n"

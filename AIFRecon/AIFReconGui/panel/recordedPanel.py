@@ -1,6 +1,7 @@
 """The tab Recorded: what is opened, Reconstruct, the lights below it, and the settings."""
 
 import pathlib
+from itertools import pairwise
 
 import qt
 import slicer
@@ -68,6 +69,13 @@ class RecordedPanel(Follower):
             (ui.singleViewButton, self.onSingleView),
         ):
             button.connect("clicked(bool)", slot)
+        # The picture's widgets were made after all others, and stand before the settings
+        made = slicer.util.childWidgetVariables(ui.recordedContents)
+        names = ("showMeasuredCheckBox", "showRaisedCheckBox", "showSpineCheckBox", "probeUpCheckBox", "showLevelsCheckBox")
+        names += ("windowComboBox", "copyLineButton", "saveReportButton")
+        order = (ui.guidanceSweepButton, *(getattr(made, name) for name in names))
+        for before, after in pairwise(order):
+            qt.QWidget.setTabOrder(before, after)
         # What is opened shows all that it holds, also what does not count
         ui.volumeGroupBox.connect("toggled(bool)", lambda opened: self._dependents())
         ui.settingsCollapsibleButton.connect("contentsCollapsed(bool)", lambda collapsed: self._dependents())

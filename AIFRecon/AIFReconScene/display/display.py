@@ -31,10 +31,12 @@ class SceneDisplay:
             threeDViews.makeSurface(parameters.bone, progress)
         if parameters.output is None:
             return  # deleted while the surface was made
-        sliceDisplay.restoreLayout()
         fit = self._changed("place", (parameters.output.GetID(), _boundsOf(parameters.output)))
-        sliceDisplay.showOverCT(parameters.output, parameters.ctVolume, parameters.opacity, fit=fit)
-        self.update(parameters)
+        # Drawn once: every step would be drawn by itself
+        with slicer.util.RenderBlocker():
+            sliceDisplay.restoreLayout()
+            sliceDisplay.showOverCT(parameters.output, parameters.ctVolume, parameters.opacity, fit=fit)
+            self.update(parameters)
 
     def showComparison(self, comparison, parameters) -> None:
         """Show the compared volumes side by side, over the CT, in linked views. Views that show their place already stay there."""

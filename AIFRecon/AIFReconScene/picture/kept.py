@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
+import slicer
+
 from AIFReconLib.errors import AIFReconError, OperationCanceled
 from AIFReconLib.message import Message
 from AIFReconLib.progress import part
@@ -57,6 +59,8 @@ def keptNodes(result, beside: Beside, inputs, output, kinds) -> dict:
         Further volumes that are wanted.
     """
     volumes = {"intensity": output}
-    nodes = outputNodes(result, inputs.name, ("intensity", *kinds), volumes, inputs=inputs.nodes(), measured=beside.measured)
-    keepSpine(nodes["intensity"], beside.shown, inputs.name)
+    # Drawn once: every step would be drawn by itself
+    with slicer.util.RenderBlocker():
+        nodes = outputNodes(result, inputs.name, ("intensity", *kinds), volumes, inputs=inputs.nodes(), measured=beside.measured)
+        keepSpine(nodes["intensity"], beside.shown, inputs.name)
     return nodes

@@ -57,14 +57,17 @@ importance : (pixels,) float32, empty where all count alike.
 Places = tuple[Integers, Integers, Integers, Integers, Integers, Integers]
 """pixel_of_sample, padded_sample_of_pixel, lit, first_lit, active, judged : of `ScanLines`."""
 
-Lengths = tuple[int, int, int]
-"""taps, depth, crest : of `ScanLines`."""
+Lengths = tuple[int, int, int, int, int]
+"""taps, depth, crest, pace, paces : of `ScanLines`."""
+
+Expected = tuple[Singles, Integers]
+"""expected, expected_of_line : of `ScanLines`."""
 
 Room = tuple[Numbers, Numbers, Singles, Singles]
 """To work in.
 
-For a copy of the image, flat; for the pixels at the samples, (samples, padded), of the image's type and 0 at first; for reach and onset
-there, (samples, padded) float32.
+For a copy of the image, flat; for the pixels at the samples, (samples, padded), of the image's type and 0 at first; for reach and
+brightness, then onset, there, (samples, padded) float32.
 """
 
 Results = tuple[Singles, NDArray[np.uint32], Singles]

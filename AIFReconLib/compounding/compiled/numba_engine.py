@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import Integers, Numbers, Singles
+from ...arrays import Floats, Integers, Numbers, Singles
 from ...bone.map import BoneOnGrid
 from ...machine.threads import checked_threads, in_parts
 from ...settings import ReconstructionSettings
@@ -71,6 +71,7 @@ class NumbaEngine:
         floor, gain = np.float32(settings.weight_floor), np.float32(settings.bone_gain)
         self._weighted_factors = (floor, gain, np.float32(settings.beta), np.float32(maximum))
         self._judge: FrameJudge | None = None
+        self._bone = bone
         self._probability = NOTHING if bone is None else bone.probability.reshape(-1)
         self._directions = NOTHING if bone is None else bone.directions_reference.reshape(-1, 3)
 
@@ -110,7 +111,7 @@ class NumbaEngine:
         voxels = state.value, state.hits, NOTHING if state.weight is None else state.weight
         beam_x, beam_y = NOTHING if layout.beam_x is None else layout.beam_x, NOTHING if layout.beam_y is None else layout.beam_y
         bone = self._probability, self._directions, axes, beam_x, beam_y
-        evidence = self._judged(scan_lines, images) if method == "weighted" else None
+        evidence = self._judged(scan_lines, images, matrices) if method == "weighted" else None
 
         def put(part: int) -> None:
             slab = axis, int(edges[part]), int(edges[part + 1])
@@ -126,12 +127,17 @@ class NumbaEngine:
         in_parts(put, len(edges) - 1, self.threads)
         return [int(n) for n in entered.sum(axis=0)]
 
-    def _judged(self, scan_lines: ScanLines | None, images: Numbers) -> Evidence:
-        """What the frames themselves tell."""
-        if scan_lines is None:
-            raise ValueError("Input scan_lines must be given for method weighted; got None.")
+    def _judged(self, scan_lines: ScanLines | None, images: Numbers, matrices: Floats) -> Evidence:
+        """What the frames themselves tell, of what the CT expects in them."""
+        bone = self._bone
+        if scan_lines is None or bone is None:
+            raise ValueError("Input scan_lines and bone must be given for method weighted; got None.")
         judge = self._frame_judge(scan_lines, images)
-        in_parts(lambda frame: judge.judge(images[frame], frame), len(images), self.threads)
+
+        def judge_frame(frame: int) -> None:
+            judge.judge(images[frame], frame, scan_lines.expected(bone.map_probability, bone.ijk_to_map @ matrices[frame]))
+
+        in_parts(judge_frame, len(images), self.threads)
         return judge.evidence(len(images))
 
     def _frame_judge(self, scan_lines: ScanLines, images: Numbers) -> FrameJudge:

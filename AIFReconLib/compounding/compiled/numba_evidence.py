@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from ...arrays import Integers, Numbers, NumberType, Singles
 from ...machine.numba_compile import compiled, inlined
-from ..evidence import Scales, ScanLines
-from .groups import Evidence, Lengths, Places, Results, Room
+from ..evidence import UNEXPECTED, Scales, ScanLines
+from .groups import Evidence, Expected, Lengths, Places, Results, Room
 
 ZERO, ONE, TWO = np.float32(0), np.float32(1), np.float32(2)
-TINY = np.float32(np.finfo(np.float32).tiny)
+EXTRA = np.float32(UNEXPECTED)
 
 
 @inlined
@@ -61,60 +61,85 @@ def slide_sum(total: Singles, new: Numbers, old: Numbers) -> None:
 
 
 @inlined
-def smooth_across(total: Singles, per_tap: np.float32, per_line: np.float32, deeper: Singles, bright: Singles, now: Singles) -> None:
-    """The mean over three neighboring lines of `total`, sums along the lines and of one more line on either side, not below 0.
-
-    And the largest brightness from here on, `now`, of that and `deeper`.
-    """
+def smooth_across(total: Singles, per_tap: np.float32, per_line: np.float32, bright: Singles) -> None:
+    """The mean over three neighboring lines of `total`, sums along the lines and of one more line on either side, not below 0."""
     for line in range(bright.size):
         mean = ((total[line] * per_tap + total[line + 1] * per_tap) + total[line + 2] * per_tap) * per_line
-        mean = mean if mean > ZERO else ZERO
-        bright[line] = mean
-        now[line] = mean if mean > deeper[line] else deeper[line]
+        bright[line] = mean if mean > ZERO else ZERO
 
 
 @inlined
-def arrived(now: np.float32, per_reached: np.float32) -> np.float32:
-    """How much of the sound arrives, 0 to 1."""
-    reached = now * per_reached
-    reached = reached if reached < ONE else ONE
-    return reached * reached
-
-
-@inlined
-def write_reach(now: Singles, per_reached: np.float32, least: np.float32, reach: Singles) -> None:
-    """The reach, of the largest brightness from here on."""
+def write_reach(bright: Singles, per_reached: np.float32, least: np.float32, most: Singles, reach: Singles) -> None:
+    """The reach, of the largest brightness from here on, which `most` is of deeper samples before."""
     for line in range(reach.size):
-        reach[line] = arrived(now[line], per_reached) + least
+        most[line] = bright[line] if bright[line] > most[line] else most[line]
+        reached = most[line] * per_reached
+        reached = reached if reached < ONE else ONE
+        reach[line] = reached * reached + least
 
 
 @inlined
-def find_onset(bright: Singles, crest: Singles, now: Singles, later: Singles, scales: Scales, found: Singles) -> None:
-    """How surely a shadow begins at one sample of each line."""
-    _, _, per_reached, per_fall, last_echo, per_echo, _ = scales
-    for line in range(found.size):
-        floor = crest[line] if crest[line] > TINY else TINY
-        echo = limited((bright[line] / floor - last_echo) * per_echo)
-        found[line] = (limited((now[line] - later[line]) * per_fall) * echo) * (ONE - arrived(later[line], per_reached))
+def hand_on_level(bright: Singles, kept: np.float32, new: np.float32, level: Singles, deeper: Singles, largest: Singles) -> None:
+    """The largest level behind this sample and the deeper ones; `level` becomes that behind the sample before."""
+    for line in range(bright.size):
+        largest[line] = level[line] if level[line] > deeper[line] else deeper[line]
+    for line in range(bright.size):
+        level[line] = level[line] * kept + new * bright[line]
 
 
 @inlined
-def mark_onset(sample: np.float32, judged: Singles, found: Singles, reach: Singles) -> None:
-    """Drop onsets that are not before the line's `judged`, and turn the sign of the reach where one is left.
+def believe(expected: Singles, of_line: Integers, believed: Singles) -> None:
+    """What the CT says at one sample of each line."""
+    for line in range(believed.size):
+        believed[line] = expected[of_line[line]]
 
-    Products with 0, 1 and -1 in place of choices, which compilers turn into jumps that processors cannot foresee.
-    """
-    for line in range(found.size):
-        found[line] *= np.float32(sample < judged[line])
-    for line in range(found.size):
-        reach[line] *= ONE - TWO * np.float32(found[line] > ZERO)
+
+@inlined
+def compare(
+    sample: np.float32, judged: Singles, bright: Singles, later: Singles, believed: Singles, scales: Scales, merit: Singles
+) -> None:
+    """What one sample of each line is worth as its onset; 0 where it is none."""
+    per_span, dark, least, tissue, unsure = scales[6], scales[7], scales[8], scales[9], scales[10]
+    preference, rival = scales[12], scales[13]
+    for line in range(merit.size):
+        asked = least - unsure * believed[line]
+        enough = bright[line] - later[line] > asked * ((bright[line] + later[line]) + dark)
+        enough = enough & (later[line] * per_span < tissue) & (sample < judged[line])
+        worth = (bright[line] - preference * later[line]) + rival
+        worth = (worth if worth > ZERO else ZERO) * (believed[line] + EXTRA)
+        merit[line] = worth if enough else ZERO
+
+
+@inlined
+def keep_best(
+    sample: np.float32, merit: Singles, later: Singles, believed: Singles, best: Singles, place: Singles, shadow: Singles, trust: Singles
+) -> None:
+    """The largest merit of each line so far, its sample, the level behind it and what the CT says; of equal ones the shallowest."""
+    for line in range(merit.size):
+        better = merit[line] >= best[line]
+        place[line] = sample if better else place[line]
+        shadow[line] = later[line] if better else shadow[line]
+        trust[line] = believed[line] if better else trust[line]
+    for line in range(merit.size):
+        best[line] = merit[line] if merit[line] > best[line] else best[line]
+
+
+@inlined
+def strength_of(echo: np.float32, shadow: np.float32, trust: np.float32, scales: Scales) -> np.float32:
+    """How surely an echo over a shadow is bone, where the CT says `trust`."""
+    per_span, dark, least, tissue, unsure, per_contrast = scales[6], scales[7], scales[8], scales[9], scales[10], scales[11]
+    contrast = (echo - shadow) / ((echo + shadow) + dark) - (least - unsure * trust)
+    return limited(contrast * per_contrast) * limited(tissue - shadow * per_span)
 
 
 @inlined
 def hand_out(
     sampled_reach: Singles, sampled_onset: Singles, samples: Integers, reach: Singles, begins: NDArray[np.uint32], onset: Singles
 ) -> int:
-    """Give every pixel the reach at its sample, and write down the pixels with an onset, and the onset; returns how many these are."""
+    """Give every pixel the reach at its sample, and write down the pixels with an onset, and the onset; returns how many these are.
+
+    The reach is negative at samples with an onset.
+    """
     count = 0
     for pixel in range(samples.size):
         sample = samples[pixel]
@@ -128,13 +153,16 @@ def hand_out(
 
 
 @compiled
-def judge(image: Numbers, places: Places, lengths: Lengths, scales: Scales, whole: bool, room: Room, results: Results) -> int:
+def judge(
+    image: Numbers, places: Places, expected: Expected, lengths: Lengths, scales: Scales, whole: bool, room: Room, results: Results
+) -> int:
     """Reach and onset of one frame.
 
     Parameters
     ----------
     image : (rows, columns) uint8 or float32 array, finite
     places : Places
+    expected : Expected
     lengths : Lengths
     scales : Scales
     whole : bool
@@ -150,63 +178,80 @@ def judge(image: Numbers, places: Places, lengths: Lengths, scales: Scales, whol
 
     Notes
     -----
-    Only as many rows as one sample needs are kept beside the results, so that they stay in the cache. Pixels get what is theirs at
-    once: later it would no longer be in the cache, and scan lines lie across the rows of the image.
+    One pass up the samples, in rows that lie side by side in memory: an onset is known once a line has been seen whole.
     """
     pixel_of_sample, sample_of_pixel, lit, first_lit, active, judged = places
-    taps, depth, crest = lengths
-    per_tap, per_line, per_reached, _, _, _, least = scales
+    by_ct, expected_of_line = expected
+    taps, depth, crest, pace, paces = lengths
+    per_tap, per_line, per_reached, least, kept, new = scales[0], scales[1], scales[2], scales[3], scales[4], scales[5]
     reach, begins, onset = results
     samples, count = pixel_of_sample.shape
     half = taps // 2
     judged_before = judged.astype(np.float32)
-    pixels, read, sampled_reach, sampled_onset = room
+    pixels, read, sampled_reach, bright = room
     # Memory is fast in a row and slow by leaps: so one pass brings the image near before it is read along the beams
     copy(image.ravel(), pixels)
     read_lines(pixels, pixel_of_sample, lit, first_lit, read)
     # Sums along the lines, with one more before the first and after the last, so that all have neighbors
     total = np.zeros(count + 2, np.float32)
     summed = False
-    # An onset is found `crest` samples late, when what lies before it is known; above the first sample all is as there
-    kept = depth + crest + 1
-    bright, below = np.zeros((kept, count), np.float32), np.zeros((kept, count), np.float32)
-    for sample in range(samples - 1, -crest - 1, -1):
-        if sample >= 0 and active[sample, 0] < active[sample, 1]:
-            start, stop = active[sample, 0], active[sample, 1]
-            sums, top = total[start + 1 : stop + 1], max(sample - half, 0)
-            first_tap = taps if whole and summed else 1
-            for tap in range(first_tap, taps, 2):
-                one, other = min(max(sample - half + tap, 0), samples - 1), min(max(sample - half + tap + 1, 0), samples - 1)
-                if tap == 1:
-                    sum_rows(read[top, start:stop], read[one, start:stop], read[other, start:stop], sums)
-                else:
-                    add_two_rows(sums, read[one, start:stop], read[other, start:stop])
-            if taps == 1:
-                copy(read[sample, start:stop], sums)
-            elif first_tap == taps:
-                slide_sum(sums, read[top, start:stop], read[min(sample + half + 1, samples - 1), start:stop])
-            summed = True
-            total[0], total[count + 1] = total[1], total[count]
-            here, deeper = sample % kept, (sample + 1) % kept
-            smooth_across(
-                total[start : stop + 2], per_tap, per_line, below[deeper, start:stop], bright[here, start:stop], below[here, start:stop]
+    most, level, merit, best, place, shadow, trust, believed = np.zeros((8, count), np.float32)
+    read_by_ct = -1
+    ring = depth // pace + 1
+    largest = np.zeros((ring, count), np.float32)
+    for sample in range(samples - 1, -1, -1):
+        start, stop = active[sample, 0], active[sample, 1]
+        if start >= stop:
+            continue
+        sums, top = total[start + 1 : stop + 1], max(sample - half, 0)
+        first_tap = taps if whole and summed else 1
+        for tap in range(first_tap, taps, 2):
+            one, other = min(max(sample - half + tap, 0), samples - 1), min(max(sample - half + tap + 1, 0), samples - 1)
+            if tap == 1:
+                sum_rows(read[top, start:stop], read[one, start:stop], read[other, start:stop], sums)
+            else:
+                add_two_rows(sums, read[one, start:stop], read[other, start:stop])
+        if taps == 1:
+            copy(read[sample, start:stop], sums)
+        elif first_tap == taps:
+            slide_sum(sums, read[top, start:stop], read[min(sample + half + 1, samples - 1), start:stop])
+        summed = True
+        total[0], total[count + 1] = total[1], total[count]
+        here = bright[sample, start:stop]
+        smooth_across(total[start : stop + 2], per_tap, per_line, here)
+        write_reach(here, per_reached, least, most[start:stop], sampled_reach[sample, start:stop])
+        if sample % pace != 0:
+            continue
+        # A line's first sample has nothing behind: its place in the ring was never written to
+        turn = sample // pace
+        deeper = largest[(turn + 1) % ring, start:stop]
+        hand_on_level(here, kept, new, level[start:stop], deeper, largest[turn % ring, start:stop])
+        if sample + depth < samples:
+            if turn // paces != read_by_ct:
+                read_by_ct = turn // paces
+                believe(by_ct[read_by_ct], expected_of_line, believed)
+            later = largest[(turn + depth // pace) % ring, start:stop]
+            compare(np.float32(sample), judged_before[start:stop], here, later, believed[start:stop], scales, merit[start:stop])
+            said = believed[start:stop]
+            keep_best(
+                np.float32(sample),
+                merit[start:stop],
+                later,
+                said,
+                best[start:stop],
+                place[start:stop],
+                shadow[start:stop],
+                trust[start:stop],
             )
-            write_reach(below[here, start:stop], per_reached, least, sampled_reach[sample, start:stop])
-        place = sample + crest
-        if place + depth < samples:
-            start, stop = active[place, 0], active[place, 1]
-            now, later, shallower = place % kept, (place + depth) % kept, max(sample, 0) % kept
-            found = sampled_onset[place, start:stop]
-            find_onset(
-                bright[now, start:stop],
-                below[shallower, start:stop],
-                below[now, start:stop],
-                below[later, start:stop],
-                scales,
-                found,
-            )
-            mark_onset(np.float32(place), judged_before[start:stop], found, sampled_reach[place, start:stop])
-    return hand_out(sampled_reach.ravel(), sampled_onset.ravel(), sample_of_pixel, reach, begins, onset)
+    for line in range(count):
+        if best[line] > ZERO:
+            middle = int(place[line])
+            strength = strength_of(bright[middle, line], shadow[line], trust[line], scales)
+            for sample in range(max(middle - crest, 0), min(middle + crest + 1, samples)):
+                if active[sample, 0] <= line < active[sample, 1]:
+                    bright[sample, line] = strength
+                    sampled_reach[sample, line] *= ONE - TWO * np.float32(strength > ZERO)
+    return hand_out(sampled_reach.ravel(), bright.ravel(), sample_of_pixel, reach, begins, onset)
 
 
 class FrameJudge:
@@ -229,8 +274,11 @@ class FrameJudge:
         self._begins, self._onsets = np.empty(self._reach.shape, np.uint32), np.zeros(places, np.int64)
         self._rooms: list[Room] = []
 
-    def judge(self, image: Numbers, frame: int) -> None:
-        """Judge the image that comes as number `frame` of those that are kept. Threads may do so at the same time."""
+    def judge(self, image: Numbers, frame: int, expected: Singles) -> None:
+        """Judge the image that comes as number `frame` of those that are kept; `expected` is what `ScanLines` returns by that name.
+
+        Threads may do so at the same time.
+        """
         lines = self.scan_lines
         try:
             room = self._rooms.pop()
@@ -239,9 +287,10 @@ class FrameJudge:
             flat, read = np.empty(image.size, self._dtype), np.zeros(shape, self._dtype)
             room = flat, read, np.empty(shape, np.float32), np.empty(shape, np.float32)
         places = lines.pixel_of_sample, lines.padded_sample_of_pixel, lines.lit, lines.first_lit, lines.active, lines.judged
-        lengths = lines.taps, lines.depth, lines.crest
+        lengths = lines.taps, lines.depth, lines.crest, lines.pace, lines.paces
         results = self._reach[frame], self._begins[frame], self._onset[frame]
-        self._onsets[frame] = judge(image, places, lengths, self._scales, self._dtype == np.uint8, room, results)
+        by_ct = expected, lines.expected_of_line
+        self._onsets[frame] = judge(image, places, by_ct, lengths, self._scales, self._dtype == np.uint8, room, results)
         self._rooms.append(room)
 
     def evidence(self, frames: int) -> Evidence:

@@ -104,7 +104,7 @@ class _Frame:
         bone: BoneOnGrid | None,
     ):
         self._image, self._axes, self._layout = batch.images[place], batch.axes[place], layout
-        self._scan_lines, self._maximum = scan_lines, maximum
+        self._scan_lines, self._maximum, self._image_to_ijk = scan_lines, maximum, batch.image_to_ijk[place]
         self._pixels, self._voxels, self._bone = pixels, voxels, bone
         self._evidence: FrameEvidence | None = None
 
@@ -119,7 +119,10 @@ class _Frame:
         if self._evidence is None:
             if self._scan_lines is None:
                 raise ValueError("Input scan_lines must be given for a method that looks at shadows; got None.")
-            self._evidence = self._scan_lines.evidence(self._layout.values(self._image), self._maximum)
+            expected = None
+            if self._bone is not None:
+                expected = self._scan_lines.expected(self._bone.map_probability, self._bone.ijk_to_map @ self._image_to_ijk)
+            self._evidence = self._scan_lines.evidence(self._layout.values(self._image), self._maximum, expected)
         return self._layout.filled(self._evidence.reach if name == "reach" else self._evidence.onset)
 
     @property

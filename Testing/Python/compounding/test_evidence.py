@@ -102,6 +102,48 @@ def test_a_bright_layer_with_tissue_below_is_no_bone():
     assert onset[55:70].max() == 0.0
 
 
+@PROBES
+def test_a_shadow_full_of_reverberation_is_a_shadow(probe):
+    image, within, depth = shadowed(probe, echo=235)
+    image[within & (depth > 86)] = 0.6 * tissue(seed=1)[within & (depth > 86)]
+    _, onset = evidence(image, probe)
+    inner = ndimage.binary_erosion(within, iterations=4)
+    assert np.median(onset[inner & (depth >= 81) & (depth < 82)]) > 0.5
+    assert onset[inner & (depth > 95)].max() == 0.0
+
+
+def test_of_two_echoes_of_a_scan_line_the_ct_decides_which_is_bone():
+    """Fascia at row 60 and bone at row 90 over one shadow; the CT stands for a layer of rows."""
+    image = np.full((ROWS, COLUMNS), 60, np.uint8)
+    image[60:64], image[90:94], image[94:] = 160, 120, 4
+    layout = PixelLayout.build((COLUMNS, ROWS), SPACING, ImageRegion(), LINEAR)
+    lines = ScanLines(layout, LINEAR)
+    for middle in (62, 92):
+        probability = np.exp(-0.5 * ((np.arange(ROWS) - middle) / 6.0) ** 2).astype(np.float32)
+        expected = lines.expected(np.tile(probability[:, None], (1, 1, COLUMNS)), np.eye(4))
+        onset = lines.evidence(layout.values(image), 255.0, expected).onset.reshape(image.shape)
+        found = np.flatnonzero(onset[:, 60])
+        assert found.size
+        assert np.abs(found - middle).max() <= 4
+
+
+def test_a_ct_makes_no_onset_where_no_shadow_begins():
+    layout = PixelLayout.build((COLUMNS, ROWS), SPACING, ImageRegion(), LINEAR)
+    lines = ScanLines(layout, LINEAR)
+    expected = lines.expected(np.ones((1, ROWS, COLUMNS), np.float32), np.eye(4))
+    assert lines.evidence(layout.values(tissue()), 255.0, expected).onset.mean() < 0.01
+
+
+def test_what_the_ct_expects_is_read_where_the_frame_lies():
+    layout = PixelLayout.build((COLUMNS, ROWS), SPACING, ImageRegion(), LINEAR)
+    lines = ScanLines(layout, LINEAR)
+    place = np.eye(4)
+    place[0, 3] = -10.0
+    expected = lines.expected(np.arange(COLUMNS * ROWS, dtype=np.float32).reshape(1, ROWS, COLUMNS), place)
+    column, row = np.meshgrid(np.arange(0, COLUMNS, 2), np.arange(0, ROWS, 2))
+    np.testing.assert_array_equal(expected, np.where(column >= 10, row * COLUMNS + column - 10, 0))
+
+
 def test_darkness_at_the_very_end_of_a_line_is_no_evidence():
     image = tissue()
     image[150:] = 4

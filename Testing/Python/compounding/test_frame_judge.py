@@ -61,10 +61,14 @@ def test_every_pixel_gets_the_evidence_of_its_scan_line(seed, count, probe, spac
     layout = layout_of(patches(seed, count), spacing)
     lines = ScanLines(layout, probe)
     judge = FrameJudge(lines, np.dtype(dtype), 255.0, 2)
+    # A CT that expects bone here and there, on a grid that the images leave
+    probability = np.random.default_rng(seed).random((5, 7, 9), dtype=np.float32)
+    place = np.array([[0.12, 0.03, 0, -0.4], [0.02, 0.11, 0, 0.2], [0.05, -0.04, 1, 2], [0, 0, 0, 1]])
     for frame in range(2):
         image = echoes(seed + frame, dtype)
-        expected = lines.evidence(layout.values(image), 255.0)
-        judge.judge(image, frame)
+        by_ct = lines.expected(probability, place)
+        expected = lines.evidence(layout.values(image), 255.0, by_ct)
+        judge.judge(image, frame, by_ct)
         reach, begins, onset, onsets = (part[frame] for part in judge.evidence(2))
         np.testing.assert_array_equal(reach, expected.reach)
         found = np.zeros_like(reach)

@@ -39,7 +39,7 @@ def reconstruct_both(method, frames, grid, bone=None, probe=SECTOR, region=EVERY
     spacing = pixel_spacing(frames[0].image_to_reference)
     on_grid = bone.on_grid(grid) if bone is not None else None
     maximum = np.iinfo(frames[0].image.dtype).max if frames[0].image.dtype.kind in "iu" else np.inf
-    evidence = evidence_images(frames, region, probe, maximum) if method == "weighted" else None
+    evidence = evidence_images(frames, region, probe, maximum, on_grid, grid) if method == "weighted" else None
     theirs = plain_loop(
         [(frame.image, frame.image_to_reference) for frame in frames],
         grid,
@@ -58,7 +58,7 @@ def reconstruct_both(method, frames, grid, bone=None, probe=SECTOR, region=EVERY
     return ours, theirs
 
 
-def evidence_images(frames, region, probe, maximum):
+def evidence_images(frames, region, probe, maximum, bone, grid):
     """What `ScanLines` judges of each frame, as images (reach, onset); it has tests of its own."""
     rows, columns = frames[0].image.shape
     layout = PixelLayout.build((columns, rows), pixel_spacing(frames[0].image_to_reference), region, probe)
@@ -66,7 +66,8 @@ def evidence_images(frames, region, probe, maximum):
     mask = region.mask(columns, rows)
     images = []
     for frame in frames:
-        judged = lines.evidence(layout.values(frame.image), float(maximum))
+        expected = lines.expected(bone.map_probability, bone.ijk_to_map @ (grid.reference_to_ijk @ frame.image_to_reference))
+        judged = lines.evidence(layout.values(frame.image), float(maximum), expected)
         images.append([np.zeros((rows, columns), np.float32) for _ in range(2)])
         images[-1][0][mask], images[-1][1][mask] = judged.reach, judged.onset
     return images

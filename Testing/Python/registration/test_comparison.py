@@ -65,6 +65,14 @@ def test_echoes_that_bone_could_not_send_back_do_not_widen_the_map():
     assert width_of([0.7] * 10 + [5.0] * 30, [True] * 10 + [False] * 30) == pytest.approx(2.1)
 
 
+def test_a_map_wider_than_2_mm_is_believed_by_2_mm_over_its_width():
+    def belief(off):
+        fit = EchoFit(np.full(9, off), np.ones(9, bool))
+        return agreement_of(fit, np.ones(9, np.int64)).bone_belief
+
+    assert [belief(off) for off in (0.1, 0.6, 1.0, 5.0)] == pytest.approx([1.0, 1.0, 0.67, 0.33])
+
+
 def test_the_widest_map_stands_where_no_echo_lies_near_bone():
     assert width_of([15.0] * 9) == 6.0
 
@@ -90,6 +98,18 @@ def test_only_weighted_leaves_its_width_to_the_sweep(sequence, labels):
 @pytest.mark.parametrize("method", ["aif", "weighted"])
 def test_a_width_that_is_given_holds_for_every_method(given, kept, method, labels):
     assert LabeledBone(labels, **given).settings(method) == kept
+
+
+def test_a_map_that_is_believed_by_half_has_half_the_probability(labels):
+    half = LabeledBone(labels, sigma_mm=2.0, belief=0.5)
+    assert half.settings("weighted") == {"bone_sigma_mm": 2.0, "bone_belief": 0.5}
+    np.testing.assert_allclose(half.map("weighted").probability.array, 0.5 * BoneMap.from_labels(labels, sigma_mm=2.0).probability.array)
+
+
+@pytest.mark.parametrize("belief", [0.0, -1.0, 1.5, float("nan")])
+def test_a_belief_that_is_no_share_is_refused(belief, labels):
+    with pytest.raises(SettingsError, match="bone_belief must be above 0 and at most 1"):
+        LabeledBone(labels, belief=belief)
 
 
 def test_another_word_is_no_width(labels):
