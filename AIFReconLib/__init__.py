@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from .live.session.session import LiveSession
     from .live.wire.client import OpenIGTLinkClient
     from .reconstruction import reconstruct
+    from .registration.labeled_bone import LabeledBone
     from .registration.registration import register
     from .settings import ReconstructionSettings
     from .sweep.frames import TrackedFrame, TrackedSequence
@@ -51,6 +52,7 @@ _PUBLIC = {
     "Fan": "imaging.region",
     "ClipRectangle": "imaging.region",
     "ImageRegion": "imaging.region",
+    "LabeledBone": "registration.labeled_bone",
     "LiveSession": "live.session.session",
     "Method": "compounding.own.method",
     "OpenIGTLinkClient": "live.wire.client",
@@ -87,6 +89,7 @@ __all__ = [
     "ClipRectangle",
     "Fan",
     "ImageRegion",
+    "LabeledBone",
     "LiveSession",
     "Method",
     "OpenIGTLinkClient",

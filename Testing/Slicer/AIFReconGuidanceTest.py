@@ -285,8 +285,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
 
     def test_a_scan_colors_the_bone_and_says_the_next_move(self):
         self.start()
-        self.playUntil(lambda: self.colored() and self.live._advised)
-        self.assertEqual(self.ui.guidanceMoveLabel.text, self.live._advised)
+        self.playUntil(lambda: self.colored() and self.live._advised and self.ui.guidanceMoveLabel.text == self.live._advised)
         self.assertIn("%", self.ui.guidanceTableLabel.text)
         self.assertIsNotNone(self.model("Advised probe"))
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import sys
 import threading
 import time
 from abc import ABC, abstractmethod
@@ -24,34 +23,6 @@ PATIENCE = 0.05
 
 REST = 1.0
 """By how many times longer it rests than it worked: at most half of one core is taken, however fast frames come."""
-
-TURN = 0.0005
-"""s for which a thread may keep the interpreter while others wait for it. Python's 5 ms would be lost several times in every frame that is
-received while a watch is at work."""
-
-
-class _ShortTurns:
-    """While it is entered, threads take turns of at most `TURN`; the last who leaves gives back what was."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._inside, self._usual = 0, TURN
-
-    def __enter__(self) -> None:
-        with self._lock:
-            if not self._inside:
-                self._usual = sys.getswitchinterval()
-                sys.setswitchinterval(min(self._usual, TURN))
-            self._inside += 1
-
-    def __exit__(self, *_: object) -> None:
-        with self._lock:
-            self._inside -= 1
-            if not self._inside:
-                sys.setswitchinterval(self._usual)
-
-
-_short_turns = _ShortTurns()
 
 
 class Watch(ABC):
@@ -109,9 +80,8 @@ class Watch(ABC):
         """Say why nothing can be told."""
 
     def _run(self) -> None:
-        with _short_turns:
-            while self._breathe():
-                self._attempt()
+        while self._breathe():
+            self._attempt()
 
     def _breathe(self) -> bool:
         """Wait for the next moment in which nothing is received or inserted; False when the end has come."""

@@ -188,7 +188,7 @@ def test_a_write_that_stops_halfway_leaves_no_file(patient, results):
 
 
 def test_a_volume_too_large_for_memory_names_a_spacing_that_fits(patient, results, capsys):
-    line = refused([*patient.reconstruct, "--spacing", "0.011", "--output", results / "v.nrrd"], capsys, results)
+    line = refused([*patient.reconstruct, "--spacing", "0.1", "--memory", "0.0001", "--output", results / "v.nrrd"], capsys, results)
     assert "would fit" in line
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import sys
 import threading
 import time
 
@@ -16,7 +15,7 @@ from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, SynchronizerSettings
 from AIFReconLib.live.session.session import LiveSession
-from AIFReconLib.live.session.watch import TURN, Watch
+from AIFReconLib.live.session.watch import Watch
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import QueueSource
 
@@ -95,20 +94,3 @@ def test_what_fails_at_every_frame_is_told_each_time_and_logged_once(caplog):
         watch.stop()
     assert watch.told == ["this frame cannot be looked at"] * 3
     assert len([record for record in caplog.records if "beside a live scan" in record.message]) == 1
-
-
-def test_while_any_watch_is_at_work_threads_keep_the_interpreter_for_shorter():
-    usual = sys.getswitchinterval()
-    first, second = Failing(Session()), Failing(Session())
-
-    def waited_for(expected):
-        end = time.monotonic() + LONG
-        while sys.getswitchinterval() != pytest.approx(expected) and time.monotonic() < end:
-            time.sleep(0.002)
-        return sys.getswitchinterval() == pytest.approx(expected)
-
-    assert waited_for(TURN)
-    first.stop()
-    assert sys.getswitchinterval() == pytest.approx(TURN)
-    second.stop()
-    assert sys.getswitchinterval() == pytest.approx(usual)
