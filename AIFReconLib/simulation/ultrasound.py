@@ -60,7 +60,7 @@ FINE_ELEVATIONS = np.linspace(-2.0, 2.0, 25)
 SHADOW_FALL = 0.4
 """mm over which the shadow sets in."""
 
-CLUTTER_DB, CLUTTER_FALL = 15.0, 1.1
+CLUTTER_DB, CLUTTER_FALL = 19.5, 1.4
 """Echo right behind bone where its shadow is not empty, in dB above the smallest on the screen, and by how many dB per mm it falls: what
 real shadows hold (docs/decisions/0022)."""
 

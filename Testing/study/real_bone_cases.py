@@ -220,7 +220,7 @@ class RealBone:
 
 def real_bone_rows(bone: RealBone, folder: Path, jobs: int = 2, progress: Progress | None = None) -> list[Row]:
     """The rows of all cases, made or, where an earlier run has written them to `folder`, read: one file for each case and method."""
-    given = {f"{case.name}-{method}": (bone.folder, case, method) for case in bone.cases() for method in case.methods}
+    given = {f"{case.name}-{method}".replace(" ", "-"): (bone.folder, case, method) for case in bone.cases() for method in case.methods}
     return run_tasks(_rows_of, given, Row, folder, jobs, progress, "reconstructions")
 
 

@@ -124,7 +124,7 @@ def largest_contrast(views: Sequence[Reconstruction]) -> Reconstruction:
     contrast, base = np.zeros((len(SCALES), *measured.shape[1:]), np.float32), np.zeros(measured.shape[1:], np.float32)
     for view, has in zip(views, measured, strict=True):
         # What a view did not measure must neither win nor darken what is beside it
-        last = np.where(has, view.intensity.array, 0).astype(np.float32)
+        last: np.ndarray = np.where(has, view.intensity.array, 0).astype(np.float32)
         for most, sigma in zip(contrast, SCALES, strict=True):
             share = ndimage.gaussian_filter(has.astype(np.float32), sigma)
             smooth = ndimage.gaussian_filter(np.where(has, view.intensity.array, 0).astype(np.float32), sigma) / np.maximum(share, 1e-6)
