@@ -141,7 +141,7 @@ class AIFReconParameterNode:
     showLevels: bool = False
 
 
-def parametersOf(node) -> AIFReconParameterNode:
+def parametersOf(node):
     """The typed parameters of a node; those of a panel that had no choice of the bone's source keep what they asked for."""
     parameters = AIFReconParameterNode(node)
     if wanted := node.GetParameter(FORMER_ECHOES):

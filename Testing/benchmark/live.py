@@ -102,7 +102,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     grid = grid_around_sweep(poses, (columns, rows), region, (arguments.spacing,) * 3)
     settings = ReconstructionSettings(method=arguments.method, engine=arguments.engine)
     model = arguments.bone_model and OnnxModel(arguments.bone_model)
-    bone = GrowingBone() if model else BoneMap.from_labels(plate(), sigma_mm=4.0)
+    growing = GrowingBone()
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdin is not None
         assert server.stdout is not None
@@ -111,7 +111,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
         session = LiveSession(
             client,
             settings,
-            bone,
+            growing if model else BoneMap.from_labels(plate(), sigma_mm=4.0),
             grid,
             region=region,
             probe=probe,
@@ -127,7 +127,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
             guidance = GuidanceWatch(session, make_lumbar_phantom().labels, np.eye(4), region=region, probe=probe)
             guidance.prepared.wait()
             watches.append(guidance)
-        asking = BoneWatch(session, bone, lambda imaging: model, region=region, probe=probe) if model else None
+        asking = BoneWatch(session, growing, lambda imaging: model, region=region, probe=probe) if model else None
         watches += [asking] if asking else []
         session.start()
         began, samples, p99s, snapshots = time.monotonic(), [], [], []

@@ -38,10 +38,10 @@ def hasBone(parameters, live: bool = False) -> bool:
 def whyNoBone(parameters, live: bool = False) -> str:
     """What is missing of the source that is chosen; empty where nothing is: without bone of a CT a sweep is averaged."""
     source, model = parameters.boneSource, fileFrom(parameters.boneModelPath)
-    if source == BoneSource.MODEL and model is None:
-        return _("Choose the file of the network, or let something else tell where bone is.")
-    if source == BoneSource.MODEL and not model.is_file():
-        return _("There is no file {path}.").format(path=model)
+    if source == BoneSource.MODEL:
+        if model is None:
+            return _("Choose the file of the network, or let something else tell where bone is.")
+        return "" if model.is_file() else _("There is no file {path}.").format(path=model)
     if source == BoneSource.PREDICTIONS:
         return _whyNotStreamed(parameters) if live else _whyNotRecorded(parameters)
     return ""
