@@ -37,7 +37,7 @@ def main(words: list[str]) -> int:
         output.mkdir(parents=True, exist_ok=True)
         with ProgressBar() as progress:
             rows = real_bone_rows(bone, output, arguments.jobs, progress)
-            page, echoes = output / "real-bone.md", traced_echoes(bone.sequence, bone.truth, every=2)
+            page, echoes = output / "real-bone.md", traced_echoes(bone.sequence, bone.truth, every=4)
             angles, shadows = angle_rows(echoes), shadow_rows(echoes)
             write_text(page, real_bone_page(rows, angle_tables(angles, shadows)))
             written = [page, *real_bone_figures(output, bone, rows), angle_figure(output, angles, shadows)]

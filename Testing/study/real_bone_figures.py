@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SOURCE = "Ultrasound and CT: UltraBones100k (Wu, Cavalcanti, Seibold et al.), CC BY 4.0; reconstructed by AIFRecon."
-SHOWN = ("average", "confidence-weighted", CONTRAST, *BONE_METHODS)
+SHOWN = ("average", CONTRAST, *BONE_METHODS)
 CURVES = {**COLORS, "confidence-weighted": "#5b8f4e", CONTRAST: "#a05fa8"}
 PLACES = (0.15, 0.4, 0.65, 0.9)
 """Of the cuts along the bone: parts of its points that lie before."""
