@@ -172,6 +172,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
         "worst_latency_p99_ms": 1000 * max((p99 for p99 in p99s if np.isfinite(p99)), default=float("nan")),
         "cores_used": computed,
         "bone_looked_for_per_s": asked_of_model,
+        "bone_problem": str(asking.state.problem) if asking and asking.state.problem else None,
         "snapshot_ms": 1000 * float(np.median(snapshots)) if snapshots else None,
         "memory_mib": samples[-1],
         "memory_growth_mib": samples[-1] - settled[0],

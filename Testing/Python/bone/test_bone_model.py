@@ -214,6 +214,16 @@ def test_logits_that_pass_for_probabilities_are_refused_with_the_frame(tmp_path)
         OnnxModel(path).estimate(TrackedFrame(GRAY, np.eye(4), number=7))
 
 
+def test_the_network_that_is_trained_on_simulated_frames_knows_an_echo_over_darkness():
+    path = Path(__file__).resolve().parents[2] / "models" / "bone.onnx"
+    assert path.stat().st_size < 1.5e6
+    sweep = PlaneSweep(count=1)
+    said = OnnxModel(path).estimate(TrackedFrame(sweep.images[0], sweep.poses[0])).probability
+    depth = sweep.depths(256, 256)[0]
+    assert said[np.abs(depth) < 1].mean() > 0.5
+    assert said[np.abs(depth) > 4].mean() < 0.01
+
+
 def test_data_in_another_file_is_not_opened(tmp_path):
     opened = []
     external(tmp_path / "model.onnx")
