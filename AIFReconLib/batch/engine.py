@@ -121,11 +121,13 @@ def local_workers(count: int, threads: int = 1, memory: int | None = None) -> It
 def own_memory() -> int | None:
     """Bytes that this process, a worker, may take beside what it holds; None of any other process, and where nothing limits it."""
     distributed = sys.modules.get("distributed")
+    if distributed is None:
+        return None
     try:
-        worker = distributed.get_worker() if distributed else None
+        worker = distributed.get_worker()
     except ValueError:
         return None
-    limit = None if worker is None else worker.memory_manager.memory_limit
+    limit = worker.memory_manager.memory_limit
     return int(limit - worker.monitor.get_process_memory()) if limit else None
 
 

@@ -94,9 +94,9 @@ def jobs() -> Iterator[Job]:
         yield Job(job.over, job.grid.voxels, job.sweep, job.grid, job.bone)
     for threads in sorted({1, 2, *(2**n for n in range(usable_cores().bit_length())), usable_cores()}):
         if threads <= usable_cores():
-            yield _job("threads", threads, lambda threads=threads: patch.dict(os.environ, NUMBA_NUM_THREADS=str(threads)))
+            yield _job("threads", threads, partial(patch.dict, os.environ, NUMBA_NUM_THREADS=str(threads)))
     for parts in PARTS:
-        yield _job("parts", parts, lambda parts=parts: patch.object(reconstruction, "cut_into_parts", partial(_cut, parts)))
+        yield _job("parts", parts, partial(patch.object, reconstruction, "cut_into_parts", partial(_cut, parts)))
 
 
 def _job(
@@ -139,7 +139,7 @@ def measure(repeats: int) -> list[Point]:
 
 def slopes(points: list[Point]) -> list[tuple[str, ...]]:
     """A table: what a job takes at the least and at the most of each amount, and the exponent of the growth between them."""
-    rows = [("over", "method", "from", "to", "seconds", "to", "exponent at the end")]
+    rows: list[tuple[str, ...]] = [("over", "method", "from", "to", "seconds", "to", "exponent at the end")]
     for over in dict.fromkeys(point.over for point in points):
         for method in METHODS:
             some = [point for point in points if (point.over, point.method) == (over, method)]

@@ -13,7 +13,9 @@ import argparse
 import json
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -75,12 +77,12 @@ def _least(works: dict[str, Callable[[], object]], repeats: int) -> dict[str, fl
     return least
 
 
-def measure(repeats: int) -> list[dict[str, object]]:
+def measure(repeats: int) -> list[dict[str, Any]]:
     """Every method beside its limit, on sweeps along the grid and across it."""
     loops = optional_module("benchmark.numba_yardstick")
     if loops is None:
         raise SystemExit("The limits are those of compiled loops: install numba.")
-    found: list[dict[str, object]] = []
+    found: list[dict[str, Any]] = []
     cases = [(turn, spacing) for turn in (0.0, TURN_DEG) for spacing in SPACINGS]
     with ProgressBar() as progress:
         for number, (turn, spacing) in enumerate(cases):
@@ -92,16 +94,16 @@ def measure(repeats: int) -> list[dict[str, object]]:
             counts, latest = hits.view(np.uint32), np.zeros(grid.voxels, np.uint8)
             images, room = np.stack([frame.placed()[0] for frame in sweep]), np.empty((FRAMES, ROWS, COLUMNS), np.uint8)
             works: dict[str, Callable[[], object]] = {
-                "copy": lambda images=images, room=room: np.copyto(room, images),
-                "packed": lambda v=voxels, p=pixels, a=packed: loops.add_packed(v, p, a),
-                "hit": lambda v=voxels, p=pixels, a=latest, h=counts: loops.hit(v, p, a, h),
-                "weighed": lambda v=voxels, p=pixels, a=value, w=weight, h=counts: loops.add_weighed(v, p, a, w, h),
+                "copy": partial(np.copyto, room, images),
+                "packed": partial(loops.add_packed, voxels, pixels, packed),
+                "hit": partial(loops.hit, voxels, pixels, latest, counts),
+                "weighed": partial(loops.add_weighed, voxels, pixels, value, weight, counts),
             }
             for method in METHODS:
                 settings = ReconstructionSettings(method=method, engine="numba")
                 known = bone if method in BONE_METHODS else None
                 reconstructor = Reconstructor(grid, settings, known, probe=PROBE, threads=1)
-                works[method] = lambda r=reconstructor, s=sweep: r.insert(s)
+                works[method] = partial(reconstructor.insert, sweep)
             least = _least(works, repeats)
             ns = {name: 1e9 * seconds / (FRAMES * ROWS * COLUMNS) for name, seconds in least.items()}
             where = f"turned {turn:g} degrees" if turn else "along the grid"
@@ -123,7 +125,7 @@ def main(words: list[str] | None = None) -> None:
     busy = busy_share()
     found = measure(arguments.repeats)
     print("\n".join(filter(None, (machine(), busy_warning(busy)))))
-    rows = [HEADING]
+    rows: list[tuple[str, ...]] = [HEADING]
     for row in found:
         limit = row["limit_ns"]
         beside = ("", "") if limit is None else (f"{limit:.2f}", f"{row['ns'] / limit:.1f}")
