@@ -120,8 +120,10 @@ class Agreement:
 
     @property
     def bone_belief(self) -> float:
-        """How far that map is to be believed, 0 to 1, in steps of 0.01."""
-        return round(min(1.0, SURE_WIDTH / self.bone_width), 2)
+        """How far that map is to be believed, 0 to 1, in steps of 0.01: it goes on falling where the width has its limit."""
+        if not np.isfinite(self.upper_quartile):
+            return round(SURE_WIDTH / LARGEST_WIDTH, 2)
+        return round(SURE_WIDTH / max(WIDTH_PER_MM * self.upper_quartile, SURE_WIDTH), 2)
 
     @property
     def explained(self) -> float:

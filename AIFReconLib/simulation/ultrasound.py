@@ -60,6 +60,9 @@ FINE_ELEVATIONS = np.linspace(-2.0, 2.0, 25)
 SHADOW_FALL = 0.4
 """mm over which the shadow sets in."""
 
+CLUTTER_DB, CLUTTER_FALL = 19.5, 1.4
+"""Echo right behind bone where its shadow is not empty, in dB above the smallest on the screen, and by how many dB per mm it falls: what
+real shadows hold (docs/decisions/0022)."""
 
 Field = NDArray[np.complex64]
 """Echoes on scan lines, with their phases."""
@@ -80,7 +83,7 @@ class UltrasoundTarget(Protocol):
 
 @dataclass(frozen=True)
 class UltrasoundEffects:
-    """What the simulation includes; everything by default.
+    """What the simulation includes; everything but `clutter` by default.
 
     Parameters
     ----------
@@ -104,6 +107,8 @@ class UltrasoundEffects:
         Of the receiver.
     log_compression : bool
         Off: gray is amplitude, 255 for bone met squarely.
+    clutter : bool
+        Reverberation and clutter behind bone, which leave a real shadow gray. Off by default: see docs/decisions/0022.
     """
 
     tissue: bool = True
@@ -117,6 +122,7 @@ class UltrasoundEffects:
     reverberation: bool = True
     noise: bool = True
     log_compression: bool = True
+    clutter: bool = False
 
 
 def specular_echo(cosine: ArrayLike, effects: UltrasoundEffects) -> Floats:
@@ -261,6 +267,10 @@ def _tissue(
         weights = _elevation_weights(hits.shape[1])
         reached = np.clip((hits[:, None, :] - ranges[None, :, None]) / SHADOW_FALL + 1.0, 0.0, 1.0)
         amplitude = amplitude * np.sqrt(reached @ weights)
+        if effects.clutter:
+            behind = np.maximum(ranges[None, :, None] - hits[:, None, :], 0.0)
+            clutter = ((1.0 - reached) * 10.0 ** ((CLUTTER_DB - CLUTTER_FALL * behind) / 10.0)) @ weights
+            amplitude = np.hypot(amplitude, np.sqrt(clutter))
     full = np.empty((probe.lines, probe.samples), dtype=np.float32)
     full[:, ::2] = amplitude
     full[:, 1:-1:2] = (amplitude[:, : full[:, 1:-1:2].shape[1]] + amplitude[:, 1 : full[:, 1:-1:2].shape[1] + 1]) / 2

@@ -20,9 +20,12 @@ from AIFReconLib.settings import BONE_METHODS, ReconstructionSettings
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import ProbePath, TrackingErrors, ct_misregistration, multi_angle_sweep, simulate_sweep, single_angle_sweep
+from AIFReconLib.simulation.ultrasound import UltrasoundEffects
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
+
+from .reference_methods import confidence_weighted_sector, incidence_weighted
 
 SPACING = 1.0
 HOLE_LIMIT = 2.0
@@ -32,6 +35,9 @@ SIGMA = 4.0
 BEAM_THICKNESS = 3.0
 MULTI_FRAMES, SINGLE_FRAMES = 360, 120
 METHODS = ("average", "aif", "aif-compensated", "weighted")
+REFERENCES = (confidence_weighted_sector.name, incidence_weighted.name)
+"""Methods of others, tried with exact poses and CT."""
+
 MISREGISTRATIONS = {
     "CT 1 mm off": (1.0, 0.0),
     "CT 2 mm off": (2.0, 0.0),
@@ -40,6 +46,9 @@ MISREGISTRATIONS = {
     "CT 5 deg off": (0.0, 5.0),
 }
 """Length of the shift in a random direction, mm, and angle about a random axis through the middle vertebra, degrees."""
+
+GRAY_SHADOWS = "gray shadows"
+"""The condition in which reverberation and clutter lie behind bone, as in real images; otherwise shadows are black."""
 
 OF_MULTI = "single-angle, of what multi-angle reaches"
 TRACKER_NOISE = TrackingErrors(noise=0.5, noise_deg=1.0)
@@ -66,7 +75,7 @@ class Scan:
 
 
 def patient_rows(seed: int, own: tuple[str, ...] = ()) -> list[Row]:
-    """All reconstructions of one simulated patient, with methods of one's own by their names. About six minutes on one core."""
+    """All reconstructions of one simulated patient, with methods of one's own by their names. About ten minutes on one core."""
     for method in own:
         load_method(method)
     bone_methods = (*BONE_METHODS, *filter(method_needs_bone, own))
@@ -85,11 +94,14 @@ def patient_rows(seed: int, own: tuple[str, ...] = ()) -> list[Row]:
     noisy = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed=seed, errors=TRACKER_NOISE)
     noisy_scan = Scan(_configured(noisy, probe), multi.truth)
     rows += [_row(seed, "multi-angle", "tracker noise", method, noisy_scan, phantom.labels) for method in (*METHODS, *own)]
+    gray = simulated_scan(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed, UltrasoundEffects(clutter=True))
+    rows += [_row(seed, "multi-angle", GRAY_SHADOWS, method, gray, phantom.labels) for method in (*METHODS, *REFERENCES)]
     return rows + _controls(seed, phantom, probe, multi)
 
 
 def _exact(seed: int, name: str, scan: Scan, labels: Volume, own: tuple[str, ...] = ()) -> list[Row]:
-    rows = [_row(seed, name, "exact", method, scan, labels) for method in ("average", "latest", "maximum", *BONE_METHODS, *own)]
+    methods = ("average", "latest", "maximum", *BONE_METHODS, *REFERENCES, *own)
+    rows = [_row(seed, name, "exact", method, scan, labels) for method in methods]
     return rows + [_row(seed, name, "exact", method, scan, labels, "surface") for method in BONE_METHODS]
 
 
@@ -127,9 +139,11 @@ def _row(seed: int, scan_name: str, condition: str, method: str, scan: Scan, lab
     return Row(seed, scan_name, condition, method, direction if needs_bone else "", metrics)
 
 
-def simulated_scan(phantom: LumbarPhantom, probe: PhasedArray, path: ProbePath, seed: int) -> Scan:
+def simulated_scan(
+    phantom: LumbarPhantom, probe: PhasedArray, path: ProbePath, seed: int, effects: UltrasoundEffects | None = None
+) -> Scan:
     """A simulated sweep along a path, with a configuration as a recording has one, and the bone that its beams could show."""
-    return scan_of(_configured(simulate_sweep(phantom, probe, path, seed=seed), probe), phantom, probe)
+    return scan_of(_configured(simulate_sweep(phantom, probe, path, effects=effects, seed=seed), probe), phantom, probe)
 
 
 def scan_of(sequence: TrackedSequence, phantom: LumbarPhantom, probe: PhasedArray) -> Scan:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from AIFReconLib.settings import is_own_method
 
-from .method_cases import METHODS, MISREGISTRATIONS, MULTI_FRAMES, OF_MULTI, SIGMA, SINGLE_FRAMES, SPACING, Row
+from .method_cases import GRAY_SHADOWS, METHODS, MISREGISTRATIONS, MULTI_FRAMES, OF_MULTI, SIGMA, SINGLE_FRAMES, SPACING, Row
 from .patients import Spread, spread_of
 
 COLUMNS = (
@@ -37,7 +37,6 @@ def study_page(rows: list[Row]) -> str:
     """
     patients = len({row.seed for row in rows})
     multi = {"scan": "multi-angle", "condition": "exact"}
-    own = _own(rows)
     average = ("average (any CT)", {**multi, "method": "average"})
     sections = {
         "Exact poses and CT, multi-angle": _exact(rows, "multi-angle"),
@@ -58,11 +57,21 @@ def study_page(rows: list[Row]) -> str:
             + [
                 (f"{condition}, {method}", {**multi, "condition": condition, "method": method})
                 for condition in ("exact", *MISREGISTRATIONS)
-                for method in own
+                for method in _own(rows, "CT 1 mm off")
             ],
         ),
         "Tracker noise of 0.5 mm and 1 degree": _table(
-            rows, [(method, {**multi, "condition": "tracker noise", "method": method}) for method in (*METHODS, *own)]
+            rows,
+            [(method, {**multi, "condition": "tracker noise", "method": method}) for method in (*METHODS, *_own(rows, "tracker noise"))],
+        ),
+        "Shadows that are gray, as real ones are": _table(
+            rows,
+            [
+                (f"{condition}, {method}", {**multi, "condition": condition, "method": method, "direction": direction})
+                for method in (*METHODS, *_own(rows, GRAY_SHADOWS))
+                for condition in ("exact", GRAY_SHADOWS)
+                for direction in sorted({row.direction for row in rows if row.method == method} - {"surface"})
+            ],
         ),
         "A wrong CT": _table(rows, [average, *_conditions(WRONG, METHODS[2:])]),
         "One spinous process that the CT lacks, or shows where there is none": _table(
@@ -77,9 +86,9 @@ def study_page(rows: list[Row]) -> str:
     return "\n\n".join([head, *(f"### {title}\n\n{table}" for title, table in sections.items())]) + "\n"
 
 
-def _own(rows: list[Row]) -> list[str]:
-    """The methods of one's own among the rows."""
-    return list(dict.fromkeys(row.method for row in rows if is_own_method(row.method)))
+def _own(rows: list[Row], condition: str) -> list[str]:
+    """The methods of one's own, and of others, that were tried in a condition."""
+    return list(dict.fromkeys(row.method for row in rows if row.condition == condition and is_own_method(row.method)))
 
 
 def _conditions(conditions: Iterable[str], methods: Iterable[str]) -> list[tuple[str, dict[str, str]]]:
@@ -91,7 +100,7 @@ def _exact(rows: list[Row], scan: str) -> str:
     lines = [(method, {**wanted, "method": method, "direction": ""}) for method in ("average", "latest", "maximum")]
     for method in METHODS[1:]:
         lines += [(f"{method}, {d}", {**wanted, "method": method, "direction": d}) for d in ("gradient", "surface")]
-    lines += [(method, {**wanted, "method": method}) for method in _own(rows)]
+    lines += [(method, {**wanted, "method": method}) for method in _own(rows, "exact")]
     return _table(rows, lines)
 
 

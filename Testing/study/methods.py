@@ -2,7 +2,7 @@
 
     python Testing/study methods --output study-output
 
-writes study.md and study.png. About six minutes per patient and core; an interrupted study goes on where it stopped.
+writes study.md and study.png. About ten minutes per patient and core; an interrupted study goes on where it stopped.
 """
 
 from __future__ import annotations

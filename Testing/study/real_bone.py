@@ -2,7 +2,7 @@
 
     python Testing/study real_bone --output real-bone-output
 
-writes real-bone.md and three pictures; an interrupted run goes on where it stopped. Half an hour on one core.
+writes real-bone.md and four pictures; an interrupted run goes on where it stopped. Half an hour on one core.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.terminal.console import ProgressBar
 
 from .command import reported
+from .real_bone_angles import angle_rows, angle_tables, shadow_rows, traced_echoes
 from .real_bone_cases import RealBone, real_bone_rows
-from .real_bone_figures import real_bone_figures
+from .real_bone_figures import angle_figure, real_bone_figures
 from .real_bone_page import real_bone_page
 
 
@@ -36,9 +37,10 @@ def main(words: list[str]) -> int:
         output.mkdir(parents=True, exist_ok=True)
         with ProgressBar() as progress:
             rows = real_bone_rows(bone, output, arguments.jobs, progress)
-            page = output / "real-bone.md"
-            write_text(page, real_bone_page(rows))
-            written = [page, *real_bone_figures(output, bone, rows)]
+            page, echoes = output / "real-bone.md", traced_echoes(bone.sequence, bone.truth, every=2)
+            angles, shadows = angle_rows(echoes), shadow_rows(echoes)
+            write_text(page, real_bone_page(rows, angle_tables(angles, shadows)))
+            written = [page, *real_bone_figures(output, bone, rows), angle_figure(output, angles, shadows)]
         return [f"{len(rows)} reconstructions of a real bone", *map(str, written)]
 
     return reported(work_through)

@@ -16,7 +16,7 @@ from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
-from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_labels
@@ -30,6 +30,7 @@ from AIFReconLib.sweep.poses import sweep_poses
 
 from .patients import run_tasks
 from .real_bone_measures import by_incidence, false_bone, precision, reached_points
+from .reference_methods import confidence_weighted, incidence_weighted, largest_contrast
 
 SPACING, HOLE_LIMIT = 0.5, 1.0
 SIGMA = 4.0
@@ -40,6 +41,13 @@ PROBE = ProbeGeometry(LINEAR)
 ALL = "all"
 PASS_GAP, PASS_FRAMES = 1.0, 20
 """s without a frame that part two passes, and the fewest frames of one."""
+
+CONTRAST = "largest contrast"
+REFERENCES = {"confidence-weighted": confidence_weighted.name, "incidence-weighted": incidence_weighted.name, CONTRAST: "average"}
+"""Methods of others, by what they are called here, and the method that makes their volumes; the last joins those of single passes."""
+
+WITH_BONE = (*BONE_METHODS, "incidence-weighted")
+"""Methods that need a bone map."""
 
 SHIFTS, TURNS, WIDTHS = (1.0, 2.0, 4.0, 6.0), (2.0, 5.0), (1.5, 2.0, 6.0)
 """mm, degrees, and mm of the bone map."""
@@ -122,7 +130,7 @@ class RealBone:
     def cases(self) -> Iterator[Case]:
         """Everything that is tried."""
         with_bone = ("average", *BONE_METHODS)
-        yield Case("CT in place", ("average", "latest", "maximum", *BONE_METHODS))
+        yield Case("CT in place", ("average", "latest", "maximum", *REFERENCES, *BONE_METHODS))
         for name in self.passes:
             if name != ALL:
                 yield Case("CT in place", with_bone, name)
@@ -147,15 +155,21 @@ class RealBone:
             metrics.update(by_incidence(result.intensity, self.truth, result.mask))
         else:
             metrics.update(false_bone(result.intensity, self.truth, case.ct_error))
-        return Row(case.condition, case.frames, method, case.sigma if method in BONE_METHODS else 0.0, metrics)
+        return Row(case.condition, case.frames, method, case.sigma if method in WITH_BONE else 0.0, metrics)
 
     def reconstructed(self, case: Case, method: str) -> Reconstruction:
         """The volume of a case by a method; where none of it depends on the CT, that made before."""
-        if method in BONE_METHODS:
+        if method in WITH_BONE:
             return self._reconstruct(self.passes[case.frames], method, self._placed_map(case, method))
         if (method, case.frames) not in self._without_ct:
-            self._without_ct[method, case.frames] = self._reconstruct(self.passes[case.frames], method, None)
+            made = self._joined() if method == CONTRAST else self._reconstruct(self.passes[case.frames], method, None)
+            self._without_ct[method, case.frames] = made
         return self._without_ct[method, case.frames]
+
+    def _joined(self) -> Reconstruction:
+        """Plain means of the single passes, joined by their contrast."""
+        grid = self.reconstructed(Case("CT in place", ("average",)), "average").grid
+        return largest_contrast([self._reconstruct(each, "average", None, grid) for name, each in self.passes.items() if name != ALL])
 
     @cached_property
     def _without_ct(self) -> dict[tuple[str, str], Reconstruction]:
@@ -178,9 +192,9 @@ class RealBone:
             self._maps[sigma] = BoneMap.from_labels(self.labels, sigma_mm=sigma)
         return self._maps[sigma]
 
-    def _reconstruct(self, sequence: TrackedSequence, method: str, bone: BoneMap | None) -> Reconstruction:
-        settings = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT)
-        return reconstruct(sequence, settings, bone, probe=PROBE)
+    def _reconstruct(self, sequence: TrackedSequence, method: str, bone: BoneMap | None, grid: VoxelGrid | None = None) -> Reconstruction:
+        settings = ReconstructionSettings(method=REFERENCES.get(method, method), spacing=SPACING, hole_limit=HOLE_LIMIT)
+        return reconstruct(sequence, settings, bone, grid=grid, probe=PROBE)
 
     @cached_property
     def axes(self) -> np.ndarray:
@@ -206,7 +220,7 @@ class RealBone:
 
 def real_bone_rows(bone: RealBone, folder: Path, jobs: int = 2, progress: Progress | None = None) -> list[Row]:
     """The rows of all cases, made or, where an earlier run has written them to `folder`, read: one file for each case and method."""
-    given = {f"{case.name}-{method}": (bone.folder, case, method) for case in bone.cases() for method in case.methods}
+    given = {f"{case.name}-{method}".replace(" ", "-"): (bone.folder, case, method) for case in bone.cases() for method in case.methods}
     return run_tasks(_rows_of, given, Row, folder, jobs, progress, "reconstructions")
 
 

@@ -1,4 +1,4 @@
-"""The study on real bone in pictures: cuts across it, its surface seen from the probe, and curves."""
+"""The study on real bone in pictures: cuts across it, its surface seen from the probe, curves, and its echoes by the angle."""
 
 from __future__ import annotations
 
@@ -15,15 +15,17 @@ from AIFReconLib.io.disk.atomic import atomic_output
 from AIFReconLib.settings import BONE_METHODS
 
 from .method_figure import COLORS
-from .real_bone_cases import ALL, SIGMA, Case, RealBone, Row
+from .real_bone_cases import ALL, CONTRAST, SIGMA, Case, RealBone, Row
 from .real_bone_measures import INCIDENCES, THRESHOLDS, incidence, surface_response
 from .real_bone_page import IN_PLACE
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 SOURCE = "Ultrasound and CT: UltraBones100k (Wu, Cavalcanti, Seibold et al.), CC BY 4.0; reconstructed by AIFRecon."
-SHOWN = ("average", *BONE_METHODS)
+SHOWN = ("average", "confidence-weighted", CONTRAST, *BONE_METHODS)
+CURVES = {**COLORS, "confidence-weighted": "#5b8f4e", CONTRAST: "#a05fa8"}
 PLACES = (0.15, 0.4, 0.65, 0.9)
 """Of the cuts along the bone: parts of its points that lie before."""
 
@@ -32,7 +34,7 @@ CUT, PITCH = 30.0, 0.25
 
 
 def real_bone_figures(folder: Path, bone: RealBone, rows: list[Row]) -> list[Path]:
-    """Draw all three; the answer names the files.
+    """Draw what volumes show; the answer names the files.
 
     Raises
     ------
@@ -52,6 +54,50 @@ def real_bone_figures(folder: Path, bone: RealBone, rows: list[Row]) -> list[Pat
         with atomic_output(folder / name) as temporary:
             figure.savefig(temporary, dpi=110, format="png")
     return [folder / name for name in drawn]
+
+
+def angle_figure(folder: Path, angles: list[dict[str, float]], shadows: list[dict[str, float]]) -> Path:
+    """How bright real bone is by the angle, and what is left behind it, as `angle_rows` and `shadow_rows` have it."""
+    figure = _figure(12.0, 3.8)
+    levels, shares, shadow = figure.subplots(1, 3)
+    middles = [row["middle"] for row in angles]
+
+    def drawn(ax: Axes, rows: list[dict[str, float]], x: list[float], name: str, label: str, color: str, style: str = "-") -> None:
+        ax.plot(x, [row[name] for row in rows], style, color=color, label=label, marker="o", markersize=3.5)
+
+    levels.fill_between(middles, *([row[f"peak_{part}"] for row in angles] for part in (25, 75)), color="#e07b00", alpha=0.2, linewidth=0)
+    for name, label, color in (
+        ("peak", "echo of bone", "#e07b00"),
+        ("elsewhere", "traced 6 mm before", "#8a8a8a"),
+        ("tissue", "tissue", "#7fb2e5"),
+    ):
+        drawn(levels, angles, middles, name, label, color)
+    for name, label, color in (("share", "real", "#e07b00"), ("simulated", "simulated", "#2f6db3"), ("cosine", "cosine", "#8a8a8a")):
+        drawn(shares, angles, middles, name, label, color, "--" if name == "cosine" else "-")
+    behind = [(row["near"] + row["far"]) / 2 for row in shadows]
+    for name, label, color in (
+        ("gray", "real", "#e07b00"),
+        ("black", "simulated, black", "#8a8a8a"),
+        ("clutter", "simulated, clutter", "#2f6db3"),
+    ):
+        drawn(shadow, shadows, behind, name, label, color)
+    for ax, title, label in (
+        (levels, "gray level; band: quartiles of the echo", "angle of incidence, degrees"),
+        (shares, "echo over tissue, of that met squarely", "angle of incidence, degrees"),
+        (shadow, "gray level in the shadow", "mm behind the echo"),
+    ):
+        ax.set_title(title, fontsize=10, loc="left")
+        ax.set_xlabel(label, fontsize=9)
+        ax.set_ylim(bottom=0)
+        ax.grid(linewidth=0.3)
+        ax.legend(frameon=False, fontsize=8)
+        for side in ("top", "right"):
+            ax.spines[side].set_visible(False)
+    figure.supxlabel(SOURCE.replace("; reconstructed by AIFRecon", ""), fontsize=8)
+    path = folder / "real-bone-angles.png"
+    with atomic_output(path) as temporary:
+        figure.savefig(temporary, dpi=110, format="png")
+    return path
 
 
 def _figure(width: float, height: float) -> Figure:
@@ -120,8 +166,8 @@ def _curves(rows: list[Row]) -> Figure:
     covered, contrast, precise = figure.subplots(1, 3)
     middles = [(low + high) / 2 for low, high in pairwise(INCIDENCES)]
     for row in rows:
-        if row.method in COLORS:
-            look = {"color": COLORS[row.method], "label": row.method, "marker": "o", "markersize": 3.5}
+        if row.method in CURVES:
+            look = {"color": CURVES[row.method], "label": row.method, "marker": "o", "markersize": 3.5}
             covered.plot(middles, [100 * row.metrics[f"bone_coverage_{low}"] for low in INCIDENCES[:-1]], **look)
             contrast.plot(middles, [row.metrics[f"bone_cnr_{low}"] for low in INCIDENCES[:-1]], **look)
             curve = [(100 * row.metrics[f"shown_{level}"], 100 * row.metrics[f"precision_{level}"]) for level in THRESHOLDS]

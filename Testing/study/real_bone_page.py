@@ -35,8 +35,8 @@ METHODS = ("average", *BONE_METHODS)
 SHOWN = (120, 150, BRIGHT, 210)
 
 
-def real_bone_page(rows: list[Row]) -> str:
-    """The tables as Markdown."""
+def real_bone_page(rows: list[Row], angles: str = "") -> str:
+    """The tables as Markdown; `angles` is that of `angle_tables`."""
     sections = {
         "CT in place, all frames": _table(COLUMNS, [(row.method, row) for row in rows if _exact(row)]),
         "CT in place, single passes": _table(
@@ -54,11 +54,13 @@ def real_bone_page(rows: list[Row]) -> str:
             ],
         ),
         "A misplaced CT": _misplaced(rows),
+        **({"Real bone by the angle, and its shadow": angles} if angles else {}),
     }
     head = (
         f"Voxels of {SPACING:g} mm, holes to {HOLE_LIMIT:g} mm, bone map of {SIGMA:g} mm where nothing else is said, of "
         "weighted by how well CT and sweep agree. Of the voxels above "
-        f"a gray level within 8 mm of the bone, so many lie within 1.5 mm of its surface, deeper inside it, and farther outside. {SOURCE}"
+        "a gray level within 8 mm of the bone, so many lie within 1.5 mm of its surface, deeper inside it, and farther outside. "
+        f"confidence-weighted, incidence-weighted and largest contrast are methods of others (`reference_methods.py`). {SOURCE}"
     )
     return "\n\n".join([head, *(f"### {title}\n\n{table}" for title, table in sections.items())]) + "\n"
 

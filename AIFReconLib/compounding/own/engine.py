@@ -66,7 +66,9 @@ class OwnMethodEngine:
             pixels, voxels = pixels[measured], voxels[measured]
         if not pixels.size:
             return 0
-        frame = _Frame(batch, place, layout, scan_lines, self._maximum, pixels, voxels, self._bone)
+        # Bone that is there for the sake of the best cosine alone must change no voxel
+        expected = self._bone if self.method.needs_bone else None
+        frame = _Frame(batch, place, layout, scan_lines, self._maximum, pixels, voxels, self._bone, expected)
         number = batch.numbers[place]
         answer = self.method.weigh({name: frame.array(name) for name in self.method.arrays}, number)
         # A view is enough where all enter
@@ -90,7 +92,10 @@ class OwnMethodEngine:
 
 
 class _Frame:
-    """One frame as a method sees it; the pixels in the volume are `pixels` (m,), numbers of the layout's, in `voxels` (m,)."""
+    """One frame as a method sees it; the pixels in the volume are `pixels` (m,), numbers of the layout's, in `voxels` (m,).
+
+    `expected` is the bone whose word counts where onsets compete, if any.
+    """
 
     def __init__(
         self,
@@ -102,10 +107,11 @@ class _Frame:
         pixels: Integers,
         voxels: Integers,
         bone: BoneOnGrid | None,
+        expected: BoneOnGrid | None,
     ):
         self._image, self._axes, self._layout = batch.images[place], batch.axes[place], layout
         self._scan_lines, self._maximum, self._image_to_ijk = scan_lines, maximum, batch.image_to_ijk[place]
-        self._pixels, self._voxels, self._bone = pixels, voxels, bone
+        self._pixels, self._voxels, self._bone, self._expected = pixels, voxels, bone, expected
         self._evidence: FrameEvidence | None = None
 
     def array(self, name: str) -> Singles:
@@ -120,8 +126,8 @@ class _Frame:
             if self._scan_lines is None:
                 raise ValueError("Input scan_lines must be given for a method that looks at shadows; got None.")
             expected = None
-            if self._bone is not None:
-                expected = self._scan_lines.expected(self._bone.map_probability, self._bone.ijk_to_map @ self._image_to_ijk)
+            if self._expected is not None:
+                expected = self._scan_lines.expected(self._expected.map_probability, self._expected.ijk_to_map @ self._image_to_ijk)
             self._evidence = self._scan_lines.evidence(self._layout.values(self._image), self._maximum, expected)
         return self._layout.filled(self._evidence.reach if name == "reach" else self._evidence.onset)
 

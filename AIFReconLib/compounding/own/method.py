@@ -173,7 +173,8 @@ def register_method(function: Callable[..., Answer]) -> Method:
         ``reach``
             How surely sound reached the pixel, 0.01 to 1.01, by the shadows of the frame itself.
         ``onset``
-            How surely a shadow begins there, 0 to 1.
+            How surely a shadow begins there, 0 to 1. Of a method that needs a bone map, the map chooses where several places of a scan line
+            compete; of another, the frame alone.
 
         Other arguments must have a default. It returns weight and value of every pixel, as arrays like those or as one number for all.
         A voxel becomes the sum of weight times value over the sum of weights; a pixel of weight 0 does not enter.

@@ -50,6 +50,11 @@ def reached(intensity, reach):
     return reach, intensity
 
 
+@register_method
+def onsets(intensity, onset):
+    return 0.1 + onset, intensity
+
+
 def reconstructed(method, frames=None, grid=None, bone=BONE, **others) -> Reconstruction:
     chosen = {"output_type": "float32", "hole_limit": 0.0, **others}
     reconstructor = Reconstructor(
@@ -75,9 +80,9 @@ def test_an_equal_weight_for_all_is_the_average_to_the_last_bit(kind):
     assert_same_voxels(reconstructed(plain_mean, frames), reconstructed("average", frames))
 
 
-def test_weighted_from_its_formulas_is_the_built_in_one():
+def shadowed(method, bone=BONE, **others) -> Reconstruction:
+    """Of frames with a bright line and darkness behind it, at the depth of the bone, so that shadows begin."""
     rng = np.random.default_rng(3)
-    # A bright line with darkness behind it, at the depth of the bone, so that shadows begin
     frames = [
         TrackedFrame(frame.placed()[0].copy(), frame.placed()[1], number=frame.number) for frame in oblique_frames(count=6, shape=(60, 34))
     ]
@@ -85,19 +90,23 @@ def test_weighted_from_its_formulas_is_the_built_in_one():
         image = frame.placed()[0]
         image[:] = rng.integers(40, 90, image.shape)
         image[28:30], image[30:] = 250, 1
-    fan = ImageRegion()
-    one, other = (
-        Reconstructor(
-            turned_grid(), ReconstructionSettings(method=method, output_type="float32", hole_limit=0.0), BONE, probe=PROBE, region=fan
-        )
-        for method in (weighted_again.name, "weighted")
-    )
-    one.insert(frames)
-    other.insert(frames)
-    ours, built_in = one.finish(), other.finish()
+    settings = ReconstructionSettings(method=getattr(method, "name", method), output_type="float32", hole_limit=0.0, **others)
+    reconstructor = Reconstructor(turned_grid(), settings, bone, probe=PROBE, region=ImageRegion())
+    reconstructor.insert(frames)
+    return reconstructor.finish()
+
+
+def test_weighted_from_its_formulas_is_the_built_in_one():
+    ours, built_in = shadowed(weighted_again), shadowed("weighted")
     np.testing.assert_array_equal(ours.hits, built_in.hits)
     np.testing.assert_allclose(ours.intensity, built_in.intensity, rtol=2e-5, atol=1e-3)
     assert np.ptp(ours.score.array[ours.hits.array > 0]) > 1.0, "no shadow began: nothing was compared"
+
+
+def test_a_method_that_asks_for_no_bone_is_the_same_where_the_best_cosine_is_kept():
+    plain = shadowed(onsets, bone=None)
+    assert np.ptp(plain.score) > 0, "no shadow began: nothing was compared"
+    assert_same_voxels(shadowed(onsets, best_cosine=True), plain)
 
 
 # ---- parts and whole, order, engines

@@ -65,12 +65,13 @@ def test_echoes_that_bone_could_not_send_back_do_not_widen_the_map():
     assert width_of([0.7] * 10 + [5.0] * 30, [True] * 10 + [False] * 30) == pytest.approx(2.1)
 
 
-def test_a_map_wider_than_2_mm_is_believed_by_2_mm_over_its_width():
+def test_a_map_that_should_be_wider_than_2_mm_is_believed_by_2_mm_over_that_width():
     def belief(off):
         fit = EchoFit(np.full(9, off), np.ones(9, bool))
         return agreement_of(fit, np.ones(9, np.int64)).bone_belief
 
-    assert [belief(off) for off in (0.1, 0.6, 1.0, 5.0)] == pytest.approx([1.0, 1.0, 0.67, 0.33])
+    assert [belief(off) for off in (0.1, 0.6, 1.0, 2.0)] == pytest.approx([1.0, 1.0, 0.67, 0.33])
+    assert belief(5.0) == pytest.approx(0.13), "the width has its limit, the doubt has none"
 
 
 def test_the_widest_map_stands_where_no_echo_lies_near_bone():

@@ -8,6 +8,8 @@ from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.ultrasound import (
+    CLUTTER_DB,
+    CLUTTER_FALL,
     DIFFUSE_SHARE,
     DYNAMIC_RANGE_DB,
     SPECULAR_SLOPE,
@@ -133,6 +135,13 @@ def test_without_noise_the_shadow_is_empty():
 def test_without_shadow_tissue_shows_behind_bone():
     lit = middle_band(frame(Plane(), replace(UltrasoundEffects(), shadow=False)), 52, 80).mean()
     assert lit == pytest.approx(middle_band(frame(NO_BONE, UltrasoundEffects()), 52, 80).mean(), abs=4)
+
+
+def test_with_clutter_a_shadow_has_the_level_that_is_said():
+    column = middle_column(frame(Plane(depth=40.0), replace(NOTHING, tissue=True, shadow=True, clutter=True, log_compression=True)))
+    for behind in (3.0, 10.0):
+        level = CLUTTER_DB - CLUTTER_FALL * behind
+        assert column[row_of(40.0 + behind)] == pytest.approx(1 + level * 254 / DYNAMIC_RANGE_DB, abs=2)
 
 
 def test_without_tissue_the_way_to_bone_is_dark():

@@ -1,0 +1,75 @@
+"""The methods of others that the studies compare with: limits that are known without computing."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from AIFReconLib.compounding.state import Reconstruction
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.simulation.phased_array import PhasedArray
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from study.reference_methods import LEAST, confidence_weighted_sector, incidence_weighted, largest_contrast, random_walk_confidence
+
+
+def test_confidence_falls_evenly_from_the_face_to_the_end_where_nothing_stops_sound():
+    expected = np.linspace(1.0, 0.0, 12)[:, None].repeat(7, axis=1)
+    np.testing.assert_allclose(random_walk_confidence(np.zeros((12, 7))), expected, atol=1e-9)
+
+
+def test_confidence_is_low_behind_a_bright_line_and_unchanged_beside_it():
+    image = np.full((40, 60), 60.0)
+    image[15:17, 10:30], image[17:, 10:30] = 255.0, 5.0
+    confidence = random_walk_confidence(image)
+    assert confidence[25, 20] < 0.1 * confidence[25, 50]
+    assert confidence[8, 20] > 0.9 * confidence[8, 50]
+
+
+def test_confidence_of_a_sector_follows_its_beams():
+    probe = PhasedArray()
+    rows, columns = np.nonzero(probe.region.mask(probe.columns, probe.rows))
+    image = np.zeros((np.ptp(rows) + 1, np.ptp(columns) + 1), np.float32)
+    weight, _ = confidence_weighted_sector(image)
+    x, y = (columns - probe.apex_px[0]) * probe.pixel_spacing, (rows - probe.apex_px[1]) * probe.pixel_spacing
+    expected = np.full(image.shape, LEAST)
+    expected[rows - rows.min(), columns - columns.min()] += 1.0 - (np.hypot(x, y) - probe.radii[0]) / probe.depth
+    np.testing.assert_allclose(weight, expected, atol=0.02)
+
+
+def test_a_beam_that_meets_bone_squarely_counts_a_hundred_times_one_that_grazes_it():
+    weight, value = incidence_weighted(np.array([90.0, 30.0]), np.array([1.0, 0.0]))
+    assert weight[0] == pytest.approx(101 * weight[1])
+    assert value.tolist() == [90.0, 30.0]
+
+
+def view(gray, measured=None):
+    mask = np.ones(gray.shape, np.uint8) if measured is None else measured.astype(np.uint8)
+    intensity = Volume(np.where(mask > 0, gray, 0).astype(np.uint8), np.eye(4))
+    return Reconstruction(intensity, None, None, Volume(mask, np.eye(4)), None, "average", 1, {})
+
+
+def speckle(seed):
+    return np.random.default_rng(seed).integers(20, 90, (14, 15, 16))
+
+
+def test_views_that_agree_are_joined_to_what_each_of_them_shows():
+    np.testing.assert_array_equal(largest_contrast([view(speckle(1))] * 3).intensity.array, speckle(1))
+
+
+def test_what_one_view_alone_has_measured_is_joined_unchanged():
+    measured = np.arange(16) < 6 + 0 * speckle(2)
+    joined = largest_contrast([view(speckle(1)), view(speckle(2), measured)])
+    np.testing.assert_array_equal(joined.intensity.array[~measured], speckle(1)[~measured])
+    assert not largest_contrast([view(speckle(2), measured)]).mask.array[~measured].any()
+
+
+def test_a_line_that_one_of_two_views_shows_stays_brighter_than_in_their_mean():
+    dark = np.full((14, 15, 16), 40)
+    line = dark.copy()
+    line[7] = 240
+    assert largest_contrast([view(line), view(dark)]).intensity.array[7, 5:10, 5:10].min() > 200
