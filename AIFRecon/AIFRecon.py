@@ -206,9 +206,9 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def getParameterNode(self):
         """The parameters of the scene, typed."""
-        from AIFReconGui.parameterNode import AIFReconParameterNode
+        from AIFReconGui.parameterNode import parametersOf
 
-        return AIFReconParameterNode(super().getParameterNode())
+        return parametersOf(super().getParameterNode())
 
     def cleanup(self) -> None:
         """Take what is drawn for orientation out of the scene, and forget what is known of its sweeps."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from .arrays import Integers, NumberType, Reals
 from .bone.map import BoneMap
-from .compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of
+from .compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of, left_beside, memory_to_use
 from .compounding.finishing.results import Results, bytes_of_results
 from .compounding.image_format import ImageKind
 from .compounding.intake import require_kinds
@@ -44,6 +44,13 @@ def _reporting(frames: Iterable[TrackedFrame], count: int, progress: Progress | 
     """The same frames, with a report before each."""
     for done, frame in enumerate(frames):
         report(progress, done / count, "Reconstructing")
+        yield frame
+
+
+def _keeping(frames: Iterable[TrackedFrame], kept: dict[int, TrackedFrame]) -> Iterable[TrackedFrame]:
+    """The same frames, each kept by its number."""
+    for frame in frames:
+        kept[frame.number] = frame
         yield frame
 
 
@@ -160,15 +167,20 @@ def _worked(
     bone: BoneMap | None,
     beside: Collection[str],
     cut: list[Planes],
+    left: float,
     progress: Progress | None,
 ) -> tuple[Reconstructor, Results, FrameCounts, tuple[str, ...]]:
     """Insert the frames into one part of the volume after the other: all of them into the first, those that reach it into each other.
 
-    Returns the first part's reconstructor, the results without their holes filled, what became of the frames, and what is to be said.
+    Frames are read once where their images fit into the `left` bytes of the memory, else again for every part that they reach. Returns
+    the first part's reconstructor, the results without their holes filled, what became of the frames, and what is to be said.
     """
     parts, imaging, grid = prepared.parts, prepared.imaging, prepared.grid
     workers: list[Reconstructor] = []
     results, counts = None, FrameCounts()
+    kept: dict[int, TrackedFrame] = {}
+    columns, rows = sequence.frame_size
+    keeps = len(cut) > 1 and len(prepared.chosen) * columns * rows * sequence.images.dtype.itemsize <= left
     for number, planes in enumerate(cut):
         step = part(progress, number / len(cut), (number + 1) / len(cut))
         placing = 0.15 if prepared.uses_bone else 0.0
@@ -188,8 +200,13 @@ def _worked(
         )
         reaching = frames_of(planes, counts.reached)
         order = prepared.order if results is None else [n for n in prepared.order if n in reaching]
-        with read_ahead(tracked_frames(sequence, prepared.poses, order)) as frames:
-            reconstructor.insert(_reporting(frames, len(order), part(step, placing, 1.0)))
+        tell = part(step, placing, 1.0)
+        if kept:
+            reconstructor.insert(_reporting((kept[n] for n in order), len(order), tell))
+        else:
+            with read_ahead(tracked_frames(sequence, prepared.poses, order)) as read:
+                frames = _keeping(read, kept) if keeps else read
+                reconstructor.insert(_reporting(frames, len(order), tell))
         if results is None:
             counts = reconstructor.counts
         else:
@@ -262,11 +279,13 @@ def reconstruct(
     report(progress, 0.0, "Looking at the sweep")
     prepared = _prepare(sequence, asked, bone is not None, grid, region, probe, importance, image_to_reference, reference, beside)
     settings, order, imaging = prepared.settings, prepared.order, prepared.imaging
+    memory = memory_to_use(memory)
     cut = cut_into_parts(prepared.grid, prepared.costs, memory)
+    left = left_beside(prepared.grid, prepared.costs, cut, memory)
     if len(cut) > 1:
         logger.info("%s: %s voxels are worked in %d parts", sequence.name, prepared.grid.size, len(cut))
     report(progress, 0.02, "Preparing the volume")
-    reconstructor, results, counts, notes = _worked(sequence, prepared, bone, beside, cut, part(progress, 0.02, 0.95))
+    reconstructor, results, counts, notes = _worked(sequence, prepared, bone, beside, cut, left, part(progress, 0.02, 0.95))
     if not counts.inserted:
         raise NoUsableFramesError(
             "{sequence}: no frame falls into the volume ({reasons}). "

@@ -11,11 +11,18 @@ import pathlib
 import subprocess
 
 import slicer
+from AIFReconScene.inputs.boneSource import BoneSource
+from AIFReconScene.inputs.parameters import LiveSource
 from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError
 
+from .errorsShown import errorsShown
+
 REQUIREMENTS = pathlib.Path(__file__).resolve().parent.parent / "Resources" / "requirements.txt"
+
+MODEL = "onnxruntime>=1.18"
+"""What runs a network in a file; the same as the extra `ai` of the library, which a test compares."""
 
 FAST = "numba>=0.60"
 """What makes reconstruction faster; the same as the extra `fast` of the library, which a test compares."""
@@ -56,17 +63,35 @@ def ensureLivePackages() -> None:
     PackageMissingError
         When the user declines, the installation fails, or Slicer runs tests: it installs nothing then.
     """
-    missing = missingLivePackages()
-    # slicer.packaging asks on its own
-    question = _("Live reconstruction needs the Python package pyigtl. Install it now?")
-    try:
-        if missing and (_slicerPackaging() is not None or slicer.util.confirmOkCancelDisplay(question)):
-            _install(missing)
-    except (RuntimeError, subprocess.CalledProcessError) as error:
+    error = _installedIfWanted(missingLivePackages(), _("Live reconstruction needs the Python package pyigtl. Install it now?"))
+    if error is not None:
         raise PackageMissingError("pyigtl was not installed, and live reconstruction needs it: {why}", why=error) from error
     if missing := missingLivePackages():
         raise PackageMissingError("{packages} is not installed, and live reconstruction needs it.", packages=", ".join(missing))
     offerSpeed()
+
+
+def ensureModelPackages() -> None:
+    """Make sure that onnxruntime is there, asking the user first; errors as for `ensureLivePackages`."""
+    missing = [] if isInstalled(MODEL) else [MODEL]
+    error = _installedIfWanted(missing, _("A network in a file needs the Python package onnxruntime. Install it now?"))
+    if error is not None:
+        raise PackageMissingError("onnxruntime was not installed, and a network in a file needs it: {why}", why=error) from error
+    if not isInstalled(MODEL):
+        raise PackageMissingError("{packages} is not installed, and a network in a file needs it.", packages=MODEL)
+
+
+def packagesAreThere(parameters, failure: str, live: bool = False) -> bool:
+    """Make sure of what work with these parameters needs, asking the user first; what fails is shown under `failure`.
+
+    It comes before the work, for a question must not lie beneath a progress dialog.
+    """
+    with errorsShown(failure) as outcome:
+        if live and parameters.liveSource == LiveSource.OPENIGTLINK:
+            ensureLivePackages()
+        if parameters.boneSource == BoneSource.MODEL:
+            ensureModelPackages()
+    return outcome.error is None
 
 
 def offerSpeed() -> None:
@@ -89,6 +114,17 @@ def offerSpeed() -> None:
         except (RuntimeError, subprocess.CalledProcessError) as error:
             # Slicer has shown why; the work goes on without it
             logging.getLogger(__name__).info("numba was not installed: %s", error)
+
+
+def _installedIfWanted(missing: list[str], question: str) -> "Exception | None":
+    """Install what is missing where the user agrees; the error where that fails."""
+    try:
+        # slicer.packaging asks on its own
+        if missing and (_slicerPackaging() is not None or slicer.util.confirmOkCancelDisplay(question)):
+            _install(missing)
+    except (RuntimeError, subprocess.CalledProcessError) as error:
+        return error
+    return None
 
 
 def _slicerPackaging():

@@ -3,6 +3,7 @@
 import pathlib
 from typing import Annotated
 
+from AIFReconScene.inputs.boneSource import BoneSource
 from AIFReconScene.inputs.parameters import (
     AUTOMATIC_NUMBER,
     PARAMETERS,
@@ -39,6 +40,10 @@ SMALLEST_WEIGHT_FLOOR = 0.001
 """The library takes less; the panel shows three digits."""
 
 
+FORMER_ECHOES = "boneFromSweep"
+"""What earlier panels saved where bone was looked for in the sweep, if there was none of a CT."""
+
+
 def _within(name: str) -> WithinRange:
     """The range that the library gives a parameter."""
     return WithinRange(PARAMETERS[name]["minimum"], PARAMETERS[name]["maximum"])
@@ -64,7 +69,9 @@ class AIFReconParameterNode:
     ctVolume: vtkMRMLScalarVolumeNode | None
     bone: vtkMRMLSegmentationNode | vtkMRMLLabelMapVolumeNode | vtkMRMLScalarVolumeNode | None
     boneSegments: list[str]
-    boneFromSweep: bool = False
+    boneSource: BoneSource = BoneSource.CT
+    bonePredictions: vtkMRMLSequenceNode | None
+    boneModelPath: pathlib.Path
     boneSigma: Annotated[float, WithinRange(0.1, 100.0)] = 10.0
     boneSigmaUnit: SigmaUnit = SigmaUnit.AUTOMATIC
 
@@ -114,6 +121,7 @@ class AIFReconParameterNode:
     liveHost: str = "127.0.0.1"
     livePort: Annotated[int, WithinRange(1, 65535)] = 18944
     liveImageDevice: str
+    liveBoneDevice: str
     liveImage: vtkMRMLScalarVolumeNode | None
     liveRecord: bool = True
     liveRecordPath: pathlib.Path
@@ -131,3 +139,13 @@ class AIFReconParameterNode:
     showSpine: bool = True
     probeUp: bool = False
     showLevels: bool = False
+
+
+def parametersOf(node):
+    """The typed parameters of a node; those of a panel that had no choice of the bone's source keep what they asked for."""
+    parameters = AIFReconParameterNode(node)
+    if wanted := node.GetParameter(FORMER_ECHOES):
+        node.UnsetParameter(FORMER_ECHOES)
+        if wanted == "True" and parameters.bone is None:
+            parameters.boneSource = BoneSource.ECHOES
+    return parameters

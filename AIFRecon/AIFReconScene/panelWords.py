@@ -63,6 +63,14 @@ _SENTENCES = {
     "--bone-probability.": lambda: _(
         "{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, choose them as a scalar volume."
     ),
+    "{name}: predictions of {got} pixels do not fit frames of {frames}. "
+    "Say with --bone-frames-px X Y W H which rectangle of the frame they cover.": lambda: _(
+        "{name}: predictions of {got} pixels do not fit frames of {frames}. Select what the network has said of this sweep, in its size."
+    ),
+    "Predictions must be one sequence for each sweep; got {predictions} for {sweeps}. "
+    "Give --bone-frames once for each, in their order.": lambda: _(
+        "What the network has said belongs to one sweep; got {predictions} for {sweeps}. Leave the others out."
+    ),
 }
 """What the panel says in the place of sentences whose advice is about files and options that it does not have; looked up when asked for,
 for Slicer's `tr` reads files at every call."""
@@ -104,9 +112,7 @@ def errorsInPanelWords():
 def _words() -> dict:
     return {
         "--apex-px": _("Apex"),
-        "--bone-from-sweep": _("Look for bone in the sweep"),
-        "--bone-frames": _("Predictions of bone"),
-        "--bone-frames-px": _("Rectangle of predictions"),
+        "--bone-from-sweep": _("The echoes themselves"),
         "--bone-labels": _("Bone"),
         "--bone-probability": _("Bone"),
         "--bone-transform": _("the transform of the CT"),

@@ -46,6 +46,8 @@ from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance
 from ..terminal.volume_options import SIDE_OUTPUTS, grid_from
 from .columns import in_column_words
+from .engine import own_memory
+from .memory import OVER_PLAN
 from .records import DONE, FAILED, LOST, RECORDS, RUNNING, Record, Row, made_of, read_record, write_record
 from .table import Case, with_method
 
@@ -267,7 +269,11 @@ class _Work:
         if self._labeled is not None:
             bone, of_map = self._labeled.map(name), self._labeled.settings(name)
         beside = [name for name in BESIDE if getattr(arguments, name)]
-        result = reconstruct(self._sequence, settings, bone, grid, importance=importance_from(arguments), beside=beside, **self._how)
+        share = own_memory()
+        memory = None if share is None else max(int(share / OVER_PLAN), 1)
+        result = reconstruct(
+            self._sequence, settings, bone, grid, importance=importance_from(arguments), beside=beside, memory=memory, **self._how
+        )
         of_bone = [arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.importance_mask]
         result = with_provenance(result, arguments, [*self._sequence_files, *of_bone, *seen_bone_inputs(arguments)], of_map)
         stem = result.method.replace(":", "-")

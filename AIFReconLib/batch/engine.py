@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import logging
+import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -115,6 +116,19 @@ def local_workers(count: int, threads: int = 1, memory: int | None = None) -> It
             )
         )
         yield stack.enter_context(distributed.Client(cluster))
+
+
+def own_memory() -> int | None:
+    """Bytes that this process, a worker, may take beside what it holds; None of any other process, and where nothing limits it."""
+    distributed = sys.modules.get("distributed")
+    if distributed is None:
+        return None
+    try:
+        worker = distributed.get_worker()
+    except ValueError:
+        return None
+    limit = worker.memory_manager.memory_limit
+    return int(limit - worker.monitor.get_process_memory()) if limit else None
 
 
 @contextmanager

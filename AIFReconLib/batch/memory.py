@@ -60,7 +60,7 @@ class Shares:
         said = Message("{workers} process(es) with {each} each", workers=self.workers, each=each)
         if self.memory is None or self.needed <= self.memory:
             return said
-        return Message("{said}; the largest case may need {needed:.1f} GB", said=said, needed=self.needed / 1e9)
+        return Message("{said}; the largest case, of {needed:.1f} GB, is worked in parts", said=said, needed=self.needed / 1e9)
 
 
 def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | None = None) -> Shares:

@@ -13,6 +13,9 @@ from ..progress import Progress
 from .map import BoneMap, BoneOnGrid, Box
 from .seen import BoneDrawing, Said, SeenBone, cubes_over
 
+MOST_KEPT, AT_A_TIME = 500, 8
+"""Frames whose word is kept until there is a volume (of more, every other is let go), and how many it then takes with each new one."""
+
 AT_ONCE = 100_000
 """Voxels that are brought up to date in one go, some 10 ms."""
 
@@ -39,6 +42,7 @@ class GrowingBone(BoneMap):
     probability: Volume = field(default_factory=lambda: Volume(np.zeros((1, 1, 1), np.float32), np.eye(4)))
     _now: list[tuple[VoxelGrid, BoneOnGrid]] = field(default_factory=list)
     _drawn: list[tuple[VoxelGrid, BoneDrawing]] = field(default_factory=list)
+    _kept: list[tuple[Said, Matrix]] = field(default_factory=list)
 
     def on_grid(
         self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None, planes: tuple[int, int] | None = None
@@ -51,11 +55,19 @@ class GrowingBone(BoneMap):
         self._now[:] = [(grid, empty)]
         return empty
 
-    def learn(self, said: Said, image_to_reference: Matrix, grid: VoxelGrid) -> None:
-        """Take a frame's word, for a volume on `grid`; another grid than before begins anew."""
+    def learn(self, said: Said, image_to_reference: Matrix, grid: VoxelGrid | None) -> None:
+        """Take a frame's word, for a volume on `grid`; another grid than before begins anew. Without one it is kept for the first."""
+        if grid is None:
+            self._kept.append((said, image_to_reference))
+            if len(self._kept) > MOST_KEPT:
+                del self._kept[::2]
+            return
         if not self._drawn or self._drawn[0][0] is not grid:
             self._drawn[:] = [(grid, BoneDrawing(cubes_over(grid)))]
-        self._drawn[0][1].add(said, image_to_reference)
+        earlier = self._kept[:AT_A_TIME]
+        del self._kept[:AT_A_TIME]
+        for each, place in (*earlier, (said, image_to_reference)):
+            self._drawn[0][1].add(each, place)
 
     def spread(self, breathe: Callable[[], object] = lambda: None) -> bool:
         """Bring what was learned since the last time to the voxels of the reconstructor; whether there was anything.

@@ -136,11 +136,11 @@ class RecordedPredictions:
         )
 
     def _tell(self, sweep: TrackedSequence, said: TrackedSequence, count: int, by: str) -> None:
-        template = {
-            "time": "{name}: bone is predicted for {count} of {frames} frames, matched by time.",
-            "number": "{name}: bone is predicted for {count} of {frames} frames, matched by number.",
-        }[by]
-        self._notes.append(Message(template, name=said.name, count=count, frames=len(sweep)))
+        values = {"name": said.name, "count": count, "frames": len(sweep)}
+        if by == "time":
+            self._notes.append(Message("{name}: bone is predicted for {count} of {frames} frames, matched by time.", **values))
+        else:
+            self._notes.append(Message("{name}: bone is predicted for {count} of {frames} frames, matched by number.", **values))
 
 
 def full_value(said: TrackedSequence) -> float:

@@ -14,7 +14,7 @@ from ..errors import SettingsError
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..live.pairing.predictions import PredictionSource
-from ..live.session.bone_watch import BoneWatch
+from ..live.session.bone_watch import BoneWatch, predictions_beside
 from ..live.session.session import LiveSession
 from ..live.wire.sources import MessageSource
 from ..message import Message
@@ -37,7 +37,7 @@ def predictions_path(arguments: argparse.Namespace) -> Path | None:
     record: Path | None = arguments.record
     if record is None or not (arguments.bone_image or arguments.bone_model):
         return None
-    return record.with_name(f"{record.name[: -len(record.suffix)]}-bone{record.suffix}")
+    return predictions_beside(record)
 
 
 class LiveBone:

@@ -115,7 +115,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
     def test_bone_can_be_looked_for_in_the_sweep(self):
         self.choose(self.ui.methodComboBox, "weighted")
         self.assertRefused("needs bone")
-        self.ui.boneFromSweepCheckBox.checked = True
+        self.choose(self.ui.boneSourceComboBox, "The echoes themselves")
         voxels = self.applied()
         self.assertFalse(np.array_equal(voxels, self.expected({"method": "average"})))
         points = tinyScene.worldOfBrightVoxels(self.parameters.output, 150)
@@ -185,7 +185,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
         self.assertRefused("nowhere.png")
 
     def test_bone_that_is_looked_for_in_the_sweep_is_refused_with_another_speed_of_sound(self):
-        self.ui.boneFromSweepCheckBox.checked = True
+        self.choose(self.ui.boneSourceComboBox, "The echoes themselves")
         self.ui.speedOfSoundSpinBox.value = 1450.0
         self.assertRefused("speed of sound")
 
@@ -203,11 +203,13 @@ class AIFReconAdvancedTest(unittest.TestCase):
         self.assertFalse(self.ui.compareButton.enabled)
         self.assertIn("leave the mask out to compare", self.ui.compareButton.toolTip)
 
-    def test_a_live_scan_which_looks_for_no_bone_is_not_refused_for_doing_so(self):
+    def test_a_scan_that_looks_for_bone_is_refused_with_another_speed_of_sound_too(self):
         from AIFReconScene.inputs.readiness import whyNotLive
 
-        self.parameters.boneFromSweep, self.parameters.speedOfSound = True, 1450.0
+        self.parameters.speedOfSound = 1450.0
         self.assertEqual(whyNotLive(self.parameters), "")
+        self.choose(self.ui.boneSourceComboBox, "The echoes themselves")
+        self.assertIn("speed of sound", whyNotLive(self.parameters))
 
     def test_what_the_panel_refuses_the_library_refuses_too(self):
         from AIFReconLib.errors import SettingsError

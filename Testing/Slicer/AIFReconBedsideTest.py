@@ -147,7 +147,7 @@ class AIFReconBedsideTest(unittest.TestCase):
 
     def test_every_parameter_has_its_widget_in_the_panel(self):
         held = {"otherSweeps", "recordingPath", "configurationPath", "boneSegments", "method", "ownMethod", "importanceMaskPath"}
-        held |= {"liveRecordPath"}  # lists, paths and methods follow in ways of their own
+        held |= {"liveRecordPath", "boneSource", "boneModelPath"}  # lists, paths and methods follow in ways of their own
         shown = {str(widget.property("SlicerParameterName") or "") for widget in slicer.util.findChildren(self.widget.parent)}
         self.assertEqual(set(self.parameters.allParameters) - held - shown, set())
 

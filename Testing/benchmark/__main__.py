@@ -1,17 +1,18 @@
-"""Starts the benchmark, ``python Testing/benchmark``; behind it ``live``: of a live session, or ``large``: of a large box."""
+"""Starts the benchmark, ``python Testing/benchmark``; a word behind it names another one.
+
+``live``: of a live session; ``spine``: of a large sweep, from file to file; ``growth``: how cost grows; ``limits``: how far the kernels are
+from what the machine can do.
+"""
 
 import sys
+from importlib import import_module
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[level]) for level in (1, 2)]
 
-if __name__ == "__main__":
-    from benchmark import large, live, speed
+OTHERS = ("live", "spine", "growth", "limits")
 
+if __name__ == "__main__":
     words = sys.argv[1:]
-    if words[:1] == ["live"]:
-        live.main(words[1:])
-    elif words[:1] == ["large"]:
-        large.main(words[1:])
-    else:
-        raise SystemExit(speed.main(words))
+    name, rest = (words[0], words[1:]) if words[:1] and words[0] in OTHERS else ("speed", words)
+    raise SystemExit(import_module(f"benchmark.{name}").main(rest))

@@ -19,7 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
+from AIFReconLib.bone.growing import GrowingBone
 from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.bone.model import OnnxModel
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
@@ -27,6 +29,7 @@ from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.session.agreement_watch import AgreementWatch
+from AIFReconLib.live.session.bone_watch import BoneWatch
 from AIFReconLib.live.session.guidance_watch import GuidanceWatch
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.session.watch import Watch
@@ -98,6 +101,8 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     probe = ProbeGeometry(LINEAR)
     grid = grid_around_sweep(poses, (columns, rows), region, (arguments.spacing,) * 3)
     settings = ReconstructionSettings(method=arguments.method, engine=arguments.engine)
+    model = arguments.bone_model and OnnxModel(arguments.bone_model)
+    growing = GrowingBone()
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdin is not None
         assert server.stdout is not None
@@ -106,7 +111,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
         session = LiveSession(
             client,
             settings,
-            BoneMap.from_labels(plate(), sigma_mm=4.0),
+            growing if model else BoneMap.from_labels(plate(), sigma_mm=4.0),
             grid,
             region=region,
             probe=probe,
@@ -122,6 +127,8 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
             guidance = GuidanceWatch(session, make_lumbar_phantom().labels, np.eye(4), region=region, probe=probe)
             guidance.prepared.wait()
             watches.append(guidance)
+        asking = BoneWatch(session, growing, lambda imaging: model, region=region, probe=probe) if model else None
+        watches += [asking] if asking else []
         session.start()
         began, samples, p99s, snapshots = time.monotonic(), [], [], []
         computed = time.process_time()
@@ -139,6 +146,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
                 print(f"{elapsed:6.1f} s  {statistics}", file=sys.stderr)
         computed = (time.process_time() - computed) / (time.monotonic() - began)
         dropped = client.statistics.dropped
+        asked_of_model = asking.state.frames / (time.monotonic() - began) if asking else None
         for watch in watches:
             watch.stop()
         session.stop()
@@ -163,6 +171,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
         "latency_p99_ms": 1000 * statistics.latency_p99,
         "worst_latency_p99_ms": 1000 * max((p99 for p99 in p99s if np.isfinite(p99)), default=float("nan")),
         "cores_used": computed,
+        "bone_looked_for_per_s": asked_of_model,
         "snapshot_ms": 1000 * float(np.median(snapshots)) if snapshots else None,
         "memory_mib": samples[-1],
         "memory_growth_mib": samples[-1] - settled[0],
@@ -184,6 +193,7 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--snapshots", action="store_true", help="take a snapshot every second, as a display does")
     parser.add_argument("--agreement", action="store_true", help="watch how well a CT agrees, as the module does")
     parser.add_argument("--guidance", action="store_true", help="tell which bone was met and where to look next, as the module does")
+    parser.add_argument("--bone-model", type=Path, metavar="FILE.onnx", help="let a network tell where bone is, in the place of a CT")
     parser.add_argument("--record", metavar="SEQUENCE", help="also record")
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--verbose", action="store_true")

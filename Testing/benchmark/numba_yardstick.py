@@ -26,6 +26,31 @@ ONE, ZERO, THREE = np.float32(1), np.float32(0), np.float32(3)
 
 
 @njit(nogil=True, cache=True)
+def add_packed(voxels, pixels, packed):
+    """What an average cannot do without: add pixels (n,) and a hit each to `packed` (voxels,) uint64, where `voxels` (n,) says."""
+    for n in range(voxels.size):
+        packed[voxels[n]] += np.uint64(2**32) + np.uint64(pixels[n])
+
+
+@njit(nogil=True, cache=True)
+def hit(voxels, pixels, value, hits):
+    """What the last pixel cannot do without."""
+    for n in range(voxels.size):
+        value[voxels[n]] = pixels[n]
+        hits[voxels[n]] += np.uint32(1)
+
+
+@njit(nogil=True, cache=True)
+def add_weighed(voxels, pixels, value, weight, hits):
+    """What a weighted mean cannot do without: three numbers of a voxel."""
+    for n in range(voxels.size):
+        voxel, pixel = voxels[n], np.float32(pixels[n])
+        value[voxel] += pixel
+        weight[voxel] += ONE
+        hits[voxel] += np.uint32(1)
+
+
+@njit(nogil=True, cache=True)
 def plain_average(image, matrix, total, hits):
     """Add one frame's pixels to sums and counts [k, j, i]; `matrix` is image_to_ijk."""
     nk, nj, ni = total.shape

@@ -144,7 +144,7 @@ def _measured(jobs: list[Job], repeats: int, tell: Callable[[float], None]) -> l
 def _reconstruction_jobs(frames: int, spacing: float) -> list[Job]:
     """The yardsticks, then every method with every engine, on a sweep along the grid."""
     sweep = fan_sweep(frames, COLUMNS, ROWS)
-    grid, bone = _around(sweep, spacing)
+    grid, bone = around(sweep, spacing)
     jobs = _yardstick_jobs(METHODS, sweep, grid, bone, spacing)
     few = sweep[::NUMPY_SHARE]
     for method, linear in [*((method, False) for method in METHODS), ("average", True)]:
@@ -158,7 +158,7 @@ def _reconstruction_jobs(frames: int, spacing: float) -> list[Job]:
 def _turned_jobs(frames: int, spacing: float) -> list[Job]:
     """The same of some methods, with numba on all of its threads, on a sweep across the grid."""
     sweep = turned(fan_sweep(frames, COLUMNS, ROWS), TURN_DEG)
-    grid, bone = _around(sweep, spacing)
+    grid, bone = around(sweep, spacing)
     jobs = _yardstick_jobs(TURNED_METHODS, sweep, grid, bone, spacing)
     for threads in _numba_threads()[-1:]:
         jobs += [_method_job(method, "numba", threads, sweep, grid, bone, spacing) for method in TURNED_METHODS]
@@ -166,7 +166,7 @@ def _turned_jobs(frames: int, spacing: float) -> list[Job]:
     return [(work, replace(row, what=f"{row.what}, turned {TURN_DEG:g} degrees"), count) for work, row, count in jobs]
 
 
-def _around(sweep: list[TrackedFrame], spacing: float) -> tuple[VoxelGrid, BoneMap]:
+def around(sweep: list[TrackedFrame], spacing: float) -> tuple[VoxelGrid, BoneMap]:
     """A grid along the axes of Reference that holds the sweep, and bone in its middle."""
     poses = np.array([f.image_to_reference for f in sweep])
     grid = grid_around_sweep(poses, (COLUMNS, ROWS), ImageRegion(), (spacing,) * 3)

@@ -42,6 +42,12 @@ TRAINED, HELD_OUT = (100, 101, 102, 103), (110, 111)
 """Seeds of patients; none of them appears in the study."""
 
 MEAN, STD = 0.2, 0.2
+SCALES = 0.7, 2.8
+"""Sizes of pieces against `SIDE` pixels for a whole image: scanners show 40 to 150 mm."""
+
+RATE = 4e-3
+"""The largest step of learning."""
+
 Patient = tuple[TrackedSequence, Volume, SweepPoses, Imaging]
 
 
@@ -100,19 +106,28 @@ def pictures(patient: Patient) -> Iterator[tuple[np.ndarray, np.ndarray]]:
 
 
 def piece(image: np.ndarray, said: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """A random part of a picture, with another gain, contrast, blur, speckle and clutter."""
-    scale = float(rng.uniform(0.7, 1.6)) * SIDE / max(image.shape)
-    size = np.maximum((np.array(image.shape) * scale).astype(int), CROP)
-    image, said = (_resized(each, size) for each in (image, said))
-    row, column = (int(rng.integers(0, n - CROP + 1)) for n in size)
-    image, said = (each[row : row + CROP, column : column + CROP].copy() for each in (image, said))
+    """A random part of a picture: of another size, gain, contrast, blur and speckle, with bright layers and clutter that are no bone."""
+    scale = float(np.exp(rng.uniform(*np.log(SCALES)))) * SIDE / max(image.shape) * rng.uniform(0.85, 1.15, 2)
+    taken = np.clip(np.rint(CROP / scale).astype(int), 8, image.shape)
+    for _ in range(3):
+        row, column = (int(rng.integers(0, n - take + 1)) for n, take in zip(image.shape, taken, strict=True))
+        where = slice(row, row + taken[0]), slice(column, column + taken[1])
+        if said[where].any():
+            break
+    image, said = (_resized(each[where], (CROP, CROP)) for each in (image, said))
     if rng.random() < 0.5:
         image, said = image[:, ::-1], said[:, ::-1]
     image = np.clip(image, 0, 1) ** rng.uniform(0.5, 1.8) * rng.uniform(0.5, 1.4)
     if rng.random() < 0.5:
         # Reverberation: what is bright appears again below, fainter
         shift = int(rng.integers(10, 60))
+        image = image.copy()
         image[shift:] += rng.uniform(0.05, 0.35) * image[:-shift]
+    if rng.random() < 0.6:
+        image = image + _layers(rng)
+    if rng.random() < 0.5:
+        # Gain by depth, and by how well the probe touches the skin
+        image = image * _course(rng, rng.uniform(0.0, 0.6))[:, None] * _course(rng, rng.uniform(0.0, 0.6))
     if rng.random() < 0.5:
         image = ndimage.gaussian_filter(image, rng.uniform(0.2, 1.2))
     if rng.random() < 0.5:
@@ -122,9 +137,26 @@ def piece(image: np.ndarray, said: np.ndarray, rng: np.random.Generator) -> tupl
     return ((np.clip(image, 0, 1) - MEAN) / STD).astype(np.float32), (said > 0.5).astype(np.float32)
 
 
-def _resized(image: np.ndarray, size: np.ndarray) -> np.ndarray:
+def _layers(rng: np.random.Generator) -> np.ndarray:
+    """Bright lines that throw no shadow, as skin and the sheaths of muscles are."""
+    column, row = np.arange(CROP), np.arange(CROP)[:, None]
+    light = np.zeros((CROP, CROP))
+    for _ in range(int(rng.integers(1, 5))):
+        bend = rng.uniform(0, 12) * np.sin(rng.uniform(1, 7) * column / CROP + rng.uniform(0, 6))
+        line = rng.uniform(0, CROP) + rng.uniform(-0.4, 0.4) * (column - CROP / 2) + bend
+        light += rng.uniform(0.1, 0.7) * _course(rng, 1.0) * np.exp(-0.5 * ((row - line) / rng.uniform(0.7, 3.0)) ** 2)
+    return light
+
+
+def _course(rng: np.random.Generator, depth: float) -> np.ndarray:
+    """A smooth factor along a side of a piece, from 1 - depth to 1."""
+    course = ndimage.gaussian_filter1d(rng.random(CROP), rng.uniform(6, 30), mode="wrap")
+    return 1 - depth * (course - course.min()) / max(np.ptp(course), 1e-6)
+
+
+def _resized(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     tensor = torch.from_numpy(np.ascontiguousarray(image, dtype=np.float32))[None, None]
-    return functional.interpolate(tensor, size=tuple(size.tolist()), mode="bilinear", align_corners=False, antialias=True)[0, 0].numpy()
+    return functional.interpolate(tensor, size=size, mode="bilinear", align_corners=False, antialias=True)[0, 0].numpy()
 
 
 def trained(patients: list[Patient], steps: int, batch: int, minutes: float) -> TinyUNet:
@@ -134,10 +166,13 @@ def trained(patients: list[Patient], steps: int, batch: int, minutes: float) -> 
     print(f"{sum(parameter.numel() for parameter in network.parameters()):,} weights", flush=True)
     every = [pair for patient in patients for pair in pictures(patient)]
     print(f"{len(every)} pictures", flush=True)
-    optimizer = torch.optim.AdamW(network.parameters(), 2e-3, weight_decay=1e-4)
-    schedule = torch.optim.lr_scheduler.OneCycleLR(optimizer, 4e-3, total_steps=steps)
-    started, lost = time.monotonic(), 0.0
-    for step in range(steps):
+    optimizer = torch.optim.AdamW(network.parameters(), RATE, weight_decay=1e-4)
+    started, lost, done = time.monotonic(), 0.0, 0.0
+    step = 0
+    while done < 1:
+        # Up over the first twentieth, down to nothing by the end, whether steps or minutes are what there is
+        for group in optimizer.param_groups:
+            group["lr"] = RATE * min(20 * done + 0.05, 0.5 * (1 + np.cos(np.pi * done)))
         images, said = zip(*(piece(*every[int(rng.integers(len(every)))], rng) for _ in range(batch)))
         wanted = torch.from_numpy(np.stack(said))[:, None]
         answer = network(torch.from_numpy(np.stack(images))[:, None])
@@ -147,12 +182,11 @@ def trained(patients: list[Patient], steps: int, batch: int, minutes: float) -> 
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
-        schedule.step()
         lost = 0.98 * lost + 0.02 * float(loss) if step else float(loss)
         if step % 50 == 49:
             print(f"step {step + 1}: loss {lost:.3f}, {time.monotonic() - started:.0f} s", flush=True)
-        if time.monotonic() - started > 60 * minutes:
-            break
+        step += 1
+        done = max(step / steps, (time.monotonic() - started) / (60 * minutes))
     return network.eval()
 
 

@@ -1,4 +1,4 @@
-"""The parts of the panel that are more than a widget of the .ui file: choosers, fields, the report, the Live section.
+"""The parts of the panel that are more than a widget of the .ui file: both tabs, lights, report, guidance.
 
-May import the files beside this room.
+May import fields/ and the files beside this room.
 """

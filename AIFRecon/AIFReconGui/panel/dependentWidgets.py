@@ -1,6 +1,7 @@
 """What can be entered, pressed and read in the panel, as it follows from the parameters."""
 
 from AIFReconScene.inputs import readiness
+from AIFReconScene.inputs.boneSource import describeBone
 from AIFReconScene.inputs.parameters import ProbeShape, Region, SigmaUnit
 from slicer.i18n import tr as _
 
@@ -10,7 +11,7 @@ from .layout import say
 def updateDependentWidgets(ui, parameters, sweepText: str) -> None:
     """Show `sweepText` and what the bone is taken for, and the fields that count with these parameters."""
     say(ui.sweepStatusLabel, sweepText)
-    say(ui.boneStatusLabel, readiness.describeBone(parameters))
+    say(ui.boneStatusLabel, describeBone(parameters))
     for label in (ui.sweepStatusLabel, ui.boneStatusLabel):
         label.visible = bool(label.text)
     ui.roiLabel.visible = ui.roiSelector.visible = parameters.region == Region.BOX
@@ -18,7 +19,6 @@ def updateDependentWidgets(ui, parameters, sweepText: str) -> None:
     ui.spacingSpinBox.enabled = parameters.region != Region.LIKE_VOLUME
     ui.apexColumnSpinBox.enabled = ui.apexRowSpinBox.enabled = parameters.probe == ProbeShape.SECTOR
     ui.boneSigmaSpinBox.enabled = parameters.boneSigmaUnit != SigmaUnit.AUTOMATIC
-    ui.boneFromSweepCheckBox.enabled = parameters.bone is None
     for spinBox in (ui.fanFirstRadiusSpinBox, ui.fanFirstAngleSpinBox, ui.fanLastAngleSpinBox):
         spinBox.enabled = parameters.fanLastRadius > 0
     ui.scannerSpeedOfSoundSpinBox.enabled = parameters.speedOfSound > 0

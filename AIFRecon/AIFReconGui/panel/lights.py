@@ -8,7 +8,7 @@ from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.registration.sweepVerdicts import COVERAGE, NAMES
 from slicer.i18n import tr as _
 
-from .choosers import Follower
+from ..fields.choosers import Follower
 from .layout import say
 from .signals import signOf
 

@@ -12,6 +12,9 @@ from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
 from ..errorsShown import errorsShown
+from ..fields.boneSource import ofScan
+from ..fields.pathField import PathField
+from ..packages import packagesAreThere
 from .layout import reveal, say
 from .signals import GRAY, GREEN, RED, styleOf
 
@@ -51,6 +54,7 @@ class LivePanel:
         self._live = None
         self._missing = self._advised = ""
         self._record, self._sized = None, 0.0
+        self._followers = (ofScan(ui), PathField(ui.liveBoneModelPathLineEdit, "boneModelPath"))
         self._collecting = self._timer(COLLECTED_EVERY, self._collect)
         self._showing = self._timer(SHOWN_EVERY, self._show)
         ui.liveStartButton.connect("clicked(bool)", self.onStart)
@@ -102,6 +106,8 @@ class LivePanel:
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none; a scan that is under way goes on."""
         self._parameterNode = parameterNode
+        for follower in self._followers:
+            follower.setParameterNode(parameterNode)
         if parameterNode is not None and not parameterNode.parameterNode.GetAttribute(REMEMBERED_ATTRIBUTE):
             parameterNode.parameterNode.SetAttribute(REMEMBERED_ATTRIBUTE, "1")
             parameterNode.liveHost = slicer.util.settingsValue("AIFRecon/LiveHost", parameterNode.liveHost)
@@ -112,10 +118,13 @@ class LivePanel:
         ui, running = self._ui, self.isRunning
         fromServer = self._parameterNode is None or self._parameterNode.liveSource == LiveSource.OPENIGTLINK
         self._missing = missing
+        for follower in self._followers if self._parameterNode is not None else ():
+            follower.update()
         for widget in (ui.liveHostLineEdit, ui.livePortSpinBox, ui.liveDeviceLineEdit):
             widget.enabled = fromServer and not running
         ui.liveImageSelector.enabled = not fromServer and not running
-        for widget in (ui.liveSourceComboBox, ui.liveRecordPathLineEdit, ui.liveRecordCheckBox):
+        ofBone = (ui.liveBoneSourceComboBox, ui.liveBoneDeviceLineEdit, ui.liveBoneModelPathLineEdit)
+        for widget in (ui.liveSourceComboBox, ui.liveRecordPathLineEdit, ui.liveRecordCheckBox, *ofBone):
             widget.enabled = not running
         ui.liveFindButton.enabled = fromServer and not running
         ui.liveStartButton.enabled = not running and not missing
@@ -133,14 +142,8 @@ class LivePanel:
         failure = _("The live reconstruction could not be started.")
         self._ui.liveStatisticsLabel.text = ""
         self._ui.tabWidget.currentIndex = 1
-        if self._parameterNode.liveSource == LiveSource.OPENIGTLINK:
-            from ..packages import ensureLivePackages
-
-            # It may ask the user: not beneath the progress dialog
-            with errorsShown(failure) as outcome:
-                ensureLivePackages()
-            if outcome.error is not None:
-                return
+        if not packagesAreThere(self._parameterNode, failure, live=True):
+            return
         self._say(self._do(failure, self._start))
         if self.isRunning:
             self._show()
@@ -234,6 +237,8 @@ class LivePanel:
         if live.session.recorded is not None:
             lines.append(_("Recorded to {path}.").format(path=live.session.recorded))
             self._showSize(live.session.recorded)
+        if live.seen is not None and live.seen.recorded is not None:
+            lines.append(_("What the network said is in {path}.").format(path=live.seen.recorded))
         if live.session.recording_failure:
             lines.append(inPanelWords(live.session.recording_failure))
         return "\n".join(lines)
@@ -269,6 +274,7 @@ class LivePanel:
             self._showSize(self._record)
         problems = (statistics.trouble, live.snapshotProblem, live.displayProblem, statistics.recording_failure)
         lines = [_counts(statistics)] if failed else [_rate(statistics), _counts(statistics)]
+        lines += [inPanelWords(line) for line in ([] if live.seen is None else live.seen.lines(statistics.frames_received))]
         lines += _agreementLines(fit)
         lines += [inPanelWords(problem) for problem in problems if problem]
         self._say("\n".join(dict.fromkeys(lines)))

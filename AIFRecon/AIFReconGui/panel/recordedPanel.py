@@ -7,6 +7,7 @@ import qt
 import slicer
 from AIFReconScene.display.boneOutlines import BoneOutlines
 from AIFReconScene.inputs import readiness
+from AIFReconScene.inputs.boneSource import hasBone
 from AIFReconScene.inputs.parameters import fileFrom
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.sweep.fileKinds import OPENED
@@ -15,13 +16,14 @@ from slicer.i18n import tr as _
 from AIFReconLib.message import shorten
 from AIFReconLib.progress import part
 
-from ..packages import offerSpeed
+from ..fields.boneSource import ofRecorded
+from ..fields.choosers import BoxChooser, Follower, MethodChooser, PresetChooser, SegmentsChooser, SweepsChooser
+from ..fields.pathField import PATHS, PathField
+from ..packages import offerSpeed, packagesAreThere
 from ..picture.picturePanel import PicturePanel
-from .choosers import BoxChooser, Follower, MethodChooser, PresetChooser, SegmentsChooser, SweepsChooser
 from .dependentWidgets import updateButtons, updateDependentWidgets
 from .layout import say
 from .lights import Lights
-from .pathField import PATHS, PathField
 from .reportPanel import ReportPanel
 
 FOLDER_SETTING = "AIFRecon/OpenFolder"
@@ -51,6 +53,7 @@ class RecordedPanel(Follower):
         self._followers = (
             SweepsChooser(ui.otherSweepsComboBox, ui.otherSweepsLabel, logic.offeredSweeps),
             SegmentsChooser(ui.segmentsComboBox, ui.segmentsLabel),
+            ofRecorded(ui),
             *(PathField(getattr(ui, f"{name}LineEdit"), name) for name in PATHS),
             MethodChooser(ui.methodComboBox),
             PresetChooser(ui.presetComboBox),
@@ -142,7 +145,9 @@ class RecordedPanel(Follower):
 
     def onCompare(self) -> None:
         """Reconstruct with every method that is compared."""
-        self._run(_("Compare methods"), _("The methods could not be compared."), self._logic.compare)
+        failure = _("The methods could not be compared.")
+        if packagesAreThere(self._parameterNode, failure):
+            self._run(_("Compare methods"), failure, self._logic.compare)
 
     def onSingleView(self) -> None:
         """Go back from the comparison."""
@@ -155,9 +160,11 @@ class RecordedPanel(Follower):
             say(self._ui.summaryLabel, f"{method}\n{voxels}")
             return "\n".join((_("Done."), *notes))
 
-        self.lights.cancel()
-        self._run(_("Reconstruction"), _("The volume could not be reconstructed."), told)
-        self.lights.lookBeside()
+        failure = _("The volume could not be reconstructed.")
+        if packagesAreThere(self._parameterNode, failure):
+            self.lights.cancel()
+            self._run(_("Reconstruction"), failure, told)
+            self.lights.lookBeside()
 
     def _sample(self, parameters, progress) -> str:
         from ..sampleData import addPhantom
@@ -182,7 +189,7 @@ class RecordedPanel(Follower):
     def _fold(self, parameters) -> None:
         """Close what was chosen when all of it is there, and open it when nothing is: only then, for the user may want it otherwise."""
         ui, fold = self._ui, self._ui.inputsCollapsibleButton
-        complete = parameters.sweep is not None and parameters.bone is not None
+        complete = parameters.sweep is not None and hasBone(parameters)
         if complete != self._wasComplete:
             self._wasComplete = complete
             fold.collapsed = complete

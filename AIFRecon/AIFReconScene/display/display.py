@@ -4,7 +4,7 @@ import slicer
 
 from AIFReconLib.errors import AIFReconError
 
-from ..inputs.imagingChoices import imageRegionFrom, probeFrom
+from ..inputs.parameters import imageRegionFrom, probeFrom
 from ..panelWords import inPanelWords
 from ..sweep.sweepStatus import sweepKey
 from . import sliceDisplay, threeDViews

@@ -4,6 +4,7 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.settings import DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE, LINEAR_METHODS
 
+from .boneSource import BoneSource
 from .parameters import PARAMETERS, HoleFilling, Interpolation, fileFrom, methodOf, ownMethods
 
 
@@ -53,7 +54,7 @@ def _ofSpeed(parameters, hasBone: bool) -> str:
         return _("The speed of sound must be off, or {low:g} to {high:g} m/s; it is {speed:g}.").format(
             low=rule["minimum"], high=rule["maximum"], speed=parameters.speedOfSound
         )
-    if parameters.speedOfSound and hasBone and parameters.bone is None:
+    if parameters.speedOfSound and hasBone and parameters.boneSource != BoneSource.CT:
         return _("Bone is looked for at the depths that the images show: leave the speed of sound off, or select bone of the CT.")
     return ""
 

@@ -10,7 +10,7 @@ from ..sweep.severalSweeps import furtherSweeps
 from ..sweep.sweepStatus import sweepKey
 from .boxes import isEmpty
 
-CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "roi", "regionVolume", "output", "liveImage")
+CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "bonePredictions", "roi", "regionVolume", "output", "liveImage")
 """The parameters that name a node."""
 
 

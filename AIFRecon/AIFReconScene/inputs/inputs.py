@@ -17,8 +17,8 @@ from ..sceneNodes import proxiesOf
 from ..sweep.severalSweeps import furtherSweeps
 from ..transforms import matrixToWorld
 from .boneNodes import named
-from .imagingChoices import imageRegionFrom, probeFrom
-from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom, needsBone
+from .boneSource import BoneSource
+from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom, imageRegionFrom, needsBone, probeFrom
 
 if TYPE_CHECKING:
     from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence, Volume
@@ -55,11 +55,11 @@ class Inputs:
     importanceMask : Path or None
         An 8-bit gray image: the weight of each pixel in an average.
     boneFromSweep : bool
-        Whether bone is looked for in the sweep itself where no `bone` is given.
+        Whether bone is looked for in the sweep itself. This and the next two come before `bone`, which then only judges the result.
     boneFrames : vtkMRMLSequenceNode or None
-        A network's predictions for the frames, where no `bone` is given.
+        A network's predictions for the frames.
     boneModel : Path or None
-        A network in an ONNX file, where neither is.
+        A network in an ONNX file.
     """
 
     sweep: Any
@@ -96,7 +96,9 @@ class Inputs:
             region={Region.BOX: parameters.roi, Region.LIKE_VOLUME: parameters.regionVolume}.get(parameters.region),
             probe=probeFrom(parameters),
             importanceMask=fileFrom(parameters.importanceMaskPath),
-            boneFromSweep=parameters.boneFromSweep,
+            boneFromSweep=parameters.boneSource == BoneSource.ECHOES,
+            boneFrames=parameters.bonePredictions if parameters.boneSource == BoneSource.PREDICTIONS else None,
+            boneModel=fileFrom(parameters.boneModelPath) if parameters.boneSource == BoneSource.MODEL else None,
             **imageRegionFrom(parameters),
         )
 
@@ -145,9 +147,9 @@ class Inputs:
         """
         sequence = self.sequence()
         region, grid = self.imageRegion(sequence.configuration), self.grid(settings)
-        if self.bone is None and (self.boneFromSweep or self.boneFrames is not None or self.boneModel is not None):
+        if self.seesBone:
             bone = self._boneOf(sequence, region, progress)
-            return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), boneFromSweep=True)
+            return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), boneFromSweep=not self._asksNetwork)
         labels = self.labels()
         if labels is None:
             bone = self.boneMap(progress)
@@ -161,6 +163,15 @@ class Inputs:
         with named(self.bone):
             inBackground(lambda progress: labeled.map(settings.method_for(True), progress), progress)
         return PreparedInputs(sequence, None, grid, region, self.probe, self.importance(), labeled)
+
+    @property
+    def seesBone(self) -> bool:
+        """Whether the frames themselves say where bone is."""
+        return self.boneFromSweep or self._asksNetwork
+
+    @property
+    def _asksNetwork(self) -> bool:
+        return self.boneFrames is not None or self.boneModel is not None
 
     def labels(self):
         """The `Volume` of the chosen bone's labels in its own coordinates; None without bone, or where it is a probability."""
@@ -191,7 +202,7 @@ class Inputs:
         """How the map of `boneMap` is made, as settings that repeat a reconstruction."""
         from .boneNodes import isLabeled
 
-        return self._settingsOfMap(method) if self.bone is not None and isLabeled(self.bone) else {}
+        return self._settingsOfMap(method) if not self.seesBone and self.bone is not None and isLabeled(self.bone) else {}
 
     def _settingsOfMap(self, method: str) -> dict:
         from AIFReconLib.registration.labeled_bone import UNKNOWN_WIDTH
@@ -221,7 +232,7 @@ class Inputs:
     def _boneOf(self, sequence, region, progress):
         from AIFReconLib import bone_from_sweep
 
-        if self.boneFrames is not None or self.boneModel is not None:
+        if self._asksNetwork:
             from ..sweep.predictedBone import predictedBone
 
             return predictedBone(sequence, self.boneFrames, self.boneModel, region=region, probe=self.probe, progress=progress)

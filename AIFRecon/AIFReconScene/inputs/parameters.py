@@ -7,7 +7,8 @@ from typing import Any
 
 from slicer.i18n import tr as _
 
-from AIFReconLib.imaging.beams import LINEAR, SECTOR
+from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
+from AIFReconLib.imaging.region import ClipRectangle
 from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
 
 PARAMETERS = {spec.name: dict(spec.metadata) for spec in fields(ReconstructionSettings)}
@@ -177,6 +178,25 @@ def settingsFrom(parameterNode) -> ReconstructionSettings:
         values[name] = value
     values["method"] = methodOf(parameterNode) or None
     return ReconstructionSettings(**values)
+
+
+def probeFrom(parameters):
+    """The probe that the panel sets by hand; None where it leaves that to the configuration and the images."""
+    if parameters.probe == ProbeShape.AUTOMATIC:
+        return None
+    apex = (parameters.apexColumn, parameters.apexRow) if parameters.probe == ProbeShape.SECTOR else None
+    return ProbeGeometry(parameters.probe.value, apex)
+
+
+def imageRegionFrom(parameters) -> dict:
+    """Clip rectangle and fan that the panel sets by hand, as fields of `Inputs`; a size or radius of 0 leaves them open."""
+    origin, size = (parameters.clipColumn, parameters.clipRow), (parameters.clipWidth, parameters.clipHeight)
+    fan = parameters.fanLastRadius > 0
+    return {
+        "clip": ClipRectangle(origin, size) if 0 not in size else None,
+        "fanAngles": (parameters.fanFirstAngle, parameters.fanLastAngle) if fan else None,
+        "fanRadii": (parameters.fanFirstRadius, parameters.fanLastRadius) if fan else None,
+    }
 
 
 def readingFrom(parameterNode) -> dict:

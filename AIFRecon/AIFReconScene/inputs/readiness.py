@@ -7,6 +7,7 @@ from ..panelWords import inPanelWords
 from ..sceneNodes import proxiesOf
 from ..sweep.severalSweeps import furtherSweeps
 from .boneNodes import isLabeled
+from .boneSource import BoneSource, hasBone, whyNoBone
 from .boxes import isEmpty
 from .contradictions import comparisonContradiction, contradiction
 from .parameters import LiveSource, Region, fileFrom, methodOf, needsBone
@@ -41,7 +42,7 @@ def whyNotReconstruct(parameters, sweep=None) -> str:
         return _("Select a tracked sweep, or load a recording.")
     if sweep is not None and sweep.problem:
         return inPanelWords(sweep.problem)
-    return _whatIsMissing(parameters, parameters.bone is not None or parameters.boneFromSweep)
+    return _whatIsMissing(parameters)
 
 
 def whyNotLive(parameters) -> str:
@@ -50,13 +51,14 @@ def whyNotLive(parameters) -> str:
         return _("Select the image node that is kept up to date.")
     if parameters.liveSource == LiveSource.OPENIGTLINK and not parameters.liveHost.strip():
         return _("Enter the name or address of the server.")
-    # Bone cannot be looked for in a sweep that is still to be made
-    return _whatIsMissing(parameters, parameters.bone is not None)
+    return _whatIsMissing(parameters, live=True)
 
 
-def _whatIsMissing(parameters, hasBone: bool) -> str:
-    ofMethod = needsBone(methodOf(parameters))
-    if not hasBone and (ofMethod or parameters.bestCosine):
+def _whatIsMissing(parameters, live: bool = False) -> str:
+    ofMethod, isThere = needsBone(methodOf(parameters)), hasBone(parameters, live)
+    if missing := whyNoBone(parameters, live):
+        return missing
+    if not isThere and (ofMethod or parameters.bestCosine):
         wanted = methodOf(parameters) if ofMethod else _("The best cosine")
         return _("{method} needs bone: select a segmentation, a labelmap or a bone probability, or another method.").format(method=wanted)
     if parameters.bone is not None and _holdsNothing(parameters.bone):
@@ -71,12 +73,12 @@ def _whatIsMissing(parameters, hasBone: bool) -> str:
     inputs = (parameters.ctVolume, parameters.bone, parameters.regionVolume, parameters.liveImage, *replayed)
     if parameters.output is not None and any(parameters.output is node for node in inputs):
         return _("The output would overwrite {name}: select another output volume, or a new one.").format(name=parameters.output.GetName())
-    return contradiction(parameters, hasBone)
+    return contradiction(parameters, isThere)
 
 
 def whyNotCompare(parameters, sweep=None) -> str:
     """What is missing before the methods can be compared."""
-    if parameters.sweep is not None and parameters.bone is None and not parameters.boneFromSweep:
+    if parameters.sweep is not None and parameters.boneSource == BoneSource.CT and parameters.bone is None:
         return _("Select bone: the methods differ in what they make of it.")
     return whyNotReconstruct(parameters, sweep) or comparisonContradiction(parameters)
 
@@ -100,20 +102,6 @@ def whyNotRegister(parameters, sweep=None, isScanning: bool = False) -> str:
 def withoutRepeating(missing: str, sweepText: str) -> str:
     """What is missing, for a place beside what is said of the sweep: a pointer where the same is said there."""
     return _("The sweep cannot be reconstructed: see above.") if missing and missing in sweepText else missing
-
-
-def describeBone(parameters) -> str:
-    """What the chosen bone is taken for, and what its absence means."""
-    bone = parameters.bone
-    if bone is None and parameters.boneFromSweep:
-        return _("Bone is looked for in the sweep itself: what is bright with darkness behind it. The docs say how well that works.")
-    if bone is None:
-        return _("Without bone the sweep is averaged: nothing says at which angle a beam meets it.")
-    if bone.IsA("vtkMRMLSegmentationNode"):
-        return ""
-    if bone.IsA("vtkMRMLLabelMapVolumeNode"):
-        return _("Every label above 0 is bone.")
-    return _("Taken for the probability of bone, from 0 to 1.")
 
 
 def _holdsNothing(bone) -> bool:

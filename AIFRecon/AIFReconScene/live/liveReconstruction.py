@@ -11,10 +11,12 @@ from AIFReconLib.provenance.record import with_settings
 from AIFReconLib.registration.echoes import FEWEST, SweepEchoes
 
 from ..background import inBackground
+from ..inputs.boneSource import BoneSource
 from ..inputs.inputs import Inputs
 from ..inputs.parameters import LiveSource, fileFrom, settingsFrom
 from ..transforms import matrixToWorld
 from ..volumes.volumeNodes import followIntensity, outputNodes, updateVolumeNode
+from .liveBone import LiveBone
 from .liveGuidance import LiveGuidance
 from .liveViews import LiveViews
 from .nodeSource import NodeSource
@@ -31,7 +33,7 @@ class LiveReconstruction:
     ----------
     parameters : AIFReconParameterNode
     progress : callable or None
-        For the bone map, which is made before the first frame is received.
+        For the bone map or the network, which is made before the first frame is received.
     record : Path or None
         Where every frame is recorded.
 
@@ -59,12 +61,13 @@ class LiveReconstruction:
         inputs = Inputs.fromParameters(parameters)
         settings = settingsFrom(parameters)
         labels, configuration = inputs.labels(), _configurationFrom(parameters)
-        grid, bone = inputs.grid(settings), inputs.boneMap(progress, labels, settings.method_for(True))
+        grid, self._source = inputs.grid(settings), _sourceFrom(parameters)
+        self.seen = None if parameters.boneSource == BoneSource.CT else LiveBone(parameters, self._source, record, progress)
+        bone = inputs.boneMap(progress, labels, settings.method_for(True)) if self.seen is None else self.seen.bone
         self._bone, self._inputs, self._method = parameters.bone, inputs, settings.method_for(True)
         field, region = _fieldOf(labels), inputs.imageRegion(configuration)
-        self._source = _sourceFrom(parameters)
         self.session = LiveSession(
-            self._source,
+            self._source if self.seen is None else self.seen.source,
             settings,
             bone,
             grid,
@@ -82,6 +85,8 @@ class LiveReconstruction:
         self._watch = None if field is None else AgreementWatch(self.session, field, self._boneAt, **imaging)
         self._parameters, self._imaging = parameters, imaging
         self.guidance = None
+        if self.seen is not None:
+            self.seen.begin(self.session, imaging)
         try:
             self.guide(parameters.guidance, progress)
         except OperationCanceled:
@@ -131,7 +136,12 @@ class LiveReconstruction:
         return echoes
 
     def followBone(self, progress=None) -> bool:
-        """Weight by the bone where it lies now; True where a volume is growing already, which keeps the weights that it began with."""
+        """Weight by the bone where it lies now; True where a volume is growing already, which keeps the weights that it began with.
+
+        Where the frames themselves say where bone is, the place of the CT changes nothing.
+        """
+        if self.seen is not None:
+            return False
         self.session.use_bone(self._inputs.boneMap(progress, method=self._method))
         return not self.isScouting
 
@@ -238,7 +248,7 @@ class LiveReconstruction:
 
     def _endThreads(self) -> None:
         self._snapshots.stop()
-        for beside in (self._watch, self.guidance):
+        for beside in (self._watch, self.guidance, self.seen):
             if beside is not None:
                 beside.stop()
 

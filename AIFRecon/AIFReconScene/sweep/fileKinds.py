@@ -3,6 +3,8 @@
 from pathlib import Path
 
 RECORDING, CONFIGURATION, VOLUME, SEGMENTATION, TRANSFORM = "recording", "configuration", "volume", "segmentation", "transform"
+PREDICTIONS = "predictions"
+"""What a network has said of a recording, as a scan records it."""
 
 SUFFIXES = {
     ".xml": CONFIGURATION,
@@ -26,6 +28,7 @@ def kindOf(path: Path) -> str:
     FileFormatError
         When it is none that is known, or cannot be read.
     """
+    from AIFReconLib.bone.recorded import COVERS
     from AIFReconLib.errors import FileFormatError
     from AIFReconLib.io.metafile.opening import read_metafile
     from AIFReconLib.io.sequence.slicer import is_slicer_sequence
@@ -34,5 +37,8 @@ def kindOf(path: Path) -> str:
     if told is not None:
         return told
     header = read_metafile(path, FileFormatError)
-    tracked = is_slicer_sequence(header) or any(name.startswith("Seq_Frame") for name in header.fields)
+    ofFrames = [name for name in header.fields if name.startswith("Seq_Frame")]
+    if any(name.endswith(f"_{COVERS}") for name in ofFrames):
+        return PREDICTIONS
+    tracked = is_slicer_sequence(header) or bool(ofFrames)
     return RECORDING if tracked else VOLUME

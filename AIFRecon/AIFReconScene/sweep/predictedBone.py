@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 from ..background import inBackground
+from .sequenceNodes import COVERS_ATTRIBUTE
 from .sequenceReader import orientationFlips
 from .sweepImages import SweepImages
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def predictionsFromNode(sequenceNode) -> TrackedSequence:
-    """The probabilities in a vtkMRMLSequenceNode of images, at its times in s where it has any.
+    """The probabilities in a vtkMRMLSequenceNode of images, at its times in s where it has any, with what they cover if it says so.
 
     Raises
     ------
@@ -26,7 +27,9 @@ def predictionsFromNode(sequenceNode) -> TrackedSequence:
     flipColumns, flipRows = orientationFlips(sequenceNode)
     nodes = [sequenceNode.GetNthDataNode(number) for number in range(count)]
     images = SweepImages(nodes, sequenceNode.GetName(), flipColumns=flipColumns, flipRows=flipRows)
-    return TrackedSequence(images, [FrameRecord(timestamp=_time(sequenceNode, number)) for number in range(count)])
+    covers = sequenceNode.GetAttribute(COVERS_ATTRIBUTE)
+    fields = {COVERS_ATTRIBUTE: covers} if covers else {}
+    return TrackedSequence(images, [FrameRecord(timestamp=_time(sequenceNode, number), fields=fields) for number in range(count)])
 
 
 def predictedBone(

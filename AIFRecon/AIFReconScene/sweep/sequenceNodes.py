@@ -34,6 +34,9 @@ PROBLEM_ATTRIBUTE = "AIFRecon.Problem"
 SOURCE_ATTRIBUTE = "Sequences.Source"
 """Of a sequence node: the name of the transform in the recording; Slicer's own importer keeps it there."""
 
+COVERS_ATTRIBUTE = "BoneFramePx"
+"""Of a sequence of predictions, as in its file: which rectangle of their frames they cover."""
+
 ORIENTATION_ATTRIBUTE = "Sequences.UltrasoundImageOrientation"
 
 FASTEST_REPLAY = 60.0
@@ -84,6 +87,7 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
     index, unit = indexValues(sequence.records)
     images = _sequenceNode(f"{name}-{IMAGE}", IMAGE, unit)
     images.SetAttribute(ORIENTATION_ATTRIBUTE, "MFA")
+    images.SetAttribute(COVERS_ATTRIBUTE, sequence.records[0].fields.get(COVERS_ATTRIBUTE))
     _fillImages(images, sequence, index, part(progress, 0.0, 0.9))
     transforms = {}
     names = [each for each in sequence.transform_names() if each not in sequence.transforms]

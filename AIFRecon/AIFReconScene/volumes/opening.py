@@ -7,8 +7,9 @@ from slicer.i18n import tr as _
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.progress import part
 
+from ..inputs.boneSource import BoneSource
 from ..sceneNodes import freeName, removeNodes
-from ..sweep.fileKinds import CONFIGURATION, RECORDING, SEGMENTATION, TRANSFORM, VOLUME, kindOf
+from ..sweep.fileKinds import CONFIGURATION, PREDICTIONS, RECORDING, SEGMENTATION, TRANSFORM, VOLUME, kindOf
 
 MOST_LABELS = 64
 """A volume of so few whole numbers from 0 to 255 is a labelmap; a CT has hundreds."""
@@ -44,6 +45,8 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> str:
         for node in (parameters.ctVolume, parameters.bone):
             if node is not None:
                 node.SetAndObserveTransformNodeID(above.GetID())
+    for path in of.get(PREDICTIONS, ()):
+        _openPredictions(parameters, path, loadRecording)
     recordings, loaded = of.get(RECORDING, ()), []
     for number, path in enumerate(recordings):
         parameters.recordingPath = path
@@ -52,6 +55,18 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> str:
     if loaded:
         parameters.sweep, parameters.otherSweeps = loaded[0], loaded[1:]
     return _("Opened {names}.").format(names=", ".join(path.name for path in paths))
+
+
+def _openPredictions(parameters, path, loadRecording) -> None:
+    """Read what a network has said of a sweep, and let that tell where bone is; the sweep that is chosen stays chosen."""
+    chosen = {name: getattr(parameters, name) for name in ("sweep", "imageSequence", "recordingPath", "spacing")}
+    parameters.recordingPath = path
+    try:
+        loadRecording(parameters, None)
+        parameters.bonePredictions, parameters.boneSource = parameters.sweep.GetMasterSequenceNode(), BoneSource.PREDICTIONS
+    finally:
+        for name, value in chosen.items():
+            setattr(parameters, name, value)
 
 
 def openVolume(path):

@@ -4,8 +4,16 @@
 <context>
     <name>AIFRecon</name>
     <message>
+        <source>A network that says where bone is in a frame, as an ONNX file. It is run on this computer's processor, and nothing but this file and the JSON of its name is opened.</source>
+        <translation>Una red que dice dónde hay hueso en una imagen, como archivo ONNX. Se ejecuta en el procesador de este ordenador, y solo se abren este archivo y el JSON de su nombre.</translation>
+    </message>
+    <message>
         <source>And also:</source>
         <translation>Y también:</translation>
+    </message>
+    <message>
+        <source>Bone from:</source>
+        <translation>Hueso según:</translation>
     </message>
     <message>
         <source>Bone:</source>
@@ -26,6 +34,26 @@
     <message>
         <source>More</source>
         <translation>Más</translation>
+    </message>
+    <message>
+        <source>Name under which the server sends what a network says (device), with the time stamps of its images</source>
+        <translation>Nombre con el que el servidor envía lo que dice una red (dispositivo), con las marcas de tiempo de sus imágenes</translation>
+    </message>
+    <message>
+        <source>Network name:</source>
+        <translation>Nombre de la red:</translation>
+    </message>
+    <message>
+        <source>Network said:</source>
+        <translation>La red dijo:</translation>
+    </message>
+    <message>
+        <source>Network:</source>
+        <translation>Red:</translation>
+    </message>
+    <message>
+        <source>Networks (*.onnx)</source>
+        <translation>Redes (*.onnx)</translation>
     </message>
     <message>
         <source>None</source>
@@ -104,12 +132,31 @@
         <translation>Vértebras:</translation>
     </message>
     <message>
+        <source>What a network has said of the frames (predictions): a sequence of images, one for each frame or with their times, from 0 to 255 or from 0 to 1</source>
+        <translation>Lo que una red ha dicho de las imágenes (predicciones): una secuencia de imágenes, una por cada imagen o con sus tiempos, de 0 a 255 o de 0 a 1</translation>
+    </message>
+    <message>
+        <source>Who says where bone is: the CT in its place, a neural network that looks at every frame, or the echoes, bright with darkness behind them. Only the CT knows bone that no frame shows.</source>
+        <translation>Quién dice dónde hay hueso: la TC en su sitio, una red neuronal que mira cada imagen, o los ecos, brillantes con oscuridad detrás. Solo la TC conoce el hueso que ninguna imagen muestra.</translation>
+    </message>
+    <message>
         <source>not started</source>
         <translation>no iniciado</translation>
     </message>
 </context>
 <context>
+    <name>AIFReconGui.packages</name>
+    <message>
+        <source>A network in a file needs the Python package onnxruntime. Install it now?</source>
+        <translation>Una red en un archivo necesita el paquete de Python onnxruntime. ¿Instalarlo ahora?</translation>
+    </message>
+</context>
+<context>
     <name>AIFReconLib</name>
+    <message>
+        <source>Bone is known from {looked} of {frames} frames.</source>
+        <translation>El hueso se conoce por {looked} de {frames} imágenes.</translation>
+    </message>
     <message>
         <source>CT agrees: {found}</source>
         <translation>La TC concuerda: {found}</translation>
@@ -135,12 +182,24 @@
         <translation>todavía sin barrido</translation>
     </message>
     <message>
+        <source>onnxruntime was not installed, and a network in a file needs it: {why}</source>
+        <translation>onnxruntime no se instaló, y una red en un archivo lo necesita: {why}</translation>
+    </message>
+    <message>
         <source>told after the reconstruction</source>
         <translation>se sabrá tras la reconstrucción</translation>
     </message>
     <message>
+        <source>{count} predictions belong to no frame with a pose.</source>
+        <translation>{count} predicciones no pertenecen a ninguna imagen con posición.</translation>
+    </message>
+    <message>
         <source>{frames}, {speed:.0f} mm/s</source>
         <translation>{frames}, {speed:.0f} mm/s</translation>
+    </message>
+    <message>
+        <source>{packages} is not installed, and a network in a file needs it.</source>
+        <translation>{packages} no está instalado, y una red en un archivo lo necesita.</translation>
     </message>
     <message>
         <source>{share:.0%} of the echoes, {median:.1f} mm</source>
@@ -152,14 +211,92 @@
     </message>
 </context>
 <context>
-    <name>inputs.readiness</name>
+    <name>AIFReconScene.panelWords</name>
     <message>
-        <source>Select a tracked sweep, or load a recording.</source>
-        <translation>Elija un barrido o cargue una grabación.</translation>
+        <source>The echoes themselves</source>
+        <translation>Los propios ecos</translation>
+    </message>
+    <message>
+        <source>What the network has said belongs to one sweep; got {predictions} for {sweeps}. Leave the others out.</source>
+        <translation>Lo que la red ha dicho pertenece a un barrido; hay {predictions} para {sweeps}. Deje los demás fuera.</translation>
+    </message>
+    <message>
+        <source>{name}: predictions of {got} pixels do not fit frames of {frames}. Select what the network has said of this sweep, in its size.</source>
+        <translation>{name}: predicciones de {got} píxeles no encajan con imágenes de {frames}. Elija lo que la red ha dicho de este barrido, en su tamaño.</translation>
+    </message>
+</context>
+<context>
+    <name>inputs.boneSource</name>
+    <message>
+        <source>A network in a file</source>
+        <translation>Una red en un archivo</translation>
+    </message>
+    <message>
+        <source>A network that runs elsewhere</source>
+        <translation>Una red que se ejecuta en otro sitio</translation>
+    </message>
+    <message>
+        <source>A network, as it was recorded</source>
+        <translation>Una red, tal como se grabó</translation>
+    </message>
+    <message>
+        <source>Bone is looked for in the sweep itself: what is bright with darkness behind it. The docs say how well that works.</source>
+        <translation>El hueso se busca en el propio barrido: lo que brilla con oscuridad detrás. La documentación dice lo bien que funciona.</translation>
+    </message>
+    <message>
+        <source>Choose the file of the network, or let something else tell where bone is.</source>
+        <translation>Elija el archivo de la red, o deje que otra cosa diga dónde hay hueso.</translation>
+    </message>
+    <message>
+        <source>Enter the name under which the server sends what the network says, or let something else tell where bone is.</source>
+        <translation>Escriba el nombre con el que el servidor envía lo que dice la red, o deje que otra cosa diga dónde hay hueso.</translation>
+    </message>
+    <message>
+        <source>Every label above 0 is bone.</source>
+        <translation>Toda etiqueta mayor que 0 es hueso.</translation>
+    </message>
+    <message>
+        <source>Images and what the network says of them must have two names; both are {name}.</source>
+        <translation>Las imágenes y lo que la red dice de ellas deben tener dos nombres; ambos son {name}.</translation>
+    </message>
+    <message>
+        <source>Select what the network has said of the sweep, or let something else tell where bone is.</source>
+        <translation>Elija lo que la red ha dicho del barrido, o deje que otra cosa diga dónde hay hueso.</translation>
+    </message>
+    <message>
+        <source>Taken for the probability of bone, from 0 to 1.</source>
+        <translation>Se toma como probabilidad de hueso, de 0 a 1.</translation>
+    </message>
+    <message>
+        <source>The CT</source>
+        <translation>La TC</translation>
+    </message>
+    <message>
+        <source>The echoes themselves</source>
+        <translation>Los propios ecos</translation>
+    </message>
+    <message>
+        <source>There is no file {path}.</source>
+        <translation>No hay ningún archivo {path}.</translation>
+    </message>
+    <message>
+        <source>What a network says comes from a server: take the images from there too, or let something else tell where bone is.</source>
+        <translation>Lo que dice una red viene de un servidor: tome también de allí las imágenes, o deje que otra cosa diga dónde hay hueso.</translation>
+    </message>
+    <message>
+        <source>What the network has said belongs to one sweep: leave the others out, or let something else tell where bone is.</source>
+        <translation>Lo que la red ha dicho pertenece a un barrido: deje los demás fuera, o deje que otra cosa diga dónde hay hueso.</translation>
     </message>
     <message>
         <source>Without bone the sweep is averaged: nothing says at which angle a beam meets it.</source>
         <translation>Sin hueso se promedia el barrido: nada dice en qué ángulo lo encuentra un haz.</translation>
+    </message>
+</context>
+<context>
+    <name>inputs.readiness</name>
+    <message>
+        <source>Select a tracked sweep, or load a recording.</source>
+        <translation>Elija un barrido o cargue una grabación.</translation>
     </message>
 </context>
 <context>
@@ -194,6 +331,10 @@
     <message>
         <source>Scan on</source>
         <translation>Siga explorando</translation>
+    </message>
+    <message>
+        <source>What the network said is in {path}.</source>
+        <translation>Lo que dijo la red está en {path}.</translation>
     </message>
     <message>
         <source>not started</source>

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ...geometry.volume import VoxelGrid
@@ -38,7 +38,15 @@ class Costs:
     parts: bool = True
 
 
-def cut_into_parts(grid: VoxelGrid, costs: Costs, memory: int | None = None) -> list[Planes]:
+def memory_to_use(asked: int | None) -> int | None:
+    """Bytes that a reconstruction may take: as asked, else `PART_OF_FREE` of what is free; None where the system does not tell."""
+    if asked is not None:
+        return asked
+    free = available_memory()
+    return None if free is None else int(PART_OF_FREE * free)
+
+
+def cut_into_parts(grid: VoxelGrid, costs: Costs, memory: int | None) -> list[Planes]:
     """The parts in which to work a box: one where it fits, else as few as do, alike in size.
 
     Parameters
@@ -46,16 +54,13 @@ def cut_into_parts(grid: VoxelGrid, costs: Costs, memory: int | None = None) -> 
     grid : VoxelGrid
     costs : Costs
     memory : int or None
-        Bytes to stay within; by default `PART_OF_FREE` of what is free.
+        Bytes to stay within; None: any number.
 
     Raises
     ------
     InsufficientMemoryError
         When the results and one plane do not fit.
     """
-    if memory is None:
-        free = available_memory()
-        memory = None if free is None else int(PART_OF_FREE * free)
     planes, plane = grid.size[2], grid.size[0] * grid.size[1]
     most = MAXIMUM_VOXELS // plane
     if (memory is None or grid.voxels * costs.whole <= memory) and planes <= most:
@@ -70,6 +75,12 @@ def cut_into_parts(grid: VoxelGrid, costs: Costs, memory: int | None = None) -> 
         require_memory(grid.size, grid.spacing, costs.results + math.ceil(costs.part / planes), usable, most=LARGEST_GRID)
     count = math.ceil(planes / max(most, 1))
     return [(number * planes // count, (number + 1) * planes // count) for number in range(count)]
+
+
+def left_beside(grid: VoxelGrid, costs: Costs, cut: Sequence[Planes], memory: int | None) -> float:
+    """Bytes of the memory that neither the results nor the largest of these parts take."""
+    largest = grid.size[0] * grid.size[1] * max(stop - first for first, stop in cut)
+    return math.inf if memory is None else memory - grid.voxels * costs.results - largest * costs.part
 
 
 def frames_of(planes: Planes, reached: Mapping[int, Planes]) -> frozenset[int]:

@@ -70,7 +70,7 @@ class BoneWatch(Watch):
     Notes
     -----
     An estimator looks at the newest frame, and at most half of the time: frames that come meanwhile are passed over, as evenly
-    as they come. Streamed predictions are all taken. While a scan has no box yet, nothing is looked at.
+    as they come. Streamed predictions are all taken. What is found while a scan has no box yet is kept for the volume that it gets.
     """
 
     def __init__(
@@ -112,7 +112,7 @@ class BoneWatch(Watch):
         if isinstance(self._source, PredictionSource):
             for of_frame, message in self._matched(self._source):
                 self._take(of_frame, Prediction(self._streamed(message)))
-        elif frame is not None and self._session.grid is not None and (imaging := self._imaging(frame)) is not None:
+        elif frame is not None and (imaging := self._imaging(frame)) is not None:
             if self._estimator is None:
                 self._estimator = self._source(imaging)
             prediction = self._estimator.estimate(frame)
@@ -123,16 +123,16 @@ class BoneWatch(Watch):
             self._spread = time.monotonic()
 
     def _take(self, frame: LiveFrame, prediction: Prediction) -> None:
-        grid, imaging = self._session.grid, self._imaging(frame)
+        imaging = self._imaging(frame)
         self.state = BoneState(self.state.frames + 1, self.state.unmatched)
         if self._recorder is not None:
             self._recorder.append(_as_frame(frame, prediction))
-        if grid is None or imaging is None:
+        if imaging is None:
             return
         if self._listeners is None:
             self._listeners = Listeners(imaging)
         image, pose = frame.placed()
-        self._bone.learn(self._listeners.of(frame).listen(image, prediction), pose, grid)
+        self._bone.learn(self._listeners.of(frame).listen(image, prediction), pose, self._session.grid)
 
     def _matched(self, source: PredictionSource) -> list[tuple[LiveFrame, ImageMessage]]:
         """Predictions whose frames are placed; others wait a little."""
@@ -162,6 +162,11 @@ class BoneWatch(Watch):
                 kind=message.image.dtype.name,
             )
         return probability_of(message.image, self._full if message.image.dtype == np.uint8 else 1.0, message.device)
+
+
+def predictions_beside(record: Path) -> Path:
+    """Where what is said of bone is recorded beside the recording of a scan."""
+    return record.with_name(f"{record.name[: -len(record.suffix)]}-bone{record.suffix}")
 
 
 def _as_frame(frame: LiveFrame, prediction: Prediction) -> LiveFrame:

@@ -17,7 +17,7 @@ from worker_tasks import double_or_die, look_in
 from AIFReconLib.batch import engine
 from AIFReconLib.batch.case import Task, carry_out
 from AIFReconLib.batch.cohort import Cohort
-from AIFReconLib.batch.engine import Lost, cluster_at, completed, local_workers
+from AIFReconLib.batch.engine import Lost, cluster_at, completed, local_workers, own_memory
 from AIFReconLib.batch.page import page
 from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, Record, read_record, write_record
 from AIFReconLib.batch.results import flat_rows, write_tables
@@ -28,6 +28,9 @@ from AIFReconLib.errors import SettingsError
 
 pytest.importorskip("distributed", reason="dask.distributed is not installed")
 parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+
+MEMORY = 3_000_000_000
+"""Bytes that each of the workers may take."""
 
 HEAD = "case,sweeps,config,bone_labels,bone_transform,bone_sigma_mm,method,spacing,mask,preview"
 DEADLY = """
@@ -99,7 +102,7 @@ def lab(originals, tmp_path):
 
 @pytest.fixture(scope="module")
 def client():
-    with local_workers(2) as client:
+    with local_workers(2, memory=MEMORY) as client:
         yield client
 
 
@@ -113,6 +116,11 @@ def finished(originals, client, tmp_path_factory):
     lab.write(row("P1", "average;weighted", preview="yes"), row("P2"), row("P3"), row("P4"))
     said = []
     return lab, lab.run(client, lambda fraction, message: said.append((fraction, message)) or True), said
+
+
+def test_a_worker_knows_what_it_may_take_beside_what_it_holds(client):
+    assert 0 < client.submit(own_memory).result() < MEMORY
+    assert own_memory() is None
 
 
 # ---- what comes out

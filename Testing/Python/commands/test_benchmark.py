@@ -17,13 +17,15 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.transforms import image_plane_axes
 from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.extent import grid_around_sweep
+from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import METHODS, ReconstructionSettings
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from benchmark import speed
-from benchmark.cases import half_empty, labels_of_size
+from benchmark import growth, limits, speed, spine
+from benchmark.cases import half_empty, labels_of_size, turned
 from benchmark.first_result import first_result
 from benchmark.table import HEADING, BenchmarkResult, Timing
 
@@ -111,6 +113,39 @@ def test_half_of_the_voxels_to_be_filled_are_empty():
 
 def test_labels_have_the_size_asked_for():
     assert labels_of_size(27_000).array.size == 27_000
+
+
+def test_the_passes_over_a_back_reach_all_sides_of_its_box():
+    grid = grid_around_sweep(spine.passes(201), (spine.COLUMNS, spine.ROWS), ImageRegion(), (1.0, 1.0, 1.0))
+    np.testing.assert_allclose(np.array(grid.size) - 1, spine.BOX, atol=1)
+
+
+def test_what_a_process_takes_is_told(tmp_path):
+    file = tmp_path / "file"
+    file.write_bytes(bytes(30_000_000))
+    program = f"import time; held = open({str(file)!r}, 'rb').read() + bytes([1]) * 40_000_000; time.sleep(0.1)"
+    taken = spine.taken_by([sys.executable, "-c", program])
+    assert taken.seconds > 0.1
+    if Path("/proc/self/io").exists():
+        assert taken.peak_gb > 0.07
+        assert 0.03 < taken.read_gb < 0.06
+
+
+@needs_numba
+def test_the_limit_enters_the_pixels_of_the_engine():
+    sweep = turned(fan_sweep(2, speed.COLUMNS, speed.ROWS), 25.0)
+    grid = turned_grid((3.0, 3.0, 3.0), (40, 50, 60))
+    voxels, pixels = limits.in_order(sweep, grid)
+    state = np.zeros(grid.voxels, np.uint64)
+    LOOPS.add_packed(voxels, pixels, state)
+    reconstructor = Reconstructor(grid, ReconstructionSettings(method="average", hole_limit=0.0))
+    reconstructor.insert(sweep)
+    np.testing.assert_array_equal(state.reshape(grid.shape) >> np.uint64(32), reconstructor.finish().hits.array)
+
+
+def test_growth_is_told_by_its_exponent():
+    points = [growth.Point("frames", amount, method, amount**2) for amount in (10, 20) for method in growth.METHODS]
+    assert {row[-1] for row in growth.slopes(points)[1:]} == {"2.00"}
 
 
 def test_a_first_result_can_be_had():

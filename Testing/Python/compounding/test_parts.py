@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -124,6 +125,32 @@ def test_only_what_was_asked_for_is_made(monkeypatch):
         made = volumes_of(sweep, wanted, grid, cuts, monkeypatch, beside=())[0]
         assert made[2:4] == [None, None]
         np.testing.assert_array_equal(made[0], everything[0])
+
+
+class Counted:
+    """Images that are read one by one, and how often that is."""
+
+    def __init__(self, images):
+        self.shape, self.dtype, self._images, self.read = images.shape, images.dtype, images, 0
+
+    def __len__(self):
+        return len(self._images)
+
+    def __getitem__(self, number):
+        self.read += 1
+        return self._images[number].copy()
+
+
+@pytest.mark.parametrize("left", [True, False])
+def test_frames_are_read_once_where_they_fit_beside_the_parts(left, monkeypatch):
+    sweep, grid = sequence(9), turned_grid(size=(12, 11, PLANES))
+    wanted = ReconstructionSettings(method="weighted")
+    whole = volumes_of(sweep, wanted, grid, [], monkeypatch)
+    counted = replace(sweep, images=Counted(sweep.images))
+    images = sweep.images.nbytes
+    monkeypatch.setattr(reconstruction, "left_beside", lambda *_: images if left else images - 1)
+    assert_same(volumes_of(counted, wanted, grid, [3, 6], monkeypatch), whole)
+    assert (counted.images.read == len(sweep)) == left
 
 
 COSTS = Costs(whole=28, results=2, part=28)

@@ -9,7 +9,7 @@ import pytest
 from seen_planes import IMAGING, PlaneSweep
 
 from AIFReconLib.bone.estimators import Listeners, bone_from_frames
-from AIFReconLib.bone.growing import GrowingBone
+from AIFReconLib.bone.growing import MOST_KEPT, GrowingBone
 from AIFReconLib.bone.recorded import RecordedPredictions
 from AIFReconLib.bone.seen import Prediction
 from AIFReconLib.geometry.transforms import transform_points
@@ -99,14 +99,14 @@ def scan(tmp_path):
     """Starts a session over the plane with what looks for bone; the answer is session, bone, watch and queue."""
     open_ = []
 
-    def start(source_of=None, device="Bone", record=None):
+    def start(source_of=None, device="Bone", record=None, grid=GRID):
         queue, bone = QueueSource(), GrowingBone()
         source = PredictionSource(queue, device) if source_of is None else queue
         session = LiveSession(
             source,
             ReconstructionSettings(method="weighted", engine="numpy"),
             bone,
-            GRID,
+            grid,
             region=IMAGING.region,
             probe=IMAGING.probe,
             synchronizer=SynchronizerSettings(trust_image_pose=True),
@@ -144,6 +144,8 @@ def predicted(number, image=None) -> ImageMessage:
 
 def on_plane(bone) -> float:
     """The usual probability of bone where it is, of what the volume knows."""
+    if bone._now[0][0] is not GRID:
+        return 0.0  # that of a trial, before there is a volume
     points = SWEEP.on_plane(half=2)
     i, j, k = np.rint(transform_points(GRID.reference_to_ijk, points)).astype(int).T
     return float(np.median(bone._now[0][1].probability[k, j, i]))
@@ -157,6 +159,29 @@ def test_an_estimator_draws_bone_into_the_volume_that_grows(scan):
     wait_for(lambda: session.statistics.inserted >= 5)
     wait_for(lambda: on_plane(bone) > 0.5)
     assert session.finish().frames_inserted == 6
+
+
+def test_what_is_found_while_scouting_is_kept_for_the_volume_and_recorded(scan, tmp_path):
+    session, bone, watch, queue = scan(lambda imaging: Knowing(), grid=None, record=tmp_path / "scan-bone.mha")
+    for number in range(5):
+        queue.put(shown(number))
+        wait_for(lambda number=number: watch.state.frames > number)
+    assert session.grid is None
+    assert bone.seen() is None
+    session.use_grid(GRID)
+    queue.put(shown(5))
+    wait_for(lambda: on_plane(bone) > 0.5)
+    assert session.finish().frames_inserted == 6
+    watch.stop()
+    assert len(read_sequence(watch.recorded)) == 6
+
+
+def test_no_more_is_kept_than_there_is_room_for():
+    bone = GrowingBone()
+    learn(bone, [0], grid=None)
+    for _ in range(2 * MOST_KEPT):
+        bone.learn(*bone._kept[0], None)
+    assert 0 < len(bone._kept) <= MOST_KEPT
 
 
 def test_streamed_predictions_belong_to_the_frames_of_their_times(scan):

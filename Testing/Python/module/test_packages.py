@@ -89,7 +89,31 @@ def test_slicer_s_own_way_is_taken_where_there_is_one(packages, host, monkeypatc
     assert host.dialogs.shown == []
 
 
+def test_a_network_in_a_file_asks_for_what_runs_it_and_a_no_is_told_in_a_sentence(packages, host, qt, monkeypatch):
+    monkeypatch.setattr(packages, "isInstalled", lambda requirement: False)
+    host.dialogs.answers.append(qt.QMessageBox.Cancel)
+    with pytest.raises(packages.PackageMissingError, match=r"onnxruntime.* is not installed, and a network in a file needs it"):
+        packages.ensureModelPackages()
+    [question] = host.dialogs.messages()
+    assert "onnxruntime" in question
+
+
+def test_an_installation_that_fails_says_why(packages, host, qt, monkeypatch):
+    """The host installs nothing, which is a failure."""
+    monkeypatch.setattr(packages, "isInstalled", lambda requirement: False)
+    host.dialogs.answers.append(qt.QMessageBox.Ok)
+    with pytest.raises(packages.PackageMissingError, match=r"was not installed, and a network in a file needs it: .*does not install"):
+        packages.ensureModelPackages()
+
+
+def test_nothing_is_asked_for_a_network_where_it_can_be_run(packages, host, monkeypatch):
+    monkeypatch.setattr(packages, "isInstalled", lambda requirement: requirement == packages.MODEL)
+    packages.ensureModelPackages()
+    assert host.dialogs.shown == []
+
+
 def test_the_versions_are_those_of_the_library(packages):
     assert f'fast = ["{packages.FAST}"]' in PROJECT
+    assert f'ai = ["{packages.MODEL}"]' in PROJECT
     lines = [line for line in packages.REQUIREMENTS.read_text("utf-8").splitlines() if not line.startswith("#")]
     assert lines == re.findall(r'"(pyigtl[<=>][^"]*)"', PROJECT)

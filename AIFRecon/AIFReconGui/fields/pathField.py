@@ -4,7 +4,7 @@ import pathlib
 
 from slicer.i18n import translate
 
-PATHS = ("recordingPath", "configurationPath", "liveRecordPath", "importanceMaskPath")
+PATHS = ("recordingPath", "configurationPath", "liveRecordPath", "importanceMaskPath", "boneModelPath")
 """The parameters that are files."""
 
 

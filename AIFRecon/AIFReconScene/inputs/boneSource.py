@@ -1,0 +1,82 @@
+"""Who says where bone is: the CT, a network, or the echoes themselves; what is missing of each, and what it means."""
+
+import enum
+
+from slicer.i18n import tr as _
+
+from .parameters import LiveSource, fileFrom
+
+
+class BoneSource(enum.Enum):
+    """Who says where bone is."""
+
+    CT = "CT"
+    PREDICTIONS = "predictions"
+    MODEL = "model"
+    ECHOES = "echoes"
+
+    def label(self, live: bool = False) -> str:
+        """What the panel shows, of a scan where it is `live`."""
+        return {
+            BoneSource.CT: _("The CT"),
+            BoneSource.PREDICTIONS: _("A network that runs elsewhere") if live else _("A network, as it was recorded"),
+            BoneSource.MODEL: _("A network in a file"),
+            BoneSource.ECHOES: _("The echoes themselves"),
+        }[self]
+
+
+def hasBone(parameters, live: bool = False) -> bool:
+    """Whether something says where bone is, in a scan where it is `live`."""
+    return {
+        BoneSource.CT: parameters.bone is not None,
+        BoneSource.PREDICTIONS: bool(parameters.liveBoneDevice.strip()) if live else parameters.bonePredictions is not None,
+        BoneSource.MODEL: fileFrom(parameters.boneModelPath) is not None,
+        BoneSource.ECHOES: True,
+    }[parameters.boneSource]
+
+
+def whyNoBone(parameters, live: bool = False) -> str:
+    """What is missing of the source that is chosen; empty where nothing is: without bone of a CT a sweep is averaged."""
+    source, model = parameters.boneSource, fileFrom(parameters.boneModelPath)
+    if source == BoneSource.MODEL:
+        if model is None:
+            return _("Choose the file of the network, or let something else tell where bone is.")
+        return "" if model.is_file() else _("There is no file {path}.").format(path=model)
+    if source == BoneSource.PREDICTIONS:
+        return _whyNotStreamed(parameters) if live else _whyNotRecorded(parameters)
+    return ""
+
+
+def _whyNotRecorded(parameters) -> str:
+    if parameters.bonePredictions is None:
+        return _("Select what the network has said of the sweep, or let something else tell where bone is.")
+    if parameters.otherSweeps:
+        return _("What the network has said belongs to one sweep: leave the others out, or let something else tell where bone is.")
+    return ""
+
+
+def _whyNotStreamed(parameters) -> str:
+    if parameters.liveSource != LiveSource.OPENIGTLINK:
+        return _("What a network says comes from a server: take the images from there too, or let something else tell where bone is.")
+    name = parameters.liveBoneDevice.strip()
+    if not name:
+        return _("Enter the name under which the server sends what the network says, or let something else tell where bone is.")
+    if name == parameters.liveImageDevice.strip():
+        return _("Images and what the network says of them must have two names; both are {name}.").format(name=name)
+    return ""
+
+
+def describeBone(parameters, live: bool = False) -> str:
+    """What the chosen source means, and what the absence of bone does."""
+    source, bone = parameters.boneSource, parameters.bone
+    if source == BoneSource.ECHOES:
+        return _("Bone is looked for in the sweep itself: what is bright with darkness behind it. The docs say how well that works.")
+    if source != BoneSource.CT:
+        return whyNoBone(parameters, live)
+    if bone is None:
+        return _("Without bone the sweep is averaged: nothing says at which angle a beam meets it.")
+    if bone.IsA("vtkMRMLSegmentationNode"):
+        return ""
+    if bone.IsA("vtkMRMLLabelMapVolumeNode"):
+        return _("Every label above 0 is bone.")
+    return _("Taken for the probability of bone, from 0 to 1.")

@@ -1,0 +1,74 @@
+"""Bone that a scan shows by itself: predictions that are streamed with it, a network that looks at its frames, or their echoes."""
+
+from AIFReconLib.bone.estimators import EchoEstimator
+from AIFReconLib.bone.growing import GrowingBone
+from AIFReconLib.live.pairing.predictions import PredictionSource
+from AIFReconLib.live.session.bone_watch import BoneWatch, predictions_beside
+from AIFReconLib.message import Message
+
+from ..background import inBackground
+from ..inputs.boneSource import BoneSource
+from ..inputs.parameters import fileFrom
+
+
+class LiveBone:
+    """What looks for bone beside a session, and the map that grows by it.
+
+    Parameters
+    ----------
+    parameters : AIFReconParameterNode
+        Their source is another than the CT.
+    source : MessageSource
+        Of the scan.
+    record : Path or None
+        Of the scan; what a network says is recorded beside it.
+    progress : callable or None
+        For a network, which is loaded and tried here.
+
+    Raises
+    ------
+    ModelError
+        When the file is no network that can be run.
+    """
+
+    def __init__(self, parameters, source, record=None, progress=None):
+        self.bone = GrowingBone()
+        chosen = parameters.boneSource
+        self._streamed = PredictionSource(source, parameters.liveBoneDevice.strip()) if chosen == BoneSource.PREDICTIONS else None
+        self._model = inBackground(lambda _progress: _modelIn(parameters), progress) if chosen == BoneSource.MODEL else None
+        self.source = self._streamed or source
+        self._record = None if record is None or chosen == BoneSource.ECHOES else predictions_beside(record)
+        self._watch = None
+
+    def begin(self, session, imaging: dict) -> None:
+        """Look for bone in what this session receives from now on; `imaging` as for a `Watch`."""
+        self._watch = BoneWatch(session, self.bone, self._streamed or self._estimator, record=self._record, **imaging)
+
+    def stop(self) -> None:
+        """Look no more, and finish the recording."""
+        if self._watch is not None:
+            self._watch.stop()
+
+    @property
+    def recorded(self):
+        """Where what the network said was recorded; None where it was not."""
+        return None if self._watch is None else self._watch.recorded
+
+    def lines(self, frames: int) -> list:
+        """How it goes, after so many frames, in lines for the user."""
+        if self._watch is None:
+            return []
+        state = self._watch.state
+        lines = [Message("Bone is known from {looked} of {frames} frames.", looked=state.frames, frames=frames)]
+        if state.unmatched:
+            lines.append(Message("{count} predictions belong to no frame with a pose.", count=state.unmatched))
+        return lines if state.problem is None else [*lines, state.problem]
+
+    def _estimator(self, imaging):
+        return self._model or EchoEstimator(imaging)
+
+
+def _modelIn(parameters):
+    from AIFReconLib.bone.model import OnnxModel
+
+    return OnnxModel(fileFrom(parameters.boneModelPath))

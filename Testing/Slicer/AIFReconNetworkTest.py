@@ -1,0 +1,300 @@
+"""Self tests of bone from a network or from the echoes: the choice in both tabs, what it gives, what is refused, and a scan."""
+
+import importlib.util
+import pathlib
+import sys
+import tempfile
+import time
+import unittest
+
+import numpy as np
+import slicer
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "Python"))
+
+import tinyScene
+from AIFReconLiveTest import waitFor
+
+from AIFReconLib import ReconstructionSettings, reconstruct
+
+
+class AIFReconNetworkTest(unittest.TestCase):
+    """The tiny sweep, and a network that knows where its echoes are."""
+
+    def setUp(self):
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters, self.live = self.widget.ui, self.widget._parameterNode, self.widget._live
+        self.parameters.spacing, self.parameters.holeLimit = 1.0, 0.0
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.shown, display = [], slicer.util.infoDisplay
+        slicer.util.infoDisplay = lambda text, **options: self.shown.append(text)
+        self.addCleanup(setattr, slicer.util, "infoDisplay", display)
+
+    def tearDown(self):
+        self.live.close()
+        slicer.mrmlScene.Clear()
+
+    def choose(self, comboBox, text):
+        """Select an item by its text."""
+        comboBox.currentIndex = comboBox.findText(text)
+
+    def said(self):
+        """What the network says: certain bone where the echoes are."""
+        from AIFReconLib.sweep.frames import TrackedSequence
+
+        sweep = tinyScene.makeSequence()
+        images = np.where(np.asarray(sweep.images) == tinyScene.ECHO, 255, 0).astype(np.uint8)
+        return TrackedSequence(images, sweep.records)
+
+    def addSaid(self):
+        """It as a sequence node of the scene."""
+        from AIFReconScene.sweep.sequenceNodes import browserFromSequence
+
+        return browserFromSequence(self.said(), "Said").GetMasterSequenceNode()
+
+    def model(self) -> pathlib.Path:
+        """A network in a file: what is bright is bone."""
+        if any(importlib.util.find_spec(name) is None for name in ("onnx", "onnxruntime")):
+            self.skipTest("onnx and onnxruntime are not installed, and Slicer installs nothing in testing mode")
+        import onnx_models
+
+        path = onnx_models.saved(onnx_models.scaling(), self.folder / "bright.onnx")
+        path.with_suffix(".json").write_text('{"output": "probability"}')
+        return path
+
+    def expected(self, estimatorOf):
+        """The voxels of the library's own call."""
+        from AIFReconLib.bone.estimators import bone_from_frames
+
+        sweep = tinyScene.makeSequence()
+        bone = bone_from_frames(sweep, estimatorOf(sweep))
+        return reconstruct(sweep, ReconstructionSettings(spacing=1.0, hole_limit=0.0), bone).intensity.array
+
+    def assertReconstructs(self, expected):
+        """Press Reconstruct: these are the voxels."""
+        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
+        self.ui.applyButton.click()
+        self.assertEqual(self.shown, [])
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(self.parameters.output), expected)
+
+    def assertRefused(self, button, *words):
+        """It cannot be pressed, and says why."""
+        self.assertFalse(button.enabled)
+        for word in words:
+            self.assertIn(word, button.toolTip)
+
+    # ---- recorded
+
+    def test_recorded_predictions_reconstruct_as_they_do_in_the_library(self):
+        from AIFReconLib.bone.recorded import RecordedPredictions
+
+        self.parameters.sweep, self.parameters.bonePredictions = tinyScene.addSweep(), self.addSaid()
+        self.choose(self.ui.boneSourceComboBox, "A network, as it was recorded")
+        self.assertReconstructs(self.expected(lambda sweep: RecordedPredictions(sweep, self.said())))
+
+    def test_a_network_in_a_file_reconstructs_as_it_does_in_the_library(self):
+        from AIFReconLib.bone.model import OnnxModel
+
+        path = self.model()
+        self.parameters.sweep = tinyScene.addSweep()
+        self.choose(self.ui.boneSourceComboBox, "A network in a file")
+        self.ui.boneModelPathLineEdit.currentPath = str(path)
+        self.assertReconstructs(self.expected(lambda sweep: OnnxModel(path)))
+        self.assertIn("bright.onnx", self.ui.statusLabel.text)
+
+    def test_a_network_comes_before_the_ct_that_is_chosen_too(self):
+        from AIFReconLib.bone.recorded import RecordedPredictions
+
+        self.parameters.sweep, self.parameters.bonePredictions = tinyScene.addSweep(), self.addSaid()
+        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
+        self.choose(self.ui.boneSourceComboBox, "A network, as it was recorded")
+        self.assertReconstructs(self.expected(lambda sweep: RecordedPredictions(sweep, self.said())))
+
+    def test_what_a_scan_recorded_of_a_network_is_opened_beside_the_scan(self):
+        from AIFReconLib import write_sequence
+        from AIFReconLib.bone.recorded import COVERS
+        from AIFReconLib.sweep.frames import TrackedSequence
+
+        half = self.said()
+        for record in half.records:
+            record.fields[COVERS] = "0 0 64 80"
+        half = TrackedSequence(half.images[:, ::2, ::2], half.records)
+        write_sequence(half, self.folder / "scan-bone.mhd")
+        write_sequence(tinyScene.makeSequence(), self.folder / "scan.mhd")
+        paths = [self.folder / name for name in ("scan.mhd", "scan-bone.mhd")]
+        self.widget.logic.openFiles(self.parameters, paths)
+        self.assertIn("scan", self.parameters.sweep.GetName())
+        self.assertNotIn("bone", self.parameters.sweep.GetName())
+        self.assertEqual(self.ui.boneSourceComboBox.currentText, "A network, as it was recorded")
+        self.ui.applyButton.click()
+        self.assertEqual(self.shown, [])
+        self.assertTrue(slicer.util.arrayFromVolume(self.parameters.output).any())
+
+    # ---- the choice
+
+    def test_both_tabs_show_one_choice_and_the_fields_that_count_with_it(self):
+        self.choose(self.ui.boneSourceComboBox, "A network in a file")
+        self.assertEqual(self.ui.liveBoneSourceComboBox.currentText, "A network in a file")
+        self.ui.liveBoneModelPathLineEdit.currentPath = "mine.onnx"
+        self.assertEqual(self.ui.boneModelPathLineEdit.currentPath, "mine.onnx")
+        self.assertFalse(self.ui.boneModelPathLineEdit.isHidden() or self.ui.liveBoneModelPathLineEdit.isHidden())
+        self.choose(self.ui.liveBoneSourceComboBox, "A network that runs elsewhere")
+        self.assertFalse(self.ui.bonePredictionsSelector.isHidden() or self.ui.liveBoneDeviceLineEdit.isHidden())
+        self.assertTrue(self.ui.boneModelPathLineEdit.isHidden() and self.ui.liveBoneModelPathLineEdit.isHidden())
+
+    def test_the_choice_is_saved_with_the_scene(self):
+        from AIFReconScene.inputs.boneSource import BoneSource
+
+        self.parameters.boneSource = BoneSource.PREDICTIONS
+        self.parameters.boneModelPath, self.parameters.liveBoneDevice = pathlib.Path("mine.onnx"), "Bone"
+        path = self.folder / "scene.mrml"
+        slicer.mrmlScene.Commit(str(path))
+        slicer.mrmlScene.Clear()
+        slicer.mrmlScene.SetURL(str(path))
+        self.assertTrue(slicer.mrmlScene.Connect())
+        found = self.widget.logic.getParameterNode()
+        self.assertEqual(
+            (found.boneSource, found.boneModelPath, found.liveBoneDevice), (BoneSource.PREDICTIONS, pathlib.Path("mine.onnx"), "Bone")
+        )
+
+    def test_a_scene_that_looked_for_bone_in_the_sweep_still_does(self):
+        from AIFReconScene.inputs.boneSource import BoneSource
+
+        node = self.parameters.parameterNode
+        node.SetParameter("boneFromSweep", "True")
+        self.assertEqual(self.widget.logic.getParameterNode().boneSource, BoneSource.ECHOES)
+        self.parameters.boneSource, self.parameters.bone = BoneSource.CT, tinyScene.addCT()[1]
+        node.SetParameter("boneFromSweep", "True")
+        self.assertEqual(self.widget.logic.getParameterNode().boneSource, BoneSource.CT)
+
+    # ---- refusals
+
+    def test_what_is_missing_is_said_before_anything_is_pressed(self):
+        self.parameters.sweep = tinyScene.addSweep()
+        self.choose(self.ui.boneSourceComboBox, "A network, as it was recorded")
+        self.assertRefused(self.ui.applyButton, "Select what the network has said")
+        self.assertRefused(self.ui.liveStartButton, "Enter the name")
+        self.parameters.liveImageDevice = self.parameters.liveBoneDevice = "Image"
+        self.assertRefused(self.ui.liveStartButton, "two names")
+        self.choose(self.ui.boneSourceComboBox, "A network in a file")
+        self.assertRefused(self.ui.applyButton, "Choose the file of the network")
+        self.ui.boneModelPathLineEdit.currentPath = "nowhere.onnx"
+        self.assertRefused(self.ui.applyButton, "There is no file nowhere.onnx.")
+        self.assertRefused(self.ui.liveStartButton, "There is no file nowhere.onnx.")
+
+    def test_a_file_that_is_no_network_is_refused_in_a_sentence_and_nothing_is_made(self):
+        self.model()
+        wrong = self.folder / "wrong.onnx"
+        wrong.write_bytes(b"no network")
+        self.parameters.sweep, self.parameters.boneModelPath = tinyScene.addSweep(), wrong
+        self.choose(self.ui.boneSourceComboBox, "A network in a file")
+        self.ui.applyButton.click()
+        self.assertEqual(len(self.shown), 1)
+        self.assertIn("this is no ONNX model", self.shown[0])
+        self.assertIsNone(self.parameters.output)
+        self.ui.liveStartButton.click()
+        self.assertFalse(self.live.isRunning)
+
+    def test_predictions_of_another_size_are_refused_without_naming_options(self):
+        from AIFReconScene.sweep.sequenceNodes import browserFromSequence
+
+        from AIFReconLib.sweep.frames import TrackedSequence
+
+        half = TrackedSequence(self.said().images[:, ::2], self.said().records)
+        self.parameters.sweep = tinyScene.addSweep()
+        self.parameters.bonePredictions = browserFromSequence(half, "Half").GetMasterSequenceNode()
+        self.choose(self.ui.boneSourceComboBox, "A network, as it was recorded")
+        self.ui.applyButton.click()
+        self.assertIn("do not fit frames", self.shown[0])
+        self.assertNotIn("--", self.shown[0])
+
+    # ---- while scanning
+
+    def stream(self, box=True):
+        """A scan whose messages the test gives."""
+        from AIFReconScene.inputs.parameters import ProbeShape, Region
+        from AIFReconScene.live import liveReconstruction
+
+        from AIFReconLib.live.wire.sources import QueueSource
+
+        tinyScene.requireLivePackages()
+        queue, made = QueueSource(), liveReconstruction._sourceFrom
+        liveReconstruction._sourceFrom = lambda parameters: queue
+        self.addCleanup(setattr, liveReconstruction, "_sourceFrom", made)
+        self.parameters.liveRecordPath = self.folder / "scan.mhd"
+        # Known, it need not be recognized in frames that a test would have to wait for
+        self.parameters.probe, self.parameters.clipColumn = ProbeShape.LINEAR, tinyScene.MARGIN
+        self.parameters.clipWidth, self.parameters.clipHeight = tinyScene.FRAME_SIZE[0] - 2 * tinyScene.MARGIN, tinyScene.FRAME_SIZE[1]
+        if box:
+            roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Box")
+            roi.SetCenterWorld(0.0, 16.0, 0.0)
+            roi.SetSize(40.0, 40.0, 30.0)
+            self.parameters.roi, self.parameters.region = roi, Region.BOX
+        self.ui.liveStartButton.click()
+        self.assertTrue(self.live.isRunning, self.shown)
+        return queue
+
+    def send(self, queue, device="", rounds=range(1)):
+        """The tiny sweep again and again, and what the network says of it where that has a device."""
+        from AIFReconLib.live.wire.messages import ImageMessage, TransformMessage
+        from AIFReconLib.sweep.poses import sweep_poses
+
+        sweep, said = tinyScene.makeSequence(), self.said()
+        poses = sweep_poses(sweep).image_to_reference
+        for number in [number for _ in rounds for number in range(tinyScene.FRAMES) if number != tinyScene.UNTRACKED]:
+            self.sent = getattr(self, "sent", 0) + 1
+            queue.put(ImageMessage("Image", float(self.sent), sweep.images[number], np.eye(4), {}, time.monotonic(), 2))
+            queue.put(TransformMessage("ImageToReference", float(self.sent), poses[number], received=time.monotonic(), header_version=2))
+            if device:
+                queue.put(ImageMessage(device, float(self.sent), said.images[number], np.eye(4), {}, time.monotonic()))
+            waitFor(lambda: self.live._live.statistics.frames_received >= self.sent, 5.0)
+
+    def assertGrows(self):
+        """What is known of bone reaches the volume; then the scan is stopped."""
+        live = self.live._live
+        self.assertTrue(
+            waitFor(lambda: (seen := live.seen.bone.seen()) is not None and seen.probability.array.max() > 0.5), live.statistics
+        )
+        self.assertTrue(waitFor(lambda: "Bone is known from" in self.ui.liveStatisticsLabel.text))
+        self.ui.liveStopButton.click()
+        self.assertEqual(self.shown, [])
+        self.assertTrue(slicer.util.arrayFromVolume(self.parameters.output).any())
+
+    def test_predictions_that_are_streamed_weight_a_scan_and_are_recorded_with_it(self):
+        from AIFReconLib import read_sequence
+        from AIFReconLib.bone.recorded import RecordedPredictions
+
+        self.parameters.liveBoneDevice = "Bone"
+        self.choose(self.ui.liveBoneSourceComboBox, "A network that runs elsewhere")
+        queue = self.stream()
+        self.assertFalse(self.ui.liveBoneSourceComboBox.enabled)
+        self.send(queue, "Bone")
+        self.assertTrue(waitFor(lambda: self.live._live.seen._watch.state.frames == 11))
+        self.assertGrows()
+        self.assertIn("scan-bone.mhd", self.ui.liveStatisticsLabel.text)
+        again = RecordedPredictions(read_sequence(self.folder / "scan.mhd"), read_sequence(self.folder / "scan-bone.mhd"))
+        self.assertIn("11 of 11 frames, matched by time", again.notes()[0])
+
+    def test_a_network_in_a_file_looks_at_a_scan_from_its_scouting_pass_on(self):
+        self.parameters.boneModelPath = self.model()
+        self.choose(self.ui.liveBoneSourceComboBox, "A network in a file")
+        queue = self.stream(box=False)
+        self.send(queue, rounds=range(3))
+        live = self.live._live
+        self.assertTrue(waitFor(lambda: live.seen._watch.state.frames > 0), (live.seen._watch.state, live.statistics))
+        self.ui.liveUseBoxButton.click()
+        self.send(queue, rounds=range(3))
+        self.assertGrows()
+        self.assertTrue((self.folder / "scan-bone.mhd").is_file())
+
+    def test_a_scan_looks_for_its_own_echoes(self):
+        self.choose(self.ui.liveBoneSourceComboBox, "The echoes themselves")
+        queue = self.stream()
+        self.send(queue, rounds=range(4))
+        self.assertGrows()
+        self.assertFalse((self.folder / "scan-bone.mhd").exists())

@@ -1,0 +1,135 @@
+"""How far the kernels are from what this machine can do: each beside the loads and stores that it cannot do without, on one thread.
+
+    python Testing/benchmark limits --json limits.json
+
+The limit of a method is a loop that adds to the same voxels in the same order (frames by 16, slab by slab, row by row), with their
+numbers known beforehand and no other arithmetic: it loads a pixel and a number, and loads, adds to and stores what the method keeps of a
+voxel. Beside it, a copy of the images, which is all that any of them must read.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from AIFReconLib.commands.benchmark import busy_share, busy_warning, fan_sweep, machine
+from AIFReconLib.compounding.batch import BATCH_FRAMES
+from AIFReconLib.compounding.compiled.slabs import cut_into_slabs
+from AIFReconLib.compounding.layout import PixelLayout
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.geometry.transforms import pixel_spacing
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.machine.threads import optional_module
+from AIFReconLib.message import columns
+from AIFReconLib.progress import report
+from AIFReconLib.settings import BONE_METHODS, ReconstructionSettings
+from AIFReconLib.sweep.frames import TrackedFrame
+from AIFReconLib.terminal.console import ProgressBar
+
+from .cases import COLUMNS, PROBE, ROWS, TURN_DEG, turned
+from .speed import around
+
+METHODS = ("average", "latest", "aif-compensated", "weighted")
+FRAMES = 2 * BATCH_FRAMES
+SPACINGS = (0.5, 0.3)
+HEADING = ("sweep", "voxel", "", "ns/pixel", "limit", "times the limit")
+
+
+def in_order(sweep: list[TrackedFrame], grid: VoxelGrid) -> tuple[np.ndarray, np.ndarray]:
+    """The voxel of every pixel, and the pixel, in the order in which the engine goes through them: (n,) uint32 and (n,) uint8."""
+    spacing = pixel_spacing(sweep[0].placed()[1])
+    layout = PixelLayout.build((COLUMNS, ROWS), spacing, ImageRegion(), None)
+    bounds = np.array([(0, 0, 0), grid.size], dtype=np.float64)
+    strides = 1, grid.size[0], grid.size[0] * grid.size[1]
+    numbers, pixels = [], []
+    for first in range(0, len(sweep), BATCH_FRAMES):
+        some = sweep[first : first + BATCH_FRAMES]
+        matrices = np.array([grid.reference_to_ijk @ frame.placed()[1] for frame in some])
+        axis, edges = cut_into_slabs(matrices, layout, bounds)
+        found = [layout.voxels(matrix, grid.size) for matrix in matrices]
+        voxels = np.concatenate([there for _, there in found])
+        values = np.concatenate([frame.placed()[0].reshape(-1)[which] for frame, (which, _) in zip(some, found, strict=True)])
+        slab = np.searchsorted(edges, voxels // strides[axis] % grid.size[axis], side="right")
+        order = np.argsort(slab, kind="stable")
+        numbers.append(voxels[order].astype(np.uint32))
+        pixels.append(values[order])
+    return np.concatenate(numbers), np.concatenate(pixels)
+
+
+def _least(works: dict[str, Callable[[], object]], repeats: int) -> dict[str, float]:
+    """Processor time of each, the least of several, in turns; each is done once before."""
+    least = dict.fromkeys(works, float("inf"))
+    for turn in range(repeats + 1):
+        for name, work in works.items():
+            begun = time.thread_time()
+            work()
+            if turn:
+                least[name] = min(least[name], time.thread_time() - begun)
+    return least
+
+
+def measure(repeats: int) -> list[dict[str, Any]]:
+    """Every method beside its limit, on sweeps along the grid and across it."""
+    loops = optional_module("benchmark.numba_yardstick")
+    if loops is None:
+        raise SystemExit("The limits are those of compiled loops: install numba.")
+    found: list[dict[str, Any]] = []
+    cases = [(turn, spacing) for turn in (0.0, TURN_DEG) for spacing in SPACINGS]
+    with ProgressBar() as progress:
+        for number, (turn, spacing) in enumerate(cases):
+            report(progress, number / len(cases), "Measuring")
+            sweep = turned(fan_sweep(FRAMES, COLUMNS, ROWS), turn)
+            grid, bone = around(sweep, spacing)
+            voxels, pixels = in_order(sweep, grid)
+            packed, (value, weight, hits) = np.zeros(grid.voxels, np.uint64), np.zeros((3, grid.voxels), np.float32)
+            counts, latest = hits.view(np.uint32), np.zeros(grid.voxels, np.uint8)
+            images, room = np.stack([frame.placed()[0] for frame in sweep]), np.empty((FRAMES, ROWS, COLUMNS), np.uint8)
+            works: dict[str, Callable[[], object]] = {
+                "copy": partial(np.copyto, room, images),
+                "packed": partial(loops.add_packed, voxels, pixels, packed),
+                "hit": partial(loops.hit, voxels, pixels, latest, counts),
+                "weighed": partial(loops.add_weighed, voxels, pixels, value, weight, counts),
+            }
+            for method in METHODS:
+                settings = ReconstructionSettings(method=method, engine="numba")
+                known = bone if method in BONE_METHODS else None
+                reconstructor = Reconstructor(grid, settings, known, probe=PROBE, threads=1)
+                works[method] = partial(reconstructor.insert, sweep)
+            least = _least(works, repeats)
+            ns = {name: 1e9 * seconds / (FRAMES * ROWS * COLUMNS) for name, seconds in least.items()}
+            where = f"turned {turn:g} degrees" if turn else "along the grid"
+            found.append({"sweep": where, "spacing_mm": spacing, "what": "copy of the images", "ns": ns["copy"], "limit_ns": None})
+            for method in METHODS:
+                limit = {"average": "packed", "latest": "hit"}.get(method, "weighed")
+                found.append({"sweep": where, "spacing_mm": spacing, "what": method, "ns": ns[method], "limit_ns": ns[limit]})
+    return found
+
+
+def main(words: list[str] | None = None) -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(
+        prog="python Testing/benchmark limits", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--repeats", type=int, default=5, metavar="N", help="the least of this many counts (default: %(default)s)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here")
+    arguments = parser.parse_args(words)
+    busy = busy_share()
+    found = measure(arguments.repeats)
+    print("\n".join(filter(None, (machine(), busy_warning(busy)))))
+    rows: list[tuple[str, ...]] = [HEADING]
+    for row in found:
+        limit = row["limit_ns"]
+        beside = ("", "") if limit is None else (f"{limit:.2f}", f"{row['ns'] / limit:.1f}")
+        rows.append((row["sweep"], f"{row['spacing_mm']:g} mm", row["what"], f"{row['ns']:.2f}", *beside))
+    print(columns(rows))
+    if arguments.json:
+        write_text(arguments.json, json.dumps(found, indent=1) + "\n")

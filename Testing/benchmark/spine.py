@@ -1,0 +1,201 @@
+"""A spine from neck to sacrum, from the file of its sweep to that of its volume: time, peak memory and bytes read, by the memory given.
+
+    python Testing/benchmark spine
+    python Testing/benchmark spine --spacing 0.2 --memory 10 --folder kept --json spine.json
+
+5,000 frames of 640 x 480 (1.5 GB, written once into the folder) in four passes over a back of 400 x 300 x 150 mm, tilted to and fro. What
+is measured is the whole program, `aifrecon reconstruct`, in a process of its own, libraries and compiled code included. The checksum tells
+whether two runs made the same voxels.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.settings import BONE_METHODS, METHODS
+from AIFReconLib.sweep.frames import TrackedSequence
+
+BOX = (400.0, 300.0, 150.0)
+"""mm along x (the spine), y and z."""
+
+COLUMNS, ROWS, PIXEL = 640, 480, 0.2
+PASSES, TILT_DEG, SWINGS = 4, 20.0, 13
+FRAMES = 5000
+SHIFTS = 97
+"""So many images differ."""
+
+UNLIMITED = "free"
+"""The memory of a run that may take three quarters of what is free, as where nobody says."""
+
+EVERY = 0.01
+"""s between looks at a process."""
+
+
+class Speckle:
+    """Images that take no memory of their own: parts of a larger one."""
+
+    dtype = np.dtype(np.uint8)
+
+    def __init__(self, frames: int):
+        self.shape = (frames, ROWS, COLUMNS)
+        self._speckle = np.random.default_rng(0).integers(1, 256, (ROWS, COLUMNS + SHIFTS), dtype=np.uint8)
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, number: int) -> np.ndarray:
+        shift = int(number) % SHIFTS
+        return np.ascontiguousarray(self._speckle[:, shift : shift + COLUMNS])
+
+
+def passes(frames: int) -> np.ndarray:
+    """image_to_reference (frames, 4, 4): image columns across the spine, rows into a hollow back; the passes reach all sides of the box."""
+    poses = np.tile(np.eye(4), (frames, 1, 1))
+    which, place = np.divmod(np.arange(frames), -(-frames // PASSES))
+    along = place / max(place.max(), 1)
+    angle = -np.deg2rad(TILT_DEG) * np.cos(SWINGS * np.pi * along)
+    deep, zero = ROWS * PIXEL, np.zeros(frames)
+    poses[:, :3, 0] = (0.0, PIXEL, 0.0)
+    poses[:, :3, 1] = PIXEL * np.stack([np.sin(angle), zero, np.cos(angle)], axis=1)
+    poses[:, :3, 2] = PIXEL * np.stack([np.cos(angle), zero, -np.sin(angle)], axis=1)
+    reach = deep * np.sin(np.deg2rad(TILT_DEG))
+    x = reach + (BOX[0] - 2 * reach) * along
+    poses[:, :3, 3] = np.stack([x, (BOX[1] - COLUMNS * PIXEL) / (PASSES - 1) * which, (BOX[2] - deep) * np.sin(np.pi * along) ** 2], axis=1)
+    return poses
+
+
+def plate() -> Volume:
+    """Labels of a plate of bone along the spine."""
+    labels = np.zeros((50, 100, 134), np.uint8)
+    labels[20:30, 30:70] = 1
+    return Volume(labels, np.diag([3.0, 3.0, 3.0, 1.0]))
+
+
+def inputs(folder: Path, frames: int) -> tuple[Path, Path]:
+    """The sweep and the labels, as files of this folder; made where they are not there."""
+    sweep, labels = folder / f"spine-{frames}.igs.mha", folder / "spine-labels.nrrd"
+    if not sweep.is_file():
+        write_sequence(TrackedSequence.from_arrays(Speckle(frames), passes(frames)), sweep, compress=False)
+    if not labels.is_file():
+        plate().write(labels)
+    return sweep, labels
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What a process took; NaN where the system does not tell (it does on Linux).
+
+    Parameters
+    ----------
+    seconds, processor_seconds : float
+    peak_gb : float
+        Most memory that was its own at a time.
+    read_gb : float
+        What it read from files, from the disk or from the system's cache.
+    """
+
+    seconds: float
+    processor_seconds: float
+    peak_gb: float
+    read_gb: float
+
+
+def taken_by(command: list[str]) -> Taken:
+    """Run a program to its end and watch it."""
+    found = {"VmHWM": float("nan"), "rchar": float("nan")}
+    before, begun = os.times(), time.perf_counter()
+    with tempfile.TemporaryFile() as said:
+        process = subprocess.Popen(command, stdout=said, stderr=subprocess.STDOUT)
+        while process.poll() is None:
+            for name, file in (("VmHWM", "status"), ("rchar", "io")):
+                found[name] = _told(Path(f"/proc/{process.pid}/{file}"), name, found[name])
+            time.sleep(EVERY)
+        seconds, after = time.perf_counter() - begun, os.times()
+        if process.returncode:
+            said.seek(0)
+            raise SystemExit(f"{' '.join(command)} failed:\n{said.read().decode('utf-8', 'replace')}")
+    processor = after.children_user + after.children_system - before.children_user - before.children_system
+    return Taken(seconds, processor, found["VmHWM"] * 1024 / 1e9, found["rchar"] / 1e9)
+
+
+def _told(path: Path, name: str, before: float) -> float:
+    """The number behind a name in a file of the system; as before where it is there no more."""
+    try:
+        number = re.search(rf"^{name}:\s*(\d+)", path.read_text("ascii", "replace"), re.MULTILINE)
+    except OSError:
+        return before
+    return float(number[1]) if number else before
+
+
+def checksum(path: Path) -> int:
+    """CRC-32 of the voxels of a compressed .nrrd, which ends with it."""
+    with path.open("rb") as file:
+        file.seek(-8, os.SEEK_END)
+        return int(struct.unpack("<I", file.read(4))[0])
+
+
+def measure(folder: Path, frames: int, spacing: float, method: str, memory: str) -> dict:
+    """Reconstruct with so much memory (GB, or `UNLIMITED`), and tell what it took."""
+    sweep, labels = inputs(folder, frames)
+    output, log = folder / "spine.nrrd", folder / "spine.log"
+    for path in (output, log):
+        path.unlink(missing_ok=True)
+    command = [sys.executable, "-m", "AIFReconLib", "reconstruct", str(sweep), "--method", method, "--spacing", str(spacing)]
+    command += ["--probe", "linear", "--output", str(output), "--log", str(log)]
+    command += [] if memory == UNLIMITED else ["--memory", memory]
+    command += ["--bone-labels", str(labels), "--bone-sigma-mm", "5"] if method in BONE_METHODS else []
+    # Between a few of the frames, gaps are many times as large as between all
+    command += [] if frames >= FRAMES else ["--hole-limit", str(2 * spacing)]
+    found = taken_by(command)
+    parts = re.search(r"worked in (\d+) parts", log.read_text("utf-8"))
+    what = {"method": method, "spacing_mm": spacing, "frames": frames, "memory": memory, "parts": int(parts[1]) if parts else 1}
+    return {**what, **asdict(found), "checksum": checksum(output)}
+
+
+def _memory(text: str) -> str:
+    if text != UNLIMITED and not float(text) > 0:
+        raise ValueError
+    return text
+
+
+def main(words: list[str] | None = None) -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(
+        prog="python Testing/benchmark spine", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--frames", type=int, default=FRAMES, metavar="N", help="default: %(default)s")
+    parser.add_argument("--spacing", type=float, default=0.3, metavar="MM", help="default: %(default)g")
+    parser.add_argument("--method", choices=METHODS, default="average", help="default: %(default)s")
+    meaning = f"that each run in turn is given; {UNLIMITED}: three quarters of what is free (default: {UNLIMITED} 6)"
+    parser.add_argument("--memory", type=_memory, nargs="+", default=[UNLIMITED, "6"], metavar="GB", help=meaning)
+    parser.add_argument("--repeats", type=int, default=1, metavar="N", help="rounds (default: %(default)s)")
+    parser.add_argument("--folder", type=Path, metavar="DIR", help="keep sweep and volume here (default: a folder that is removed)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here")
+    arguments = parser.parse_args(words)
+    found = []
+    with nullcontext(arguments.folder) if arguments.folder else tempfile.TemporaryDirectory(prefix="aifrecon-") as folder:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        for _ in range(arguments.repeats):
+            for memory in arguments.memory:
+                found.append(measure(Path(folder), arguments.frames, arguments.spacing, arguments.method, memory))
+                if len(found) == 1:
+                    print("  ".join(found[0]))
+                print("  ".join(f"{value:.2f}" if isinstance(value, float) else str(value) for value in found[-1].values()), flush=True)
+    if arguments.json:
+        write_text(arguments.json, json.dumps(found, indent=2) + "\n")

@@ -1,0 +1,121 @@
+"""What `weighted` makes of bone from a CT, from a network that is right, from a trained one, and from the echoes, as a table of metrics.
+
+    python Testing/models/compare.py [--real FOLDER] [--model FILE.onnx]
+
+The simulated patient is that of the demo; FOLDER holds fibula-distal.igs.mha and fibula-labels.nrrd.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from AIFReconLib.bone.estimators import EchoEstimator, bone_from_frames
+from AIFReconLib.bone.from_sweep import bone_from_sweep
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.bone.model import OnnxModel
+from AIFReconLib.commands.simulate import write_simulated_patient
+from AIFReconLib.evaluation.metrics import evaluate
+from AIFReconLib.evaluation.visibility import SweepBeams, bone_truth
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.transform.files import read_transform
+from AIFReconLib.io.volume.files import read_labels
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.registration.labeled_bone import LabeledBone
+from AIFReconLib.resolve import Imaging, resolve_imaging
+from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.edits import select_frames
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.poses import SweepPoses, sweep_poses
+from models.truth import TrueBone
+
+FRAMES, HOLE_LIMIT = 270, 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A sweep, where its bone truly is, and how finely it is reconstructed (mm)."""
+
+    name: str
+    sequence: TrackedSequence
+    labels: Volume
+    spacing: float
+    probe: ProbeGeometry | None = None
+
+    @property
+    def poses(self) -> SweepPoses:
+        """Where its frames lie."""
+        return sweep_poses(self.sequence)
+
+    @property
+    def imaging(self) -> Imaging:
+        """How its frames are read."""
+        return resolve_imaging(self.sequence, self.poses, True, None, self.probe)
+
+
+def simulated(folder: Path) -> Case:
+    """The patient of the demo."""
+    files = write_simulated_patient(folder, 0, "multi-angle", FRAMES)
+    labels = read_labels(files.labels).placed_by(read_transform(files.ct_to_reference))
+    return Case(f"simulated patient 0, {FRAMES} frames", read_sequence(files.sequence, config=files.configuration), labels, 1.0)
+
+
+def real(folder: Path) -> Case:
+    """A cadaver's fibula, every third frame."""
+    sequence = select_frames(read_sequence(folder / "fibula-distal.igs.mha"), every=3)
+    return Case("real fibula, every third frame", sequence, read_labels(folder / "fibula-labels.nrrd"), 0.5, ProbeGeometry(LINEAR))
+
+
+def sources(case: Case, model: Path | None) -> Iterator[tuple[str, Callable[[], BoneMap | None]]]:
+    """Who says where bone is, by name."""
+    imaging, poses = case.imaging, case.poses
+
+    def seen(estimator):
+        return lambda: bone_from_frames(case.sequence, estimator, poses, imaging)
+
+    yield "average", lambda: None
+    yield "CT", lambda: LabeledBone(case.labels, None, case.sequence, probe=case.probe).map("weighted")
+    yield "CT, map of 4 mm", lambda: BoneMap.from_labels(case.labels, sigma_mm=4.0)
+    yield "network that is right", seen(TrueBone(case.labels, imaging))
+    if model is not None:
+        yield f"{model.name}", seen(OnnxModel(model))
+    yield "echoes", lambda: bone_from_sweep(case.sequence, poses, imaging)
+    yield "the same echoes as predictions", seen(EchoEstimator(imaging))
+
+
+def compare(case: Case, model: Path | None) -> None:
+    """Print a line for each source."""
+    truth = bone_truth(case.labels, SweepBeams.of_sequence(case.sequence, probe=case.probe))
+    print(f"| **{case.name}**, {case.spacing:g} mm | CNR | oblique CNR | coverage | oblique coverage |\n|---|---|---|---|---|", flush=True)
+    for name, bone_of in sources(case, model):
+        bone = bone_of()
+        method = "average" if bone is None else "weighted"
+        settings = ReconstructionSettings(method=method, spacing=case.spacing, hole_limit=HOLE_LIMIT)
+        result = reconstruct(case.sequence, settings, bone, beside=(), probe=case.probe)
+        met = evaluate(result.intensity, truth, result.mask)
+        numbers = f"{met.bone.cnr:.2f} | {met.oblique.cnr:.2f} | {met.bone.coverage:.1%} | {met.oblique.coverage:.1%}"
+        print(f"| {name} | {numbers} |", flush=True)
+
+
+def main() -> None:
+    """Compare on the simulated patient, and on the real bone where it is given."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--real", type=Path, metavar="FOLDER", help="holds fibula-distal.igs.mha and fibula-labels.nrrd")
+    parser.add_argument("--model", type=Path, metavar="FILE.onnx", help="a trained network")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        compare(simulated(Path(folder)), arguments.model)
+    if arguments.real:
+        compare(real(arguments.real), arguments.model)
+
+
+if __name__ == "__main__":
+    main()
