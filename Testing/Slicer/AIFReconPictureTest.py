@@ -158,8 +158,11 @@ class AIFReconPictureTest(unittest.TestCase):
         self.assertEqual(bone.GetOpacity3D(), 1.0)
 
     def test_bone_is_looked_at_from_behind_once_and_then_the_view_is_the_user_s(self):
-        self.showBone()
+        model = self.showBone()
         camera = slicer.app.layoutManager().threeDWidget(0).threeDView().cameraNode()
+        bounds = np.zeros(6)
+        model.GetRASBounds(bounds)
+        np.testing.assert_allclose(camera.GetFocalPoint(), bounds.reshape(3, 2).mean(1), atol=1e-6)
         looks = np.subtract(camera.GetFocalPoint(), camera.GetPosition())
         np.testing.assert_allclose(looks / np.linalg.norm(looks), tinyScene.CT_TO_WORLD[:3, 1], atol=1e-6)
         camera.SetPosition(500.0, 0.0, 0.0)

@@ -155,7 +155,7 @@ class GuidancePanel:
         """The first time, look at the bone as the probe does, from the back: the side that takes on color."""
         if not self._isTurned:
             self._isTurned = True
-            threeDViews.lookAlong(patientToWorld[:3, 1], patientToWorld[:3, 2])
+            threeDViews.lookAlong(patientToWorld[:3, 1], patientToWorld[:3, 2], self._colors.node)
 
     def _segments(self):
         return list(self._parameterNode.boneSegments) if self._parameterNode is not None else None

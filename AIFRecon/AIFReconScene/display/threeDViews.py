@@ -20,17 +20,19 @@ def center() -> None:
         view.resetCamera(False, True, True)
 
 
-def lookAlong(direction, up) -> None:
-    """Have every 3D view look in this direction (RAS) at the middle of what appears in it, with `up` upward."""
+def lookAlong(direction, up, model) -> None:
+    """Have every 3D view look in this direction (RAS) at a model, which fills it, with `up` upward."""
+    bounds = np.zeros(6)
+    model.GetRASBounds(bounds)
+    middle, radius = bounds.reshape(3, 2).mean(1), np.linalg.norm(np.diff(bounds.reshape(3, 2))) / 2.0
     for view in _views():
-        view.resetFocalPoint()
         camera = view.cameraNode()
-        middle = np.array(camera.GetFocalPoint())
-        away = np.linalg.norm(np.array(camera.GetPosition()) - middle) or 1.0
+        away = max(radius, 1.0) / np.sin(np.radians(camera.GetViewAngle()) / 2.0)
         with slicer.util.NodeModify(camera):
+            camera.SetFocalPoint(middle)
             camera.SetPosition(middle - away * np.asarray(direction) / np.linalg.norm(direction))
             camera.SetViewUp(up)
-        view.resetCamera(False, True, True)
+        camera.ResetClippingRange()
 
 
 def say(text: str) -> None:

@@ -111,7 +111,7 @@ class SpineView:
         self._fade(bone.GetDisplayNode() if isSegmented else None)
         if visible and self._seen != model.GetID():
             self._seen = model.GetID()
-            _lookFromBehind(bone)
+            _lookFromBehind(model, bone)
 
     def clear(self) -> None:
         """The user leaves: the CT's bone as it was."""
@@ -137,10 +137,10 @@ class SpineView:
             display.SetOpacity3D(TRANSLUCENT)
 
 
-def _lookFromBehind(bone) -> None:
+def _lookFromBehind(model, bone) -> None:
     """From the back, the head up: as the CT says, or RAS world without one."""
     try:
         place = matrixToWorld(bone) if bone is not None else np.eye(4)
     except AIFReconError:
         place = np.eye(4)
-    threeDViews.lookAlong(place[:3, 1], place[:3, 2])
+    threeDViews.lookAlong(place[:3, 1], place[:3, 2], model)
