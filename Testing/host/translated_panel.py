@@ -122,6 +122,10 @@ class Reader:
         if re.search("[A-Za-z]", NAMES.sub("", rest)):
             self.found.setdefault(text, where)
 
+    def know(self, path: str) -> None:
+        """A file's path and name are nobody's to translate."""
+        self._names += [path, Path(path).name] if path else []
+
     def panel(self, step: str) -> None:
         """Read every widget of the .ui file."""
         from PySide6 import QtWidgets
@@ -202,8 +206,10 @@ def walk(host, reader: Reader, folder: Path) -> None:
     until = time.monotonic() + 3.0
     while time.monotonic() < until and "\uff26" not in ui.liveStatisticsLabel.text and "9" not in ui.liveStatisticsLabel.text:
         host.process_events()
+    reader.know(ui.liveRecordedLabel.toolTip)
     reader.panel("live")
     ui.liveStopButton.click()
+    reader.know(ui.liveRecordedLabel.toolTip)
     reader.panel("live, stopped")
     reader.dialogs("live", host.dialogs)
 
