@@ -232,6 +232,29 @@ class AIFReconPictureTest(unittest.TestCase):
         self.picture._ui.showLevelsCheckBox.click()
         self.assertIsNone(slicer.mrmlScene.GetFirstNodeByName("Levels Green"))
 
+    def test_levels_that_share_a_labelmap_are_named_each_in_its_own_place(self):
+        ct, bone, registration = tinyScene.addCT()
+        labels = np.zeros((40, 50, 50), np.uint8)
+        for value, i in ((1, 10), (2, 30)):
+            labels[10:30, 15:35, i : i + 6] = value
+        node = tinyScene.addVolume("vtkMRMLLabelMapVolumeNode", "Levels", labels, tinyScene.ijkToRAS(ct))
+        node.SetAndObserveTransformNodeID(registration.GetID())
+        bone.GetSegmentation().RemoveAllSegments()
+        slicer.modules.segmentations.logic().ImportLabelmapToSegmentationNode(node, bone)
+        for number, name in enumerate(("L3", "L4")):
+            bone.GetSegmentation().GetNthSegment(number).SetName(name)
+        self.parameters.bone = bone
+        self.picture._ui.showLevelsCheckBox.click()
+        green = slicer.app.layoutManager().sliceWidget("Green").mrmlSliceNode()
+        middles = [tinyScene.CT_TO_WORLD @ tinyScene.ijkToRAS(ct) @ [i + 2.5, 24.5, 19.5, 1.0] for i in (10, 30)]
+        green.JumpSliceByCentering(*(middles[0] + middles[1])[:3] / 2)
+        self.assertEqual(self.namesIn("Green"), ["L3", "L4"])
+        node = slicer.mrmlScene.GetFirstNodeByName("Levels Green")
+        normal = slicer.util.arrayFromVTKMatrix(green.GetSliceToRAS())[:3, 2]
+        for number, middle in enumerate(middles):
+            place = np.array(node.GetNthControlPointPosition(number))
+            np.testing.assert_allclose(np.cross(place - middle[:3], normal), 0.0, atol=1e-3)
+
     # ---- report
 
     def test_the_line_says_what_is_to_be_known(self):

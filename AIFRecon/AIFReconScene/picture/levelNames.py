@@ -3,8 +3,10 @@
 import numpy as np
 import slicer
 import vtk
+from vtk.util import numpy_support
 
 from AIFReconLib.errors import AIFReconError
+from AIFReconLib.geometry.transforms import transform_points
 
 from ..display import sliceDisplay
 from ..sceneNodes import removeNodes
@@ -125,12 +127,40 @@ def _keyOf(bone):
 def _levelsOf(bone) -> list:
     segmentation, place, levels = bone.GetSegmentation(), matrixToWorld(bone), []
     for number in range(segmentation.GetNumberOfSegments()):
-        segment, bounds = segmentation.GetNthSegment(number), [0.0] * 6
-        segment.GetBounds(bounds)
-        if vtk.vtkMath.AreBoundsInitialized(bounds):
-            corners = np.array([(x, y, z, 1.0) for x in bounds[:2] for y in bounds[2:4] for z in bounds[4:]])
-            levels.append((segment.GetName(), (corners @ place.T)[:, :3]))
+        segment = segmentation.GetNthSegment(number)
+        corners = _cornersOf(segment)
+        if corners is not None:
+            levels.append((segment.GetName(), transform_points(place, corners)))
     return levels
+
+
+def _cornersOf(segment):
+    """The corners of a segment's box, (8, 3) in the segmentation's coordinates, or None where it is empty.
+
+    Segments share labelmaps, and `vtkSegment.GetBounds` is the box of the whole labelmap.
+    """
+    image = segment.GetRepresentation(slicer.vtkSegmentationConverter.GetBinaryLabelmapRepresentationName())
+    if image is None:
+        bounds = np.zeros(6)
+        segment.GetBounds(bounds)
+        return _corners(bounds.reshape(3, 2)) if vtk.vtkMath.AreBoundsInitialized(bounds) else None
+    if image.IsEmpty():
+        return None
+    extent = np.array(image.GetExtent()).reshape(3, 2)
+    voxels = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars()).reshape((extent[:, 1] - extent[:, 0] + 1)[::-1])
+    inside = voxels == segment.GetLabelValue()
+    along = [np.flatnonzero(inside.any(axis=axes)) for axes in ((0, 1), (0, 2), (1, 2))]
+    if not len(along[0]):
+        return None
+    ends = np.array([(each[0] - 0.5, each[-1] + 0.5) for each in along]) + extent[:, :1]
+    imageToWorld = vtk.vtkMatrix4x4()
+    image.GetImageToWorldMatrix(imageToWorld)
+    return transform_points(slicer.util.arrayFromVTKMatrix(imageToWorld), _corners(ends))
+
+
+def _corners(ends: np.ndarray) -> np.ndarray:
+    """Of (3, 2) ends along the axes."""
+    return np.array([(x, y, z) for x in ends[0] for y in ends[1] for z in ends[2]])
 
 
 def _logics() -> list:
