@@ -49,7 +49,6 @@ from .reconstruct import FIRST_OPTIONS, describe
 
 EXAMPLE = """examples:
   aifrecon live --host 192.168.0.12 --output volume.nrrd
-  aifrecon live --output volume.nrrd --grid-like planned.nrrd --record scan.mhd
   aifrecon live --output volume.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --seconds 60"""
 
 DEVICE_TIMEOUT = 5.0
@@ -72,9 +71,8 @@ def add_to(commands: Commands) -> None:
     parser = commands.add_parser(
         "live",
         help="reconstruct while scanning, from an OpenIGTLink server",
-        description="Receive images and poses from an OpenIGTLink server, such as Plus, and reconstruct while they come. "
-        "Ctrl-C ends the scan and saves the volume. Without --grid-like the first seconds find the box: move the probe over the whole "
-        "region; what is seen meanwhile enters the volume too.",
+        description="Receive images and poses over OpenIGTLink, from Plus for example, and reconstruct while they come. "
+        "Ctrl-C ends the scan and saves. Without --grid-like the first seconds find the box: move over the whole region.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -5,11 +5,13 @@ from __future__ import annotations
 import enum
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ..message import Message, listed
-from ..registration.agreement import ENOUGH, LARGEST_MEDIAN, Agreement
-from ..registration.echoes import FEWEST
-from .tracking_report import TrackingReport
+
+if TYPE_CHECKING:
+    from ..registration.agreement import Agreement
+    from .tracking_report import TrackingReport
 
 MOST_FRAMES, FEW_FRAMES = 0.9, 0.5
 """Shares of the frames that were used. With one in ten missing a sweep is whole where its frames overlap; with half of them gone
@@ -102,6 +104,10 @@ def registration_verdict(agreement: Agreement, names: Mapping[int, str] | None =
     names : mapping of int to str, optional
         What the labels are called.
     """
+    # SciPy is behind them, which a panel need not wait for to show lights
+    from ..registration.agreement import ENOUGH, LARGEST_MEDIAN
+    from ..registration.echoes import FEWEST
+
     if agreement.echoes + agreement.elsewhere < FEWEST:
         return unknown(Message("the sweep shows too little bone to compare"))
     place = Message("Place the CT on the sweep before you believe the picture.")

@@ -170,7 +170,7 @@ def test_what_is_found_while_scouting_is_kept_for_the_volume_and_recorded(scan, 
     assert bone.seen() is None
     session.use_grid(GRID)
     queue.put(shown(5))
-    wait_for(lambda: on_plane(bone) > 0.5)
+    wait_for(lambda: on_plane(bone) > 0.5 and watch.state.frames > 5)
     assert session.finish().frames_inserted == 6
     watch.stop()
     assert len(read_sequence(watch.recorded)) == 6

@@ -23,6 +23,9 @@ from AIFReconLib.live.replay.server import MOST_CLIENTS, ReplayServer
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 
 REPOSITORY = Path(__file__).resolve().parents[3]
+PATIENCE = 20.0
+"""s. Nobody waits that long for a thread that is stopped, however slow the machine; one that hangs takes longer."""
+
 MOST_MIB = 500.0
 """What the bounded queues of a client hold in the worst case, and then some."""
 
@@ -30,7 +33,7 @@ MOST_MIB = 500.0
 @pytest.mark.parametrize("behavior", hostile.SERVERS, ids=lambda behavior: behavior.__name__)
 def test_a_session_with_a_hostile_server_stops_at_once_and_holds_little(behavior):
     cost = hostile.endure_server(behavior, 1.0)
-    assert (cost.stopped_after < 2.0, cost.peak_mib < MOST_MIB, cost.threads_left) == (True, True, 0), cost
+    assert (cost.stopped_after < PATIENCE, cost.peak_mib < MOST_MIB, cost.threads_left) == (True, True, 0), cost
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no Ctrl-C can be sent to one process alone on Windows")
