@@ -114,7 +114,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
             self.play(range(round_ % 3, FRAMES, 3))
             if waitFor(condition, 0.2):
                 return
-        self.assertTrue(waitFor(condition))
+        self.assertTrue(waitFor(condition, 120.0))
 
     def model(self, name="Bone met"):
         """A node of ours, or None."""
