@@ -11,6 +11,7 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import Progress, part
 
 from ..background import inBackground
+from ..display.drawnOnce import letWindowsLive
 from ..sweep.sequenceNodes import browserFromSequence
 from ..transforms import vtkMatrixOf
 from .volumeNodes import updateVolumeNode
@@ -100,12 +101,15 @@ def addPatient(phantom, sweep, progress: Progress | None = None, scene=None) -> 
     scene = scene or slicer.mrmlScene
     # The sweep first: it alone can still be canceled, and it leaves nothing behind then
     browser = browserFromSequence(sweep, "Lumbar sweep", progress, scene)
+    letWindowsLive()
     transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
     transform.SetMatrixTransformToParent(vtkMatrixOf(phantom.ct_to_reference))
     ct = _ctNode(phantom.ct, scene)
+    ct.SetAndObserveTransformNodeID(transform.GetID())
+    letWindowsLive()
     segmentation = _segmentationNode(phantom.labels, ct, scene)
-    for node in (ct, segmentation):
-        node.SetAndObserveTransformNodeID(transform.GetID())
+    letWindowsLive()
+    segmentation.SetAndObserveTransformNodeID(transform.GetID())
     return PhantomNodes(ct, segmentation, transform, browser)
 
 
@@ -141,4 +145,5 @@ def _segmentationNode(labels: Volume, ct, scene):
         image.ShallowCopy(holder.GetImageData())
         image.SetGeometryFromImageToWorldMatrix(vtkMatrixOf(labels.ijk_to_reference))
         node.AddSegmentFromBinaryLabelmapRepresentation(image, name, color)
+        letWindowsLive()
     return node

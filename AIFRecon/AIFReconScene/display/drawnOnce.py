@@ -1,0 +1,41 @@
+"""Many changes of the scene, each view drawn once when all are made, and the windows alive between one view and the next."""
+
+import contextlib
+
+import qt
+import slicer
+
+
+@contextlib.contextmanager
+def drawnOnce():
+    """Draw nothing within; afterwards draw view by view.
+
+    Notes
+    -----
+    `slicer.util.RenderBlocker` draws all views in one go in the end, for which the windows stand still as long as all of them take.
+    """
+    slicer.app.pauseRender()
+    try:
+        yield
+    finally:
+        views = _views()
+        for view in views:
+            view.pauseRender()
+        slicer.app.resumeRender()
+        for view in views:
+            if view:  # a destroyed one is false
+                view.resumeRender()
+            letWindowsLive()
+
+
+def letWindowsLive() -> None:
+    """Have what waits be drawn and timers go on, between two steps that only the main thread can take; nothing can be pressed meanwhile."""
+    slicer.app.processEvents(qt.QEventLoop.ExcludeUserInputEvents)
+
+
+def _views() -> list:
+    layoutManager = slicer.app.layoutManager()
+    if layoutManager is None:
+        return []
+    slices = [layoutManager.sliceWidget(name) for name in layoutManager.sliceViewNames()]
+    return [*slices, *(layoutManager.threeDWidget(number) for number in range(layoutManager.threeDViewCount))]
