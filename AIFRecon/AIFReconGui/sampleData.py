@@ -38,7 +38,7 @@ def loadPhantomSample(source=None):
 
 def addPhantom(progress=None):
     """The nodes of the simulated patient in the scene, with the surface of its bone, shown in the views."""
-    from AIFReconScene.display.drawnOnce import letWindowsLive
+    from AIFReconScene.background import letWindowsLive
     from AIFReconScene.display.firstLook import showInputs
     from AIFReconScene.display.threeDViews import makeSurface
     from AIFReconScene.volumes.phantomSample import loadPhantom

@@ -2,8 +2,9 @@
 
 import contextlib
 
-import qt
 import slicer
+
+from ..background import letWindowsLive
 
 
 @contextlib.contextmanager
@@ -26,11 +27,6 @@ def drawnOnce():
             if view:  # a destroyed one is false
                 view.resumeRender()
             letWindowsLive()
-
-
-def letWindowsLive() -> None:
-    """Have what waits be drawn and timers go on, between two steps that only the main thread can take; nothing can be pressed meanwhile."""
-    slicer.app.processEvents(qt.QEventLoop.ExcludeUserInputEvents)
 
 
 def _views() -> list:

@@ -7,7 +7,8 @@ from AIFReconLib.errors import AIFReconError, OperationCanceled
 from AIFReconLib.message import Message
 from AIFReconLib.progress import part
 
-from ..display.drawnOnce import drawnOnce, letWindowsLive
+from ..background import letWindowsLive
+from ..display.drawnOnce import drawnOnce
 from ..inputs.parameters import needsBone
 from ..volumes.volumeNodes import outputNodes
 from .spineView import keepSpine

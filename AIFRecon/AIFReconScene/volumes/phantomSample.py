@@ -10,10 +10,10 @@ import slicer
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import Progress, part
 
-from ..background import inBackground
-from ..display.drawnOnce import letWindowsLive
+from ..background import inBackground, letWindowsLive
 from ..sweep.sequenceNodes import browserFromSequence
 from ..transforms import vtkMatrixOf
+from .segments import addSegments
 from .volumeNodes import updateVolumeNode
 
 FRAMES = 72
@@ -23,7 +23,6 @@ CT_SPACING = 1.25
 """mm, as CT scans of the spine have between slices."""
 
 LEVELS = ("L2", "L3", "L4")
-COLORS = ((0.95, 0.84, 0.57), (0.70, 0.82, 0.93), (0.80, 0.90, 0.67))
 
 BONE_WINDOW = (-200.0, 900.0)
 """HU."""
@@ -138,12 +137,5 @@ def _segmentationNode(labels: Volume, ct, scene):
     node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode", scene.GenerateUniqueName("Lumbar vertebrae"))
     node.CreateDefaultDisplayNodes()
     node.SetReferenceImageGeometryParameterFromVolumeNode(ct)
-    for number, (name, color) in enumerate(zip(LEVELS, COLORS), start=1):
-        image = slicer.vtkOrientedImageData()
-        holder = slicer.vtkMRMLScalarVolumeNode()
-        updateVolumeNode(holder, Volume((labels.array == number).astype(np.uint8), labels.ijk_to_reference))
-        image.ShallowCopy(holder.GetImageData())
-        image.SetGeometryFromImageToWorldMatrix(vtkMatrixOf(labels.ijk_to_reference))
-        node.AddSegmentFromBinaryLabelmapRepresentation(image, name, color)
-        letWindowsLive()
+    addSegments(node, labels, dict(enumerate(LEVELS, start=1)))
     return node
