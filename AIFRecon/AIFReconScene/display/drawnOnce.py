@@ -19,14 +19,28 @@ def drawnOnce():
     try:
         yield
     finally:
-        views = _views()
-        for view in views:
-            view.pauseRender()
-        slicer.app.resumeRender()
-        for view in views:
-            if view:  # a destroyed one is false
-                view.resumeRender()
+        for _view in viewByView():
             letWindowsLive()
+
+
+def viewByView():
+    """Go on drawing after `slicer.app.pauseRender()`, one view with every step; all that are left where no more steps are taken."""
+    views = _views()
+    for view in views:
+        view.pauseRender()
+    slicer.app.resumeRender()
+    try:
+        while views:
+            _draw(views.pop())
+            yield
+    finally:
+        for view in views:
+            _draw(view)
+
+
+def _draw(view) -> None:
+    if view:  # a destroyed one is false
+        view.resumeRender()
 
 
 def _views() -> list:
