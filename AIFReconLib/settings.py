@@ -154,13 +154,13 @@ class ReconstructionSettings:
     )
 
     bone_gain: float = parameter(
-        2.0,
+        4.0,
         "weighted: how much bone that a frame shows and the map expects is brightened, times up to 3 for oblique beams",
         minimum=0.0,
         maximum=10.0,
     )
     weight_floor: float = parameter(
-        0.02, "weighted: weight of a pixel that shows no bone, against 1 of one that does", minimum=1e-6, maximum=1.0
+        0.005, "weighted: weight of a pixel that shows no bone, against 1 of one that does", minimum=1e-6, maximum=1.0
     )
 
     def __post_init__(self) -> None:

@@ -52,8 +52,8 @@ def paper_update(value: Singles, count: Singles, new_value: Singles) -> Singles:
 
 
 def weighted_gate(onset: Singles, probability: Singles) -> Singles:
-    """G = E P: bone is here when the frame shows the beginning of a shadow and the CT expects bone nearby."""
-    return onset * probability
+    """G = E P^2: bone is here when the frame shows the beginning of a shadow and the CT expects bone close by."""
+    return (onset * probability) * probability
 
 
 def weighted_weight(gate: Singles, reach: Singles, floor: np.float32) -> Singles:

@@ -133,7 +133,7 @@ def plain_weighted(
                 along_x = v[0] * x_axis[0] + v[1] * x_axis[1] + v[2] * x_axis[2]
                 along_y = v[0] * y_axis[0] + v[1] * y_axis[1] + v[2] * y_axis[2]
                 cosine = min(max(beams[row, column, 0] * along_x + beams[row, column, 1] * along_y, ZERO), ONE)
-                gate = onset[row, column] * probability[k, j, i]
+                gate = (onset[row, column] * probability[k, j, i]) * probability[k, j, i]
                 w = (floor + gate) * reach[row, column]
                 compensation = min(ONE / cosine, THREE) if cosine > beta else ONE
                 value[k, j, i] += w * min(maximum, pixel * (ONE + gain * gate * compensation))

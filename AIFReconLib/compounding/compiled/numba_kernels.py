@@ -352,7 +352,7 @@ def insert_weighted(
                 if n >= count:
                     break
                 voxel, pixel = voxels[n], np.float32(pixels[n])
-                gate = onset[frame, place] * probability[voxel]
+                gate = (onset[frame, place] * probability[voxel]) * probability[voxel]
                 w = (floor + gate) * reached[n]
                 if gate > ZERO:
                     x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]

@@ -90,7 +90,7 @@ def plain_loop(
                     weight[at] += w
                 elif method == "weighted":
                     reach, onset = (real(image[row, column]) for image in evidence[number])
-                    gate = onset * probability
+                    gate = (onset * probability) * probability
                     w = (floor + gate) * reach
                     compensation = min(one / cosine, real(3)) if cosine > beta else one
                     v_temp = pixel * (one + (gain * gate) * compensation)
