@@ -160,7 +160,7 @@ class ReconstructionSettings:
         maximum=10.0,
     )
     weight_floor: float = parameter(
-        0.005, "weighted: weight of a pixel that shows no bone, against 1 of one that does", minimum=1e-6, maximum=1.0
+        0.003, "weighted: weight of a pixel that shows no bone, against 1 of one that does", minimum=1e-6, maximum=1.0
     )
 
     def __post_init__(self) -> None:
