@@ -1,5 +1,6 @@
 """The tab Live: starts and stops a scan, and says in large letters whether the probe is seen, and what to do next."""
 
+import importlib
 import time
 
 import qt
@@ -206,6 +207,8 @@ class LivePanel:
             self._refresh()
 
     def _start(self, parameters, progress) -> str:
+        # What is imported first is read and compiled, with which the window would stand still
+        inBackground(lambda _progress: importlib.import_module("AIFReconScene.live.liveReconstruction"), progress)
         from AIFReconScene.live.liveReconstruction import LiveReconstruction
 
         self._record, self._sized = recordingPath(parameters), 0.0
