@@ -161,11 +161,13 @@ class VoxelState:
             return fullest
         if voxels.size + (0 if before is None else before.voxels.size) > FEW * self.value.size:
             return None
-        now = Overfull(voxels, *(both.astype(np.float64) for both in unpacked(self.value[voxels])))
+        sums, hits_there = unpacked(self.value[voxels])
+        now = Overfull(voxels, sums.astype(np.float64), hits_there.astype(np.float64))
         if before is not None:
             every, place = np.unique(np.concatenate([before.voxels, voxels]), return_inverse=True)
-            sums, counts = (np.bincount(place, np.concatenate(both)) for both in zip(before[1:], now[1:], strict=True))
-            now = Overfull(every, sums, counts)
+            pairs = (before.sums, now.sums), (before.hits, now.hits)
+            totals = [np.bincount(place, np.concatenate(both)).astype(np.float64, copy=False) for both in pairs]
+            now = Overfull(every, *totals)
         self.overfull = now
         self.value[voxels] = 0
         return fullest
@@ -198,7 +200,8 @@ class VoxelState:
 
 def unpacked(packed: Numbers) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
     """Sums and hits of packed voxels."""
-    return packed & np.uint32(HIT - 1), packed >> np.uint32(HIT_BITS)
+    both: NDArray[np.uint32] = packed.astype(np.uint32, copy=False)
+    return both & np.uint32(HIT - 1), both >> np.uint32(HIT_BITS)
 
 
 def value_type(method: str, shares: bool, whole: bool) -> type[np.generic]:

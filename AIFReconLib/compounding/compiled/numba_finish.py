@@ -31,7 +31,8 @@ def any_of(numbers: NDArray[np.uint32]) -> bool:
     together = np.uint32(0)
     for n in range(numbers.size):
         together |= numbers[n]
-    return together != 0
+    entered: bool = together != 0
+    return entered
 
 
 @compiled
