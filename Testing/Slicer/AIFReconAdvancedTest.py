@@ -221,8 +221,8 @@ class AIFReconAdvancedTest(unittest.TestCase):
     # ---- digits
 
     def test_the_weight_floor_is_shown_with_the_digits_that_matter(self):
-        self.assertEqual(self.ui.weightFloorSpinBox.value, 0.02)
-        self.assertLessEqual(len(self.ui.weightFloorSpinBox.text), len("0.020"))
+        self.assertEqual(self.ui.weightFloorSpinBox.value, 0.003)
+        self.assertLessEqual(len(self.ui.weightFloorSpinBox.text), len("0.003"))
 
     def test_the_smallest_weight_floor_that_can_be_entered_reconstructs(self):
         self.addBone()

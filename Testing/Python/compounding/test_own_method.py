@@ -33,9 +33,9 @@ def plain_mean(intensity):
 
 
 @register_method
-def weighted_again(intensity, cosine, probability, reach, onset, floor=0.02, gain=2.0, beta=0.1):
+def weighted_again(intensity, cosine, probability, reach, onset, floor=0.003, gain=4.0, beta=0.1):
     """`weighted` from its formulas on docs/method.md."""
-    gate = onset * probability
+    gate = onset * probability**2
     compensation = np.where(cosine > beta, np.minimum(1 / np.maximum(cosine, 1e-9), 3), 1)
     return (floor + gate) * reach, np.minimum(255, intensity * (1 + gain * gate * compensation))
 
