@@ -121,10 +121,12 @@ class BoneWatch(Watch):
         self._problem = problem
 
     def _breathe(self) -> bool:
-        """Wait for a frame, unless one has come meanwhile; False when the end has come."""
+        """Wait for a frame, unless one has come meanwhile; where insertion is behind, rest as others do. False when the end has come."""
+        if self._session.statistics.waiting > 1:
+            return super()._breathe()
         if self._session.latest is self._newest:
             self._session.wait_for_rest(PATIENCE)
-        self._newest = self._session.latest
+        self._newest, self._resumed = self._session.latest, time.monotonic()
         return not self._closing.is_set()
 
     def _look(self, frame: LiveFrame | None) -> None:
