@@ -1,8 +1,11 @@
-"""The library's work on a thread of its own, so that windows stay alive however rarely it reports."""
+"""Windows stay alive: the library's work goes on a thread of its own, and between steps of the main thread they get their turn."""
 
 import concurrent.futures
 import importlib
 import threading
+
+import qt
+import slicer
 
 from AIFReconLib.message import Message
 from AIFReconLib.progress import report
@@ -84,6 +87,11 @@ class Beside:
 def importLibrary(progress=None) -> None:
     """Load what the library computes with, which takes a while the first time."""
     inBackground(lambda _progress: [importlib.import_module(name) for name in HEAVY], progress)
+
+
+def letWindowsLive() -> None:
+    """Have what waits be drawn and timers go on, between two steps that only the main thread can take; nothing can be pressed meanwhile."""
+    slicer.app.processEvents(qt.QEventLoop.ExcludeUserInputEvents)
 
 
 class _Relay:

@@ -13,7 +13,7 @@ from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from types import EllipsisType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -35,6 +35,17 @@ _WAYS_OUT = {
 
 def _way_out(name: str) -> Any:
     return getattr(import_module(f"{__package__.rpartition('.')[0]}.{_WAYS_OUT[name]}"), name)
+
+
+class Picture(Protocol):
+    """What `Volume.plot` draws: a notebook shows it."""
+
+    @property
+    def png(self) -> bytes:
+        """The file."""
+
+    def write(self, path: str | Path) -> None:
+        """Write the PNG file; an `OutputError` where it cannot be written."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,9 +281,10 @@ class Volume(Described):
         values = f"{self.array.dtype}, {self.array.min():g} to {self.array.max():g}"
         return [*self.grid.facts(), ("values", values)]
 
-    def plot(self, mask: Volume | None = None, labels: Volume | None = None, ct: Volume | None = None, title: str = "") -> Any:
-        """A `Picture` of three cuts through the bone and a projection, which a notebook shows; see `AIFReconLib.evaluation.preview`."""
-        return _way_out("preview")(self, mask, labels, ct, title)
+    def plot(self, mask: Volume | None = None, labels: Volume | None = None, ct: Volume | None = None, title: str = "") -> Picture:
+        """A picture of three cuts through the bone and a projection, which a notebook shows; see `AIFReconLib.evaluation.preview`."""
+        picture: Picture = _way_out("preview")(self, mask, labels, ct, title)
+        return picture
 
     def write(self, path: str | Path) -> None:
         """Write to a volume file (.nrrd, .mha, .mhd, .nii, .nii.gz): LPS in the file, so that it opens in Slicer where it belongs.

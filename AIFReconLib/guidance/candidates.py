@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Floats, Integers, Matrix, Singles
-from ..progress import Progress, report
+from ..arrays import Floats, Integers, Singles
+from ..progress import Progress, part, report
 from .bone import GuidedBone
-from .expectation import MOST, evidence_for, evidence_of, expected_visibility, unseen
+from .expectation import MOST, evidence_for, expected_visibility, unseen
 from .hand import Hand
-from .met import MET, FrameGeometry
+from .met import FrameGeometry
 from .passes import Pass
-from .probe import ProbeOnBack
+from .probe import Placement, ProbeOnBack
 
 BESIDE_TARGET = 0.01
 """What bone beside the target counts: frames that can add nothing more to the target go there."""
@@ -24,8 +25,9 @@ BESIDE_EVERY = 4
 DRAWS = 3
 """How often each pass is looked at, as the hand happens to make it."""
 
-AT_ONCE = 12
-"""Frames that are looked at between two reports of progress, some 15 ms: who looks while a scan goes on makes way to its frames then."""
+FRAMES_AT_ONCE, PAIRS_AT_ONCE = 12, 100_000
+"""Frames that are looked at, and pairs of pass and point that are asked, between two reports of progress, some 3 ms: who does so while a
+scan goes on makes way to its frames then."""
 
 LEAST_GAIN = 0.001
 """Of the weighted area: a pass that adds less is not worth its frames."""
@@ -44,6 +46,8 @@ class Candidates:
     hand : Hand or None
         How the passes are made; None: exactly.
     progress : Progress or None
+    draws : int
+        How often passes are looked at for now; see `look_again`.
 
     Notes
     -----
@@ -58,8 +62,9 @@ class Candidates:
         target: str,
         hand: Hand | None = None,
         progress: Progress | None = None,
+        draws: int = DRAWS,
     ):
-        self.passes = passes
+        self.passes, self._probe, self._hand = passes, probe, hand
         chosen = bone.part(target)
         beside = np.flatnonzero(~chosen)[::BESIDE_EVERY]
         self._looked = np.sort(np.concatenate([np.flatnonzero(chosen), beside]))
@@ -67,25 +72,50 @@ class Candidates:
             chosen, 1.0, BESIDE_TARGET * float(bone.surface.areas[~chosen].sum()) / max(float(bone.surface.areas[beside].sum()), 1e-9)
         )
         self._weights = (share * bone.surface.areas)[self._looked]
-        geometry = geometry_of(bone.only(self._looked), probe)
-        rng = np.random.default_rng(0)
-        points, found, looks = [], [], AT_ONCE
-        for number, one in enumerate(passes):
-            placements, draws = one.placements(one.least), []
-            for draw in range(DRAWS if hand else 1):
-                if looks >= AT_ONCE:
-                    report(progress, (number + draw / DRAWS) / len(passes), "Looking at candidate passes")
-                    looks = 0
-                looks += len(placements)
-                draws.append(_evidence(geometry, probe.poses(hand.follow(placements, rng) if hand else placements)))
-            evidence = np.array(draws)
-            met = np.flatnonzero(evidence.any(axis=0))
-            points.append(met)
-            found.append(evidence[:, met])
-        self._points: Integers = np.concatenate(points)
+        self._geometry = geometry_of(bone.only(self._looked), probe)
+        self._rng = np.random.default_rng(0)
+        self._made: list[list[list[Placement]]] = []
+        self._seen: list[_Seen] = []
+        draws = draws if hand else 1
+        for draw in range(draws):
+            self.look_again(part(progress, draw / draws, (draw + 1) / draws))
+
+    @property
+    def is_rough(self) -> bool:
+        """Whether passes are still to be looked at again."""
+        return self._hand is not None and len(self._seen) < DRAWS
+
+    def look_again(self, progress: Progress | None = None) -> None:
+        """Look at every pass once more, as the hand happens to make it; until that is done what is told stays as it was."""
+        found: list[tuple[Integers, Singles, Integers]] = []
+        first = 0
+        while first < len(self.passes):
+            report(progress, first / len(self.passes), "Looking at candidate passes")
+            ways: list[list[Placement]] = []
+            while first + len(ways) < len(self.passes) and (not ways or sum(map(len, ways)) < FRAMES_AT_ONCE):
+                ways.append(self._placements(first + len(ways))[len(self._seen)])
+            found.append(self._evidence(ways, first))
+            first += len(ways)
+        points, evidence, owner = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        self._seen = [*self._seen, _Seen(points, evidence, owner)]
+
+    def _evidence(self, ways: list[list[Placement]], first: int) -> tuple[Integers, Singles, Integers]:
+        """What some passes meet, of which `first` is the first; see `_Seen`."""
+        frame, point, evidence = self._geometry.evidence(self._probe.poses([placement for way in ways for placement in way]))
+        way = np.repeat(np.arange(len(ways)), [len(way) for way in ways])[frame]
+        together = np.bincount(way * len(self._weights) + point, evidence, len(ways) * len(self._weights))
+        met = np.flatnonzero(together)
+        owner, points = np.divmod(met, len(self._weights))
         # In single precision, for they are asked while a scan goes on
-        self._met: Singles = np.concatenate(found, axis=1).astype(np.float32)
-        self._owner = np.repeat(np.arange(len(passes)), [len(each) for each in points])
+        return points, together[met].astype(np.float32), first + owner
+
+    def _placements(self, number: int) -> list[list[Placement]]:
+        """Those of the frames of a pass, each time that it is made."""
+        if number == len(self._made):
+            exact = self.passes[number].placements(self.passes[number].least)
+            hand = self._hand
+            self._made.append([exact] if hand is None else [hand.follow(exact, self._rng) for _ in range(DRAWS)])
+        return self._made[number]
 
     @property
     def worth(self) -> float:
@@ -97,7 +127,7 @@ class Candidates:
         looked: Floats = evidence[self._looked]
         return looked
 
-    def gains(self, evidence: Floats, rounds: int = 1) -> Floats:
+    def gains(self, evidence: Floats, rounds: int = 1, progress: Progress | None = None) -> Floats:
         """What each pass adds to the weighted area that is expected to show, (n,) mm^2.
 
         Parameters
@@ -106,27 +136,38 @@ class Candidates:
             What there is; see `looked`.
         rounds : int
             How many times `least` frames the pass has.
+        progress : Progress or None
         """
         there = evidence.astype(np.float32)
-        more = unseen(there)[self._points] - unseen(there[self._points] + np.float32(rounds) * self._met).mean(axis=0)
-        return np.asarray(MOST * np.bincount(self._owner, self._weights[self._points] * more, len(self.passes)), dtype=np.float64)
+        missing, gains = unseen(there), np.zeros(len(self.passes))
+        for seen in self._seen:
+            for first in range(0, len(seen.points), PAIRS_AT_ONCE):
+                report(progress, 0.0, "Comparing candidate passes")
+                some = slice(first, first + PAIRS_AT_ONCE)
+                points = seen.points[some]
+                more = missing[points] - unseen(there[points] + np.float32(rounds) * seen.evidence[some])
+                gains += np.bincount(seen.owner[some], self._weights[points] * more, len(gains))
+        return MOST / len(self._seen) * gains
 
     def make(self, number: int, evidence: Floats) -> Floats:
         """Evidence after a pass, which a sure hand would need for what this hand is expected to show."""
-        part = self._owner == number
-        points, after = self._points[part], evidence.copy()
-        after[points] = evidence_for(expected_visibility(evidence[points] + self._met[:, part]).mean(axis=0))
+        more = np.zeros(len(evidence))
+        for seen in self._seen:
+            own = seen.owner == number
+            before = evidence[seen.points[own]]
+            more[seen.points[own]] += expected_visibility(before + seen.evidence[own]) - expected_visibility(before)
+        points, after = np.flatnonzero(more), evidence.copy()
+        after[points] = evidence_for(expected_visibility(evidence[points]) + more[points] / len(self._seen))
         return after
 
 
-def _evidence(geometry: FrameGeometry, image_to_reference: Matrix) -> Floats:
-    """Of some frames together, (n,)."""
-    evidence = np.zeros(len(geometry.bone))
-    for pose in image_to_reference:
-        view = geometry.view(pose)
-        met = view.status == MET
-        evidence[view.points[met]] += evidence_of(view.cosines[met])
-    return evidence
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """What all passes meet when each is made once: numbers of points (m,), their evidence (m,), and which pass each is of (m,)."""
+
+    points: Integers
+    evidence: Singles
+    owner: Integers
 
 
 def geometry_of(bone: GuidedBone, probe: ProbeOnBack) -> FrameGeometry:

@@ -18,6 +18,7 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses, time_order
 from .bone import GuidedBone
+from .candidates import DRAWS
 from .coverage import Coverage, coverage, covered
 from .mesh import ColoredBone
 from .met import BoneMet
@@ -96,19 +97,25 @@ class Advisor:
     image_to_reference : (n, 4, 4) array
         Poses so far: they tell where the skin is.
     progress : Progress or None
-        Of looking at candidate passes, which takes some seconds.
+        Of looking at candidate passes, which takes a second or two.
+    draws : int
+        How often they are looked at for now; see `look_again`.
     """
 
-    def __init__(self, met: BoneMet, image_to_reference: Matrix, progress: Progress | None = None):
+    def __init__(self, met: BoneMet, image_to_reference: Matrix, progress: Progress | None = None, draws: int = DRAWS):
         bone, beams = met.bone, met.geometry.beams
         images = images_like(image_to_reference[0], beams.frame_size, beams.probe, beams.region)
         skin = Skin.through(transform_points(invert(bone.patient_to_reference), images.faces(image_to_reference)))
         self._bone, self._probe = bone, ProbeOnBack(images, skin, bone.patient_to_reference)
-        self._next = NextMove(bone, self._probe, bone.aim, progress)
+        self._next = NextMove(bone, self._probe, bone.aim, progress, draws=draws)
 
-    def advise(self, met: BoneMet, image_to_reference: Matrix) -> Advice:
+    def look_again(self, progress: Progress | None = None) -> bool:
+        """Look at candidate passes once more, so that advice becomes better; False where that was done as often as it helps."""
+        return self._next.look_again(progress)
+
+    def advise(self, met: BoneMet, image_to_reference: Matrix, progress: Progress | None = None) -> Advice:
         """What to do next, from a pose."""
-        return self.to(self._next.advise(met, image_to_reference), image_to_reference)
+        return self.to(self._next.advise(met, image_to_reference, progress), image_to_reference)
 
     def to(self, move: Move | None, image_to_reference: Matrix) -> Advice:
         """The way to a move that was advised before, from another pose."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Bytes, Floats, Integers, Mask, Matrix, Numbers, Singles
 from ..compounding.evidence import REACHED as FULLY_REACHED
-from ..evaluation.visibility import BEAM_THICKNESS, GRAZING_DEG, BoneRays, SweepBeams, in_beam
+from ..evaluation.visibility import BEAM_THICKNESS, GRAZING_DEG, BoneRays, SweepBeams, in_beams
 from ..geometry.transforms import pixel_spacing
 from ..imaging.beams import LINEAR, ProbeGeometry
 from ..imaging.region import ImageRegion
@@ -87,17 +87,28 @@ class FrameGeometry:
         full_scale : float
             The brightest gray level there can be.
         """
-        surface = self.bone.surface
-        seen, pixels, beams, lengths = in_beam(surface.points_reference, image_to_reference, self.beams, self._kept)
-        cosines = -np.einsum("ij,ij->i", beams, surface.normals_reference[seen])
-        facing = cosines >= math.cos(math.radians(GRAZING_DEG))
-        seen, pixels, beams, lengths, cosines = seen[facing], pixels[facing], beams[facing], lengths[facing], cosines[facing]
+        _, seen, pixels, cosines, blocked = self._look(image_to_reference[None])
         status = np.full(len(seen), MET, dtype=np.uint8)
-        status[self._rays.blocks(self._starts[seen], beams, lengths)] = SHADOWED
+        status[blocked] = SHADOWED
         if image is not None:
-            open_ = np.flatnonzero(status == MET)
+            open_ = np.flatnonzero(~blocked)
             status[open_[~self._lit(image, pixel_spacing(image_to_reference), pixels[open_], full_scale)]] = DARK
         return FrameView(seen, cosines, status)
+
+    def evidence(self, image_to_reference: Matrix) -> tuple[Integers, Integers, Floats]:
+        """What several frames (m, 4, 4) meet as if they were lit: frame, point, and what that adds to its evidence, by `evidence_of`."""
+        frame, seen, _, cosines, blocked = self._look(image_to_reference)
+        met = np.flatnonzero(~blocked)
+        return frame[met], seen[met], evidence_of(cosines[met])
+
+    def _look(self, image_to_reference: Matrix) -> tuple[Integers, Integers, Floats, Floats, Mask]:
+        """Of points in the beams of frames (m, 4, 4), within `GRAZING_DEG`: frame, point, pixel, cosine, and whether bone is before it."""
+        surface = self.bone.surface
+        frame, seen, pixels, beams, lengths = in_beams(surface.points_reference, image_to_reference, self.beams, self._kept)
+        cosines = -np.einsum("ij,ij->i", beams, surface.normals_reference[seen])
+        facing = np.flatnonzero(cosines >= math.cos(math.radians(GRAZING_DEG)))
+        frame, seen, pixels, cosines = frame[facing], seen[facing], pixels[facing], cosines[facing]
+        return frame, seen, pixels, cosines, self._rays.blocks(self._starts[seen], beams[facing], lengths[facing])
 
     def _lit(self, image: Numbers, spacing: tuple[float, float], pixels: Floats, full_scale: float) -> Mask:
         """Whether the scan line through each point is lit somewhere from `BEFORE` mm before it on, (m,) bool."""

@@ -10,7 +10,7 @@ from ..arrays import Matrix
 from ..message import Message, listed
 from ..progress import Progress
 from .bone import GuidedBone
-from .candidates import Candidates
+from .candidates import DRAWS, Candidates
 from .hand import HAND, Hand
 from .met import BoneMet
 from .passes import Pass, freehand_passes, name_of_place
@@ -88,6 +88,8 @@ class NextMove:
         By how much moves are expected to miss; None: not at all.
     looked : Candidates or None
         Freehand passes that were looked at before, for this target and hand.
+    draws : int
+        How often candidate passes are looked at for now; see `look_again`.
 
     Notes
     -----
@@ -104,16 +106,24 @@ class NextMove:
         progress: Progress | None = None,
         hand: Hand | None = HAND,
         looked: Candidates | None = None,
+        draws: int = DRAWS,
     ):
         self._bone, self._probe = bone, probe
-        self._candidates = looked or Candidates(freehand_passes(bone), bone, probe, target, hand, progress)
+        self._candidates = looked or Candidates(freehand_passes(bone), bone, probe, target, hand, progress, draws)
         self._passes = self._candidates.passes
         self._advised: Pass | None = None
 
-    def advise(self, met: BoneMet, image_to_reference: Matrix) -> Move | None:
+    def look_again(self, progress: Progress | None = None) -> bool:
+        """Look at candidate passes once more, so that advice becomes better; False where that was done as often as it helps."""
+        if not self._candidates.is_rough:
+            return False
+        self._candidates.look_again(progress)
+        return True
+
+    def advise(self, met: BoneMet, image_to_reference: Matrix, progress: Progress | None = None) -> Move | None:
         """What to do next from a pose; None when nothing is worth its labor any more."""
         now = self._probe.placement(image_to_reference)
-        gains = self._candidates.gains(self._candidates.looked(met.evidence), ROUNDS)
+        gains = self._candidates.gains(self._candidates.looked(met.evidence), ROUNDS, progress)
         values = gains / np.array([one.least * (1.0 + LABOR * _labor(now, _middle(one))) for one in self._passes])
         worth = gains >= self._candidates.worth
         if not worth.any():

@@ -22,6 +22,9 @@ AIM_DEPTH = 30.0
 UNDER_SKIN = 15.0
 """mm of fat and fascia behind the tips of the spinous processes, where nothing tells the skin."""
 
+ON_SKIN = 1e-6
+"""mm from the skin at which a face lies on it."""
+
 BEND = 30.0
 """mm to the side or along the spine over which the skin may bend; it says how far its shape is trusted beyond where it was felt."""
 
@@ -115,7 +118,9 @@ class Skin:
 
     def at(self, x: Floats | float, z: Floats | float) -> Floats:
         """y of the skin, mm."""
-        y: Floats = _terms(np.asarray(x, dtype=np.float64), np.asarray(z, dtype=np.float64)) @ self.coefficients
+        x, z = np.asarray(x, dtype=np.float64) / BEND, np.asarray(z, dtype=np.float64) / BEND
+        one, by_x, by_z, by_xx, by_xz, by_zz = self.coefficients
+        y: Floats = one + x * (by_x + by_xx * x + by_xz * z) + z * (by_z + by_zz * z)
         return y
 
 
@@ -183,9 +188,12 @@ class ProbeOnBack:
         beams = turns[:, :, 1]
         targets = np.stack([x, self.skin.at(x, z) + AIM_DEPTH, z], axis=1)
         ways = np.full(len(x), AIM_DEPTH)
+        (x, y, z), (right, ahead, head) = targets.T, beams.T
         for _ in range(20):
-            points = targets - ways[:, None] * beams
-            ways += (points[:, 1] - self.skin.at(points[:, 0], points[:, 2])) / np.maximum(beams[:, 1], 0.3)
+            off = (y - ways * ahead - self.skin.at(x - ways * right, z - ways * head)) / np.maximum(ahead, 0.3)
+            ways += off
+            if np.abs(off).max(initial=0.0) < ON_SKIN:
+                break
         faces = np.tile(np.eye(4), (len(x), 1, 1))
         faces[:, :3, :3], faces[:, :3, 3] = turns, targets - ways[:, None] * beams
         poses: Matrix = self.patient_to_reference @ faces @ self._to_face

@@ -92,6 +92,29 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertEqual(self.clicks, 3)
         np.testing.assert_allclose(tinyScene.worldOf(self.parameters.bone)[:3, 3], tinyScene.CT_TO_WORLD[:3, 3], atol=4.0)
 
+    def test_a_file_of_labels_becomes_segments_in_the_same_voxels(self):
+        from AIFReconScene.inputs.boneNodes import labelsFromNode
+
+        from AIFReconLib.geometry.volume import Volume
+
+        oblique = tinyScene.moved(3.0, -4.0, 5.0) @ np.array(
+            [[0.0, -1.5, 0.0, 0.0], [1.2, 0.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0], [0, 0, 0, 1]]
+        )
+        array = np.zeros((9, 8, 7), np.uint8)
+        array[2:6, 1:5, 2:4], array[2:6, 5:7, 2:6] = 2, 7
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "vertebrae.nrrd"
+            Volume(array, oblique).write(path)
+            self.widget.logic.openFiles(self.parameters, [path])
+        bone = self.parameters.bone
+        self.assertTrue(bone.IsA("vtkMRMLSegmentationNode"))
+        self.assertEqual(slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLVolumeNode"), 0)
+        segments = [bone.GetSegmentation().GetNthSegment(number).GetName() for number in range(2)]
+        self.assertEqual((bone.GetName(), segments), ("vertebrae", ["Label 2", "Label 7"]))
+        labels = labelsFromNode(bone)
+        np.testing.assert_array_equal(labels.array, np.select([array == 2, array == 7], [1, 2]))
+        np.testing.assert_allclose(labels.ijk_to_reference, oblique, atol=1e-6)
+
     def test_a_file_of_no_kind_is_named_and_nothing_is_read(self):
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "picture.doc"

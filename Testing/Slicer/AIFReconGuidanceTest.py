@@ -181,6 +181,13 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertTrue((bounds[::2] <= face[:3]).all() and (face[:3] <= bounds[1::2]).all())
         self.assertTrue(self.model("Advised probe").GetDisplayNode().GetVisibility2D())
 
+    def test_nothing_that_is_drawn_is_translucent_which_takes_twice_as_long(self):
+        self.setToldBox()
+        for name in OWN:
+            node = self.model(name)
+            if node.IsA("vtkMRMLModelNode"):
+                self.assertEqual(node.GetDisplayNode().GetOpacity(), 1.0, name)
+
     def test_the_3d_view_looks_at_the_side_that_takes_on_color_and_stays_where_the_user_turns_it(self):
         self.setToldBox()
         camera = slicer.app.layoutManager().threeDWidget(0).threeDView().cameraNode()

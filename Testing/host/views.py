@@ -15,7 +15,9 @@ from PySide6.QtCore import Property, Signal
 class qMRMLSliceWidget(QtWidgets.QWidget):
     """A slice view: its node and logic are real, nothing is drawn."""
 
-    api = {"methods": ("sliceLogic", "mrmlSliceNode", "mrmlSliceCompositeNode", "fitSliceToBackground")}
+    api = {
+        "methods": ("sliceLogic", "mrmlSliceNode", "mrmlSliceCompositeNode", "fitSliceToBackground", "pauseRender", "resumeRender"),
+    }
 
     def __init__(self, logic):
         super().__init__()
@@ -36,6 +38,11 @@ class qMRMLSliceWidget(QtWidgets.QWidget):
     def fitSliceToBackground(self):
         """Makes the background volume fill the view."""
         self._logic.FitSliceToBackground()
+
+    def pauseRender(self):
+        """Does nothing: nothing is drawn."""
+
+    resumeRender = pauseRender
 
 
 class qMRMLThreeDView(QtWidgets.QWidget):
@@ -79,7 +86,7 @@ class qMRMLThreeDView(QtWidgets.QWidget):
 class qMRMLThreeDWidget(QtWidgets.QWidget):
     """A 3D view under its bar."""
 
-    api = {"methods": ("mrmlViewNode", "threeDView")}
+    api = {"methods": ("mrmlViewNode", "threeDView", "pauseRender", "resumeRender")}
 
     def __init__(self, node):
         super().__init__()
@@ -92,6 +99,11 @@ class qMRMLThreeDWidget(QtWidgets.QWidget):
     def threeDView(self):
         """What the view is drawn into."""
         return self._view
+
+    def pauseRender(self):
+        """Does nothing: nothing is drawn."""
+
+    resumeRender = pauseRender
 
 
 def cameraOf(viewNode):

@@ -128,7 +128,7 @@ class GuidancePanel:
 
     def _showScan(self) -> None:
         live, parameters = self._live.guidance, self._parameterNode
-        if live is None or self._work.isRunning:
+        if live is None or self._work.isRunning or self._live.isBehind:
             return
         guidance = live.state
         if guidance is not self._shown and (guidance.problem is not None or guidance.colored is not None):

@@ -1,5 +1,6 @@
 """The tab Live: starts and stops a scan, and says in large letters whether the probe is seen, and what to do next."""
 
+import importlib
 import time
 
 import qt
@@ -8,6 +9,7 @@ from AIFReconScene.background import inBackground
 from AIFReconScene.inputs.parameters import LiveSource
 from AIFReconScene.live.liveFiles import recordingPath, sizeOf
 from AIFReconScene.live.serverSearch import answering, asText, fromText
+from AIFReconScene.live.turns import Turns
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
@@ -18,8 +20,9 @@ from ..packages import packagesAreThere
 from .layout import reveal, say
 from .signals import GRAY, GREEN, RED, styleOf
 
-COLLECTED_EVERY, SHOWN_EVERY = 10, 100
-"""ms between two looks at the scene's image, and between two updates of what is shown."""
+COLLECTED_EVERY, SHOWN_EVERY = 0, 100
+"""ms between two looks at the scene's image (0: whenever events were handled; the threads of the scan have a turn then), and between two
+updates of what is shown, unless drawing takes so long that those threads fall behind."""
 
 REMEMBERED_ATTRIBUTE = "AIFRecon.LiveServer"
 """Of a parameter node that has been given the server of the last scan: once, for another that is entered must stay."""
@@ -54,6 +57,7 @@ class LivePanel:
         self._live = None
         self._missing = self._advised = ""
         self._record, self._sized = None, 0.0
+        self._turns = Turns()
         self._followers = (ofScan(ui), PathField(ui.liveBoneModelPathLineEdit, "boneModelPath"))
         self._collecting = self._timer(COLLECTED_EVERY, self._collect)
         self._showing = self._timer(SHOWN_EVERY, self._show)
@@ -78,6 +82,11 @@ class LivePanel:
     def isRunning(self) -> bool:
         """Whether a scan is under way."""
         return self._live is not None
+
+    @property
+    def isBehind(self) -> bool:
+        """Whether the threads of the scan are owed time by the windows: nothing more should be drawn now."""
+        return self._turns.isOwing
 
     @property
     def guidance(self):
@@ -206,6 +215,8 @@ class LivePanel:
             self._refresh()
 
     def _start(self, parameters, progress) -> str:
+        # What is imported first is read and compiled, with which the window would stand still
+        inBackground(lambda _progress: importlib.import_module("AIFReconScene.live.liveReconstruction"), progress)
         from AIFReconScene.live.liveReconstruction import LiveReconstruction
 
         self._record, self._sized = recordingPath(parameters), 0.0
@@ -216,6 +227,7 @@ class LivePanel:
         before = fromText(slicer.util.settingsValue(SERVERS_SETTING, ""))
         settings.setValue(SERVERS_SETTING, asText([(parameters.liveHost, parameters.livePort), *before]))
         self._ui.livePauseButton.checked = False
+        self._turns.forget()
         self._collecting.start()
         self._showing.start()
         return ""
@@ -248,10 +260,11 @@ class LivePanel:
     def _collect(self) -> None:
         if self._live is not None:
             self._live.collect()
+            self._turns.give()
 
     def _show(self) -> None:
         live = self._live
-        if live is None:
+        if live is None or self.isBehind:
             return
         live.refresh()
         statistics = live.statistics

@@ -3,6 +3,7 @@
 import slicer
 
 from . import sliceDisplay, threeDViews
+from .drawnOnce import drawnOnce
 
 
 def showInputs(browserNode, ctNode=None) -> None:
@@ -15,6 +16,7 @@ def showInputs(browserNode, ctNode=None) -> None:
         Slice views that show it already stay where they are.
     """
     slicer.modules.sequences.showSequenceBrowser(browserNode)
-    if ctNode is not None:
-        sliceDisplay.showBackground(ctNode)
-    threeDViews.center()
+    with drawnOnce():
+        if ctNode is not None:
+            sliceDisplay.showBackground(ctNode)
+        threeDViews.center()

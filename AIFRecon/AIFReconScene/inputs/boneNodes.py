@@ -251,7 +251,8 @@ def _paint(labels: np.ndarray, extent: np.ndarray, geometry, segment, number: in
     voxels = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars()).reshape((own[:, 1] - own[:, 0] + 1)[::-1])
     source = tuple(slice(a, b) for a, b in zip((first - own[:, 0])[::-1], (last - own[:, 0] + 1)[::-1]))
     target = tuple(slice(a, b) for a, b in zip((first - extent[:, 0])[::-1], (last - extent[:, 0] + 1)[::-1]))
-    labels[target][voxels[source] == value] = number
+    # Several times as fast as an index of truth values
+    np.copyto(labels[target], number, where=voxels[source] == value)
 
 
 def _sameLattice(image, geometry) -> bool:

@@ -6,6 +6,7 @@ import slicer
 
 from AIFReconLib.geometry.volume import Volume
 
+from ..display.drawnOnce import viewByView
 from ..sceneNodes import removeNodes
 from ..transforms import atRightAngles
 from ..volumes.volumeNodes import showGrayLevels, updateVolumeNode
@@ -98,6 +99,8 @@ class ShownFrame:
                 yield
             if self._isThere():
                 self._views.follow(self._node)
-        finally:
+        except BaseException:  # the end of a generator too
             slicer.app.resumeRender()
+            raise
         self.frame = frame
+        yield from viewByView()

@@ -5,11 +5,14 @@ import slicer
 from slicer.i18n import tr as _
 
 from AIFReconLib.errors import FileFormatError
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import part
 
 from ..inputs.boneSource import BoneSource
 from ..sceneNodes import freeName, removeNodes
 from ..sweep.fileKinds import CONFIGURATION, PREDICTIONS, RECORDING, SEGMENTATION, TRANSFORM, VOLUME, kindOf
+from ..transforms import ijkToRAS
+from .segments import addSegments
 
 MOST_LABELS = 64
 """A volume of so few whole numbers from 0 to 255 is a labelmap; a CT has hundreds."""
@@ -37,7 +40,7 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> str:
     parameters.configurationPath = of.get(CONFIGURATION, [parameters.configurationPath])[0]
     for path in of.get(VOLUME, ()):
         node = openVolume(path)
-        setattr(parameters, "bone" if node.IsA("vtkMRMLLabelMapVolumeNode") else "ctVolume", node)
+        setattr(parameters, "bone" if node.IsA("vtkMRMLSegmentationNode") else "ctVolume", node)
     for path in of.get(SEGMENTATION, ()):
         parameters.bone = openSegmentation(path)
     for path in of.get(TRANSFORM, ()):
@@ -70,7 +73,7 @@ def _openPredictions(parameters, path, loadRecording) -> None:
 
 
 def openVolume(path):
-    """The node of a volume: a labelmap volume where it holds labels.
+    """The node of a volume: a segmentation where it holds labels.
 
     Raises
     ------
@@ -78,10 +81,7 @@ def openVolume(path):
         When it cannot be read; the scene is then as before.
     """
     node = _read("vtkMRMLScalarVolumeNode", "vtkMRMLVolumeArchetypeStorageNode", path)
-    if _holdsLabels(slicer.util.arrayFromVolume(node)):
-        removeNodes([node], slicer.mrmlScene)
-        return _read("vtkMRMLLabelMapVolumeNode", "vtkMRMLVolumeArchetypeStorageNode", path)
-    return node
+    return _segmentationOf(node) if _holdsLabels(slicer.util.arrayFromVolume(node)) else node
 
 
 def openSegmentation(path):
@@ -105,6 +105,20 @@ def _read(kind: str, reader: str, path):
     node.SetAndObserveStorageNodeID(storage.GetID())
     if node.IsA("vtkMRMLDisplayableNode"):
         node.CreateDefaultDisplayNodes()
+    return node
+
+
+def _segmentationOf(volumeNode):
+    """A segmentation of the labels of a volume, which it takes the place of, with that volume's voxels."""
+    scene, name = slicer.mrmlScene, volumeNode.GetName()
+    labels = Volume(slicer.util.arrayFromVolume(volumeNode).copy(), ijkToRAS(volumeNode))
+    node = slicer.vtkMRMLSegmentationNode()
+    node.SetReferenceImageGeometryParameterFromVolumeNode(volumeNode)
+    removeNodes([volumeNode], scene)
+    node.SetName(name)
+    scene.AddNode(node)
+    node.CreateDefaultDisplayNodes()
+    addSegments(node, labels, {label: _("Label {number}").format(number=label) for label in np.unique(labels.array).tolist() if label})
     return node
 
 

@@ -10,9 +10,10 @@ import slicer
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import Progress, part
 
-from ..background import inBackground
+from ..background import inBackground, letWindowsLive
 from ..sweep.sequenceNodes import browserFromSequence
 from ..transforms import vtkMatrixOf
+from .segments import addSegments
 from .volumeNodes import updateVolumeNode
 
 FRAMES = 72
@@ -22,7 +23,6 @@ CT_SPACING = 1.25
 """mm, as CT scans of the spine have between slices."""
 
 LEVELS = ("L2", "L3", "L4")
-COLORS = ((0.95, 0.84, 0.57), (0.70, 0.82, 0.93), (0.80, 0.90, 0.67))
 
 BONE_WINDOW = (-200.0, 900.0)
 """HU."""
@@ -100,12 +100,15 @@ def addPatient(phantom, sweep, progress: Progress | None = None, scene=None) -> 
     scene = scene or slicer.mrmlScene
     # The sweep first: it alone can still be canceled, and it leaves nothing behind then
     browser = browserFromSequence(sweep, "Lumbar sweep", progress, scene)
+    letWindowsLive()
     transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
     transform.SetMatrixTransformToParent(vtkMatrixOf(phantom.ct_to_reference))
     ct = _ctNode(phantom.ct, scene)
+    ct.SetAndObserveTransformNodeID(transform.GetID())
+    letWindowsLive()
     segmentation = _segmentationNode(phantom.labels, ct, scene)
-    for node in (ct, segmentation):
-        node.SetAndObserveTransformNodeID(transform.GetID())
+    letWindowsLive()
+    segmentation.SetAndObserveTransformNodeID(transform.GetID())
     return PhantomNodes(ct, segmentation, transform, browser)
 
 
@@ -134,11 +137,5 @@ def _segmentationNode(labels: Volume, ct, scene):
     node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode", scene.GenerateUniqueName("Lumbar vertebrae"))
     node.CreateDefaultDisplayNodes()
     node.SetReferenceImageGeometryParameterFromVolumeNode(ct)
-    for number, (name, color) in enumerate(zip(LEVELS, COLORS), start=1):
-        image = slicer.vtkOrientedImageData()
-        holder = slicer.vtkMRMLScalarVolumeNode()
-        updateVolumeNode(holder, Volume((labels.array == number).astype(np.uint8), labels.ijk_to_reference))
-        image.ShallowCopy(holder.GetImageData())
-        image.SetGeometryFromImageToWorldMatrix(vtkMatrixOf(labels.ijk_to_reference))
-        node.AddSegmentFromBinaryLabelmapRepresentation(image, name, color)
+    addSegments(node, labels, dict(enumerate(LEVELS, start=1)))
     return node

@@ -67,7 +67,8 @@ class GuidanceWatch(Watch):
     Notes
     -----
     Every method returns at once but `stop`. A frame takes some 2 ms; those that come meanwhile are not looked at. Candidate passes are
-    looked at once for every place of the CT, one between two frames.
+    looked at for every place of the CT, in pieces while no frame is inserted: advice is there when all were looked at once, and becomes
+    better when they were looked at again.
     """
 
     def __init__(
@@ -176,6 +177,7 @@ class GuidanceWatch(Watch):
         if now - self._told < TELL_EVERY or colored is None or not self._poses:
             return
         self._told = now
+        self._make_way()
         problem = self._why_not(met)
         if problem is not None:
             self._state = Guidance.before(colored, met.bone, problem)
@@ -183,7 +185,7 @@ class GuidanceWatch(Watch):
         pose, advice = self._poses[-1], None
         if self._advisor is not None:
             if now - self._advised >= ADVISE_EVERY:
-                advice, self._advised = self._advisor.advise(met, pose), now
+                advice, self._advised = self._advisor.advise(met, pose, self._go_on), now
             else:
                 advice = self._advisor.to(None if self._state.advice is None else self._state.advice.move, pose)
         self._state = Guidance.of(colored, met, advice)
@@ -199,16 +201,22 @@ class GuidanceWatch(Watch):
         return FAR if far else None
 
     def _prepare(self, met: BoneMet) -> None:
-        """Look at candidate passes, one after the other, and at frames meanwhile."""
+        """Look at candidate passes, a few at a time, and at frames meanwhile."""
 
         def between(_fraction: float, _what: str) -> bool:
-            goes_on = self._breathe()
+            self._make_way()
             self._attempt()
-            return goes_on and self._met is met
+            return self._make_way() and self._met is met
 
         self._is_preparing = True
         try:
             with contextlib.suppress(OperationCanceled):
-                self._advisor = Advisor(met, np.array(self._poses), between)
+                self._advisor = advisor = Advisor(met, np.array(self._poses), between, draws=1)
+                while advisor.look_again(between):
+                    pass
         finally:
             self._is_preparing = False
+
+    def _go_on(self, _fraction: float, _what: str) -> bool:
+        self._make_way()
+        return True

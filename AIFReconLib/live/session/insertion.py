@@ -28,7 +28,7 @@ from ...settings import ReconstructionSettings
 from ...sweep.configuration import PlusConfiguration
 from ...sweep.frames import TrackedFrame
 from ..pairing.synchronizer import LiveFrame, SynchronizerSettings
-from .statistics import Meter
+from .statistics import Meter, Rhythm
 
 logger = logging.getLogger(__name__)
 
@@ -110,6 +110,7 @@ class Inserter:
         lock = threading.RLock()
         self._changed, self._resting = threading.Condition(lock), threading.Condition(lock)
         self._tasks: deque[Callable[[], None] | tuple[LiveFrame, int, bool]] = deque()
+        self._rhythm = Rhythm()
         self._waiting_frames = 0
         self._waiting_bytes = 0
         self._closed = False
@@ -201,6 +202,8 @@ class Inserter:
             It has just come. Others are never left out, and their latency tells nothing.
         """
         with self._changed:
+            if live:
+                self._rhythm.note(frame.received)
             if self._patient:
                 self._changed.wait_for(lambda: self._waiting_bytes < MOST_WAITING_BYTES or self._closed)
             elif frame.status == "OK" and live:
@@ -214,10 +217,18 @@ class Inserter:
             self._tasks.append((frame, round_, live))
             self._changed.notify_all()
 
-    def wait_for_rest(self, timeout: float) -> None:
-        """Return when next a frame was inserted and none waits, or after `timeout`, s."""
+    def wait_for_rest(self, timeout: float) -> float:
+        """Return when next a frame was inserted and none waits, or after `timeout`, s; with 0 at once.
+
+        Returns
+        -------
+        rest : float, s
+            How long it is expected to last: 0 while a frame waits or is inserted, infinite where nobody knows when the next one comes.
+        """
         with self._resting:
-            self._resting.wait(timeout)
+            if timeout > 0.0:
+                self._resting.wait(timeout)
+            return 0.0 if self._waiting_frames else self._rhythm.until_next(time.monotonic())
 
     def snapshot(self, progress: Progress | None = None) -> Reconstruction | None:
         """The volume as it is now, holes filled; None before there is one. Frames wait only while the voxels are copied."""

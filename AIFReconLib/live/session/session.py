@@ -260,9 +260,9 @@ class LiveSession:
         """The volume as it is now, holes filled; None before there is one. No frame is lost by it."""
         return self._inserter.snapshot(progress)
 
-    def wait_for_rest(self, timeout: float) -> None:
-        """Return when next a frame was inserted and none waits, or after `timeout`, s: the moment for work beside the scan."""
-        self._inserter.wait_for_rest(timeout)
+    def wait_for_rest(self, timeout: float) -> float:
+        """Return when next a frame was inserted and none waits, or after `timeout`, s, and for how long; see `Inserter`."""
+        return self._inserter.wait_for_rest(timeout)
 
     @property
     def grid(self) -> VoxelGrid | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import threading
 from collections import Counter, deque
 from dataclasses import dataclass, field
@@ -17,6 +19,9 @@ RATE_WINDOW = 2.0
 
 LATENCIES = 4096
 """Frames over which latency is judged: the last two minutes or more."""
+
+REMEMBERED = 9
+"""Images by whose distances in time, the middle one of them, the next is expected."""
 
 TROUBLE_SHOWN = 10.0
 """s that an event of a stream that goes on is told."""
@@ -98,6 +103,26 @@ class Counts(TypedDict):
     frame_rate: float
     latency_p50: float
     latency_p99: float
+
+
+class Rhythm:
+    """When the next image is expected, by those that came last."""
+
+    def __init__(self) -> None:
+        self._came: deque[float] = deque(maxlen=REMEMBERED)
+
+    def note(self, received: float) -> None:
+        """An image came, s of `time.monotonic`."""
+        self._came.append(received)
+
+    def until_next(self, now: float) -> float:
+        """How long it is until the next image, s: 0 while it is overdue, infinite where nobody knows or none has come when it should."""
+        came = list(self._came)
+        if len(came) < REMEMBERED:
+            return math.inf
+        between = sorted(later - earlier for earlier, later in itertools.pairwise(came))[len(came) // 2 - 1]
+        left = came[-1] + between - now
+        return left if left > 0.0 else 0.0 if left > -between else math.inf
 
 
 class Meter:

@@ -21,6 +21,9 @@ logger = logging.getLogger(__name__)
 PATIENCE = 0.05
 """s after which it looks though nothing was inserted: while a scan is scouted or paused."""
 
+PIECE = 0.005
+"""s that a piece of work may take: none is begun when the next frame is expected sooner."""
+
 REST = 1.0
 """By how many times longer it rests than it worked: at most half of one core is taken, however fast frames come."""
 
@@ -42,8 +45,9 @@ class Watch(ABC):
 
     Notes
     -----
-    Work begins when a frame was just inserted and none waits: until the next one comes, cores, memory and interpreter are free. Steps that
-    take longer than some 10 ms should be parted by `_breathe`. What goes wrong is told and kept; the scan goes on.
+    Work begins when a frame was just inserted and none waits: until the next one comes, cores, memory and interpreter are free. Work that
+    takes longer than some 10 ms should be parted: by `_make_way` into pieces of `PIECE`, as many as there is time for between two frames,
+    or by `_breathe`, one step for each frame. What goes wrong is told and kept; the scan goes on.
     """
 
     def __init__(
@@ -87,6 +91,13 @@ class Watch(ABC):
         """Wait for the next moment in which nothing is received or inserted; False when the end has come."""
         rest = max(self._period, REST * (time.monotonic() - self._resumed))
         if not self._closing.wait(rest):
+            self._session.wait_for_rest(PATIENCE)
+        self._resumed = time.monotonic()
+        return not self._closing.is_set()
+
+    def _make_way(self) -> bool:
+        """Rest for as long as was worked, and where a frame waits or will come soon until it was inserted; False when the end has come."""
+        if not self._closing.wait(REST * (time.monotonic() - self._resumed)) and self._session.wait_for_rest(0.0) < PIECE:
             self._session.wait_for_rest(PATIENCE)
         self._resumed = time.monotonic()
         return not self._closing.is_set()

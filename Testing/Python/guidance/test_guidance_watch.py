@@ -12,7 +12,7 @@ from sweeps import rigid, two_vertebrae
 
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX
+from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, Advisor
 from AIFReconLib.guidance.met import BoneMet, FrameGeometry
 from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
 from AIFReconLib.imaging.region import ImageRegion
@@ -32,6 +32,7 @@ class Session:
 
     def wait_for_rest(self, timeout):
         time.sleep(0.001)
+        return 1.0
 
 
 def until(condition, seconds=20.0) -> bool:
@@ -114,6 +115,24 @@ def test_a_next_move_comes(watching, frames):
     assert until(lambda: watch.state.advice is not None and watch.state.advice.move is not None)
     assert watch.state.advice.directions
     assert set(watch.state.advice.over) <= {1, 2}
+
+
+def test_a_next_move_comes_before_passes_were_looked_at_again(watching, frames, monkeypatch):
+    enough = threading.Event()
+
+    def look_again(_advisor, progress) -> bool:
+        while not enough.is_set():
+            assert progress(0.5, "")
+        return False
+
+    monkeypatch.setattr(Advisor, "look_again", look_again)
+    session, watch = watching()
+    show(session, watch, frames)
+    advised = until(lambda: watch._advisor is not None)
+    session.latest = replace(frames[0], number=9)
+    advised = advised and until(lambda: watch.state.advice is not None)
+    enough.set()
+    assert advised
 
 
 def test_labels_that_lose_their_bone_in_mid_scan_are_a_sentence_and_come_back(watching, frames):

@@ -14,7 +14,7 @@ from AIFReconLib.errors import FileFormatError, SettingsError
 from AIFReconLib.evaluation.visibility import SweepBeams, look
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.guidance.candidates import Candidates
+from AIFReconLib.guidance.candidates import DRAWS, Candidates
 from AIFReconLib.guidance.expectation import evidence_for, evidence_of, expected_visibility
 from AIFReconLib.guidance.hand import Hand
 from AIFReconLib.guidance.passes import WEARABLE_TILT_DEG, freehand_passes
@@ -142,6 +142,20 @@ def test_a_hand_that_never_errs_makes_the_pass_that_was_planned(bone, probe):
     exact, steady = (Candidates(passes, bone, probe, "interspinous", hand) for hand in (None, Hand(0.0, 0.0, 0.0, 0.0)))
     nothing = exact.looked(np.zeros(len(bone)))
     np.testing.assert_allclose(steady.gains(nothing), exact.gains(nothing), rtol=1e-4)
+
+
+def test_passes_that_are_looked_at_again_one_by_one_are_told_as_if_they_had_been_at_once(bone, probe):
+    passes = freehand_passes(bone)[:4]
+    at_once, by_and_by = (Candidates(passes, bone, probe, "interspinous", Hand(), draws=draws) for draws in (DRAWS, 1))
+    nothing = at_once.looked(np.zeros(len(bone)))
+    told = [by_and_by.gains(nothing)]
+    while by_and_by.is_rough:
+        by_and_by.look_again()
+        told.append(by_and_by.gains(nothing))
+    np.testing.assert_array_equal(told[-1], at_once.gains(nothing))
+    assert len(told) == DRAWS
+    assert not at_once.is_rough
+    assert (told[0] != told[-1]).any()
 
 
 def test_a_plan_is_a_few_long_passes(plan):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import threading
 import time
 
@@ -15,7 +16,8 @@ from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, SynchronizerSettings
 from AIFReconLib.live.session.session import LiveSession
-from AIFReconLib.live.session.watch import Watch
+from AIFReconLib.live.session.statistics import REMEMBERED, Rhythm
+from AIFReconLib.live.session.watch import PIECE, Watch
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import QueueSource
 
@@ -49,6 +51,7 @@ def test_whoever_waits_for_a_rest_wakes_when_no_frame_waits_any_more(session, mo
     while session.statistics.frames_received < 5 and time.monotonic() < end:
         time.sleep(0.005)
     assert not seen
+    assert session.wait_for_rest(0.0) == 0.0
     opened.set()
     waiting.join(LONG)
     assert seen[0].waiting == 0
@@ -59,11 +62,34 @@ def test_without_an_insertion_the_wait_for_a_rest_ends_all_the_same(session):
     session.wait_for_rest(0.001)
 
 
+def test_where_nothing_has_come_nobody_knows_when_a_rest_ends(session):
+    assert session.wait_for_rest(0.0) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("came", "now", "left"),
+    [
+        (np.arange(REMEMBERED) / 30, 8 / 30 + 0.01, 1 / 30 - 0.01),
+        (np.append(np.arange(REMEMBERED - 1), 20.0), 20.4, 0.6),  # one pause does not change the rhythm
+        (np.arange(2.0 * REMEMBERED), 17.6, 0.4),
+        (np.arange(REMEMBERED), 9.5, 0.0),  # overdue
+        (np.arange(REMEMBERED), 11.0, math.inf),  # the stream has stopped
+        (np.arange(REMEMBERED - 1), 7.5, math.inf),  # too few to tell
+    ],
+)
+def test_the_next_image_is_expected_in_the_rhythm_of_the_last_ones(came, now, left):
+    rhythm = Rhythm()
+    for received in came:
+        rhythm.note(received)
+    assert rhythm.until_next(now) == pytest.approx(left)
+
+
 class Session:
     latest = None
 
     def wait_for_rest(self, timeout):
         time.sleep(0.001)
+        return 1.0
 
 
 class Failing(Watch):
@@ -80,6 +106,35 @@ class Failing(Watch):
 
     def _tell_problem(self, problem):
         self.told.append(problem)
+
+
+class Busy(Session):
+    """Rests for as long as it is said to; each wait for the next rest is counted."""
+
+    def __init__(self, rest):
+        self.rest, self.waits = rest, 0
+
+    def wait_for_rest(self, timeout):
+        self.waits += timeout > 0
+        return self.rest
+
+
+@pytest.mark.parametrize(("rest", "waits"), [(math.inf, 0), (2 * PIECE, 0), (PIECE / 2, 3), (0.0, 3)])
+def test_pieces_of_work_go_on_unless_a_frame_waits_or_will_come_meanwhile(rest, waits):
+    session = Busy(rest)
+    watch = Failing(session)
+    watch.stop()
+    watch._closing.clear()
+    session.waits = 0
+    for _ in range(3):
+        assert watch._make_way()
+    assert session.waits == waits
+
+
+def test_a_piece_of_work_after_the_end_is_not_begun():
+    watch = Failing(Busy(math.inf))
+    watch.stop()
+    assert not watch._make_way()
 
 
 def test_what_fails_at_every_frame_is_told_each_time_and_logged_once(caplog):

@@ -161,6 +161,7 @@ class Session:
 
     def wait_for_rest(self, timeout):
         time.sleep(0.001)
+        return 1.0
 
 
 def until(condition, seconds=60.0) -> bool:

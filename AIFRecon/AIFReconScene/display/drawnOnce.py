@@ -1,0 +1,51 @@
+"""Many changes of the scene, each view drawn once when all are made, and the windows alive between one view and the next."""
+
+import contextlib
+
+import slicer
+
+from ..background import letWindowsLive
+
+
+@contextlib.contextmanager
+def drawnOnce():
+    """Draw nothing within; afterwards draw view by view.
+
+    Notes
+    -----
+    `slicer.util.RenderBlocker` draws all views in one go in the end, for which the windows stand still as long as all of them take.
+    """
+    slicer.app.pauseRender()
+    try:
+        yield
+    finally:
+        for _view in viewByView():
+            letWindowsLive()
+
+
+def viewByView():
+    """Go on drawing after `slicer.app.pauseRender()`, one view with every step; all that are left where no more steps are taken."""
+    views = _views()
+    for view in views:
+        view.pauseRender()
+    slicer.app.resumeRender()
+    try:
+        while views:
+            _draw(views.pop())
+            yield
+    finally:
+        for view in views:
+            _draw(view)
+
+
+def _draw(view) -> None:
+    if view:  # a destroyed one is false
+        view.resumeRender()
+
+
+def _views() -> list:
+    layoutManager = slicer.app.layoutManager()
+    if layoutManager is None:
+        return []
+    slices = [layoutManager.sliceWidget(name) for name in layoutManager.sliceViewNames()]
+    return [*slices, *(layoutManager.threeDWidget(number) for number in range(layoutManager.threeDViewCount))]

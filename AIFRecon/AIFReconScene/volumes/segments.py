@@ -1,0 +1,41 @@
+"""Labels become a segmentation, whose segments views can outline, draw in 3D and name; a labelmap volume does neither."""
+
+import numpy as np
+import slicer
+
+from AIFReconLib.geometry.volume import Volume
+
+from ..background import letWindowsLive
+from ..transforms import vtkMatrixOf
+from .volumeNodes import updateVolumeNode
+
+COLORS = ((0.95, 0.84, 0.57), (0.70, 0.82, 0.93), (0.80, 0.90, 0.67), (0.93, 0.72, 0.66), (0.78, 0.74, 0.90), (0.90, 0.90, 0.90))
+"""Of the segments in turn: pale, so that ultrasound stays in front."""
+
+
+def addSegments(node, labels: Volume, names: dict[int, str]) -> None:
+    """Add a segment for each label to a segmentation.
+
+    Parameters
+    ----------
+    node : vtkMRMLSegmentationNode
+    labels : Volume of integers
+        In the node's own coordinates, RAS in mm.
+    names : dict of int to str
+        The labels, in the order of the segments, and what these are called.
+    """
+    for number, (label, name) in enumerate(names.items()):
+        part = _around(labels, label)
+        image, holder = slicer.vtkOrientedImageData(), slicer.vtkMRMLScalarVolumeNode()
+        updateVolumeNode(holder, Volume((part.array == label).astype(np.uint8), part.ijk_to_reference))
+        image.ShallowCopy(holder.GetImageData())
+        image.SetGeometryFromImageToWorldMatrix(vtkMatrixOf(part.ijk_to_reference))
+        node.AddSegmentFromBinaryLabelmapRepresentation(image, name, COLORS[number % len(COLORS)])
+        letWindowsLive()
+
+
+def _around(labels: Volume, label: int) -> Volume:
+    """The part of the volume that a label lies in."""
+    where = labels.array == label
+    spans = [np.flatnonzero(where.any(axis=tuple(other for other in range(3) if other != axis))) for axis in range(3)]
+    return labels[tuple(slice(int(span[0]), int(span[-1]) + 1) for span in spans)] if all(map(len, spans)) else labels
