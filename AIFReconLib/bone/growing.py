@@ -17,8 +17,8 @@ from .seen import BoneDrawing, Said, SeenBone, cubes_over
 MOST_KEPT, AT_A_TIME = 500, 8
 """Frames whose word is kept until there is a volume (of more, every other is let go), and how many it then takes with each new one."""
 
-BLOCK = 32
-"""Voxels along each edge of what is brought up to date in one go, where there is any bone; some 5 ms."""
+BLOCK = 48
+"""Voxels along each edge of what is brought up to date in one go, where there is any bone; some 15 ms."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ class GrowingBone(BoneMap):
     def spread(self, breathe: Callable[[], object] = lambda: None) -> bool:
         """Bring what was learned since the last time to the voxels of the reconstructor; whether there was anything.
 
-        `breathe` is called between steps of some 5 ms. For one thread alone; another may `learn` meanwhile.
+        `breathe` is called between steps of some 15 ms. For one thread alone; another may `learn` meanwhile.
         """
         if not self._now or not self._drawn or self._now[0][0] is not self._drawn[0][0]:
             return False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -13,7 +14,7 @@ from ...bone.estimators import BoneEstimator, Listeners
 from ...bone.growing import GrowingBone
 from ...bone.recorded import COVERS, SAME_TIME, probability_of
 from ...bone.seen import Prediction
-from ...errors import AIFReconError, GeometryError
+from ...errors import AIFReconError, GeometryError, OperationCanceled
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
 from ...message import Message, said
@@ -29,8 +30,8 @@ from .watch import PATIENCE, Watch
 SPREAD_EVERY = 0.5
 """s between two updates of the volume's bone."""
 
-STEP = 0.01
-"""s that the update works at least before it lets frames in: each time it waits until the next one was inserted."""
+BEHIND = 5
+"""Frames that wait to be inserted from which on an estimator rests as other watches do."""
 
 LONGEST_WAIT = 1.0
 """s that a prediction waits for its frame to be placed."""
@@ -73,8 +74,9 @@ class BoneWatch(Watch):
     Notes
     -----
     An estimator looks at the newest frame as soon as it is done with the one before, for a network leaves Python to others while it
-    works: one core at most is taken. Frames that come meanwhile are passed over, as evenly as they come. Streamed predictions are all
-    taken. What is found while a scan has no box yet is kept for the volume that it gets. A second thread brings it to the volume.
+    works: one core at most is taken, and half of one while insertion is behind. Frames that come meanwhile are passed over, as
+    evenly as they come. Streamed predictions are all taken. What is found while a scan has no box yet is kept for the volume that it
+    gets. A second thread brings it to the volume.
     """
 
     def __init__(
@@ -122,7 +124,7 @@ class BoneWatch(Watch):
 
     def _breathe(self) -> bool:
         """Wait for a frame, unless one has come meanwhile; where insertion is behind, rest as others do. False when the end has come."""
-        if self._session.statistics.waiting > 1:
+        if self._session.statistics.waiting >= BEHIND:
             return super()._breathe()
         if self._session.latest is self._newest:
             self._session.wait_for_rest(PATIENCE)
@@ -195,13 +197,14 @@ class _Spreading(Watch):
         if time.monotonic() - self._spread < SPREAD_EVERY:
             return
         try:
-            self._bone.spread(self._pause)
+            with contextlib.suppress(OperationCanceled):
+                self._bone.spread(self._pause)
         finally:
             self._spread = time.monotonic()
 
     def _pause(self) -> None:
-        if time.monotonic() - self._resumed >= STEP:
-            self._breathe()
+        if not self._make_way():
+            raise OperationCanceled
 
     def _tell_problem(self, problem: Message) -> None:
         self._tell(problem)

@@ -176,7 +176,8 @@ def test_an_estimator_draws_bone_into_the_volume_that_grows(scan):
 def test_a_frame_that_came_while_another_was_looked_at_is_looked_at_at_once():
     """The estimator itself brings the next frame; who waits after that waits for ever."""
     over, looked = threading.Event(), []
-    session = SimpleNamespace(latest=None, recent=(), grid=None, wait_for_rest=lambda timeout: looked and over.wait(LONG))
+    session = SimpleNamespace(latest=None, recent=(), grid=None, statistics=SimpleNamespace(waiting=0))
+    session.wait_for_rest = lambda timeout: looked and over.wait(LONG)
     frames = [LiveFrame(SWEEP.images[number], SWEEP.poses[number], timestamp=1.0 + 0.1 * number, number=number) for number in range(4)]
 
     class Bringing(Knowing):
