@@ -124,17 +124,6 @@ class Intake:
         """Which pixels of an image may enter, (rows, columns); None: all."""
         return self._filter.kept(image)
 
-    def most_in_a_voxel(self, pose: Matrix) -> float:
-        """A number of pixels that one voxel cannot get more of from an image with this pose.
-
-        Notes
-        -----
-        A plane meets a voxel within a disk as wide as its diagonal. Twice that leaves room for what a speed of sound moves.
-        """
-        diagonal = float(np.linalg.norm(self._grid.spacing))
-        x, y = pixel_spacing(pose)
-        return (2 * diagonal / x + 2) * (2 * diagonal / y + 2)
-
     def put(self, batch: FrameBatch, image: Numbers, pose: Matrix, image_to_ijk: Matrix, number: int, kept: Mask | None) -> None:
         """Copy a frame that fits the layout into a batch; of its pixels only those `kept` count."""
         x_axis, y_axis = image_plane_axes(pose)

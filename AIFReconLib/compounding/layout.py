@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeVar
@@ -279,6 +280,20 @@ def _floors_along_one(along_rows: Floats, along_columns: Floats) -> Floats | Non
         return ends[:, :1]
     ends = np.floor(along_rows[[0, -1]] + along_columns)
     return ends[:1] if np.array_equal(ends[0], ends[1]) else None
+
+
+def most_in_a_voxel(image_to_ijk: Matrix) -> float:
+    """A number of pixels that one voxel cannot get more of from an image at this place, (4, 4).
+
+    Notes
+    -----
+    A plane meets a cube of edge 1 in a convex figure of an area up to sqrt(2) (Ball 1986) and, being no wider than the cube's diagonal, a
+    perimeter up to pi sqrt(3). A convex figure holds at most area + perimeter / 2 + 1 points of a square lattice (Nosarzewska 1948).
+    """
+    (xx, xy), (_, yy) = (image_to_ijk[:3, :2].T @ image_to_ijk[:3, :2]).tolist()
+    middle, area = (xx + yy) / 2, math.sqrt(max(xx * yy - xy * xy, 0.0))
+    narrowest = math.sqrt(max(middle - math.hypot((xx - yy) / 2, xy), 0.0))
+    return math.sqrt(2) / area + math.pi * math.sqrt(3) / 2 / narrowest + 1 if area and narrowest else math.inf
 
 
 def in_fixed_point(image_to_ijk: Matrix) -> Matrix:

@@ -169,7 +169,7 @@ class NumpyEngine:
         if state.cosine is not None:
             np.maximum.at(state.cosine, voxels, cosine_at(self._directions, voxels, beams))
         if state.packed:
-            np.add.at(state.value, voxels, values.astype(np.uint64) + np.uint64(HIT))
+            np.add.at(state.value, voxels, values.astype(np.uint32) + np.uint32(HIT))
             return entered
         np.add.at(state.hits, voxels, np.uint32(1))
         if method in ("aif", "aif-compensated"):

@@ -30,6 +30,7 @@ from .finishing.parts import Planes
 from .finishing.results import Results
 from .image_format import ImageKind
 from .intake import OUTSIDE, Intake, require_kinds
+from .layout import most_in_a_voxel
 from .needs import judges_shadows, needs_beams, require_bone
 from .numpy_engine import NumpyEngine
 from .own.engine import OwnMethodEngine
@@ -317,7 +318,7 @@ class Reconstructor:
                 self.counts.skip(OUTSIDE, frame.number)
                 return
         self._intake.put(work.batch, image, pose, image_to_ijk, frame.number, kept)
-        self._most += self._intake.most_in_a_voxel(pose)
+        self._most += most_in_a_voxel(image_to_ijk)
         if work.batch.full:
             self._compute()
 

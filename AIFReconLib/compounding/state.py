@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import sys
+import math
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Numbers, Reals, Singles
+from ..arrays import Floats, Integers, Numbers, Reals, Singles
 from ..geometry.volume import Volume, VoxelGrid
 from ..message import Described, in_python_words, translated
 from ..settings import BONE_METHODS, is_own_method
@@ -24,13 +24,37 @@ MAP_BYTES = 4 + 3 * 4
 BESIDE = ("score", "hits")
 """Volumes that are made beside the intensity and the mask, unless others are asked for."""
 
-HIT = 2**32
+HIT_BITS = 20
+HIT = 2**HIT_BITS
 """What a pixel adds to a voxel of `packed` state, beside its gray level: hits above, their sum below."""
 
-MOST_HITS = 2**24
-"""Pixels of 8 bits whose sum is sure to leave the hits alone."""
+MOST_HITS = 2**12 - 1
+"""Pixels that a packed voxel counts; their sum, if all are as bright as 8 bits can be, still leaves the hits alone."""
+
+AT_ONCE = 2**20
+"""Voxels that are looked through at a time: little memory beside them."""
+
+MOST_ROOM = 0.75 * MOST_HITS
+"""Pixels to come for which packed voxels are emptied: more at a time would empty nearly all."""
+
+FEW = 1 / 16
+"""Part of the voxels that may be overfull: beyond it, sums and hits apart take less."""
 
 NO_HITS: NDArray[np.uint32] = np.empty(0, np.uint32)
+
+
+class Overfull(NamedTuple):
+    """What came out of packed voxels before they ran over: a few, where a probe rested.
+
+    Parameters
+    ----------
+    voxels : (n,) int64 array, rising
+    sums, hits : (n,) float64 arrays, whole numbers
+    """
+
+    voxels: Integers
+    sums: Floats
+    hits: Floats
 
 
 @dataclass(eq=False)
@@ -45,7 +69,7 @@ class VoxelState:
     hits : (voxels,) uint32 array
         Pixels that entered; none where they are `packed`.
     value : (voxels,) array
-        uint64: pixels that entered, times `HIT`, and their sum (average of 8-bit images, whose mean is exact).
+        uint32: pixels that entered, times `HIT`, and their sum (average of 8-bit images, whose mean is exact).
         uint8: the last (latest) or the largest (maximum) value of 8-bit images; float32: of others, and the running average (aif), the sum
         of w v (weighted).
         float64: the sum (average), so that its mean is exact; the sum of w v (a method of one's own).
@@ -61,6 +85,7 @@ class VoxelState:
     value: Numbers
     weight: Reals | None
     cosine: Singles | None
+    overfull: Overfull | None = None
     _most: float = 0.0
 
     @classmethod
@@ -84,7 +109,7 @@ class VoxelState:
         has_weight = method in BONE_METHODS or _weighs_in_double(method, shares)
         return cls(
             method=method,
-            hits=NO_HITS if value.dtype == np.uint64 else np.zeros(voxels, dtype=np.uint32),
+            hits=NO_HITS if value.dtype == np.uint32 else np.zeros(voxels, dtype=np.uint32),
             value=value,
             weight=np.zeros(voxels, weighs_in) if has_weight else None,
             cosine=np.zeros(voxels, dtype=np.float32) if best_cosine else None,
@@ -93,7 +118,7 @@ class VoxelState:
     @property
     def packed(self) -> bool:
         """Whether value and hits are one."""
-        return self.value.dtype == np.uint64
+        return self.value.dtype == np.uint32
 
     @property
     def weights(self) -> Reals:
@@ -108,27 +133,75 @@ class VoxelState:
             raise ValueError(f"Input state must be one that keeps weights; method {self.method} has none here.")
         return self.weight
 
-    def halves(self) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
-        """Sums and hits of `packed` state, (voxels,) each, without a copy."""
-        both = self.value.view(np.uint32)
-        sums, hits = both[0::2], both[1::2]
-        return (sums, hits) if sys.byteorder == "little" else (hits, sums)
-
     def expect(self, pixels: float) -> None:
-        """Prepare for up to so many more pixels in one voxel: sums that could grow into the hits are kept apart from now on."""
+        """Prepare for up to so many more pixels in one voxel: packed ones that could run over are emptied, or sums and hits go on apart."""
         if not self.packed:
             return
         self._most += pixels
         if self._most <= MOST_HITS:
             return
-        sums, hits = self.halves()
-        self._most = float(hits.max()) + pixels
-        if self._most > MOST_HITS:
-            self.hits, self.value = hits.copy(), sums.astype(np.float64)
+        # Half of the room at least is made, so that it is not soon time again
+        fullest = self._emptied(MOST_HITS - math.ceil(max(pixels, MOST_HITS / 2))) if pixels <= MOST_ROOM else None
+        if fullest is None:
+            self.hits, self.value, self.overfull = self.pixels(), self._sums(), None
+        else:
+            self._most = fullest + pixels
+
+    def _emptied(self, most: int) -> int | None:
+        """Take out what voxels with more than `most` hits hold; the hits of the fullest then. None, and nothing done, if they are many."""
+        fullest, found, before = 0, [np.empty(0, np.int64)], self.overfull
+        for start in range(0, self.value.size, AT_ONCE):
+            some = self.value[start : start + AT_ONCE]
+            hits = int(some.max()) >> HIT_BITS
+            if hits > most:
+                found.append(start + np.flatnonzero(some >= (most + 1) * HIT))
+            fullest = max(fullest, min(hits, most))
+        voxels = np.concatenate(found)
+        if not voxels.size:
+            return fullest
+        if voxels.size + (0 if before is None else before.voxels.size) > FEW * self.value.size:
+            return None
+        sums, hits_there = unpacked(self.value[voxels])
+        now = Overfull(voxels, sums.astype(np.float64), hits_there.astype(np.float64))
+        if before is not None:
+            every, place = np.unique(np.concatenate([before.voxels, voxels]), return_inverse=True)
+            pairs = (before.sums, now.sums), (before.hits, now.hits)
+            totals = [np.bincount(place, np.concatenate(both)).astype(np.float64, copy=False) for both in pairs]
+            now = Overfull(every, *totals)
+        self.overfull = now
+        self.value[voxels] = 0
+        return fullest
+
+    def whole_of_overfull(self) -> Overfull | None:
+        """The voxels that were emptied, with what they hold now beside what came out of them."""
+        if self.overfull is None:
+            return None
+        voxels, before, hits_before = self.overfull
+        sums, hits = unpacked(self.value[voxels])
+        return Overfull(voxels, before + sums, hits_before + hits)
 
     def pixels(self) -> NDArray[np.uint32]:
         """How many pixels entered each voxel, (voxels,); the state's own array where it has one."""
-        return self.halves()[1].copy() if self.packed else self.hits
+        if not self.packed:
+            return self.hits
+        hits: NDArray[np.uint32] = unpacked(self.value)[1]
+        whole = self.whole_of_overfull()
+        if whole is not None:
+            hits[whole.voxels] = whole.hits
+        return hits
+
+    def _sums(self) -> Floats:
+        sums = unpacked(self.value)[0].astype(np.float64)
+        whole = self.whole_of_overfull()
+        if whole is not None:
+            sums[whole.voxels] = whole.sums
+        return sums
+
+
+def unpacked(packed: Numbers) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
+    """Sums and hits of packed voxels."""
+    both: NDArray[np.uint32] = packed.astype(np.uint32, copy=False)
+    return both & np.uint32(HIT - 1), both >> np.uint32(HIT_BITS)
 
 
 def value_type(method: str, shares: bool, whole: bool) -> type[np.generic]:
@@ -138,7 +211,7 @@ def value_type(method: str, shares: bool, whole: bool) -> type[np.generic]:
         return np.uint8 if eight_bit else np.float32
     if method in BONE_METHODS:
         return np.float32
-    return np.uint64 if eight_bit and method == "average" else np.float64
+    return np.uint32 if eight_bit and method == "average" else np.float64
 
 
 def _weighs_in_double(method: str, shares: bool) -> bool:
@@ -148,7 +221,7 @@ def _weighs_in_double(method: str, shares: bool) -> bool:
 def state_bytes(method: str, best_cosine: bool, shares: bool = False, whole: bool = False) -> int:
     """Bytes per voxel of a `VoxelState`."""
     value = np.dtype(value_type(method, shares, whole))
-    hits = 0 if value == np.uint64 else 4
+    hits = 0 if value == np.uint32 else 4
     weight = 8 if _weighs_in_double(method, shares) else 4 if method in BONE_METHODS else 0
     return value.itemsize + hits + weight + (4 if best_cosine else 0)
 
@@ -187,7 +260,7 @@ def bytes_per_voxel(
     """
     value = np.dtype(value_type(method, shares, whole))
     state, results = state_bytes(method, best_cosine, shares, whole), output + 1
-    kept_apart = 4 if value == np.uint64 and len(beside) else 0
+    kept_apart = 4 if value == np.uint32 and len(beside) else 0
     has_weight = method in BONE_METHODS or _weighs_in_double(method, shares)
     score = 4 if "score" in beside and (not has_weight or _weighs_in_double(method, shares)) else 0
     after = state - value.itemsize + results + kept_apart + score

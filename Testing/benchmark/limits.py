@@ -90,7 +90,7 @@ def measure(repeats: int) -> list[dict[str, Any]]:
             sweep = turned(fan_sweep(FRAMES, COLUMNS, ROWS), turn)
             grid, bone = around(sweep, spacing)
             voxels, pixels = in_order(sweep, grid)
-            packed, (value, weight, hits) = np.zeros(grid.voxels, np.uint64), np.zeros((3, grid.voxels), np.float32)
+            packed, (value, weight, hits) = np.zeros(grid.voxels, np.uint32), np.zeros((3, grid.voxels), np.float32)
             counts, latest = hits.view(np.uint32), np.zeros(grid.voxels, np.uint8)
             images, room = np.stack([frame.placed()[0] for frame in sweep]), np.empty((FRAMES, ROWS, COLUMNS), np.uint8)
             works: dict[str, Callable[[], object]] = {

@@ -15,6 +15,7 @@ from numba import njit
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
+from AIFReconLib.compounding.state import HIT
 from AIFReconLib.geometry.transforms import image_plane_axes, pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
@@ -27,9 +28,9 @@ ONE, ZERO, THREE = np.float32(1), np.float32(0), np.float32(3)
 
 @njit(nogil=True, cache=True)
 def add_packed(voxels, pixels, packed):
-    """What an average cannot do without: add pixels (n,) and a hit each to `packed` (voxels,) uint64, where `voxels` (n,) says."""
+    """What an average cannot do without: add pixels (n,) and a hit each to `packed` (voxels,) uint32, where `voxels` (n,) says."""
     for n in range(voxels.size):
-        packed[voxels[n]] += np.uint64(2**32) + np.uint64(pixels[n])
+        packed[voxels[n]] += np.uint32(HIT) + np.uint32(pixels[n])
 
 
 @njit(nogil=True, cache=True)

@@ -29,7 +29,7 @@ LOW, HIGH, NEAREST, FARTHEST = range(4)
 AVERAGE, LATEST, MAXIMUM, PACKED = range(4)
 """Rules of `insert_plain`."""
 
-HIT = np.uint64(2**32)
+HIT = np.uint32(2**20)
 """`HIT` of the state."""
 
 
@@ -198,7 +198,7 @@ def insert_plain(rule: int, frames: Frames, slab: Slab, state: Voxels, entered: 
             pixels = images[frame, row, low:high]
             if rule == PACKED:
                 for n in range(count):
-                    value[voxels[n]] += value.dtype.type(HIT + np.uint64(pixels[n]))
+                    value[voxels[n]] += value.dtype.type(HIT + np.uint32(pixels[n]))
             elif rule == AVERAGE:
                 for n in range(count):
                     value[voxels[n]] += pixels[n]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from types import ModuleType
+
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Bytes, Numbers
+from ...arrays import Bytes, Numbers, Singles
 from ...machine.threads import in_parts, optional_module, usable_cores
-from ..state import VoxelState
+from ..state import VoxelState, unpacked
 
 AT_ONCE = 2**16
 """Voxels that numpy finishes at a time: what lies between state and result stays in the cache."""
@@ -37,8 +39,16 @@ def finish_values(state: VoxelState, intensity: Numbers, mask: Bytes, *, engine:
     if compiled is None:
         for start in range(0, voxels, AT_ONCE):
             _finish(state, start, min(start + AT_ONCE, voxels), intensity, mask, to_8_bit)
-        return
-    divisor = divisor_of(state)
+    else:
+        _finish_compiled(compiled, state, intensity, mask, to_8_bit, threads or usable_cores())
+    overfull = state.whole_of_overfull()
+    if overfull is not None:
+        intensity[overfull.voxels] = _written((overfull.sums / overfull.hits).astype(np.float32), to_8_bit)
+        mask[overfull.voxels] = 1
+
+
+def _finish_compiled(compiled: ModuleType, state: VoxelState, intensity: Numbers, mask: Bytes, to_8_bit: bool, threads: int) -> None:
+    divisor, voxels = divisor_of(state), len(intensity)
 
     def finish(part: int) -> None:
         start, stop = part * voxels // PARTS, (part + 1) * voxels // PARTS
@@ -49,7 +59,7 @@ def finish_values(state: VoxelState, intensity: Numbers, mask: Bytes, *, engine:
         else:
             compiled.finish_values(state.value, state.hits, start, stop, to_8_bit, intensity, mask)
 
-    in_parts(finish, PARTS, threads or usable_cores())
+    in_parts(finish, PARTS, threads)
 
 
 def divisor_of(state: VoxelState) -> Numbers | None:
@@ -66,7 +76,7 @@ def _finish(state: VoxelState, start: int, stop: int, intensity: Numbers, mask: 
     sums, hits = state.value[part], state.hits[part]
     divisor = divisor_of(state)
     if state.packed:
-        sums, hits = (half[part] for half in state.halves())
+        sums, hits = unpacked(state.value[part])
         divisor = hits
     elif divisor is not None:
         divisor = divisor[part]
@@ -77,7 +87,9 @@ def _finish(state: VoxelState, start: int, stop: int, intensity: Numbers, mask: 
     at = slice(None) if met.size == stop - start else met
     values = sums[at] if divisor is None else np.true_divide(sums[at], divisor[at])
     values = values.astype(np.float32)
-    if to_8_bit:
-        np.floor(np.clip(values, 0.0, 255.0, out=values) + np.float32(0.5), out=values)
-    intensity[part][at] = values
+    intensity[part][at] = _written(values, to_8_bit)
     mask[part][at] = 1
+
+
+def _written(values: Singles, to_8_bit: bool) -> Singles:
+    return np.floor(np.clip(values, 0.0, 255.0) + np.float32(0.5)) if to_8_bit else values

@@ -15,6 +15,7 @@ from AIFReconLib.commands import benchmark as command
 from AIFReconLib.commands.benchmark import JUST_KEEPS_UP, KEEPS_UP, TOO_SLOW, answer, fan_sweep, verdict
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.compounding.state import unpacked
 from AIFReconLib.geometry.transforms import image_plane_axes
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.extent import grid_around_sweep
@@ -136,11 +137,11 @@ def test_the_limit_enters_the_pixels_of_the_engine():
     sweep = turned(fan_sweep(2, speed.COLUMNS, speed.ROWS), 25.0)
     grid = turned_grid((3.0, 3.0, 3.0), (40, 50, 60))
     voxels, pixels = limits.in_order(sweep, grid)
-    state = np.zeros(grid.voxels, np.uint64)
+    state = np.zeros(grid.voxels, np.uint32)
     LOOPS.add_packed(voxels, pixels, state)
     reconstructor = Reconstructor(grid, ReconstructionSettings(method="average", hole_limit=0.0))
     reconstructor.insert(sweep)
-    np.testing.assert_array_equal(state.reshape(grid.shape) >> np.uint64(32), reconstructor.finish().hits.array)
+    np.testing.assert_array_equal(unpacked(state)[1].reshape(grid.shape), reconstructor.finish().hits.array)
 
 
 def test_growth_is_told_by_its_exponent():
