@@ -2,18 +2,15 @@
 
 import time
 
-LEAST, LONGEST = 0.004, 0.01
+LEAST, LONGEST = 0.004, 0.02
 """s of one turn of the other threads: for so long no event is handled, which nobody notices."""
 
-SHARE = 2.0
-"""How many times longer than windows have kept the interpreter others get it: drawing takes a third of the time at most."""
-
-MOST_OWED = 0.4
+MOST_OWED = 0.3
 """s that windows owe at most, whatever they did: after something that took long a scan's display must go on."""
 
 
 class Turns:
-    """Hands the interpreter to other threads, twice as long as the windows' own thread has kept it.
+    """Hands the interpreter to other threads, as long as the windows' own thread has kept it.
 
     Parameters
     ----------
@@ -40,7 +37,7 @@ class Turns:
         """Let other threads work for some milliseconds; to be called whenever events have been handled."""
         now = self._clock()
         if self._since is not None:
-            self._owed = min(self._owed + SHARE * (now - self._since), MOST_OWED)
+            self._owed = min(self._owed + now - self._since, MOST_OWED)
         self._sleep(min(max(self._owed, LEAST), LONGEST))
         self._since = self._clock()
         self._owed = max(self._owed - (self._since - now), 0.0)

@@ -1,4 +1,4 @@
-"""While a scan is shown, its threads have the interpreter for longer than Slicer's windows, whose event loop does not let go of it."""
+"""While a scan is shown, its threads have the interpreter as long as Slicer's windows, whose event loop does not let go of it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "AIFRecon"))
 
-from AIFReconScene.live.turns import LEAST, LONGEST, MOST_OWED, SHARE, Turns
+from AIFReconScene.live.turns import LEAST, LONGEST, MOST_OWED, Turns
 
 MOST_EVENTS = 200
 """Events of the windows within which a thread must have got on."""
@@ -70,7 +70,7 @@ def test_what_drawing_has_taken_is_given_back_in_turns_between_which_events_are_
     while turns.isOwing:
         turns.give()
     assert max(clock.slept) <= LONGEST
-    assert sum(clock.slept) == pytest.approx(SHARE * 0.1, abs=2 * LONGEST)
+    assert sum(clock.slept) == pytest.approx(0.1, abs=2 * LONGEST)
 
 
 def test_windows_that_stood_still_for_long_do_not_owe_for_ever(turns, clock):
