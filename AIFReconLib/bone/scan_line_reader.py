@@ -26,6 +26,8 @@ class ScanLineReader:
     spacing : (x, y), mm
     imaging : Imaging
         Region and probe; both must be known.
+    pitch, step : float, mm
+        Scan lines and samples closer than these are read as one.
 
     Attributes
     ----------
@@ -37,7 +39,14 @@ class ScanLineReader:
         Between lines (of a sector at half depth) and between samples of a line.
     """
 
-    def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging):
+    def __init__(
+        self,
+        size: tuple[int, int],
+        spacing: tuple[float, float],
+        imaging: Imaging,
+        pitch: float = LINE_PITCH,
+        step: float = SAMPLE_STEP,
+    ):
         if imaging.probe is None:
             raise BeamGeometryError(
                 "Bone is looked for along the beams, whose directions are not known. "
@@ -49,17 +58,17 @@ class ScanLineReader:
         columns, rows = lines.columns, lines.rows
         across = np.hypot(np.diff(columns, axis=0) * spacing[0], np.diff(rows, axis=0) * spacing[1])
         # A sector's lines diverge: their distance at half depth stands for all
-        pitch = max(float(across[:, across.shape[1] // 2].mean()), 1e-3) if across.size else 1.0
+        apart = max(float(across[:, across.shape[1] // 2].mean()), 1e-3) if across.size else 1.0
         known = _within(columns, rows, mask)
         # As many lines and samples are read as one as the smoothing that follows would blur anyway
-        together = max(min(int(LINE_PITCH / pitch), len(columns)), 1), max(min(int(SAMPLE_STEP / lines.step), columns.shape[1]), 1)
+        together = max(min(int(pitch / apart), len(columns)), 1), max(min(int(step / lines.step), columns.shape[1]), 1)
         self.size, self._every = size, (columns, rows, known, together)
         self._read = _reading_matrix(columns, rows, known, size, together)
         self._drawn = mask, lines.sample_of_pixel
         self._others: dict[tuple[tuple[int, int], Rectangle], sparse.csr_matrix[np.float32]] = {}
         self.columns, self.rows, share = (_mean_of_blocks(values, together) for values in (columns, rows, known))
         self.known: Mask = share > 0.5
-        self.pitch, self.step = pitch * together[0], lines.step * together[1]
+        self.pitch, self.step = apart * together[0], lines.step * together[1]
 
     def read(self, image: Numbers) -> Singles:
         """The mean of each sample's pixels, (lines, samples) float32; 0 out of the region, and for what is below 0 or not finite."""

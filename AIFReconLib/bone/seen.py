@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -20,6 +21,9 @@ SPACING = 1.0
 
 SIGMA, LARGEST_SIGMA = 1.0, 4.0
 """mm. The least and the largest smoothing of the map in 3D."""
+
+LISTEN_PITCH, LISTEN_STEP = 1.0, 0.5
+"""mm. Scan lines and samples closer than this are heard as one: the map is no finer."""
 
 LIT_WINDOW = 1.2
 """mm along a scan line over which its brightness is averaged before it is asked how far sound came."""
@@ -109,14 +113,14 @@ class FrameListener:
     """
 
     def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging):
-        self.lines = lines = ScanLineReader(size, spacing, imaging)
+        self.lines = lines = ScanLineReader(size, spacing, imaging, LISTEN_PITCH, LISTEN_STEP)
         self._whole: Rectangle = (0.0, 0.0, float(size[0]), float(size[1]))
         self._at = np.nonzero(lines.known)
         self._pixels = np.stack([lines.columns[self._at], lines.rows[self._at]], axis=-1)
         way = np.stack([lines.columns[:, -1] - lines.columns[:, 0], lines.rows[:, -1] - lines.rows[:, 0]], axis=-1) * spacing
         self._beams = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9) / spacing
         samples = np.arange(lines.known.shape[1])
-        half = max(round(0.5 * LIT_WINDOW / lines.step), 0)
+        half = max(round(0.5 * (LIT_WINDOW / lines.step - 1)), 0)
         self._first, self._stop = np.maximum(samples - half, 0), np.minimum(samples + half + 1, samples.size)
         known = running_sum(lines.known)
         self._known = np.maximum(known[:, self._stop] - known[:, self._first], 1.0)
@@ -186,7 +190,7 @@ class BoneDrawing:
     (so that gaps between frames are closed), and falls to 0 where none passed. It is then divided by its percentile `FULL_PERCENTILE`
     where it is high, for a surface is thin: its smoothed probability is below what frames said on it, and on what is certain bone it
     should be 1. V_dir is its gradient with the sign of the mean beam there, smoothed by as much again, so that it has a side on the very
-    ridge.
+    ridge. Frames may be added by one thread while another asks for `news`: what a drawing has half of comes with the next.
     """
 
     def __init__(self, grid: VoxelGrid, sigma: float = SIGMA):
@@ -196,31 +200,35 @@ class BoneDrawing:
         self._beams = np.zeros((3, *grid.shape), dtype=np.float32)
         self._full = 0.0
         self._changed: tuple[Integers, Integers] | None = None
+        self._lock = threading.Lock()
 
     def add(self, said: Said, image_to_reference: Matrix) -> None:
         """Take a frame's word at its pose, pixels to mm."""
-        to_ijk = self.grid.reference_to_ijk @ image_to_reference
-        ijk = np.floor(said.pixels @ to_ijk[:3, :2].T + to_ijk[:3, 3] + 0.5).astype(np.int64)
-        within = ((ijk >= 0) & (ijk < self.grid.size)).all(axis=1)
+        column, row = said.pixels.T
+        to_ijk = (self.grid.reference_to_ijk @ image_to_reference)[:3]
+        # Axis by axis: rows of three take several times as long
+        i, j, k = (np.floor(of_column * column + of_row * row + (shift + 0.5)).astype(np.int64) for of_column, of_row, _, shift in to_ijk)
+        within = np.logical_and.reduce([(n >= 0) & (n < size) for n, size in zip((i, j, k), self.grid.size, strict=True)])
         self.frames += 1
         if not within.any():
             return
-        ijk = ijk[within]
-        low, high = ijk.min(axis=0), ijk.max(axis=0)
-        if self._changed is not None:
-            low, high = np.minimum(low, self._changed[0]), np.maximum(high, self._changed[1])
-        self._changed = low, high
-        at = (ijk[:, 2] * self.grid.size[1] + ijk[:, 1]) * self.grid.size[0] + ijk[:, 0]
-        weight = said.weight[within]
-        bone = weight * said.probability[within]
+        i, j, k = (n[within] for n in (i, j, k))
+        weight, probability = (values[within] for values in (said.weight, said.probability))
+        at = (k * self.grid.size[1] + j) * self.grid.size[0] + i
         np.add.at(self._lit.reshape(-1), at, weight)
-        some = said.probability[within] >= NEGLIGIBLE
-        np.add.at(self._said.reshape(-1), at[some], bone[some])
+        some = np.flatnonzero(probability >= NEGLIGIBLE)
+        at, bone = at[some], weight[some] * probability[some]
+        np.add.at(self._said.reshape(-1), at, bone)
         # A gradient per voxel times these is its slope along the beam, whatever the voxels' axes
         beams = said.beams @ image_to_reference[:3, :2].T @ np.linalg.inv(self.grid.ijk_to_reference[:3, :3]).T
         mine = beams.astype(np.float32)[said.line[within][some]]
         for axis in range(3):
-            np.add.at(self._beams[axis].reshape(-1), at[some], bone[some] * mine[:, axis])
+            np.add.at(self._beams[axis].reshape(-1), at, bone * mine[:, axis])
+        low, high = (np.array([end(n) for n in (i, j, k)]) for end in (np.min, np.max))
+        with self._lock:
+            if self._changed is not None:
+                low, high = np.minimum(low, self._changed[0]), np.maximum(high, self._changed[1])
+            self._changed = low, high
 
     @property
     def shows_bone(self) -> bool:
@@ -241,17 +249,25 @@ class BoneDrawing:
 
         `breathe` is called between steps, for who wants the computer in between. Certain bone is what was surest until now.
         """
-        if self._changed is None:
+        with self._lock:
+            changed, self._changed = self._changed, None
+        if changed is None:
             return None
-        (low, high), self._changed = self._changed, None
         reach = np.ceil(GAUSSIAN_REACH * self.sigma / self.grid.spacing).astype(int) + 1
-        # What has changed spreads by two Gaussians; the voxels at the border want as many more around them
-        inner, outer = (
-            [slice(max(int(a - r), 0), min(int(b + r + 1), n)) for a, b, r, n in zip(low, high, times * reach, self.grid.size, strict=True)]
-            for times in (2, 4)
-        )
-        seen = self._drawn((outer[2], outer[1], outer[0]), None, breathe)
-        return seen, (inner[2], inner[1], inner[0])
+        # What has changed spreads by two Gaussians, and bone is all that it can change
+        near = self._box(*changed, 2 * reach)
+        shown = self._said[near] > 0
+        along = [np.flatnonzero(shown.any(axis=others)) for others in ((1, 2), (0, 2), (0, 1))]
+        if not along[0].size:
+            return None
+        low, high = (np.array([part.start + at[end] for part, at in zip(near, along, strict=True)])[::-1] for end in (0, -1))
+        # The voxels at the border want as many more around them
+        return self._drawn(self._box(low, high, 4 * reach), None, breathe), self._box(low, high, 2 * reach)
+
+    def _box(self, low: Integers, high: Integers, margin: Integers) -> Box:
+        """The voxels [k, j, i] from `low` to `high` (i, j, k) and so many around them."""
+        first, stop = np.maximum(low - margin, 0).tolist(), np.minimum(high + margin + 1, self.grid.size).tolist()
+        return slice(first[2], stop[2]), slice(first[1], stop[1]), slice(first[0], stop[0])
 
     def _drawn(self, box: Box, progress: Progress | None, breathe: Callable[[], object] = lambda: None) -> SeenBone:
         """The map of a box of voxels [k, j, i]."""

@@ -1,6 +1,5 @@
 """Self tests of bone from a network or from the echoes: the choice in both tabs, what it gives, what is refused, and a scan."""
 
-import importlib.util
 import pathlib
 import sys
 import tempfile
@@ -11,7 +10,6 @@ import numpy as np
 import slicer
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "Python"))
 
 import tinyScene
 from AIFReconLiveTest import waitFor
@@ -58,14 +56,12 @@ class AIFReconNetworkTest(unittest.TestCase):
         return browserFromSequence(self.said(), "Said").GetMasterSequenceNode()
 
     def model(self) -> pathlib.Path:
-        """A network in a file: what is bright is bone."""
-        if any(importlib.util.find_spec(name) is None for name in ("onnx", "onnxruntime")):
-            self.skipTest("onnx and onnxruntime are not installed, and Slicer installs nothing in testing mode")
-        import onnx_models
+        """The network in a file that comes with the tests; it knows an echo over darkness."""
+        from AIFReconGui.packages import MODEL, isInstalled
 
-        path = onnx_models.saved(onnx_models.scaling(), self.folder / "bright.onnx")
-        path.with_suffix(".json").write_text('{"output": "probability"}')
-        return path
+        if not isInstalled(MODEL):
+            self.skipTest(f"{MODEL} is not installed, and Slicer installs nothing in testing mode")
+        return pathlib.Path(__file__).resolve().parents[1] / "models" / "bone.onnx"
 
     def expected(self, estimatorOf):
         """The voxels of the library's own call."""
@@ -105,7 +101,7 @@ class AIFReconNetworkTest(unittest.TestCase):
         self.choose(self.ui.boneSourceComboBox, "A network in a file")
         self.ui.boneModelPathLineEdit.currentPath = str(path)
         self.assertReconstructs(self.expected(lambda sweep: OnnxModel(path)))
-        self.assertIn("bright.onnx", self.ui.statusLabel.text)
+        self.assertIn("bone.onnx", self.ui.statusLabel.text)
 
     def test_a_network_comes_before_the_ct_that_is_chosen_too(self):
         from AIFReconLib.bone.recorded import RecordedPredictions

@@ -3,8 +3,10 @@
     python Testing/benchmark live --seconds 600
     python Testing/benchmark live --seconds 60 --size 640x480@30 --engine numpy --json live.json
 
+    python Testing/benchmark live --size 640x480@30 --method weighted --bone-model Testing/models/bone.onnx
+
 For each stream it tells the frames that the server sent, and where they went; the latency from an image's arrival to its voxels (the worst
-99th percentile of any 4096 frames in a row); and how the memory of the process grew.
+99th percentile of any 4096 frames in a row); in how many frames a second bone was looked for; and how the memory of the process grew.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
+from AIFReconLib.bone.estimators import EchoEstimator
 from AIFReconLib.bone.growing import GrowingBone
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.bone.model import OnnxModel
@@ -42,17 +45,20 @@ from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 DEPTH = 96.0
 """mm that an image is deep."""
 
+BONE = 60.0, 68.0
+"""mm below the skin between which a plate of bone lies."""
+
 FRAMES = 90
 FAN_DEG = 30.0
 STREAMS = ("640x480@30", "1024x768@20")
 
 
 def sweep(columns: int, rows: int) -> TrackedSequence:
-    """A fan of images of speckle about an axis on the skin, as ImageToReference."""
+    """A fan of images of speckle over a plate of bone, about an axis on the skin, as ImageToReference."""
     rng = np.random.default_rng(0)
     spacing = DEPTH / rows
     speckle = rng.integers(0, 256, (rows, columns + FRAMES), dtype=np.uint8)
-    images = np.stack([speckle[:, n : n + columns] for n in range(FRAMES)])
+    images = np.stack([speckle[:, n : n + columns] // 3 for n in range(FRAMES)])
     records = []
     for number in range(FRAMES):
         angle = np.deg2rad(FAN_DEG) * np.sin(2 * np.pi * number / FRAMES) / 2  # there and back, so that a loop does not jump
@@ -61,6 +67,9 @@ def sweep(columns: int, rows: int) -> TrackedSequence:
         pose[:3, 1] = (0, spacing * np.cos(angle), spacing * np.sin(angle))
         pose[:3, 2] = (0, -spacing * np.sin(angle), spacing * np.cos(angle))
         pose[:3, 3] = (-spacing * columns / 2, 0, 0)
+        behind = spacing * np.cos(angle) * np.arange(rows) - BONE[0]
+        images[number, behind > 0] //= 20
+        images[number, np.abs(behind) < 0.5] = 230
         records.append(FrameRecord(number / 30, transforms={TransformName("Image", "Reference"): TransformSample(pose)}))
     return TrackedSequence(images, records)
 
@@ -68,7 +77,7 @@ def sweep(columns: int, rows: int) -> TrackedSequence:
 def plate() -> Volume:
     """The labels of a plate of bone across the whole sweep."""
     labels = np.zeros((40, 60, 70), np.uint8)
-    labels[:, 30:34] = 1
+    labels[:, int(BONE[0]) // 2 : int(BONE[1]) // 2] = 1
     matrix = np.diag([2.0, 2.0, 2.0, 1.0])
     matrix[:3, 3] = (-70.0, 0.0, -40.0)
     return Volume(labels, matrix)
@@ -102,7 +111,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     grid = grid_around_sweep(poses, (columns, rows), region, (arguments.spacing,) * 3)
     settings = ReconstructionSettings(method=arguments.method, engine=arguments.engine)
     model = arguments.bone_model and OnnxModel(arguments.bone_model)
-    growing = GrowingBone()
+    seen, growing = bool(model or arguments.bone_from_sweep), GrowingBone()
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdin is not None
         assert server.stdout is not None
@@ -111,7 +120,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
         session = LiveSession(
             client,
             settings,
-            growing if model else BoneMap.from_labels(plate(), sigma_mm=4.0),
+            growing if seen else BoneMap.from_labels(plate(), sigma_mm=4.0),
             grid,
             region=region,
             probe=probe,
@@ -127,7 +136,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
             guidance = GuidanceWatch(session, make_lumbar_phantom().labels, np.eye(4), region=region, probe=probe)
             guidance.prepared.wait()
             watches.append(guidance)
-        asking = BoneWatch(session, growing, lambda imaging: model, region=region, probe=probe) if model else None
+        asking = BoneWatch(session, growing, lambda imaging: model or EchoEstimator(imaging), region=region, probe=probe) if seen else None
         watches += [asking] if asking else []
         session.start()
         began, samples, p99s, snapshots = time.monotonic(), [], [], []
@@ -146,7 +155,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
                 print(f"{elapsed:6.1f} s  {statistics}", file=sys.stderr)
         computed = (time.process_time() - computed) / (time.monotonic() - began)
         dropped = client.statistics.dropped
-        asked_of_model = asking.state.frames / (time.monotonic() - began) if asking else None
+        looked_at = asking.state.frames / (time.monotonic() - began) if asking else None
         for watch in watches:
             watch.stop()
         session.stop()
@@ -171,7 +180,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
         "latency_p99_ms": 1000 * statistics.latency_p99,
         "worst_latency_p99_ms": 1000 * max((p99 for p99 in p99s if np.isfinite(p99)), default=float("nan")),
         "cores_used": computed,
-        "bone_looked_for_per_s": asked_of_model,
+        "bone_looked_for_per_s": looked_at,
         "bone_problem": str(asking.state.problem) if asking and asking.state.problem else None,
         "snapshot_ms": 1000 * float(np.median(snapshots)) if snapshots else None,
         "memory_mib": samples[-1],
@@ -195,6 +204,7 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--agreement", action="store_true", help="watch how well a CT agrees, as the module does")
     parser.add_argument("--guidance", action="store_true", help="tell which bone was met and where to look next, as the module does")
     parser.add_argument("--bone-model", type=Path, metavar="FILE.onnx", help="let a network tell where bone is, in the place of a CT")
+    parser.add_argument("--bone-from-sweep", action="store_true", help="let the echoes tell where bone is, in the place of a CT")
     parser.add_argument("--record", metavar="SEQUENCE", help="also record")
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--verbose", action="store_true")

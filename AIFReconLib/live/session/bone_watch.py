@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -13,7 +14,7 @@ from ...bone.estimators import BoneEstimator, Listeners
 from ...bone.growing import GrowingBone
 from ...bone.recorded import COVERS, SAME_TIME, probability_of
 from ...bone.seen import Prediction
-from ...errors import AIFReconError, GeometryError
+from ...errors import AIFReconError, GeometryError, OperationCanceled
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
 from ...message import Message, said
@@ -24,10 +25,13 @@ from ..pairing.synchronizer import LiveFrame
 from ..wire.messages import ImageMessage
 from .recording import Recorder
 from .session import LiveSession
-from .watch import Watch
+from .watch import PATIENCE, Watch
 
 SPREAD_EVERY = 0.5
 """s between two updates of the volume's bone."""
+
+BEHIND = 5
+"""Frames that wait to be inserted from which on an estimator rests as other watches do."""
 
 LONGEST_WAIT = 1.0
 """s that a prediction waits for its frame to be placed."""
@@ -69,8 +73,10 @@ class BoneWatch(Watch):
 
     Notes
     -----
-    An estimator looks at the newest frame, and at most half of the time: frames that come meanwhile are passed over, as evenly
-    as they come. Streamed predictions are all taken. What is found while a scan has no box yet is kept for the volume that it gets.
+    An estimator looks at the newest frame as soon as it is done with the one before, for a network leaves Python to others while it
+    works: one core at most is taken, and half of one while insertion is behind. Frames that come meanwhile are passed over, as
+    evenly as they come. Streamed predictions are all taken. What is found while a scan has no box yet is kept for the volume that it
+    gets. A second thread brings it to the volume.
     """
 
     def __init__(
@@ -91,13 +97,21 @@ class BoneWatch(Watch):
         self._listeners: Listeners | None = None
         self._waiting: list[ImageMessage] = []
         self._full = 1.0
-        self._spread = time.monotonic()
-        self.state = BoneState()
+        self._newest: LiveFrame | None = None
+        self._frames = self._unmatched = 0
+        self._problem: Message | None = None
+        self._spreading = _Spreading(session, bone, self._tell_problem)
         self._thread.start()
+
+    @property
+    def state(self) -> BoneState:
+        """How it goes now."""
+        return BoneState(self._frames, self._unmatched, self._problem)
 
     def stop(self, wait: bool = True) -> None:
         """Look at no more frames, and finish the recording of what was said."""
         super().stop(wait)
+        self._spreading.stop(wait)
         recorder, self._recorder = self._recorder, None
         if recorder is not None and wait:
             try:
@@ -106,7 +120,16 @@ class BoneWatch(Watch):
                 self._tell_problem(said(error))
 
     def _tell_problem(self, problem: Message) -> None:
-        self.state = replace(self.state, problem=problem)
+        self._problem = problem
+
+    def _breathe(self) -> bool:
+        """Wait for a frame, unless one has come meanwhile; where insertion is behind, rest as others do. False when the end has come."""
+        if self._session.statistics.waiting >= BEHIND:
+            return super()._breathe()
+        if self._session.latest is self._newest:
+            self._session.wait_for_rest(PATIENCE)
+        self._newest, self._resumed = self._session.latest, time.monotonic()
+        return not self._closing.is_set()
 
     def _look(self, frame: LiveFrame | None) -> None:
         if isinstance(self._source, PredictionSource):
@@ -118,13 +141,10 @@ class BoneWatch(Watch):
             prediction = self._estimator.estimate(frame)
             if prediction is not None:
                 self._take(frame, prediction)
-        if time.monotonic() - self._spread >= SPREAD_EVERY:
-            self._bone.spread(self._breathe)
-            self._spread = time.monotonic()
 
     def _take(self, frame: LiveFrame, prediction: Prediction) -> None:
         imaging = self._imaging(frame)
-        self.state = BoneState(self.state.frames + 1, self.state.unmatched)
+        self._frames, self._problem = self._frames + 1, None
         if self._recorder is not None:
             self._recorder.append(_as_frame(frame, prediction))
         if imaging is None:
@@ -146,7 +166,7 @@ class BoneWatch(Watch):
             elif now - message.received < LONGEST_WAIT:
                 waiting.append(message)
             else:
-                self.state = replace(self.state, unmatched=self.state.unmatched + 1)
+                self._unmatched += 1
         self._waiting = waiting
         return found
 
@@ -162,6 +182,32 @@ class BoneWatch(Watch):
                 kind=message.image.dtype.name,
             )
         return probability_of(message.image, self._full if message.image.dtype == np.uint8 else 1.0, message.device)
+
+
+class _Spreading(Watch):
+    """Brings what is known of bone to the volume, in moments in which nothing is inserted."""
+
+    def __init__(self, session: LiveSession, bone: GrowingBone, tell: Callable[[Message], None]):
+        super().__init__(session, "aifrecon live bone map", 0.0)
+        self._bone, self._tell = bone, tell
+        self._spread = time.monotonic()
+        self._thread.start()
+
+    def _look(self, frame: LiveFrame | None) -> None:
+        if time.monotonic() - self._spread < SPREAD_EVERY:
+            return
+        try:
+            with contextlib.suppress(OperationCanceled):
+                self._bone.spread(self._pause)
+        finally:
+            self._spread = time.monotonic()
+
+    def _pause(self) -> None:
+        if not self._make_way():
+            raise OperationCanceled
+
+    def _tell_problem(self, problem: Message) -> None:
+        self._tell(problem)
 
 
 def predictions_beside(record: Path) -> Path:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +18,7 @@ from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.pairing.predictions import MOST_WAITING, PredictionSource
-from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
+from AIFReconLib.live.pairing.synchronizer import LiveFrame, SynchronizerSettings
 from AIFReconLib.live.session.bone_watch import BoneWatch
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.wire.messages import ImageMessage
@@ -73,6 +75,16 @@ def test_nothing_new_is_not_spread_again():
     bone.on_grid(GRID)
     learn(bone, range(6))
     assert (bone.spread(), bone.spread()) == (True, False)
+
+
+def test_what_is_learned_while_the_map_is_drawn_comes_with_the_next_news():
+    bone, late = GrowingBone(), [3, 4, 5]
+    placed = bone.on_grid(GRID)
+    learn(bone, range(3))
+    bone.spread(lambda: late and learn(bone, [late.pop()]))
+    assert not late
+    assert bone.spread()
+    np.testing.assert_allclose(placed.probability, bone.seen().on_grid(GRID).probability, atol=0.02)
 
 
 def test_a_volume_that_begins_anew_is_told_what_was_known():
@@ -159,6 +171,27 @@ def test_an_estimator_draws_bone_into_the_volume_that_grows(scan):
     wait_for(lambda: session.statistics.inserted >= 5)
     wait_for(lambda: on_plane(bone) > 0.5)
     assert session.finish().frames_inserted == 6
+
+
+def test_a_frame_that_came_while_another_was_looked_at_is_looked_at_at_once():
+    """The estimator itself brings the next frame; who waits after that waits for ever."""
+    over, looked = threading.Event(), []
+    session = SimpleNamespace(latest=None, recent=(), grid=None, statistics=SimpleNamespace(waiting=0))
+    session.wait_for_rest = lambda timeout: looked and over.wait(LONG)
+    frames = [LiveFrame(SWEEP.images[number], SWEEP.poses[number], timestamp=1.0 + 0.1 * number, number=number) for number in range(4)]
+
+    class Bringing(Knowing):
+        def estimate(self, frame):
+            looked.append(frame.number)
+            session.latest = frames[min(frame.number + 1, 3)]
+            return super().estimate(frame)
+
+    watch = BoneWatch(session, GrowingBone(), lambda imaging: Bringing(), region=IMAGING.region, probe=IMAGING.probe)
+    session.latest = frames[0]
+    wait_for(lambda: watch.state.frames == 4)
+    over.set()
+    watch.stop()
+    assert looked == [0, 1, 2, 3]
 
 
 def test_what_is_found_while_scouting_is_kept_for_the_volume_and_recorded(scan, tmp_path):
