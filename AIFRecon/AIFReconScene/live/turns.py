@@ -2,7 +2,7 @@
 
 import time
 
-LEAST, LONGEST = 0.004, 0.01
+LEAST, LONGEST = 0.004, 0.02
 """s of one turn of the other threads: for so long no event is handled, which nobody notices."""
 
 MOST_OWED = 0.3
@@ -10,7 +10,7 @@ MOST_OWED = 0.3
 
 
 class Turns:
-    """Hands the interpreter to other threads, at least as long as the windows' own thread has kept it.
+    """Hands the interpreter to other threads, as long as the windows' own thread has kept it.
 
     Parameters
     ----------

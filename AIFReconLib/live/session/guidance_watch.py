@@ -34,7 +34,7 @@ TELL_EVERY = 0.15
 ADVISE_EVERY = 0.5
 """s between two advices."""
 
-SKIN_AFTER = 30
+SKIN_AFTER = 20
 """Frames that have felt the skin before candidate passes are laid upon it."""
 
 MOST_POSES = 2000

@@ -18,11 +18,16 @@ from .session import FRAMES_LOOKED_AT, LiveSession
 
 logger = logging.getLogger(__name__)
 
-PATIENCE = 0.05
-"""s after which it looks though nothing was inserted: while a scan is scouted or paused."""
+PATIENCE, SHORT_PATIENCE = 0.05, 0.02
+"""s after which it looks though nothing was inserted, while a scan is scouted or paused; and after which a piece of work is done though a
+frame waits: where they always do, for cores are too few, it would never be."""
 
 PIECE = 0.005
 """s that a piece of work may take: none is begun when the next frame is expected sooner."""
+
+BREATH, LITTLE = 0.25, 0.001
+"""By how many times longer it rests between two pieces than it worked, for they make way to frames at once and last for seconds in all; and
+the s of work after which it does not."""
 
 REST = 1.0
 """By how many times longer it rests than it worked: at most half of one core is taken, however fast frames come."""
@@ -96,9 +101,12 @@ class Watch(ABC):
         return not self._closing.is_set()
 
     def _make_way(self) -> bool:
-        """Rest for as long as was worked, and where a frame waits or will come soon until it was inserted; False when the end has come."""
-        if not self._closing.wait(REST * (time.monotonic() - self._resumed)) and self._session.wait_for_rest(0.0) < PIECE:
-            self._session.wait_for_rest(PATIENCE)
+        """Rest for a moment, and where a frame waits or will come soon until it was inserted; False when the end has come."""
+        worked = time.monotonic() - self._resumed
+        if worked >= LITTLE:
+            self._closing.wait(BREATH * worked)
+        if not self._closing.is_set() and self._session.wait_for_rest(0.0) < PIECE:
+            self._session.wait_for_rest(SHORT_PATIENCE)
         self._resumed = time.monotonic()
         return not self._closing.is_set()
 
