@@ -134,6 +134,8 @@ class AIFReconNetworkTest(unittest.TestCase):
     # ---- the choice
 
     def test_both_tabs_show_one_choice_and_the_fields_that_count_with_it(self):
+        for fold in (self.ui.inputsCollapsibleButton, self.ui.connectionCollapsibleButton):
+            fold.collapsed = False  # a closed one hides all that lie in it
         self.choose(self.ui.boneSourceComboBox, "A network in a file")
         self.assertEqual(self.ui.liveBoneSourceComboBox.currentText, "A network in a file")
         self.ui.liveBoneModelPathLineEdit.currentPath = "mine.onnx"
