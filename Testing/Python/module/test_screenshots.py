@@ -12,9 +12,13 @@ import pytest
 
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 vtk = pytest.importorskip("vtk", reason="vtk is not installed")
-pytest.importorskip("PySide6.QtGui", reason="PySide6 is not installed", exc_type=ImportError)
 
 import scene_host  # noqa: E402 - puts Testing on the path
+from host import missing  # noqa: E402
+
+if reason := missing():
+    pytest.skip(reason, allow_module_level=True)
+
 from host import view_frames, view_render  # noqa: E402
 from PySide6 import QtGui  # noqa: E402
 
