@@ -4,7 +4,6 @@ import concurrent.futures
 import importlib
 import threading
 
-import qt
 import slicer
 
 from AIFReconLib.message import Message
@@ -90,8 +89,12 @@ def importLibrary(progress=None) -> None:
 
 
 def letWindowsLive() -> None:
-    """Have what waits be drawn and timers go on, between two steps that only the main thread can take; nothing can be pressed meanwhile."""
-    slicer.app.processEvents(qt.QEventLoop.ExcludeUserInputEvents)
+    """Have what waits be drawn and timers go on, between two steps that only the main thread can take.
+
+    Nothing happens unless a dialog keeps everything else from being pressed meanwhile.
+    """
+    if slicer.app.activeModalWidget() is not None:
+        slicer.app.processEvents()
 
 
 class _Relay:

@@ -4,6 +4,7 @@ import pathlib
 import sys
 import tempfile
 import unittest
+import xml.etree.ElementTree
 
 import numpy as np
 import qt
@@ -202,6 +203,16 @@ class AIFReconPictureTest(unittest.TestCase):
         np.testing.assert_allclose((right, up), [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=0.1)
         self.picture._ui.probeUpCheckBox.click()
         np.testing.assert_allclose(self.axes("Red"), before, atol=1e-6)
+
+    def test_a_scene_saved_with_the_probe_s_side_up_can_be_opened_again(self):
+        self.parameters.sweep = tinyScene.addSweep()
+        self.picture._ui.probeUpCheckBox.click()
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder) / "scene.mrml"
+            slicer.mrmlScene.Commit(str(scene))
+            written = xml.etree.ElementTree.parse(scene).getroot()
+        turned = [name for node in written.iter("Slice") for name in node.attrib if name.endswith("ProbeUp")]
+        self.assertEqual(len(turned), 3)
 
     def test_gray_levels_of_a_preset_are_those_of_ultrasound_and_ct_and_no_voxel_changes(self):
         output = self.reconstruct()

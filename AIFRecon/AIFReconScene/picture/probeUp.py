@@ -2,7 +2,6 @@
 
 import numpy as np
 import slicer
-from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError
 
@@ -57,8 +56,11 @@ class ProbeUp:
 
 
 def orientationName(sliceNode) -> str:
-    """What a view's orientation is called."""
-    return _("{orientation}, probe up").format(orientation=sliceNode.GetDefaultOrientation())
+    """What a view's orientation is called.
+
+    MRML writes it into the scene as a part of an XML attribute's name: with a blank or a comma in it the scene could be opened no more.
+    """
+    return "".join(letter for letter in sliceNode.GetDefaultOrientation() if letter.isalnum()) + "ProbeUp"
 
 
 def sweepAxes(browser, imageSequence, head) -> tuple:
