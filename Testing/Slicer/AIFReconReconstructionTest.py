@@ -4,6 +4,7 @@ import pathlib
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import numpy as np
 import slicer
@@ -184,8 +185,12 @@ class AIFReconReconstructionTest(unittest.TestCase):
         from AIFReconLib.errors import AIFReconError
 
         before = self._nodeIDs()
-        with self.assertRaises(AIFReconError):
-            self.logic.reconstruct(self.sweep, self.bone, spacing=0.011)  # far too many voxels
+        with (
+            unittest.mock.patch("AIFReconLib.machine.memory.available_memory", return_value=100_000),
+            self.assertRaises(AIFReconError) as raised,
+        ):
+            self.logic.reconstruct(self.sweep, self.bone, spacing=0.2)
+        self.assertIn("memory", str(raised.exception))
         self.assertEqual(self._nodeIDs(), before)
 
     def test_an_output_that_is_given_is_filled_again(self):
