@@ -94,9 +94,11 @@ class PixelLayout:
             Row and first column in the image, the column that follows the last, and the number of the first pixel within the layout.
         """
         top, _, left, right = self.window
-        edges = np.diff(np.pad(mask, ((0, 0), (1, 1))).astype(np.int8), axis=1)
-        rows, starts = np.nonzero(edges == 1)
-        stops = np.nonzero(edges == -1)[1]
+        padded = np.pad(mask, ((0, 0), (1, 1)))
+        # What a row begins it ends, so that every other edge is a start
+        edges = np.flatnonzero(padded[:, 1:] != padded[:, :-1])
+        rows, starts = np.divmod(edges[::2], mask.shape[1] + 1)
+        stops = edges[1::2] % (mask.shape[1] + 1)
         offsets = np.searchsorted(self.inside, rows * (right - left) + starts)
         return np.stack([rows + top, starts + left, stops + left, offsets], axis=1).astype(np.int64)
 

@@ -7,21 +7,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
-from scipy import ndimage
 
 from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import BeamGeometryError
 from ..message import Message
 from .beams import LINEAR, SECTOR, ProbeGeometry
 from .images import ImageStack
+from .masks import closed, largest_area, opened
 from .region import ClipRectangle, Fan, ImageRegion
 
 FRAMES_LOOKED_AT = 24
 LIT = 0.01
 """A pixel is lit when it exceeds this part of the brightest pixel in any of the frames looked at."""
+
+CLOSED_PX, OPENED_PX = 4, 2
+"""Steps by which gaps between lit pixels are closed, and thin lines dropped."""
 
 VERTICAL_SLOPE = 0.03
 """Sides that lean less than this (columns per row) are those of a linear probe."""
@@ -81,25 +83,20 @@ def _lit_area(images: ImageStack) -> Mask:
     if len(images) == 0:
         raise _unrecognized(Message("there are none"))
     numbers = np.unique(np.linspace(0, len(images) - 1, FRAMES_LOOKED_AT).astype(int))
-    brightest = _without_gaps(images[int(numbers[0])])
+    brightest = np.array(_without_gaps(images[int(numbers[0])]))
     for number in numbers[1:]:
         np.maximum(brightest, _without_gaps(images[int(number)]), out=brightest)
     if not brightest.size or brightest.max() <= 0:
         raise _unrecognized(Message("all images are black"))
-    lit = ndimage.binary_closing(np.pad(brightest > LIT * brightest.max(), 4), iterations=4)[4:-4, 4:-4]
     # An opening drops rulers, text and borders that touch the sector by a thin line
-    lit = ndimage.binary_opening(lit, iterations=2)
-    labels, count = cast("tuple[Integers, int]", ndimage.label(lit))
-    if count == 0:
+    lit = opened(closed(brightest > LIT * brightest.max(), CLOSED_PX), OPENED_PX)
+    if not lit.any():
         raise _unrecognized(Message("no connected bright area was found"))
-    sizes = np.bincount(labels.ravel())
-    sizes[0] = 0
-    return ndimage.binary_fill_holes(labels == sizes.argmax())
+    return largest_area(lit)
 
 
 def _without_gaps(image: Numbers) -> Numbers:
-    """A copy of an image in which what is no finite number is black; whole numbers all are finite."""
-    image = np.array(image)
+    """An image in which what is no finite number is black; the same one where all are finite, as whole numbers are."""
     return image if image.dtype.kind in "bui" else np.nan_to_num(image.astype(np.float32), posinf=0.0, neginf=0.0)
 
 
@@ -129,10 +126,14 @@ def _robust_line(columns: Integers, rows: Integers) -> tuple[float, float] | Non
     step = max(x.size // 3, 1)
     slope = float(np.median((y[step:] - y[:-step]) / (x[step:] - x[:-step])))
     offset = float(np.median(y - slope * x))
+    before: Mask | None = None
     for _ in range(5):
         near = np.abs(y - offset - slope * x) <= LINE_TOLERANCE_PX
         if near.sum() < 10:
             return None
+        if before is not None and np.array_equal(near, before):
+            break
+        before = near
         slope, offset = (float(v) for v in np.polyfit(x[near], y[near], 1))
     near = np.abs(y - offset - slope * x) <= LINE_TOLERANCE_PX
     return (offset, slope) if near.mean() >= 0.75 else None

@@ -66,10 +66,11 @@ def grid_around_sweep(
         outline = mask & ~(beside[:-2, 1:-1] & beside[2:, 1:-1] & beside[1:-1, :-2] & beside[1:-1, 2:])
         pixels = depth_scale.moved(np.argwhere(outline)[:, ::-1].T.astype(np.float64)).T
     least, most = np.full(3, np.inf), np.full(3, -np.inf)
+    along = np.ascontiguousarray(pixels.T)
     for matrix in image_to_reference:
-        points = pixels @ matrix[:3, :2].T + matrix[:3, 3]
-        np.minimum(least, points.min(axis=0), out=least)
-        np.maximum(most, points.max(axis=0), out=most)
+        points = matrix[:3, :2] @ along + matrix[:3, 3, None]
+        np.minimum(least, points.min(axis=1), out=least)
+        np.maximum(most, points.max(axis=1), out=most)
     extent = most - least
     spacing = _fitted(spacing, extent) if fits_spacing else spacing
     voxels = np.floor(extent / np.asarray(spacing) + (0.5 + TIE_TOLERANCE)) + 1

@@ -140,8 +140,8 @@ class ImageRegion:
 def extreme_pixels(mask: Mask) -> Floats:
     """The first and last kept pixel of every row, (n, 2) float64 (column, row): their hull is the hull of all kept pixels."""
     rows = np.flatnonzero(mask.any(axis=1))
-    first = mask[rows].argmax(axis=1)
-    last = mask.shape[1] - 1 - mask[rows, ::-1].argmax(axis=1)
+    first = mask.argmax(axis=1)[rows]
+    last = mask.shape[1] - 1 - mask[:, ::-1].argmax(axis=1)[rows]
     pixels: Floats = np.concatenate([np.stack([first, rows], axis=1), np.stack([last, rows], axis=1)]).astype(np.float64)
     return pixels
 
