@@ -15,7 +15,7 @@ from .compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_o
 from .compounding.finishing.results import Results, bytes_of_results
 from .compounding.image_format import ImageKind
 from .compounding.intake import require_kinds
-from .compounding.needs import needs_beams, needs_bone
+from .compounding.needs import bone_on_grid, needs_beams, needs_bone
 from .compounding.own.method import own_method
 from .compounding.reconstructor import BESIDE_BONE, FrameCounts, Reconstructor
 from .compounding.splat_engine import uses_shares
@@ -96,7 +96,7 @@ def _prepare(
         )
     uses_beams, uses_bone = needs_beams(method, settings), needs_bone(method, settings)
     imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, region, probe)
-    costs = _costs(settings, method, parts, uses_bone, sequence.images.dtype, beside)
+    costs = _costs(settings, method, parts, sequence.images.dtype, beside)
     if grid is None and parts.grid is not None and image_to_reference is None and reference is None:
         grid = parts.grid
     if grid is None:
@@ -108,13 +108,11 @@ def _prepare(
     return _Prepared(settings, parts, poses, order, chosen, imaging, uses_bone, grid, costs)
 
 
-def _costs(
-    settings: ReconstructionSettings, method: str, parts: ReconstructorParts, uses_bone: bool, pixels: NumberType, beside: Collection[str]
-) -> Costs:
+def _costs(settings: ReconstructionSettings, method: str, parts: ReconstructorParts, pixels: NumberType, beside: Collection[str]) -> Costs:
     """What this takes per voxel, in one part and in several."""
     kind = ImageKind((1, 1), pixels)
     whole = kind.is_8_bit and depth_factor(settings) == 1.0
-    asked = method, uses_bone, settings.best_cosine, uses_shares(settings, parts.importance), whole
+    asked = method, bone_on_grid(method, settings), settings.best_cosine, uses_shares(settings, parts.importance), whole
     results = bytes_of_results(settings, parts.holes, kind.output_type(settings), beside)
     output = results - 1 - 4 * len({*beside} & {*BESIDE})
     own = own_method(method)

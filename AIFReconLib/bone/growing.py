@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import product
+from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import Integers, Matrix, Numbers
 from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress
-from .map import BoneMap, BoneOnGrid, Box
+from .map import BoneMap, Box
+from .placed.on_grid import BoneOnGrid
 from .seen import BoneDrawing, Said, SeenBone, cubes_over
 
 MOST_KEPT, AT_A_TIME = 500, 8
@@ -40,6 +42,7 @@ class GrowingBone(BoneMap):
     known so far, and nothing waits.
     """
 
+    grows: ClassVar[bool] = True
     probability: Volume = field(default_factory=lambda: Volume(np.zeros((1, 1, 1), np.float32), np.eye(4)))
     _now: list[tuple[VoxelGrid, BoneOnGrid]] = field(default_factory=list)
     _drawn: list[tuple[VoxelGrid, BoneDrawing]] = field(default_factory=list)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +19,9 @@ from ..geometry.volume import Volume, VoxelGrid, as_volume
 from ..machine.threads import in_parts, optional_module, usable_cores
 from ..message import Described, listed
 from ..progress import Progress, part, report
+from .placed.at_voxels import BoneAtVoxels, interpolated, normalize
+from .placed.on_grid import BoneOnGrid
+from .placed.placement import PARTS, Placement
 
 SIGMA_VOXELS = 10.0
 """Smoothing of the probability map in the paper, in voxels of the labels."""
@@ -27,42 +31,10 @@ SURFACE_SIGMA = 2.0
 
 DIRECTIONS = ("gradient", "surface")
 
-SHORTEST = 1e-30
-"""Length below which a gradient has no direction: its components would lose digits in float32."""
-
 GAUSSIAN_REACH = 4.0
 """Where scipy cuts a Gaussian off, in sigmas."""
 
-PARTS = 32
-"""Parts that filters and sampling are split into for several threads; always as many, so that results depend on no machine."""
-
 Box = tuple[slice, slice, slice]
-
-
-@dataclass(frozen=True, eq=False)
-class BoneOnGrid:
-    """A bone map sampled on the grid of a reconstruction: what the engines read.
-
-    Parameters
-    ----------
-    probability : [k, j, i] float32 array, 0 to 1
-    directions_reference : [k, j, i, 3] float32 array, unit vectors or zero
-        Where bone faces away from the sound, in Reference: along the beam on the near side of a surface.
-    map_probability : [k, j, i] float32 array, 0 to 1
-        The probability in the map's own voxels: what a frame asks for that leaves the grid, or the part of it that is reconstructed.
-    ijk_to_map : (4, 4) array
-        From the voxels of the whole grid to those of the map.
-    """
-
-    probability: Singles
-    directions_reference: Singles
-    map_probability: Singles
-    ijk_to_map: Matrix
-
-    @property
-    def overlaps(self) -> bool:
-        """Whether there is any bone on the grid at all."""
-        return bool(self.probability.any())
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -86,6 +58,8 @@ class BoneMap(Described):
     probability: Volume
     inside: Volume | None = None
     notes: tuple[str, ...] = ()
+    grows: ClassVar[bool] = False
+    """Whether it is told more while it is read, and then has to lie on the grid of the reconstruction."""
 
     def _facts(self) -> list[tuple[str, str]]:
         known = "probability" if self.inside is None else f"probability and {np.count_nonzero(self.inside.array):,} voxels of bone"
@@ -186,10 +160,37 @@ class BoneMap(Described):
         volume = Volume(array, probability.ijk_to_reference)
         return cls(volume if probability_to_reference is None else volume.placed_by(probability_to_reference))
 
-    def _slope(self, potential: Numbers, axis: int) -> Singles:
-        """How what V_dir is the gradient of rises along an axis (0: i) of the map, [k, j, i]."""
-        slope: Singles = ndimage.sobel(potential, axis=2 - axis, mode="nearest")
-        return slope
+    def _slopes(self) -> Singles | None:
+        """V_dir along i, j, k of the map, (3, k, j, i), where it is not the Sobel gradient of `_potential`."""
+        return None
+
+    def _potential(self, direction: str) -> Numbers:
+        """What V_dir is the gradient of, on the map's voxels."""
+        if direction == "gradient":
+            return self.probability.array
+        bone = self.inside.array if self.inside is not None else self.probability.array > 0.5
+        return _smoothed(bone.astype(np.float32), SURFACE_SIGMA / self.probability.grid.spacing[::-1])
+
+    def _to_reference(self) -> Singles:
+        """What takes slopes along the map's axes to mm in Reference, (3, 3)."""
+        return np.linalg.inv(self.probability.ijk_to_reference[:3, :3]).T.astype(np.float32)
+
+    def at_voxels(
+        self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None, planes: tuple[int, int] | None = None
+    ) -> BoneAtVoxels:
+        """The map, to be read at some voxels of a reconstruction: what `on_grid` has there, without the work and the memory for all others.
+
+        Arguments as in `on_grid`.
+        """
+        _require_known(direction)
+        report(progress, 0.0, "Placing the bone map")
+        slopes, array = self._slopes(), np.ascontiguousarray(self.probability.array, np.float32)
+        potential = array if slopes is not None or direction == "gradient" else np.ascontiguousarray(self._potential(direction), np.float32)
+        placement = Placement.of(self.probability.grid, grid, planes or (0, grid.shape[0]))
+        ijk_to_map = self.probability.grid.reference_to_ijk @ grid.ijk_to_reference
+        placed = BoneAtVoxels(array, ijk_to_map, potential, slopes, self._to_reference(), placement)
+        report(progress, 1.0, "Placed the bone map")
+        return placed
 
     def on_grid(
         self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None, planes: tuple[int, int] | None = None
@@ -210,25 +211,19 @@ class BoneMap(Described):
         V_dir is scipy's Sobel (mode "nearest") along x, y, z in the map's own geometry, taken to mm in Reference as a covector
         (the inverse transpose of the matrix), interpolated linearly to the grid and normalized; zero where there is no gradient.
         """
-        if direction not in DIRECTIONS:
-            raise GeometryError(
-                "Input direction must be {directions}; got {direction!r}.", directions=listed(DIRECTIONS, " or "), direction=direction
-            )
+        _require_known(direction)
         first, stop = planes or (0, grid.shape[0])
         sample = _sampler(self.probability, grid, first, stop)
         report(progress, 0.0, "Placing the bone map")
         probability = sample(self.probability.array, part(progress, 0.0, 0.2))
-        potential = self.probability.array
-        if direction == "surface":
-            bone = self.inside.array if self.inside is not None else self.probability.array > 0.5
-            sigma_kji = SURFACE_SIGMA / self.probability.grid.spacing[::-1]
-            potential = _smoothed(bone.astype(np.float32), sigma_kji)
+        potential = self._potential(direction)
         report(progress, 0.3, "Placing the bone map")
-        to_reference = np.linalg.inv(self.probability.ijk_to_reference[:3, :3]).T.astype(np.float32)
+        to_reference, slopes = self._to_reference(), self._slopes()
         directions = np.zeros((*probability.shape, 3), dtype=np.float32)
         for axis in range(3):
             begun = 0.3 + 0.2 * axis
-            slope = sample(self._slope(potential, axis), part(progress, begun, begun + 0.1))
+            rise = ndimage.sobel(potential, axis=2 - axis, mode="nearest") if slopes is None else slopes[axis]
+            slope = sample(rise, part(progress, begun, begun + 0.1))
 
             def turn(k: int, axis: int = axis, slope: Singles = slope) -> None:
                 rows = _not_empty(slope[k])
@@ -240,6 +235,13 @@ class BoneMap(Described):
         report(progress, 1.0, "Placed the bone map")
         ijk_to_map = self.probability.grid.reference_to_ijk @ grid.ijk_to_reference
         return BoneOnGrid(probability, directions, np.asarray(self.probability.array, np.float32), ijk_to_map)
+
+
+def _require_known(direction: str) -> None:
+    if direction not in DIRECTIONS:
+        raise GeometryError(
+            "Input direction must be {directions}; got {direction!r}.", directions=listed(DIRECTIONS, " or "), direction=direction
+        )
 
 
 def _smoothed(array: Singles, sigma_kji: Floats) -> Singles:
@@ -269,15 +271,10 @@ def _sobel_magnitude(array: Singles) -> Singles:
 def _normalize(vectors: Singles, progress: Progress | None = None) -> None:
     """Scale vectors [k, j, i, 3] to unit length in place, slab by slab; vectors too short to have a direction become zero."""
 
-    def normalize(k: int) -> None:
-        slab = vectors[k, _not_empty(vectors[k].reshape(vectors.shape[1], -1))]
-        length = np.sqrt(np.einsum("jic,jic->ji", slab, slab, dtype=np.float64))
-        too_short = length < SHORTEST
-        length[too_short] = 1.0
-        slab /= length[..., None].astype(np.float32)
-        slab[too_short] = 0.0
+    def normalize_slab(k: int) -> None:
+        normalize(vectors[k, _not_empty(vectors[k].reshape(vectors.shape[1], -1))])
 
-    in_parts(normalize, len(vectors), usable_cores(), progress, "Placing the bone map")
+    in_parts(normalize_slab, len(vectors), usable_cores(), progress, "Placing the bone map")
 
 
 def _not_empty(plane: Singles) -> slice:
@@ -309,60 +306,27 @@ def _sampler(source: Volume, grid: VoxelGrid, first_plane: int, stop_plane: int)
     """
     if source.grid.matches(grid):
         return lambda array, _progress: array[first_plane:stop_plane].astype(np.float32)
-    to_source = source.grid.reference_to_ijk @ grid.ijk_to_reference
-    box = _overlap(to_source, grid, source.grid)
+    place = Placement.of(source.grid, grid, (first_plane, stop_plane))
     # The same voxels with and without it
     fast = optional_module("AIFReconLib.bone.numba_map")
 
     def sample(array: Numbers, progress: Progress | None) -> Singles:
-        result = np.zeros((stop_plane - first_plane, *grid.shape[1:]), dtype=np.float32)
-        if box is not None:
-            matrix = np.ascontiguousarray(to_source[2::-1, 2::-1])
-            offset = to_source[2::-1, 3] + matrix @ [s.start for s in box]
-            planes = box[0].stop - box[0].start
-            edges = np.linspace(0, planes, min(PARTS, planes) + 1).astype(int)
+        result = np.zeros(place.shape, dtype=np.float32)
+        first, stop = place.planes
+        edges = np.linspace(first, stop, min(PARTS, stop - first) + 1).astype(int)
 
-            def sample_slab(part: int) -> None:
-                # The places of voxels are counted from the first of their slab, whichever planes are wanted: so they round alike
-                low, high = (box[0].start + int(edges[n]) for n in (part, part + 1))
-                first, stop = max(low, first_plane), min(high, stop_plane)
-                if first >= stop:
-                    return
-                start = offset + matrix[:, 0] * edges[part]
-                if fast is not None and array.dtype == np.float32 and array.flags.c_contiguous:
-                    begins = (first - first_plane, box[1].start, box[2].start)
-                    ends = (stop - first_plane, box[1].stop, box[2].stop)
-                    fast.sample_linearly(array, matrix, start, result, begins, ends, first - low)
-                    return
-                slab = np.empty((high - low, box[1].stop - box[1].start, box[2].stop - box[2].start), np.float32)
-                ndimage.affine_transform(
-                    array,
-                    matrix,
-                    start,
-                    output=slab,
-                    output_shape=slab.shape,
-                    order=1,
-                    # "constant" would drop voxels on the very border, which rounding puts a hair outside
-                    mode="grid-constant",
-                    prefilter=False,
-                )
-                result[first - first_plane : stop - first_plane, box[1], box[2]] = slab[first - low : stop - low]
+        def sample_slab(part: int) -> None:
+            low, high = int(edges[part]), int(edges[part + 1])
+            if fast is not None and array.dtype == np.float32 and array.flags.c_contiguous:
+                begins, ends = (low, place.rows[0], place.columns[0]), (high, place.rows[1], place.columns[1])
+                fast.sample_linearly(array, place.matrix, place.starts, result, begins, ends)
+                return
+            j, i = np.arange(*place.rows)[:, None], np.arange(*place.columns)
+            for k in range(low, high):
+                result[k, slice(*place.rows), slice(*place.columns)] = interpolated(array, place.places(np.array(k), j, i))
 
+        if stop > first:
             in_parts(sample_slab, len(edges) - 1, usable_cores(), progress, "Placing the bone map")
         return result
 
     return sample
-
-
-def _overlap(to_source: Matrix, grid: VoxelGrid, source: VoxelGrid) -> Box | None:
-    """The box [k, j, i] of the grid outside of which the source and its rim of zeros have no voxel; None when they do not meet."""
-    to_grid = np.linalg.inv(to_source)
-    near, far = (-1, -1, -1), source.size
-    corners = np.array([(i, j, k) for k in (near[2], far[2]) for j in (near[1], far[1]) for i in (near[0], far[0])], dtype=np.float64)
-    ijk = corners @ to_grid[:3, :3].T + to_grid[:3, 3]
-    first = np.maximum(np.floor(ijk.min(axis=0)).astype(int) - 1, 0)
-    stop = np.minimum(np.ceil(ijk.max(axis=0)).astype(int) + 2, grid.size)
-    if (first >= stop).any():
-        return None
-    k, j, i = (slice(int(a), int(b)) for a, b in zip(first[::-1], stop[::-1], strict=True))
-    return k, j, i

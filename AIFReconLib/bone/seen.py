@@ -170,8 +170,8 @@ class SeenBone(BoneMap):
 
     slopes: Singles | None = None
 
-    def _slope(self, potential: Numbers, axis: int) -> Singles:
-        return super()._slope(potential, axis) if self.slopes is None else self.slopes[axis]
+    def _slopes(self) -> Singles | None:
+        return self.slopes
 
 
 class BoneDrawing:

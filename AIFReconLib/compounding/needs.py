@@ -25,6 +25,11 @@ def needs_bone(name: str, settings: ReconstructionSettings) -> bool:
     return method_needs_bone(name) or settings.best_cosine
 
 
+def bone_on_grid(name: str, settings: ReconstructionSettings, grows: bool = False) -> bool:
+    """Whether the bone map is kept on every voxel: read wherever a pixel enters, not just where frames show bone, or one that `grows`."""
+    return needs_bone(name, settings) and (grows or settings.best_cosine or name != "weighted")
+
+
 def judges_shadows(name: str) -> bool:
     """Whether a method looks for shadows in each frame."""
     method = own_method(name)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Integers, Singles
-from ..bone.map import BoneOnGrid
+from ..bone.placed.on_grid import PlacedBone, everywhere
 from ..settings import ReconstructionSettings
 from . import rules
 from .batch import FrameBatch
@@ -91,9 +91,9 @@ class FrameBeams(NamedTuple):
         return FrameBeams(self.x[pixels], self.y[pixels], self.x_axis, self.y_axis)
 
 
-def cosine_at(directions: Singles, voxels: Integers, beams: FrameBeams) -> Singles:
-    """Cosine of incidence of pixels in `voxels` (m,) of a bone map's `directions` (voxels, 3), (m,)."""
-    x, y, z = directions[voxels].T
+def cosine_of(directions: Singles, beams: FrameBeams) -> Singles:
+    """Cosine of incidence of pixels in voxels with these `directions` (m, 3) of bone, (m,)."""
+    x, y, z = directions.T
     return rules.cosine_of_incidence(beams.x, beams.y, rules.facing(x, y, z, beams.x_axis), rules.facing(x, y, z, beams.y_axis))
 
 
@@ -107,7 +107,7 @@ class NumpyEngine:
     settings : ReconstructionSettings
     maximum : float
         Brightest value an image can hold.
-    bone : BoneOnGrid or None
+    bone : PlacedBone or None
     threads : None
         For the sake of the other engine: this one works on the caller's thread.
     planes : (first, stop) or None
@@ -123,7 +123,7 @@ class NumpyEngine:
         grid_size: tuple[int, int, int],
         settings: ReconstructionSettings,
         maximum: float,
-        bone: BoneOnGrid | None,
+        bone: PlacedBone | None,
         threads: int | None = None,
         planes: tuple[int, int] | None = None,
     ):
@@ -133,8 +133,7 @@ class NumpyEngine:
         self._alpha, self._beta = np.float32(settings.alpha), np.float32(settings.beta)
         self._floor, self._gain = np.float32(settings.weight_floor), np.float32(settings.bone_gain)
         self._bone = bone
-        self._probability = NOTHING if bone is None else bone.probability.reshape(-1)
-        self._directions = NOTHING if bone is None else bone.directions_reference.reshape(-1, 3)
+        self._probability, self._directions = everywhere(bone)
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
         """Put frames into the volume.
@@ -167,7 +166,7 @@ class NumpyEngine:
         values, beams = all_values[chosen], FrameBeams.of(layout, chosen, batch.axes[place])
         state, method = self.state, self.state.method
         if state.cosine is not None:
-            np.maximum.at(state.cosine, voxels, cosine_at(self._directions, voxels, beams))
+            np.maximum.at(state.cosine, voxels, cosine_of(self._directions[voxels], beams))
         if state.packed:
             np.add.at(state.value, voxels, values.astype(np.uint32) + np.uint32(HIT))
             return entered
@@ -179,7 +178,7 @@ class NumpyEngine:
                 raise ValueError("Input scan_lines and bone must be given for method weighted; got None.")
             expected = scan_lines.expected(self._bone.map_probability, self._bone.ijk_to_map @ batch.image_to_ijk[place])
             evidence = scan_lines.evidence(all_values, float(self._maximum), expected)
-            self._insert_weighted(values, voxels, beams, evidence.reach[chosen], evidence.onset[chosen])
+            self._insert_weighted(values, voxels, beams, evidence.reach[chosen], evidence.onset[chosen], self._bone)
         elif method == "average":
             np.add.at(state.value, voxels, values.astype(np.float64))
         elif method == "latest":
@@ -188,13 +187,15 @@ class NumpyEngine:
             np.maximum.at(state.value, voxels, values.astype(state.value.dtype, copy=False))
         return entered
 
-    def _insert_weighted(self, values: Singles, voxels: Integers, beams: FrameBeams, reach: Singles, onset: Singles) -> None:
+    def _insert_weighted(
+        self, values: Singles, voxels: Integers, beams: FrameBeams, reach: Singles, onset: Singles, bone: PlacedBone
+    ) -> None:
         """The weighted sum. Where no shadow begins, as nearly everywhere, its gate is closed: the bone map is not looked at."""
         weight, value = self._floor * reach, np.minimum(values, self._maximum)
         begins = np.flatnonzero(onset > 0)
-        at = voxels[begins]
-        gate = rules.weighted_gate(onset[begins], self._probability[at])
-        cosine = cosine_at(self._directions, at, beams.of_pixels(begins))
+        probability, directions = bone.at(voxels[begins])
+        gate = rules.weighted_gate(onset[begins], probability)
+        cosine = cosine_of(directions, beams.of_pixels(begins))
         weight[begins] = rules.weighted_weight(gate, reach[begins], self._floor)
         value[begins] = rules.weighted_value(values[begins], gate, cosine, self._gain, self._beta, self._maximum)
         value *= weight

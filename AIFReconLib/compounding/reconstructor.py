@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Reals
-from ..bone.map import BoneMap, BoneOnGrid
+from ..bone.map import BoneMap
+from ..bone.placed.on_grid import PlacedBone
 from ..errors import BeamGeometryError, require_kind
 from ..geometry.volume import VoxelGrid
 from ..holes.filling import HoleFilling
@@ -31,7 +32,7 @@ from .finishing.results import Results
 from .image_format import ImageKind
 from .intake import OUTSIDE, Intake, require_kinds
 from .layout import most_in_a_voxel
-from .needs import judges_shadows, needs_beams, require_bone
+from .needs import bone_on_grid, judges_shadows, needs_beams, require_bone
 from .numpy_engine import NumpyEngine
 from .own.engine import OwnMethodEngine
 from .own.method import own_method
@@ -191,7 +192,8 @@ class Reconstructor:
             self.notes.append(Message("A sector's speed of sound is corrected for by the slower numpy engine. The voxels are the same."))
         self._threads = threads
         # Of 8-bit images, which take the least: what others take is known when the first has come
-        kind = self.method, uses_bone, self.settings.best_cosine, self._shares, True
+        self._on_grid = bone_on_grid(self.method, self.settings, bone is not None and bone.grows)
+        kind = self.method, self._on_grid, self.settings.best_cosine, self._shares, True
         require_memory(self._size_of_part(), grid.spacing, part_bytes(*kind) if planes else bytes_per_voxel(*kind, beside, 1))
         self._bone = self._place_bone(bone, progress) if bone is not None and uses_bone else None
         self._state: VoxelState | None = self._empty_state(whole=True)
@@ -284,8 +286,9 @@ class Reconstructor:
         wanted = self._images.output_type(self.settings) if self._images else self.settings.output_type
         return Results(self.grid, self.settings, wanted, self._beside, self._holes, self._threads)
 
-    def _place_bone(self, bone: BoneMap, progress: Progress | None) -> BoneOnGrid:
-        placed = bone.on_grid(self.grid, self.settings.bone_direction, progress, self._part)
+    def _place_bone(self, bone: BoneMap, progress: Progress | None) -> PlacedBone:
+        place = bone.on_grid if self._on_grid else bone.at_voxels
+        placed = place(self.grid, self.settings.bone_direction, progress, self._part)
         self.notes += bone.notes
         if not placed.overlaps:
             self.notes.append(BESIDE_BONE)

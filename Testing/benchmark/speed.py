@@ -22,6 +22,7 @@ import numpy as np
 from AIFReconLib import __version__
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.commands.benchmark import busy_share, fan_sweep, machine, slab_of_bone
+from AIFReconLib.compounding.needs import bone_on_grid
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import bytes_per_voxel
 from AIFReconLib.geometry.volume import VoxelGrid
@@ -192,7 +193,8 @@ def _method_job(
     """Inserting a sweep into a volume that is there already, with its bone map."""
     settings = ReconstructionSettings(method=method, engine=engine, interpolation="linear" if linear else "nearest")
     reconstructor = Reconstructor(grid, settings, bone if method in BONE_METHODS else None, probe=PROBE, threads=threads)
-    cost = bytes_per_voxel(method, method in BONE_METHODS, best_cosine=False, shares=linear, whole=True, beside=(), output=1)
+    on_grid = bone_on_grid(method, settings)
+    cost = bytes_per_voxel(method, on_grid, best_cosine=False, shares=linear, whole=True, beside=(), output=1)
     what = f"{method}, linear interpolation" if linear else method
     return lambda: reconstructor.insert(sweep), Timing(what, engine, threads, spacing, 0.0, bytes_per_voxel=cost), len(sweep)
 

@@ -32,11 +32,11 @@ AifFactors = tuple[np.float32, np.float32, np.float32, bool]
 WeightedFactors = tuple[np.float32, np.float32, np.float32, np.float32]
 """floor, gain, beta and maximum."""
 
-Evidence = tuple[Singles, NDArray[np.uint32], Singles, NDArray[np.int64]]
+Evidence = tuple[Singles, NDArray[np.uint32], Singles, Singles, Singles, NDArray[np.int64]]
 """What frames themselves tell.
 
-reach, begins, onset : (frames, n) arrays, the reach at the pixels, the pixels with an onset, rising, and the onset there;
-onsets : (frames,), how many pixels have one.
+reach, begins, onset, expected, cosine : (frames, n) arrays, the reach at the pixels; the pixels with an onset, rising, and there the
+onset, the probability of bone and the cosine of incidence; onsets : (frames,), how many pixels have one.
 """
 
 SplatFrames = tuple[Numbers, Matrix, Integers, Integers, Integers]

@@ -9,12 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Floats, Integers, Numbers, Singles
-from ...bone.map import BoneOnGrid
+from ...bone.placed.on_grid import PlacedBone, everywhere
 from ...machine.threads import checked_threads, in_parts
 from ...settings import ReconstructionSettings
 from ..batch import BATCH_FRAMES, FrameBatch
 from ..evidence import ScanLines
 from ..layout import PixelLayout
+from ..numpy_engine import FrameBeams, cosine_of
 from ..state import VoxelState
 from .groups import Evidence
 from .numba_evidence import FrameJudge
@@ -36,7 +37,7 @@ class NumbaEngine:
     settings : ReconstructionSettings
     maximum : float
         Brightest value an image can hold.
-    bone : BoneOnGrid or None
+    bone : PlacedBone or None
     threads : int or None
         How many to use; by default NUMBA_NUM_THREADS of the environment, else every core.
     planes : (first, stop) or None
@@ -57,12 +58,13 @@ class NumbaEngine:
         grid_size: tuple[int, int, int],
         settings: ReconstructionSettings,
         maximum: float,
-        bone: BoneOnGrid | None,
+        bone: PlacedBone | None,
         threads: int | None = None,
         planes: tuple[int, int] | None = None,
     ):
         self.state = state
         self.threads = checked_threads(threads)
+        self._grid_size, self._planes = grid_size, planes
         first, stop = (0, grid_size[2]) if planes is None else planes
         self._bounds = np.array([(0, 0, first), (*grid_size[:2], stop)], dtype=np.float64)
         self._maximum = float(maximum)
@@ -72,8 +74,7 @@ class NumbaEngine:
         self._weighted_factors = (floor, gain, np.float32(settings.beta), np.float32(maximum))
         self._judge: FrameJudge | None = None
         self._bone = bone
-        self._probability = NOTHING if bone is None else bone.probability.reshape(-1)
-        self._directions = NOTHING if bone is None else bone.directions_reference.reshape(-1, 3)
+        self._probability, self._directions = everywhere(bone)
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
         """Put frames into the volume.
@@ -111,14 +112,14 @@ class NumbaEngine:
         voxels = state.value, state.hits, NOTHING if state.weight is None else state.weight
         beam_x, beam_y = NOTHING if layout.beam_x is None else layout.beam_x, NOTHING if layout.beam_y is None else layout.beam_y
         bone = self._probability, self._directions, axes, beam_x, beam_y
-        evidence = self._judged(scan_lines, images, matrices) if method == "weighted" else None
+        evidence = self._judged(scan_lines, images, matrices, axes, layout) if method == "weighted" else None
 
         def put(part: int) -> None:
             slab = axis, int(edges[part]), int(edges[part + 1])
             if state.cosine is not None:
                 insert_cosine(where, slab, state.cosine, bone)
             if evidence is not None:
-                insert_weighted(where, slab, voxels, bone, self._weighted_factors, evidence, entered[part])
+                insert_weighted(where, slab, voxels, self._weighted_factors, evidence, entered[part])
             elif method in PLAIN_RULES:
                 insert_plain(PACKED if state.packed else PLAIN_RULES[method], where, slab, voxels, entered[part])
             else:
@@ -127,15 +128,22 @@ class NumbaEngine:
         in_parts(put, len(edges) - 1, self.threads)
         return [int(n) for n in entered.sum(axis=0)]
 
-    def _judged(self, scan_lines: ScanLines | None, images: Numbers, matrices: Floats) -> Evidence:
-        """What the frames themselves tell, of what the CT expects in them."""
+    def _judged(self, scan_lines: ScanLines | None, images: Numbers, matrices: Floats, axes: Singles, layout: PixelLayout) -> Evidence:
+        """What the frames themselves tell, of what the CT expects in them, and the CT where they show bone."""
         bone = self._bone
         if scan_lines is None or bone is None:
             raise ValueError("Input scan_lines and bone must be given for method weighted; got None.")
         judge = self._frame_judge(scan_lines, images)
 
         def judge_frame(frame: int) -> None:
-            judge.judge(images[frame], frame, scan_lines.expected(bone.map_probability, bone.ijk_to_map @ matrices[frame]))
+            matrix = matrices[frame]
+            begins = judge.judge(images[frame], frame, scan_lines.expected(bone.map_probability, bone.ijk_to_map @ matrix))
+            if not begins.size:
+                return
+            entered, voxels = layout.voxels_of(begins, matrix, self._grid_size, self._planes)
+            probability, directions = bone.at(voxels)
+            beams = FrameBeams.of(layout, begins[entered], axes[frame])
+            judge.keep(frame, entered, probability, cosine_of(directions, beams))
 
         in_parts(judge_frame, len(images), self.threads)
         return judge.evidence(len(images))

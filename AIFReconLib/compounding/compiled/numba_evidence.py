@@ -271,13 +271,14 @@ class FrameJudge:
         self.scan_lines = scan_lines
         self._dtype, self._scales = dtype, scan_lines.scales(maximum)
         self._reach, self._onset = np.empty((2, places, scan_lines.sample_of_pixel.size), np.float32)
+        self._expected, self._cosine = np.empty((2, *self._reach.shape), np.float32)
         self._begins, self._onsets = np.empty(self._reach.shape, np.uint32), np.zeros(places, np.int64)
         self._rooms: list[Room] = []
 
-    def judge(self, image: Numbers, frame: int, expected: Singles) -> None:
+    def judge(self, image: Numbers, frame: int, expected: Singles) -> NDArray[np.uint32]:
         """Judge the image that comes as number `frame` of those that are kept; `expected` is what `ScanLines` returns by that name.
 
-        Threads may do so at the same time.
+        Threads may do so at the same time. Returns the numbers of the pixels that have an onset, (onsets,).
         """
         lines = self.scan_lines
         try:
@@ -290,9 +291,17 @@ class FrameJudge:
         lengths = lines.taps, lines.depth, lines.crest, lines.pace, lines.paces
         results = self._reach[frame], self._begins[frame], self._onset[frame]
         by_ct = expected, lines.expected_of_line
-        self._onsets[frame] = judge(image, places, by_ct, lengths, self._scales, self._dtype == np.uint8, room, results)
+        onsets = judge(image, places, by_ct, lengths, self._scales, self._dtype == np.uint8, room, results)
         self._rooms.append(room)
+        self._onsets[frame] = onsets
+        return self._begins[frame, :onsets]
+
+    def keep(self, frame: int, positions: Integers, expected: Singles, cosine: Singles) -> None:
+        """Keep what is known of those of the pixels with an onset at `positions` (m,): the CT's word, and the cosine of incidence."""
+        self._expected[frame, positions], self._cosine[frame, positions] = expected, cosine
 
     def evidence(self, frames: int) -> Evidence:
-        """Reach, pixels with an onset, and onset (see `judge`), (frames, n), and how many onsets, of the first frames."""
-        return self._reach[:frames], self._begins[:frames], self._onset[:frames], self._onsets[:frames]
+        """What was found (see `judge`) and kept, (frames, n), and how many onsets, of the first frames."""
+        known = self._reach, self._begins, self._onset, self._expected, self._cosine, self._onsets
+        reach, begins, onset, expected, cosine, onsets = (array[:frames] for array in known)
+        return reach, begins, onset, expected, cosine, onsets

@@ -312,25 +312,21 @@ def first_from(numbers: Integers, frame: int, count: int, least: Whole) -> int:
 
 
 @compiled
-def insert_weighted(
-    frames: Frames, slab: Slab, state: Voxels, bone: Bone, factors: WeightedFactors, evidence: Evidence, entered: Integers
-) -> None:
+def insert_weighted(frames: Frames, slab: Slab, state: Voxels, factors: WeightedFactors, evidence: Evidence, entered: Integers) -> None:
     """The weighted sum. Arguments as in `insert_plain`, and those that have their own types.
 
     Notes
     -----
-    Without an onset, as nearly everywhere, the weight is floor R and the value is the pixel: the bone map is not looked at.
+    Without an onset, as nearly everywhere, the weight is floor R and the value is the pixel.
     """
     images, matrices, pieces, spans, bounds = frames
     value, hits, weight = state
-    probability, directions, axes, beam_x, beam_y = bone
     floor, gain, beta, maximum = factors
-    reach, begins, onset, onsets = evidence
+    reach, begins, onset, expected, cosine, onsets = evidence
     columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)
     width = images.shape[2]
     weights, raised = np.empty(width, np.float32), np.empty(width, np.float32)
     for frame in range(images.shape[0]):
-        xx, xy, xz, yx, yy, yz = axes[frame]
         for piece in range(pieces.shape[0]):
             if misses(spans, frame, piece, slab):
                 continue
@@ -340,7 +336,7 @@ def insert_weighted(
             row, count = pieces[piece, ROW], high - low
             number_voxels(matrices[frame], row, columns[low:high], bounds, voxels)
             beam = pieces[piece, OFFSET] + low - pieces[piece, START]
-            along_x, along_y, pixels = beam_x[beam : beam + count], beam_y[beam : beam + count], images[frame, row, low:high]
+            pixels = images[frame, row, low:high]
             reached = reach[frame, beam : beam + count]
             for n in range(count):
                 weights[n] = floor * reached[n]
@@ -351,16 +347,14 @@ def insert_weighted(
                 n = np.int64(begins[frame, place]) - beam
                 if n >= count:
                     break
-                voxel, pixel = voxels[n], np.float32(pixels[n])
-                gate = (onset[frame, place] * probability[voxel]) * probability[voxel]
+                pixel, probability = np.float32(pixels[n]), expected[frame, place]
+                gate = (onset[frame, place] * probability) * probability
                 w = (floor + gate) * reached[n]
                 if gate > ZERO:
-                    x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
-                    facing_x, facing_y = (x * xx + y * xy) + z * xz, (x * yx + y * yy) + z * yz
-                    cosine = limited_cosine(along_x[n], along_y[n], facing_x, facing_y)
-                    inverse = ONE / (cosine if cosine > beta else beta)
+                    facing = cosine[frame, place]
+                    inverse = ONE / (facing if facing > beta else beta)
                     inverse = inverse if inverse < LARGEST_COMPENSATION else LARGEST_COMPENSATION
-                    pixel *= ONE + (gain * gate) * (inverse if cosine > beta else ONE)
+                    pixel *= ONE + (gain * gate) * (inverse if facing > beta else ONE)
                 weights[n] = w
                 raised[n] = w * (pixel if pixel < maximum else maximum)
             next_pixel = np.uint32(0)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Integers, Singles
-from ...bone.map import BoneOnGrid
+from ...bone.placed.on_grid import PlacedBone
 from ..batch import FrameBatch
 from ..evidence import FrameEvidence, ScanLines
 from ..layout import PixelLayout
-from ..numpy_engine import FrameBeams, cosine_at
+from ..numpy_engine import FrameBeams, cosine_of
 from ..state import VoxelState
 from .method import Method
 
@@ -25,7 +25,7 @@ class OwnMethodEngine:
     method : Method
     maximum : float
         Brightest value an image can hold, which shadows are judged by.
-    bone : BoneOnGrid or None
+    bone : PlacedBone or None
         Needed by a method that looks at bone, and where the state keeps the best cosine.
     planes : (first, stop) or None
         The part of the grid that the state is of, and the bone; by default all of it, which a method that looks at bone needs.
@@ -40,7 +40,7 @@ class OwnMethodEngine:
         grid_size: tuple[int, int, int],
         method: Method,
         maximum: float,
-        bone: BoneOnGrid | None,
+        bone: PlacedBone | None,
         planes: tuple[int, int] | None = None,
     ):
         self.state = state
@@ -106,8 +106,8 @@ class _Frame:
         maximum: float,
         pixels: Integers,
         voxels: Integers,
-        bone: BoneOnGrid | None,
-        expected: BoneOnGrid | None,
+        bone: PlacedBone | None,
+        expected: PlacedBone | None,
     ):
         self._image, self._axes, self._layout = batch.images[place], batch.axes[place], layout
         self._scan_lines, self._maximum, self._image_to_ijk = scan_lines, maximum, batch.image_to_ijk[place]
@@ -121,7 +121,7 @@ class _Frame:
         if name == "cosine":
             return self._in_volume(self.cosine)
         if name == "probability":
-            return self._in_volume(self._bone_map.probability.reshape(-1)[self._voxels])
+            return self._in_volume(self._bone_map.at(self._voxels)[0])
         if self._evidence is None:
             if self._scan_lines is None:
                 raise ValueError("Input scan_lines must be given for a method that looks at shadows; got None.")
@@ -134,11 +134,11 @@ class _Frame:
     @property
     def cosine(self) -> Singles:
         """Cosine of incidence of the pixels in the volume, (m,)."""
-        directions = self._bone_map.directions_reference.reshape(-1, 3)
-        return cosine_at(directions, self._voxels, FrameBeams.of(self._layout, self._pixels, self._axes))
+        directions = self._bone_map.at(self._voxels)[1]
+        return cosine_of(directions, FrameBeams.of(self._layout, self._pixels, self._axes))
 
     @property
-    def _bone_map(self) -> BoneOnGrid:
+    def _bone_map(self) -> PlacedBone:
         if self._bone is None:
             raise ValueError("Input bone must be given for a method that looks at it; got None.")
         return self._bone

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...arrays import NumberType
 from ...bone.map import BoneMap
+from ...compounding.needs import bone_on_grid
 from ...compounding.reconstructor import Reconstructor
 from ...compounding.state import Reconstruction
 from ...geometry.volume import VoxelGrid
@@ -176,6 +177,12 @@ class Inserter:
         with self._changed:
             self._tasks.append(make)
             self._changed.notify_all()
+
+    @property
+    def bone_on_grid(self) -> bool:
+        """Whether the next volume keeps its bone map on every voxel."""
+        bone = self._bone
+        return bone_on_grid(self._settings.method_for(bone is not None), self._settings, bone is not None and bone.grows)
 
     def use_bone(self, bone: BoneMap | None) -> None:
         """The bone map of the next volume that is begun."""

@@ -108,7 +108,7 @@ class LiveSession:
         parts = reconstructor_parts(asked, self.settings, configuration, importance)
         self._fits_spacing = parts.fits_spacing
         self._method = self.settings.method_for(bone is not None)
-        self._uses_bone = require_bone(self._method, self.settings, bone is not None)
+        require_bone(self._method, self.settings, bone is not None)
         self._needs_probe = needs_beams(self._method, self.settings) or depth_factor(self.settings) != 1.0
         self._region, self._probe = region, probe
         self._imaging = known_imaging(configuration, self._needs_probe, region, probe)
@@ -198,7 +198,7 @@ class LiveSession:
         with self._lock:
             fits = self._fits_spacing and spacing is None
             settings = self.settings if spacing is None else replace(self.settings, spacing=spacing)
-            cost = bytes_per_voxel(self._method, self._uses_bone, self.settings.best_cosine, shares=True)
+            cost = bytes_per_voxel(self._method, self._inserter.bone_on_grid, self.settings.best_cosine, shares=True)
             return self._scouted.grid(self._find_imaging(self._scouted), settings, cost, margin, fits)
 
     def use_grid(self, grid: VoxelGrid) -> None:

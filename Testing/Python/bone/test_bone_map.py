@@ -14,6 +14,7 @@ from scipy import ndimage
 
 from AIFReconLib.bone import map as bone_module
 from AIFReconLib.bone.map import SURFACE_SIGMA, BoneMap
+from AIFReconLib.bone.placed import at_voxels as at_voxels_module
 from AIFReconLib.errors import GeometryError, OperationCanceled
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.machine.threads import optional_module
@@ -386,6 +387,61 @@ def test_a_map_has_the_same_voxels_with_and_without_numba(turn, spacing, shape, 
     np.testing.assert_array_equal(fast.directions_reference, plain.directions_reference)
 
 
+WITHOUT_NUMBA = pytest.param(True, id="scipy")
+
+
+@pytest.mark.parametrize("by_scipy", [pytest.param(False, marks=needs_numba, id="numba"), WITHOUT_NUMBA])
+@given(
+    turn=rigid_poses,
+    spacing=st.tuples(*[st.floats(0.2, 3.0)] * 3),
+    shape=st.tuples(*[st.integers(2, 9)] * 3),
+    size=st.tuples(*[st.integers(1, 14)] * 3),
+    part=st.tuples(st.integers(0, 13), st.integers(1, 14)),
+    direction=st.sampled_from(["gradient", "surface"]),
+    seed=st.integers(0, 1000),
+)
+@settings(max_examples=40, deadline=None)
+def test_a_map_says_the_same_at_some_voxels_as_on_all(by_scipy, turn, spacing, shape, size, part, direction, seed):
+    rng = np.random.default_rng(seed)
+    # With voxels where there is no bone
+    probability = np.maximum(rng.random(shape, dtype=np.float32) - np.float32(0.3), 0)
+    bone_map = BoneMap.from_probability(Volume(probability, scaled(1.0, 0.8, 1.3)))
+    placed = turn @ scaled(*spacing)
+    placed[:3, 3] = np.remainder(placed[:3, 3], 8.0) - 4.0
+    grid = VoxelGrid(size, placed)
+    first = min(part[0], size[2] - 1)
+    planes = first, min(first + part[1], size[2])
+    everywhere = bone_map.on_grid(grid, direction, planes=planes)
+    some = bone_map.at_voxels(grid, direction, planes=planes)
+    voxels = rng.integers(0, everywhere.probability.size, 200)
+    with pytest.MonkeyPatch.context() as patch:
+        if by_scipy:
+            patch.setattr(at_voxels_module, "optional_module", lambda name: None)
+        found, directions = some.at(voxels)
+        assert some.overlaps == everywhere.overlaps
+    expected, facing = everywhere.at(voxels)
+    np.testing.assert_array_equal(found, expected)
+    np.testing.assert_array_equal(directions, np.where(expected[:, None] > 0, facing, 0))
+
+
+def test_a_map_on_its_own_voxels_says_the_same_at_some_of_them():
+    bone_map = BoneMap.from_labels(Volume(block(), OBLIQUE), sigma_voxels=2.0)
+    grid = bone_map.probability.grid
+    everywhere, voxels = bone_map.on_grid(grid), np.arange(grid.voxels)
+    found, directions = bone_map.at_voxels(grid).at(voxels)
+    np.testing.assert_array_equal(found, everywhere.probability.ravel())
+    some = found > 0
+    np.testing.assert_array_equal(directions[some], everywhere.directions_reference.reshape(-1, 3)[some])
+
+
+def test_reading_a_map_at_some_voxels_takes_no_memory_for_the_others():
+    bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)), sigma_voxels=2.0)
+    # As arrays these would be 16 GB
+    placed = bone_map.at_voxels(VoxelGrid((1000, 1000, 1000), scaled(0.1, 0.1, 0.1)))
+    assert placed.overlaps
+    assert placed.at(np.array([0, 999_999_999]))[0].shape == (2,)
+
+
 @needs_numba
 def test_a_map_that_is_stored_by_columns_is_placed_alike():
     probability = np.random.default_rng(0).random((6, 7, 8), dtype=np.float32)
@@ -428,6 +484,8 @@ def test_an_unknown_direction_is_refused(direction):
     bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)))
     with pytest.raises(GeometryError, match="gradient or surface"):
         bone_map.on_grid(bone_map.probability.grid, direction)
+    with pytest.raises(GeometryError, match="gradient or surface"):
+        bone_map.at_voxels(bone_map.probability.grid, direction)
 
 
 def test_results_take_single_precision():

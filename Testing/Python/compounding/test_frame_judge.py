@@ -69,7 +69,7 @@ def test_every_pixel_gets_the_evidence_of_its_scan_line(seed, count, probe, spac
         by_ct = lines.expected(probability, place)
         expected = lines.evidence(layout.values(image), 255.0, by_ct)
         judge.judge(image, frame, by_ct)
-        reach, begins, onset, onsets = (part[frame] for part in judge.evidence(2))
+        reach, begins, onset, _expected, _cosine, onsets = (part[frame] for part in judge.evidence(2))
         np.testing.assert_array_equal(reach, expected.reach)
         found = np.zeros_like(reach)
         found[begins[:onsets]] = onset[:onsets]

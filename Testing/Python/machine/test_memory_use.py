@@ -50,3 +50,17 @@ def test_a_reconstruction_stays_within_its_promised_memory(method, hole_limit, s
     per_voxel = (peak - 8e6) / GRID.voxels
     assert per_voxel <= PROMISED.get(method, 32)
     assert per_voxel <= 1.05 * bytes_per_voxel(method, bone is not None, bone is not None, whole=True, beside=(), output=1)
+
+
+def test_weighted_takes_no_memory_for_its_bone_map(sequence):
+    settings = ReconstructionSettings(method="weighted", holes="off")
+    how = {"probe": ProbeGeometry("linear"), "region": ImageRegion(), "beside": ()}
+    small = VoxelGrid.from_spacing((-24, -24, -24), (8, 8, 8), 6.0)
+    reconstruct(sequence, settings, sphere_bone(), small, **how)
+    tracemalloc.start()
+    try:
+        reconstruct(sequence, settings, sphere_bone(), GRID, **how)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert (peak - 8e6) / GRID.voxels <= 14
