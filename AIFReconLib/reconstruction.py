@@ -116,7 +116,7 @@ def _costs(settings: ReconstructionSettings, method: str, parts: ReconstructorPa
     results = bytes_of_results(settings, parts.holes, kind.output_type(settings), beside)
     output = results - 1 - 4 * len({*beside} & {*BESIDE})
     own = own_method(method)
-    return Costs(bytes_per_voxel(*asked, beside, output), results, part_bytes(*asked), own is None or not own.needs_bone)
+    return Costs(bytes_per_voxel(*asked, beside, output), results, part_bytes(*asked, beside), own is None or not own.needs_bone)
 
 
 @dataclass(frozen=True, eq=False)

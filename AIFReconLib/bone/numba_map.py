@@ -8,10 +8,6 @@ from ..arrays import Floats, Integers, Singles
 from ..machine.numba_compile import compiled, inlined
 from .placed.at_voxels import SHORTEST
 
-STEPS = ((1, 16, 4), (4, 16, 1), (16, 4, 1))
-"""In a patch of 4 x 4 x 4, flat: steps along i, j or k, and along the other axes in scipy's order."""
-
-
 SEEN = 2**12
 """Voxels that are remembered while others are looked up."""
 
@@ -42,7 +38,7 @@ def interpolated(array: Singles, at_k: float, at_j: float, at_i: float) -> float
         flat = array.ravel()
         one = np.uint64((a * rows + b) * columns + c)
         right, down, behind = np.uint64(1), np.uint64(columns), np.uint64(rows * columns)
-        total = ((flat[one] * vk) * vj) * vi
+        total: float = ((flat[one] * vk) * vj) * vi
         total += ((flat[one + right] * vk) * vj) * wi
         total += ((flat[one + down] * vk) * wj) * vi
         total += ((flat[one + down + right] * vk) * wj) * wi
@@ -93,8 +89,17 @@ def sample_linearly(
 @inlined
 def smoothed(values: Singles, step: int, result: Singles) -> None:
     """Every value of a patch, twice, and its neighbors `step` before and after it."""
-    for n in range(step, values.size - step):
+    for n in range(step, 64 - step):
         result[n] = np.float64(values[n]) * 2.0 + (np.float64(values[n - step]) + np.float64(values[n + step]))
+
+
+@inlined
+def sobel_slope(patch: Singles, step: int, other: int, third: int, rise: Singles, room: Singles) -> None:
+    """scipy's `sobel` of the inner values of a patch, flat, along the axis of `step`; then come the other axes in scipy's order."""
+    for n in range(step, 64 - step):
+        rise[n] = np.float64(patch[n + step]) - np.float64(patch[n - step])
+    smoothed(rise, other, room)
+    smoothed(room, third, rise)
 
 
 @compiled
@@ -130,7 +135,7 @@ def look_up(
     source, potential, slopes, turn = arrays
     shape, in_planes, in_rows, in_columns = part
     planes, rows, columns = source.shape
-    patch, rise, summed = np.zeros((3, 64), np.float32)
+    patch, rise, summed = np.zeros(64, np.float32), np.zeros(64, np.float32), np.zeros(64, np.float32)
     slope = np.empty(3, np.float32)
     seen = np.full(SEEN, -1)
     for n in range(voxels.size):
@@ -146,10 +151,10 @@ def look_up(
         probability[n] = 0
         if not (in_planes[0] <= k < in_planes[1] and in_rows[0] <= j < in_rows[1] and in_columns[0] <= i < in_columns[1]):
             continue
-        down, along = j - in_rows[0], i - in_columns[0]
-        at_k = (starts[k, 0] + down * matrix[0, 1]) + along * matrix[0, 2]
-        at_j = (starts[k, 1] + down * matrix[1, 1]) + along * matrix[1, 2]
-        at_i = (starts[k, 2] + down * matrix[2, 1]) + along * matrix[2, 2]
+        row, column = j - in_rows[0], i - in_columns[0]
+        at_k = (starts[k, 0] + row * matrix[0, 1]) + column * matrix[0, 2]
+        at_j = (starts[k, 1] + row * matrix[1, 1]) + column * matrix[1, 2]
+        at_i = (starts[k, 2] + row * matrix[2, 1]) + column * matrix[2, 2]
         a, b, c = int(np.floor(at_k)), int(np.floor(at_j)), int(np.floor(at_i))
         wk, wj, wi = at_k - a, at_j - b, at_i - c
         for term in range(4):
@@ -160,11 +165,12 @@ def look_up(
                         z, y = min(max(a - 1 + (m >> 2), 0), planes - 1), min(max(b - 1 + (m & 3), 0), rows - 1)
                         for right in range(4):
                             patch[4 * m + right] = potential[z, y, min(max(c - 1 + right, 0), columns - 1)]
-                step, other, third = STEPS[term - 1]
-                for m in range(step, 64 - step):
-                    rise[m] = np.float64(patch[m + step]) - np.float64(patch[m - step])
-                smoothed(rise, other, summed)
-                smoothed(summed, third, rise)
+                if term == 1:
+                    sobel_slope(patch, 1, 16, 4, rise, summed)
+                elif term == 2:
+                    sobel_slope(patch, 4, 16, 1, rise, summed)
+                else:
+                    sobel_slope(patch, 16, 4, 1, rise, summed)
             total = 0.0
             for corner in range(8):
                 z, y, x = corner >> 2, (corner >> 1) & 1, corner & 1
@@ -187,7 +193,7 @@ def look_up(
             continue
         for component in range(3):
             directions[n, component] = (turn[component, 0] * slope[0] + turn[component, 1] * slope[1]) + turn[component, 2] * slope[2]
-        x, y, z = np.float64(directions[n, 0]), np.float64(directions[n, 1]), np.float64(directions[n, 2])
-        length = np.sqrt((x * x + y * y) + z * z)
+        along, down, deep = np.float64(directions[n, 0]), np.float64(directions[n, 1]), np.float64(directions[n, 2])
+        length = np.sqrt((along * along + down * down) + deep * deep)
         for component in range(3):
             directions[n, component] = directions[n, component] / np.float32(length) if length >= SHORTEST else np.float32(0)

@@ -170,7 +170,8 @@ class NumpyEngine:
         if state.packed:
             np.add.at(state.value, voxels, values.astype(np.uint32) + np.uint32(HIT))
             return entered
-        np.add.at(state.hits, voxels, np.uint32(1))
+        if state.hits.size:
+            np.add.at(state.hits, voxels, np.uint32(1))
         if method in ("aif", "aif-compensated"):
             self._insert_aif(values, voxels, beams)
         elif method == "weighted":

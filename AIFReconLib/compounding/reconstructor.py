@@ -37,7 +37,7 @@ from .numpy_engine import NumpyEngine
 from .own.engine import OwnMethodEngine
 from .own.method import own_method
 from .splat_engine import SplatEngine, check_shares, splat_engine, uses_shares
-from .state import BESIDE, Reconstruction, VoxelState, bytes_per_voxel, part_bytes
+from .state import BESIDE, Reconstruction, VoxelState, bytes_per_voxel, counts_hits, part_bytes
 
 if TYPE_CHECKING:
     from .compiled.numba_engine import NumbaEngine
@@ -177,6 +177,7 @@ class Reconstructor:
         self._importance = None if importance is None else np.asarray(importance, dtype=np.float32)
         self._shares = uses_shares(self.settings, importance)
         self._holes, self._beside = holes, beside
+        self._counted = counts_hits(self.method, beside)
         self._part, self._planes = planes, planes or (0, grid.size[2])
         shadows = judges_shadows(self.method)
         self._intake = Intake(
@@ -194,7 +195,7 @@ class Reconstructor:
         # Of 8-bit images, which take the least: what others take is known when the first has come
         self._on_grid = bone_on_grid(self.method, self.settings, bone is not None and bone.grows)
         kind = self.method, self._on_grid, self.settings.best_cosine, self._shares, True
-        require_memory(self._size_of_part(), grid.spacing, part_bytes(*kind) if planes else bytes_per_voxel(*kind, beside, 1))
+        require_memory(self._size_of_part(), grid.spacing, part_bytes(*kind, beside) if planes else bytes_per_voxel(*kind, beside, 1))
         self._bone = self._place_bone(bone, progress) if bone is not None and uses_bone else None
         self._state: VoxelState | None = self._empty_state(whole=True)
         self._images: ImageKind | None = None
@@ -280,7 +281,7 @@ class Reconstructor:
         return i, j, self._planes[1] - self._planes[0]
 
     def _empty_state(self, whole: bool) -> VoxelState:
-        return VoxelState.empty(math.prod(self._size_of_part()), self.method, self.settings.best_cosine, self._shares, whole)
+        return VoxelState.empty(math.prod(self._size_of_part()), self.method, self.settings.best_cosine, self._shares, whole, self._counted)
 
     def _results(self) -> Results:
         wanted = self._images.output_type(self.settings) if self._images else self.settings.output_type

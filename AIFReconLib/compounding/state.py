@@ -67,7 +67,7 @@ class VoxelState:
     ----------
     method : str
     hits : (voxels,) uint32 array
-        Pixels that entered; none where they are `packed`.
+        Pixels that entered; none where they are `packed`, or not counted.
     value : (voxels,) array
         uint32: pixels that entered, times `HIT`, and their sum (average of 8-bit images, whose mean is exact).
         uint8: the last (latest) or the largest (maximum) value of 8-bit images; float32: of others, and the running average (aif), the sum
@@ -89,7 +89,9 @@ class VoxelState:
     _most: float = 0.0
 
     @classmethod
-    def empty(cls, voxels: int, method: str, best_cosine: bool, shares: bool = False, whole: bool = False) -> VoxelState:
+    def empty(
+        cls, voxels: int, method: str, best_cosine: bool, shares: bool = False, whole: bool = False, counted: bool = True
+    ) -> VoxelState:
         """State before the first frame.
 
         Parameters
@@ -101,6 +103,8 @@ class VoxelState:
             An average keeps the sum of what pixels count.
         whole : bool
             Pixels are of 8 bits, and enter one voxel each.
+        counted : bool
+            Whether somebody asks how many entered a voxel; where weights say that any did, hits are kept for nothing else.
         """
         value: Numbers = np.zeros(voxels, value_type(method, shares, whole))
         if method == "maximum" and value.dtype.kind == "f":
@@ -109,7 +113,7 @@ class VoxelState:
         has_weight = method in BONE_METHODS or _weighs_in_double(method, shares)
         return cls(
             method=method,
-            hits=NO_HITS if value.dtype == np.uint32 else np.zeros(voxels, dtype=np.uint32),
+            hits=NO_HITS if value.dtype == np.uint32 or not counted else np.zeros(voxels, dtype=np.uint32),
             value=value,
             weight=np.zeros(voxels, weighs_in) if has_weight else None,
             cosine=np.zeros(voxels, dtype=np.float32) if best_cosine else None,
@@ -119,6 +123,11 @@ class VoxelState:
     def packed(self) -> bool:
         """Whether value and hits are one."""
         return self.value.dtype == np.uint32
+
+    @property
+    def met(self) -> NDArray[np.uint32]:
+        """(voxels,), 0 where no pixel entered and nowhere else: hits, or the bits of weights, which are above 0 wherever one did."""
+        return self.hits if self.hits.size or self.weight is None else self.weight.view(np.uint32)
 
     @property
     def weights(self) -> Reals:
@@ -198,6 +207,11 @@ class VoxelState:
         return sums
 
 
+def counts_hits(method: str, beside: Collection[str]) -> bool:
+    """Whether a method's state counts pixels, for one who wants these volumes beside the intensity."""
+    return method != "weighted" or "hits" in beside
+
+
 def unpacked(packed: Numbers) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
     """Sums and hits of packed voxels."""
     both: NDArray[np.uint32] = packed.astype(np.uint32, copy=False)
@@ -218,36 +232,38 @@ def _weighs_in_double(method: str, shares: bool) -> bool:
     return (shares and method == "average") or is_own_method(method)
 
 
-def state_bytes(method: str, best_cosine: bool, shares: bool = False, whole: bool = False) -> int:
+def state_bytes(method: str, best_cosine: bool, shares: bool = False, whole: bool = False, counted: bool = True) -> int:
     """Bytes per voxel of a `VoxelState`."""
     value = np.dtype(value_type(method, shares, whole))
-    hits = 0 if value == np.uint32 else 4
+    hits = 0 if value == np.uint32 or not counted else 4
     weight = 8 if _weighs_in_double(method, shares) else 4 if method in BONE_METHODS else 0
     return value.itemsize + hits + weight + (4 if best_cosine else 0)
 
 
-def part_bytes(method: str, has_bone: bool, best_cosine: bool, shares: bool = False, whole: bool = False) -> int:
-    """Bytes per voxel of a part that is worked: its state, and the bone map where it is read. Arguments as in `bytes_per_voxel`."""
-    return state_bytes(method, best_cosine, shares, whole) + (MAP_BYTES if has_bone else 0)
+def part_bytes(
+    method: str, map_on_grid: bool, best_cosine: bool, shares: bool = False, whole: bool = False, beside: Collection[str] = BESIDE
+) -> int:
+    """Bytes per voxel of a part that is worked: its state, and a bone map on its voxels. Arguments as in `bytes_per_voxel`."""
+    return state_bytes(method, best_cosine, shares, whole, counts_hits(method, beside)) + (MAP_BYTES if map_on_grid else 0)
 
 
 def bytes_per_voxel(
     method: str,
-    has_bone: bool,
+    map_on_grid: bool,
     best_cosine: bool,
     shares: bool = False,
     whole: bool = False,
     beside: Collection[str] = BESIDE,
     output: int = 4,
 ) -> int:
-    """Memory that a reconstruction takes at its peak, per voxel, its results included, and its bone map where it reads one.
+    """Memory that a reconstruction takes at its peak, per voxel, its results included, and its bone map where that lies on the grid.
 
     Parameters
     ----------
     method, best_cosine, shares, whole
         As in `VoxelState.empty`.
-    has_bone : bool
-        Whether it reads the bone map.
+    map_on_grid : bool
+        Whether the bone map lies on every voxel.
     beside : names of `BESIDE`
         The results that are wanted.
     output : int
@@ -259,12 +275,13 @@ def bytes_per_voxel(
     reconstruction has results, state and map at the same time, and copies of those results that are the state's own.
     """
     value = np.dtype(value_type(method, shares, whole))
-    state, results = state_bytes(method, best_cosine, shares, whole), output + 1
+    part = part_bytes(method, map_on_grid, best_cosine, shares, whole, beside)
+    state, results = part - (MAP_BYTES if map_on_grid else 0), output + 1
     kept_apart = 4 if value == np.uint32 and len(beside) else 0
     has_weight = method in BONE_METHODS or _weighs_in_double(method, shares)
     score = 4 if "score" in beside and (not has_weight or _weighs_in_double(method, shares)) else 0
     after = state - value.itemsize + results + kept_apart + score
-    return max(part_bytes(method, has_bone, best_cosine, shares, whole), state + results + kept_apart, after)
+    return max(part, state + results + kept_apart, after)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy import ndimage
 
-from ...arrays import Integers, Matrix, Singles
+from ...arrays import Floats, Integers, Matrix, Numbers, Singles
 from ...machine.threads import optional_module
 from .placement import Placement
 
@@ -95,7 +95,7 @@ class BoneAtVoxels:
         return any(bool(self.at(k * plane.size + plane)[0].any()) for k in numbers)
 
 
-def interpolated(array: Singles, places: Singles) -> Singles:
+def interpolated(array: Numbers, places: Floats) -> Singles:
     """An array [k, j, i] between its voxels, linearly, at places (3, ...); around it lie zeros."""
     result = np.empty(places.shape[1:], np.float32)
     # "constant" would drop voxels on the very border, which rounding puts a hair outside

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import Floats, Integers, Matrix
+from ...arrays import Floats, Integers, Mask, Matrix
 from ...geometry.volume import VoxelGrid
 
 PARTS = 32
@@ -67,10 +67,11 @@ class Placement:
         down, right = j - self.rows[0], i - self.columns[0]
         return np.stack([(self.starts[k, axis] + down * self.matrix[axis, 1]) + right * self.matrix[axis, 2] for axis in range(3)])
 
-    def within(self, k: Integers, j: Integers, i: Integers) -> np.ndarray:
+    def within(self, k: Integers, j: Integers, i: Integers) -> Mask:
         """Which voxels the map may reach, bool."""
         pairs = (k, self.planes), (j, self.rows), (i, self.columns)
-        return np.logical_and.reduce([(at >= first) & (at < stop) for at, (first, stop) in pairs])
+        inside: Mask = np.logical_and.reduce([(at >= first) & (at < stop) for at, (first, stop) in pairs])
+        return inside
 
 
 def _overlap(to_source: Matrix, grid: VoxelGrid, source: VoxelGrid) -> tuple[Range, Range, Range] | None:

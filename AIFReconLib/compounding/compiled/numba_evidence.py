@@ -302,6 +302,5 @@ class FrameJudge:
 
     def evidence(self, frames: int) -> Evidence:
         """What was found (see `judge`) and kept, (frames, n), and how many onsets, of the first frames."""
-        known = self._reach, self._begins, self._onset, self._expected, self._cosine, self._onsets
-        reach, begins, onset, expected, cosine, onsets = (array[:frames] for array in known)
-        return reach, begins, onset, expected, cosine, onsets
+        at_onsets = self._begins[:frames], self._onset[:frames], self._expected[:frames], self._cosine[:frames]
+        return self._reach[:frames], *at_onsets, self._onsets[:frames]

@@ -321,6 +321,7 @@ def insert_weighted(frames: Frames, slab: Slab, state: Voxels, factors: Weighted
     """
     images, matrices, pieces, spans, bounds = frames
     value, hits, weight = state
+    counts = hits.size > 0
     floor, gain, beta, maximum = factors
     reach, begins, onset, expected, cosine, onsets = evidence
     columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)
@@ -366,5 +367,6 @@ def insert_weighted(frames: Frames, slab: Slab, state: Voxels, factors: Weighted
                     weighed += weights[next_pixel]
                     next_pixel += ONCE
                 value[voxel], weight[voxel] = total, weighed
-                hits[voxel] += next_pixel - start
+                if counts:
+                    hits[voxel] += next_pixel - start
             entered[frame] += count

@@ -55,7 +55,7 @@ def _finish_compiled(compiled: ModuleType, state: VoxelState, intensity: Numbers
         if state.packed:
             compiled.finish_packed(state.value, start, stop, to_8_bit, intensity, mask)
         elif divisor is not None:
-            compiled.finish_quotients(state.value, divisor, state.hits, start, stop, to_8_bit, intensity, mask)
+            compiled.finish_quotients(state.value, divisor, state.met, start, stop, to_8_bit, intensity, mask)
         else:
             compiled.finish_values(state.value, state.hits, start, stop, to_8_bit, intensity, mask)
 
@@ -73,7 +73,7 @@ def _finish(state: VoxelState, start: int, stop: int, intensity: Numbers, mask: 
     part = slice(start, stop)
     sums: Numbers
     hits: NDArray[np.uint32]
-    sums, hits = state.value[part], state.hits[part]
+    sums, hits = state.value[part], state.met[part]
     divisor = divisor_of(state)
     if state.packed:
         sums, hits = unpacked(state.value[part])

@@ -188,7 +188,7 @@ def test_a_reconstruction_keeps_within_the_memory_that_it_is_given(monkeypatch):
     sweep, grid = sequence(8), turned_grid(size=(12, 11, PLANES))
     wanted = ReconstructionSettings(method="weighted")
     bone = {"bone": sphere_bone(), "grid": grid, "region": REGION, "probe": ProbeGeometry("linear")}
-    little = reconstruction.reconstruct(sweep, wanted, **bone, beside=(), memory=2 * grid.voxels + 3 * 12 * 12 * 11)
+    little = reconstruction.reconstruct(sweep, wanted, **bone, beside=(), memory=2 * grid.voxels + 3 * 8 * 12 * 11)
     plenty = reconstruction.reconstruct(sweep, wanted, **bone)
     assert [len(parts) for parts in asked] == [3, 1]
     np.testing.assert_array_equal(little.intensity.array, plenty.intensity.array)

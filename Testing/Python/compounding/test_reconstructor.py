@@ -364,7 +364,7 @@ def test_a_volume_made_of_what_was_captured_leaves_the_rest_as_it_was(method):
 def test_memory_per_voxel_stays_within_the_promised_32_bytes(method):
     from AIFReconLib.compounding.state import bytes_per_voxel
 
-    assert bytes_per_voxel(method, has_bone=True, best_cosine=True) <= 32
+    assert bytes_per_voxel(method, map_on_grid=True, best_cosine=True) <= 32
 
 
 def test_frames_that_are_skipped_for_hours_take_little_memory():
