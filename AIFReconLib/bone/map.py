@@ -5,7 +5,6 @@ The recipe for the probability is the paper's; `surface` directions and the insi
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -16,10 +15,10 @@ from scipy import ndimage
 from ..arrays import Floats, Integers, Mask, Matrix, Numbers, Singles
 from ..errors import GeometryError
 from ..geometry.volume import Volume, VoxelGrid, as_volume
-from ..machine.threads import in_parts, optional_module, usable_cores
+from ..machine.threads import in_parts, usable_cores
 from ..message import Described, listed
 from ..progress import Progress, part, report
-from .placed.at_voxels import BoneAtVoxels, interpolated, normalize
+from .placed.at_voxels import BoneAtVoxels
 from .placed.on_grid import BoneOnGrid
 from .placed.placement import PARTS, Placement
 
@@ -211,30 +210,25 @@ class BoneMap(Described):
         V_dir is scipy's Sobel (mode "nearest") along x, y, z in the map's own geometry, taken to mm in Reference as a covector
         (the inverse transpose of the matrix), interpolated linearly to the grid and normalized; zero where there is no gradient.
         """
-        _require_known(direction)
-        first, stop = planes or (0, grid.shape[0])
-        sample = _sampler(self.probability, grid, first, stop)
-        report(progress, 0.0, "Placing the bone map")
-        probability = sample(self.probability.array, part(progress, 0.0, 0.2))
-        potential = self._potential(direction)
-        report(progress, 0.3, "Placing the bone map")
-        to_reference, slopes = self._to_reference(), self._slopes()
-        directions = np.zeros((*probability.shape, 3), dtype=np.float32)
-        for axis in range(3):
-            begun = 0.3 + 0.2 * axis
-            rise = ndimage.sobel(potential, axis=2 - axis, mode="nearest") if slopes is None else slopes[axis]
-            slope = sample(rise, part(progress, begun, begun + 0.1))
+        placed = self.at_voxels(grid, direction, part(progress, 0.0, 0.1), planes)
+        place, _ = placed.placement, placed.lit
+        (first, stop), rows, columns = place.planes, slice(*place.rows), slice(*place.columns)
+        line = np.arange(rows.start, rows.stop)[:, None] * place.shape[2] + np.arange(columns.start, columns.stop)
+        probability, directions = np.zeros(place.shape, np.float32), np.zeros((*place.shape, 3), np.float32)
 
-            def turn(k: int, axis: int = axis, slope: Singles = slope) -> None:
-                rows = _not_empty(slope[k])
-                for component in range(3):
-                    directions[k, rows, :, component] += to_reference[component, axis] * slope[k, rows]
+        def sample(number: int) -> None:
+            k = first + number
+            found, facing = placed.at(k * place.shape[1] * place.shape[2] + line.ravel(), everywhere=True)
+            found, facing = found.reshape(line.shape), facing.reshape(*line.shape, 3)
+            # What is not written takes no memory
+            some = np.flatnonzero(found.any(axis=1) | facing.any(axis=(1, 2)))
+            if some.size:
+                near = slice(int(some[0]), int(some[-1]) + 1)
+                probability[k, rows, columns][near], directions[k, rows, columns][near] = found[near], facing[near]
 
-            in_parts(turn, stop - first, usable_cores(), part(progress, begun + 0.1, begun + 0.2), "Placing the bone map")
-        _normalize(directions, part(progress, 0.9, 1.0))
+        in_parts(sample, stop - first, usable_cores(), part(progress, 0.1, 1.0), "Placing the bone map")
         report(progress, 1.0, "Placed the bone map")
-        ijk_to_map = self.probability.grid.reference_to_ijk @ grid.ijk_to_reference
-        return BoneOnGrid(probability, directions, np.asarray(self.probability.array, np.float32), ijk_to_map)
+        return BoneOnGrid(probability, directions, placed.map_probability, placed.ijk_to_map)
 
 
 def _require_known(direction: str) -> None:
@@ -268,21 +262,6 @@ def _sobel_magnitude(array: Singles) -> Singles:
     return squared
 
 
-def _normalize(vectors: Singles, progress: Progress | None = None) -> None:
-    """Scale vectors [k, j, i, 3] to unit length in place, slab by slab; vectors too short to have a direction become zero."""
-
-    def normalize_slab(k: int) -> None:
-        normalize(vectors[k, _not_empty(vectors[k].reshape(vectors.shape[1], -1))])
-
-    in_parts(normalize_slab, len(vectors), usable_cores(), progress, "Placing the bone map")
-
-
-def _not_empty(plane: Singles) -> slice:
-    """The rows of a plane from the first to the last that is not all 0: what was never written stays so, and takes no memory."""
-    rows = np.flatnonzero(plane.any(axis=1))
-    return slice(int(rows[0]), int(rows[-1]) + 1) if rows.size else slice(0, 0)
-
-
 def _box_around(mask: Mask, margin: Integers) -> Box:
     """The part of `mask` within `margin` (k, j, i) voxels of a True one."""
     (found,) = ndimage.find_objects(mask.view(np.uint8))
@@ -295,38 +274,3 @@ def _matrix_of_box(volume: Volume, box: Box) -> Matrix:
     shift = np.eye(4)
     shift[:3, 3] = [s.start for s in box[::-1]]
     return volume.ijk_to_reference @ shift
-
-
-def _sampler(source: Volume, grid: VoxelGrid, first_plane: int, stop_plane: int) -> Callable[[Numbers, Progress | None], Singles]:
-    """A function that brings arrays [k, j, i] on the source's voxels onto some planes of the grid by linear interpolation, as float32.
-
-    Notes
-    -----
-    Around the source lie voxels of 0, so that values fall to 0 within one voxel of its border.
-    """
-    if source.grid.matches(grid):
-        return lambda array, _progress: array[first_plane:stop_plane].astype(np.float32)
-    place = Placement.of(source.grid, grid, (first_plane, stop_plane))
-    # The same voxels with and without it
-    fast = optional_module("AIFReconLib.bone.numba_map")
-
-    def sample(array: Numbers, progress: Progress | None) -> Singles:
-        result = np.zeros(place.shape, dtype=np.float32)
-        first, stop = place.planes
-        edges = np.linspace(first, stop, min(PARTS, stop - first) + 1).astype(int)
-
-        def sample_slab(part: int) -> None:
-            low, high = int(edges[part]), int(edges[part + 1])
-            if fast is not None and array.dtype == np.float32 and array.flags.c_contiguous:
-                begins, ends = (low, place.rows[0], place.columns[0]), (high, place.rows[1], place.columns[1])
-                fast.sample_linearly(array, place.matrix, place.starts, result, begins, ends)
-                return
-            j, i = np.arange(*place.rows)[:, None], np.arange(*place.columns)
-            for k in range(low, high):
-                result[k, slice(*place.rows), slice(*place.columns)] = interpolated(array, place.places(np.array(k), j, i))
-
-        if stop > first:
-            in_parts(sample_slab, len(edges) - 1, usable_cores(), progress, "Placing the bone map")
-        return result
-
-    return sample

@@ -13,77 +13,19 @@ SEEN = 2**12
 
 
 @inlined
-def found_at(array: Singles, k: int, j: int, i: int) -> float:
-    """A value of the array, 0 outside of it."""
-    if 0 <= k < array.shape[0] and 0 <= j < array.shape[1] and 0 <= i < array.shape[2]:
-        return float(array[k, j, i])
-    return 0.0
-
-
-@inlined
-def interpolated(array: Singles, at_k: float, at_j: float, at_i: float) -> float:
-    """A value between voxels.
-
-    sum of ((v w_k) w_j) w_i over the 8 neighbors, i fastest, in float64: the order of scipy's interpolation of order 1, so that a bone map
-    does not depend on whether numba is there.
-    """
-    planes, rows, columns = array.shape
-    below_k, below_j, below_i = np.floor(at_k), np.floor(at_j), np.floor(at_i)
-    if not (-1.0 <= below_k < planes and -1.0 <= below_j < rows and -1.0 <= below_i < columns):
-        return 0.0
-    wk, wj, wi = at_k - below_k, at_j - below_j, at_i - below_i
-    vk, vj, vi = 1.0 - wk, 1.0 - wj, 1.0 - wi
-    a, b, c = int(below_k), int(below_j), int(below_i)
-    if 0 <= a < planes - 1 and 0 <= b < rows - 1 and 0 <= c < columns - 1:
-        flat = array.ravel()
-        one = np.uint64((a * rows + b) * columns + c)
-        right, down, behind = np.uint64(1), np.uint64(columns), np.uint64(rows * columns)
-        total: float = ((flat[one] * vk) * vj) * vi
-        total += ((flat[one + right] * vk) * vj) * wi
-        total += ((flat[one + down] * vk) * wj) * vi
-        total += ((flat[one + down + right] * vk) * wj) * wi
-        total += ((flat[one + behind] * wk) * vj) * vi
-        total += ((flat[one + behind + right] * wk) * vj) * wi
-        total += ((flat[one + behind + down] * wk) * wj) * vi
-        total += ((flat[one + behind + down + right] * wk) * wj) * wi
-        return total
-    total = ((found_at(array, a, b, c) * vk) * vj) * vi
-    total += ((found_at(array, a, b, c + 1) * vk) * vj) * wi
-    total += ((found_at(array, a, b + 1, c) * vk) * wj) * vi
-    total += ((found_at(array, a, b + 1, c + 1) * vk) * wj) * wi
-    total += ((found_at(array, a + 1, b, c) * wk) * vj) * vi
-    total += ((found_at(array, a + 1, b, c + 1) * wk) * vj) * wi
-    total += ((found_at(array, a + 1, b + 1, c) * wk) * wj) * vi
-    total += ((found_at(array, a + 1, b + 1, c + 1) * wk) * wj) * wi
+def between(flat: Singles, first: int, down: int, behind: int, wk: float, wj: float, wi: float) -> float:
+    """Between 8 values of which `first` is the first along all axes: ((v w_k) w_j) w_i, i fastest, in float64, summed as scipy does."""
+    one, low, far = np.uint64(first), np.uint64(down), np.uint64(behind)
+    right, vk, vj, vi = np.uint64(1), 1.0 - wk, 1.0 - wj, 1.0 - wi
+    total: float = ((flat[one] * vk) * vj) * vi
+    total += ((flat[one + right] * vk) * vj) * wi
+    total += ((flat[one + low] * vk) * wj) * vi
+    total += ((flat[one + low + right] * vk) * wj) * wi
+    total += ((flat[one + far] * wk) * vj) * vi
+    total += ((flat[one + far + right] * wk) * vj) * wi
+    total += ((flat[one + far + low] * wk) * wj) * vi
+    total += ((flat[one + far + low + right] * wk) * wj) * wi
     return total
-
-
-@compiled
-def sample_linearly(
-    array: Singles,
-    matrix: Floats,
-    starts: Floats,
-    result: Singles,
-    first: tuple[int, int, int],
-    stop: tuple[int, int, int],
-) -> None:
-    """Interpolate `array` at the voxels from `first` to before `stop` of `result`.
-
-    Parameters
-    ----------
-    array : [k, j, i] float32 array
-        Around it lie zeros.
-    matrix, starts : float64 arrays
-        Of `Placement`: voxel first + (0, j, i) of plane k lies at (starts[k] + j matrix[:, 1]) + i matrix[:, 2].
-    result : [k, j, i] float32 array
-    first, stop : tuple of 3 int, [k, j, i]
-    """
-    for k in range(first[0], stop[0]):
-        for j in range(stop[1] - first[1]):
-            line = result[k, first[1] + j, first[2] : stop[2]]
-            begin_k, begin_j, begin_i = starts[k, 0] + j * matrix[0, 1], starts[k, 1] + j * matrix[1, 1], starts[k, 2] + j * matrix[2, 1]
-            for i in range(line.size):
-                line[i] = interpolated(array, begin_k + i * matrix[0, 2], begin_j + i * matrix[1, 2], begin_i + i * matrix[2, 2])
 
 
 @inlined
@@ -109,6 +51,7 @@ def look_up(
     starts: Floats,
     matrix: Floats,
     voxels: Integers,
+    lit: Integers,
     probability: Singles,
     directions: Singles,
 ) -> None:
@@ -121,22 +64,25 @@ def look_up(
     part : shape, planes, rows and columns of the `Placement`
     starts, matrix : float64 arrays of the `Placement`
     voxels : (m,) int64 array, flat [k, j, i]
+    lit : (planes + 1, rows + 1, 2) int32 array, of `BoneAtVoxels`; or an empty one
+        Directions are wanted where the probability is 0, too, and these are the places at which anything is not 0. Without it they are 0
+        there.
     probability : (m,) float32 array
-        Result.
     directions : (m, 3) float32 array
-        Result; left alone where the probability is 0.
+        Results.
 
     Notes
     -----
-    The sums are those of `interpolated`. A Sobel gradient is made of the 4 x 4 x 4 values around a place, flat, of which the inner
-    2 x 2 x 2 get one: differences along its axis, then sums along the others in their order, each rounded to float32 as scipy does. What
-    the other values get is of no account.
+    A Sobel gradient is made of the 4 x 4 x 4 values around a place, flat, of which the inner 2 x 2 x 2 get one: differences along its
+    axis, then sums along the others in their order, each rounded to float32 as scipy does. What the other values get is of no account.
+    So a bone map does not depend on whether numba is there.
     """
     source, potential, slopes, turn = arrays
     shape, in_planes, in_rows, in_columns = part
     planes, rows, columns = source.shape
     patch, rise, summed = np.zeros(64, np.float32), np.zeros(64, np.float32), np.zeros(64, np.float32)
-    slope = np.empty(3, np.float32)
+    slope, cube = np.empty(3, np.float32), np.empty(8, np.float32)
+    flat, rises, everywhere = source.ravel(), slopes.ravel(), lit.size > 0
     seen = np.full(SEEN, -1)
     for n in range(voxels.size):
         # Pixels of a frame meet a voxel several times
@@ -148,7 +94,7 @@ def look_up(
         seen[voxels[n] % SEEN] = n
         line, i = divmod(voxels[n], shape[2])
         k, j = divmod(line, shape[1])
-        probability[n] = 0
+        probability[n] = directions[n, 0] = directions[n, 1] = directions[n, 2] = np.float32(0)
         if not (in_planes[0] <= k < in_planes[1] and in_rows[0] <= j < in_rows[1] and in_columns[0] <= i < in_columns[1]):
             continue
         row, column = j - in_rows[0], i - in_columns[0]
@@ -156,7 +102,10 @@ def look_up(
         at_j = (starts[k, 1] + row * matrix[1, 1]) + column * matrix[1, 2]
         at_i = (starts[k, 2] + row * matrix[2, 1]) + column * matrix[2, 2]
         a, b, c = int(np.floor(at_k)), int(np.floor(at_j)), int(np.floor(at_i))
+        if everywhere and not (-1 <= a < planes and -1 <= b < rows and lit[a + 1, b + 1, 0] <= c <= lit[a + 1, b + 1, 1]):
+            continue
         wk, wj, wi = at_k - a, at_j - b, at_i - c
+        inner, one = 0 <= a < planes - 1 and 0 <= b < rows - 1 and 0 <= c < columns - 1, (a * rows + b) * columns + c
         for term in range(4):
             if term > 0 and slopes.size == 0:
                 if term == 1:
@@ -171,25 +120,31 @@ def look_up(
                     sobel_slope(patch, 4, 16, 1, rise, summed)
                 else:
                     sobel_slope(patch, 16, 4, 1, rise, summed)
-            total = 0.0
-            for corner in range(8):
-                z, y, x = corner >> 2, (corner >> 1) & 1, corner & 1
-                value = 0.0
-                if 0 <= a + z < planes and 0 <= b + y < rows and 0 <= c + x < columns:
-                    if term == 0:
-                        value = np.float64(source[a + z, b + y, c + x])
-                    elif slopes.size > 0:
-                        value = np.float64(slopes[term - 1, a + z, b + y, c + x])
-                    else:
-                        value = np.float64(rise[(z + 1) * 16 + (y + 1) * 4 + x + 1])
-                total += ((value * (wk if z > 0 else 1.0 - wk)) * (wj if y > 0 else 1.0 - wj)) * (wi if x > 0 else 1.0 - wi)
+            if not inner:
+                for corner in range(8):
+                    z, y, x = corner >> 2, (corner >> 1) & 1, corner & 1
+                    cube[corner] = 0
+                    if 0 <= a + z < planes and 0 <= b + y < rows and 0 <= c + x < columns:
+                        if term == 0:
+                            cube[corner] = source[a + z, b + y, c + x]
+                        elif slopes.size > 0:
+                            cube[corner] = slopes[term - 1, a + z, b + y, c + x]
+                        else:
+                            cube[corner] = rise[(z + 1) * 16 + (y + 1) * 4 + x + 1]
+                total = between(cube, 0, 2, 4, wk, wj, wi)
+            elif term == 0:
+                total = between(flat, one, columns, rows * columns, wk, wj, wi)
+            elif slopes.size > 0:
+                total = between(rises, (term - 1) * flat.size + one, columns, rows * columns, wk, wj, wi)
+            else:
+                total = between(rise, 21, 4, 16, wk, wj, wi)
             if term > 0:
                 slope[term - 1] = total
                 continue
             probability[n] = total
-            if probability[n] == 0:
+            if probability[n] == 0 and not everywhere:
                 break
-        if probability[n] == 0:
+        if probability[n] == 0 and not everywhere:
             continue
         for component in range(3):
             directions[n, component] = (turn[component, 0] * slope[0] + turn[component, 1] * slope[1]) + turn[component, 2] * slope[2]

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
-from ...arrays import Floats, Integers, Matrix, Numbers, Singles
+from ...arrays import Floats, Integers, Matrix, Singles
 from ...machine.threads import optional_module
 from .placement import Placement
 
@@ -16,6 +17,7 @@ SHORTEST = 1e-30
 """Length below which a gradient has no direction: its components would lose digits in float32."""
 
 NO_SLOPES: Singles = np.empty((3, 0, 0, 0), np.float32)
+NOT_LIT = np.empty((0, 0, 0), np.int32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,46 +46,74 @@ class BoneAtVoxels:
     to_reference: Singles
     placement: Placement
 
-    def at(self, voxels: Integers) -> tuple[Singles, Singles]:
+    def at(self, voxels: Integers, everywhere: bool = False) -> tuple[Singles, Singles]:
         """Probability (m,) and direction (m, 3), as `BoneOnGrid` has them, at voxels (m,), flat [k, j, i] of the part of the grid.
 
-        Where the probability is 0, so is the direction.
+        Where the probability is 0, so is the direction, unless it is wanted `everywhere`; then all slopes are made beforehand.
         """
         place = self.placement
         fast = optional_module("AIFReconLib.bone.numba_map")
         if fast is None:
-            return self._at(voxels)
-        probability, directions = np.empty(voxels.size, np.float32), np.zeros((voxels.size, 3), np.float32)
+            return self._at(voxels, everywhere)
+        probability, directions = np.empty(voxels.size, np.float32), np.empty((voxels.size, 3), np.float32)
         part = place.shape, place.planes, place.rows, place.columns
-        slopes = NO_SLOPES if self.slopes is None else self.slopes
+        slopes = self.all_slopes if everywhere or self.slopes is not None else NO_SLOPES
         arrays = self.map_probability, self.potential, slopes, self.to_reference
-        fast.look_up(arrays, part, place.starts, place.matrix, voxels, probability, directions)
+        lit = self.lit if everywhere else NOT_LIT
+        fast.look_up(arrays, part, place.starts, place.matrix, voxels, lit, probability, directions)
         return probability, directions
 
-    def _at(self, voxels: Integers) -> tuple[Singles, Singles]:
+    def _at(self, voxels: Integers, everywhere: bool) -> tuple[Singles, Singles]:
         """The same by scipy."""
         place = self.placement
         k, j, i = np.unravel_index(voxels, place.shape)
         probability, directions = np.zeros(voxels.size, np.float32), np.zeros((voxels.size, 3), np.float32)
         near = np.flatnonzero(place.within(k, j, i))
         places = place.places(k[near], j[near], i[near])
-        found = interpolated(self.map_probability, places)
-        some = np.flatnonzero(found)
-        probability[near] = found
+        probability[near] = found = interpolated(self.map_probability, places)
+        some = np.arange(near.size) if everywhere else np.flatnonzero(found)
         vectors = np.zeros((some.size, 3), np.float32)
         for axis in range(3):
-            slope = interpolated(self._slopes[axis], places[:, some])
-            for component in range(3):
-                vectors[:, component] += self.to_reference[component, axis] * slope
+            vectors += self.to_reference[:, axis] * interpolated(self.all_slopes[axis], places[:, some])[:, None]
         normalize(vectors)
         directions[near[some]] = vectors
         return probability, directions
 
     @cached_property
-    def _slopes(self) -> Singles:
+    def all_slopes(self) -> Singles:
+        """Slopes, (3, k, j, i), as an array: 0 where the grid does not reach."""
         if self.slopes is not None:
             return self.slopes
-        return np.stack([ndimage.sobel(self.potential, axis=2 - axis, mode="nearest") for axis in range(3)])
+        shape = self.potential.shape
+        slopes = np.zeros((3, *shape), np.float32)
+        near = self.placement.reached(shape)
+        # With a voxel more on each side, which the gradient looks at; at the border of the map there is none
+        wider = tuple(slice(max(s.start - 1, 0), s.stop + 1) for s in near)
+        within = tuple(slice(s.start - w.start, s.stop - w.start) for s, w in zip(near, wider, strict=True))
+        if all(s.stop > s.start for s in near):
+            for axis in range(3):
+                slopes[(axis, *near)] = ndimage.sobel(self.potential[wider], axis=2 - axis, mode="nearest")[within]
+        return slopes
+
+    @cached_property
+    def lit(self) -> NDArray[np.int32]:
+        """Where anything of the map is not 0, (planes + 1, rows + 1, 2) int32: at [k + 1, j + 1], the first i and the last of these places.
+
+        Voxels between k and k + 1, j and j + 1, i and i + 1 are made of nothing else; none where the last is below the first.
+        """
+        planes, rows, columns = self.map_probability.shape
+        first, last = np.full((planes + 2, rows + 2), columns, np.int32), np.full((planes + 2, rows + 2), -2, np.int32)
+        for k in range(planes):
+            some = self.map_probability[k] != 0
+            for rise in self.all_slopes[:, k]:
+                some |= rise != 0
+            any_there = np.flatnonzero(some.any(axis=1))
+            first[k + 1, any_there + 1] = some.argmax(axis=1)[any_there] - 1
+            last[k + 1, any_there + 1] = columns - 1 - some[:, ::-1].argmax(axis=1)[any_there]
+        for ends, pick in ((first, np.minimum), (last, np.maximum)):
+            pick(ends[:-1], ends[1:], out=ends[:-1])
+            pick(ends[:, :-1], ends[:, 1:], out=ends[:, :-1])
+        return np.stack([first[:-1, :-1], last[:-1, :-1]], axis=-1)
 
     @cached_property
     def overlaps(self) -> bool:
@@ -95,7 +125,7 @@ class BoneAtVoxels:
         return any(bool(self.at(k * plane.size + plane)[0].any()) for k in numbers)
 
 
-def interpolated(array: Numbers, places: Floats) -> Singles:
+def interpolated(array: Singles, places: Floats) -> Singles:
     """An array [k, j, i] between its voxels, linearly, at places (3, ...); around it lie zeros."""
     result = np.empty(places.shape[1:], np.float32)
     # "constant" would drop voxels on the very border, which rounding puts a hair outside
@@ -104,10 +134,10 @@ def interpolated(array: Numbers, places: Floats) -> Singles:
 
 
 def normalize(vectors: Singles) -> None:
-    """Scale vectors (..., 3) to unit length in place; those too short to have a direction become zero."""
-    x, y, z = np.moveaxis(vectors.astype(np.float64), -1, 0)
+    """Scale vectors (n, 3) to unit length in place; those too short to have a direction become zero."""
+    x, y, z = vectors.T.astype(np.float64)
     length = np.sqrt((x * x + y * y) + z * z)
     too_short = length < SHORTEST
     length[too_short] = 1.0
-    vectors /= length[..., None].astype(np.float32)
+    vectors /= length[:, None].astype(np.float32)
     vectors[too_short] = 0.0

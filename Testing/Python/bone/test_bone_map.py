@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from AIFReconLib.bone import map as bone_module
 from AIFReconLib.bone.map import SURFACE_SIGMA, BoneMap
 from AIFReconLib.bone.placed import at_voxels as at_voxels_module
 from AIFReconLib.errors import GeometryError, OperationCanceled
@@ -381,7 +380,7 @@ def test_a_map_has_the_same_voxels_with_and_without_numba(turn, spacing, shape, 
     grid = VoxelGrid(size, placed)
     fast = bone_map.on_grid(grid)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(bone_module, "optional_module", lambda name: None)
+        patch.setattr(at_voxels_module, "optional_module", lambda name: None)
         plain = bone_map.on_grid(grid)
     np.testing.assert_array_equal(fast.probability, plain.probability)
     np.testing.assert_array_equal(fast.directions_reference, plain.directions_reference)
