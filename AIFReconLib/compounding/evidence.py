@@ -127,6 +127,10 @@ class ScanLines:
         How many of these share a number of the CT's probability.
     expected_of_line : (lines,) int64 array
         Column of `expected` that each line reads.
+    expected_shape, has_pixel, expected_at : shape of `expected`, (m,) int64 array, (2, m) float64 array
+        Which of its numbers are read, and the columns and rows where.
+    places : (2, n) float64 array
+        Columns and rows of the layout's pixels.
 
     Notes
     -----
@@ -167,9 +171,10 @@ class ScanLines:
         self._number_of_sample = number[sampled].reshape(-1)
         inside = number[sampled] < layout.inside.size
         asked = number[sampled][:: self.pace * self.paces, ::every]
-        self._expected_shape, self._has_pixel = asked.shape, np.flatnonzero(asked.reshape(-1) < layout.inside.size)
-        pixels = asked.reshape(-1)[self._has_pixel]
-        self._expected_at = (layout.coordinates if layout.moved is None else layout.moved)[:, pixels]
+        self.expected_shape, self.has_pixel = asked.shape, np.flatnonzero(asked.reshape(-1) < layout.inside.size)
+        pixels = asked.reshape(-1)[self.has_pixel]
+        self.places = layout.coordinates if layout.moved is None else layout.moved
+        self.expected_at = self.places[:, pixels]
         # Stored as it will be read, line after line; the places above come the other way round
         self.pixel_of_sample = np.where(inside, (row + top) * layout.size[0] + (column + left), 0).astype(np.int32, order="C")
         edges = np.diff(np.pad(inside, ((0, 0), (1, 1))).astype(np.int8), axis=1)
@@ -235,7 +240,7 @@ class ScanLines:
         image_to_map : (4, 4) float64 array
             To these voxels.
         """
-        column, row = self._expected_at
+        column, row = self.expected_at
         flat, outside = np.zeros(column.size), np.zeros(column.size, dtype=bool)
         for along, size in zip(image_to_map[2::-1], probability.shape, strict=True):
             place = np.floor((along[1] * row + (along[3] + 0.5)) + along[0] * column)
@@ -244,8 +249,8 @@ class ScanLines:
         flat[outside] = 0.0
         read = probability.reshape(-1)[flat.astype(np.int64)]
         read[outside] = 0.0
-        expected = np.zeros(self._expected_shape, np.float32)
-        expected.reshape(-1)[self._has_pixel] = read
+        expected = np.zeros(self.expected_shape, np.float32)
+        expected.reshape(-1)[self.has_pixel] = read
         return expected
 
     def evidence(self, values: Singles, full_scale: float, expected: Singles | None = None) -> FrameEvidence:

@@ -213,7 +213,7 @@ class PixelLayout:
         first_plane, stop_plane = (0, grid_size[2]) if planes is None else planes
         lows, highs = (0, 0, first_plane), (*grid_size[:2], stop_plane)
         if self.moved is not None:
-            return _voxels_at(self.moved, image_to_ijk, lows, highs)
+            return self._voxels_moved(self.moved, image_to_ijk, lows, highs)
         top, bottom, left, right = self.window
         columns, rows = np.arange(left, right, dtype=np.float64), np.arange(top, bottom, dtype=np.float64)
         along_rows = image_to_ijk[:3, 1, None] * rows + (image_to_ijk[:3, 3, None] + 0.5)
@@ -250,33 +250,23 @@ class PixelLayout:
         flat = window.reshape(-1)
         return flat if flat.size == self.inside.size else flat[self.inside]
 
-    def voxels_of(
-        self, pixels: Integers, image_to_ijk: Matrix, grid_size: tuple[int, int, int], planes: tuple[int, int] | None = None
+    def _voxels_moved(
+        self, moved: Floats, image_to_ijk: Matrix, lows: tuple[int, int, int], highs: tuple[int, int, int]
     ) -> tuple[Integers, Integers]:
-        """Which voxel each of some pixels falls into.
-
-        As `voxels`, of `pixels` (p,), numbers of the n that count; the first of the answers are positions among them.
-        """
-        first_plane, stop_plane = (0, grid_size[2]) if planes is None else planes
-        at = (self.coordinates if self.moved is None else self.moved)[:, pixels]
-        return _voxels_at(at, image_to_ijk, (0, 0, first_plane), (*grid_size[:2], stop_plane))
-
-
-def _voxels_at(places: Floats, image_to_ijk: Matrix, lows: tuple[int, int, int], highs: tuple[int, int, int]) -> tuple[Integers, Integers]:
-    """Positions of the places, (2, n) columns and rows, that are in a part of the grid, and the flat numbers of their voxels there."""
-    column, row = places
-    flat: Floats = np.zeros(())
-    outside = np.zeros(column.size, dtype=bool)
-    for axis in (2, 1, 0):
-        position = image_to_ijk[axis, 1] * row
-        position += image_to_ijk[axis, 3] + 0.5
-        position += image_to_ijk[axis, 0] * column
-        np.floor(position, out=position)
-        if column.size and (position.min() < lows[axis] or position.max() >= highs[axis]):
-            outside |= (position < lows[axis]) | (position >= highs[axis])
-        flat = position - lows[2] if axis == 2 else np.add(np.multiply(flat, highs[axis], out=flat), position, out=flat)
-    pixels = np.flatnonzero(~outside)
-    return pixels, flat[pixels].astype(np.int64)
+        """The same for pixels that are not where they are shown."""
+        column, row = moved
+        flat: Floats = np.zeros(())
+        outside = np.zeros(self.inside.size, dtype=bool)
+        for axis in (2, 1, 0):
+            position = image_to_ijk[axis, 1] * row
+            position += image_to_ijk[axis, 3] + 0.5
+            position += image_to_ijk[axis, 0] * column
+            np.floor(position, out=position)
+            if position.min() < lows[axis] or position.max() >= highs[axis]:
+                outside |= (position < lows[axis]) | (position >= highs[axis])
+            flat = position - lows[2] if axis == 2 else np.add(np.multiply(flat, highs[axis], out=flat), position, out=flat)
+        pixels = np.flatnonzero(~outside)
+        return pixels, flat[pixels].astype(np.int64)
 
 
 def _floors_along_one(along_rows: Floats, along_columns: Floats) -> Floats | None:

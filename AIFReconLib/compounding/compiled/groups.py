@@ -16,6 +16,9 @@ Whole = int | np.integer
 Slab = tuple[int, int, int]
 """The part of the volume that is filled: axis, first voxel along it, stop."""
 
+Corner = tuple[int, int, int]
+"""A voxel, or how many there are, along i, j, k."""
+
 Voxels = tuple[Numbers, NDArray[np.uint32], Reals]
 """value, hits, weight : (voxels,) arrays of the state, `weight` empty where the method has none."""
 

@@ -64,8 +64,8 @@ class NumbaEngine:
     ):
         self.state = state
         self.threads = checked_threads(threads)
-        self._grid_size, self._planes = grid_size, planes
         first, stop = (0, grid_size[2]) if planes is None else planes
+        self._ends = (0, 0, first), (*grid_size[:2], stop)
         self._bounds = np.array([(0, 0, first), (*grid_size[:2], stop)], dtype=np.float64)
         self._maximum = float(maximum)
         compensated = state.method == "aif-compensated"
@@ -137,10 +137,10 @@ class NumbaEngine:
 
         def judge_frame(frame: int) -> None:
             matrix = matrices[frame]
-            begins = judge.judge(images[frame], frame, scan_lines.expected(bone.map_probability, bone.ijk_to_map @ matrix))
+            begins = judge.judge(images[frame], frame, judge.expected(bone.map_probability, bone.ijk_to_map @ matrix))
             if not begins.size:
                 return
-            entered, voxels = layout.voxels_of(begins, matrix, self._grid_size, self._planes)
+            entered, voxels = judge.voxels_of(begins, matrix, *self._ends)
             probability, directions = bone.at(voxels)
             beams = FrameBeams.of(layout, begins[entered], axes[frame])
             judge.keep(frame, entered, probability, cosine_of(directions, beams))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Integers, Numbers, NumberType, Singles
+from ...arrays import Floats, Integers, Matrix, Numbers, NumberType, Singles
 from ...machine.numba_compile import compiled, inlined
 from ..evidence import UNEXPECTED, Scales, ScanLines
-from .groups import Evidence, Expected, Lengths, Places, Results, Room
+from .groups import Corner, Evidence, Expected, Lengths, Places, Results, Room
 
 ZERO, ONE, TWO = np.float32(0), np.float32(1), np.float32(2)
 EXTRA = np.float32(UNEXPECTED)
@@ -26,6 +26,32 @@ def copy(numbers: Numbers, room: Numbers) -> None:
     """Copy flat arrays. An assignment of whole arrays would ask at every number whether it is to be spread."""
     for n in range(room.size):
         room[n] = numbers[n]
+
+
+@inlined
+def voxel_at(column: float, row: float, matrix: Matrix, lows: Corner, highs: Corner) -> int:
+    """The flat number of the voxel at a place of an image; -1 where that is none of those from `lows` to before `highs`."""
+    i = np.floor((matrix[0, 1] * row + (matrix[0, 3] + 0.5)) + matrix[0, 0] * column)
+    j = np.floor((matrix[1, 1] * row + (matrix[1, 3] + 0.5)) + matrix[1, 0] * column)
+    k = np.floor((matrix[2, 1] * row + (matrix[2, 3] + 0.5)) + matrix[2, 0] * column)
+    inside = lows[0] <= i < highs[0] and lows[1] <= j < highs[1] and lows[2] <= k < highs[2]
+    return (int(k - lows[2]) * highs[1] + int(j)) * highs[0] + int(i) if inside else -1
+
+
+@compiled
+def number_voxels_at(places: Floats, pixels: Integers, matrix: Matrix, lows: Corner, highs: Corner, voxels: Integers) -> None:
+    """Write to `voxels` (n,) int64 what `voxel_at` returns for `pixels` (n,), whose columns and rows are in `places` (2, all) float64."""
+    for n in range(voxels.size):
+        voxels[n] = voxel_at(places[0, pixels[n]], places[1, pixels[n]], matrix, lows, highs)
+
+
+@compiled
+def read_expected(probability: Singles, size: Corner, places: Floats, matrix: Matrix, numbers: Integers, expected: Singles) -> None:
+    """What a map of `size` (i, j, k), flat, says at `places` (2, n) float64, into those `numbers` (n,) of `expected`, flat."""
+    for n in range(numbers.size):
+        voxel = voxel_at(places[0, n], places[1, n], matrix, (0, 0, 0), size)
+        if voxel >= 0:
+            expected[numbers[n]] = probability[np.uint64(voxel)]
 
 
 @inlined
@@ -295,6 +321,21 @@ class FrameJudge:
         self._rooms.append(room)
         self._onsets[frame] = onsets
         return self._begins[frame, :onsets]
+
+    def expected(self, probability: Singles, image_to_map: Matrix) -> Singles:
+        """What `ScanLines.expected` returns."""
+        lines = self.scan_lines
+        k, j, i = probability.shape
+        expected = np.zeros(lines.expected_shape, np.float32)
+        read_expected(probability.reshape(-1), (i, j, k), lines.expected_at, image_to_map, lines.has_pixel, expected.reshape(-1))
+        return expected
+
+    def voxels_of(self, pixels: NDArray[np.uint32], image_to_ijk: Matrix, lows: Corner, highs: Corner) -> tuple[Integers, Integers]:
+        """The voxels of some of the layout's pixels in a part of the grid: positions among the pixels, and flat numbers."""
+        voxels = np.empty(pixels.size, np.int64)
+        number_voxels_at(self.scan_lines.places, pixels, image_to_ijk, lows, highs, voxels)
+        positions = np.flatnonzero(voxels >= 0)
+        return positions, voxels[positions]
 
     def keep(self, frame: int, positions: Integers, expected: Singles, cosine: Singles) -> None:
         """Keep what is known of those of the pixels with an onset at `positions` (m,): the CT's word, and the cosine of incidence."""
