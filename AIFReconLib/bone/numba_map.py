@@ -8,50 +8,30 @@ from ..arrays import Floats, Integers, Singles
 from ..machine.numba_compile import compiled, inlined
 from .placed.at_voxels import SHORTEST
 
+STEPS = ((1, 16, 4), (4, 16, 1), (16, 4, 1))
+"""In a patch of 4 x 4 x 4, flat: a step along i, j or k, and along the other axes in scipy's order."""
+
 SEEN = 2**12
 """Voxels that are remembered while others are looked up."""
 
 
 @inlined
-def between(flat: Singles, first: int, down: int, behind: int, wk: float, wj: float, wi: float) -> float:
-    """Between 8 values of which `first` is the first along all axes: ((v w_k) w_j) w_i, i fastest, in float64, summed as scipy does."""
-    one, low, far = np.uint64(first), np.uint64(down), np.uint64(behind)
-    right, vk, vj, vi = np.uint64(1), 1.0 - wk, 1.0 - wj, 1.0 - wi
-    total: float = ((flat[one] * vk) * vj) * vi
-    total += ((flat[one + right] * vk) * vj) * wi
-    total += ((flat[one + low] * vk) * wj) * vi
-    total += ((flat[one + low + right] * vk) * wj) * wi
-    total += ((flat[one + far] * wk) * vj) * vi
-    total += ((flat[one + far + right] * wk) * vj) * wi
-    total += ((flat[one + far + low] * wk) * wj) * vi
-    total += ((flat[one + far + low + right] * wk) * wj) * wi
-    return total
-
-
-@inlined
 def smoothed(values: Singles, step: int, result: Singles) -> None:
     """Every value of a patch, twice, and its neighbors `step` before and after it."""
-    for n in range(step, 64 - step):
-        result[n] = np.float64(values[n]) * 2.0 + (np.float64(values[n - step]) + np.float64(values[n + step]))
-
-
-@inlined
-def sobel_slope(patch: Singles, step: int, other: int, third: int, rise: Singles, room: Singles) -> None:
-    """scipy's `sobel` of the inner values of a patch, flat, along the axis of `step`; then come the other axes in scipy's order."""
-    for n in range(step, 64 - step):
-        rise[n] = np.float64(patch[n + step]) - np.float64(patch[n - step])
-    smoothed(rise, other, room)
-    smoothed(room, third, rise)
+    beside = np.uint64(step)
+    for n in range(beside, np.uint64(64) - beside):
+        result[n] = np.float64(values[n]) * 2.0 + (np.float64(values[n - beside]) + np.float64(values[n + beside]))
 
 
 @compiled
 def look_up(
-    arrays: tuple[Singles, Singles, Singles, Singles],
+    arrays: tuple[Singles, Singles, Singles],
+    slopes: Singles | None,
     part: tuple[tuple[int, int, int], tuple[int, int], tuple[int, int], tuple[int, int]],
     starts: Floats,
     matrix: Floats,
     voxels: Integers,
-    lit: Integers,
+    lit: Integers | None,
     probability: Singles,
     directions: Singles,
 ) -> None:
@@ -59,12 +39,12 @@ def look_up(
 
     Parameters
     ----------
-    arrays : probability and potential [k, j, i], slopes (3, k, j, i), to_reference (3, 3), float32, of `BoneAtVoxels`
-        Slopes are empty where they are the Sobel gradient of the potential.
+    arrays : probability and potential [k, j, i], to_reference (3, 3), float32, of `BoneAtVoxels`
+    slopes : (3, k, j, i) float32 array, or None where they are the Sobel gradient of the potential
     part : shape, planes, rows and columns of the `Placement`
     starts, matrix : float64 arrays of the `Placement`
     voxels : (m,) int64 array, flat [k, j, i]
-    lit : (planes + 1, rows + 1, 2) int32 array, of `BoneAtVoxels`; or an empty one
+    lit : (planes + 1, rows + 1, 2) int32 array, of `BoneAtVoxels`, or None
         Directions are wanted where the probability is 0, too, and these are the places at which anything is not 0. Without it they are 0
         there.
     probability : (m,) float32 array
@@ -75,21 +55,23 @@ def look_up(
     -----
     A Sobel gradient is made of the 4 x 4 x 4 values around a place, flat, of which the inner 2 x 2 x 2 get one: differences along its
     axis, then sums along the others in their order, each rounded to float32 as scipy does. What the other values get is of no account.
-    So a bone map does not depend on whether numba is there.
+    So a bone map does not depend on whether numba is there. What is asked of None is left out when this is compiled.
     """
-    source, potential, slopes, turn = arrays
+    source, potential, turn = arrays
     shape, in_planes, in_rows, in_columns = part
     planes, rows, columns = source.shape
     patch, rise, summed = np.zeros(64, np.float32), np.zeros(64, np.float32), np.zeros(64, np.float32)
     slope, cube = np.empty(3, np.float32), np.empty(8, np.float32)
-    flat, rises, everywhere = source.ravel(), slopes.ravel(), lit.size > 0
-    seen = np.full(SEEN, -1)
+    flat = source.ravel()
+    rises = flat if slopes is None else slopes.ravel()
+    seen = np.zeros(SEEN, np.int64)
     for n in range(voxels.size):
         # Pixels of a frame meet a voxel several times
         before = seen[voxels[n] % SEEN]
-        if before >= 0 and voxels[before] == voxels[n]:
+        if before < n and voxels[before] == voxels[n]:
             probability[n] = probability[before]
-            directions[n] = directions[before]
+            for component in range(3):
+                directions[n, component] = directions[before, component]
             continue
         seen[voxels[n] % SEEN] = n
         line, i = divmod(voxels[n], shape[2])
@@ -102,49 +84,52 @@ def look_up(
         at_j = (starts[k, 1] + row * matrix[1, 1]) + column * matrix[1, 2]
         at_i = (starts[k, 2] + row * matrix[2, 1]) + column * matrix[2, 2]
         a, b, c = int(np.floor(at_k)), int(np.floor(at_j)), int(np.floor(at_i))
-        if everywhere and not (-1 <= a < planes and -1 <= b < rows and lit[a + 1, b + 1, 0] <= c <= lit[a + 1, b + 1, 1]):
+        if lit is not None and not (-1 <= a < planes and -1 <= b < rows and lit[a + 1, b + 1, 0] <= c <= lit[a + 1, b + 1, 1]):
             continue
         wk, wj, wi = at_k - a, at_j - b, at_i - c
+        vk, vj, vi = 1.0 - wk, 1.0 - wj, 1.0 - wi
         inner, one = 0 <= a < planes - 1 and 0 <= b < rows - 1 and 0 <= c < columns - 1, (a * rows + b) * columns + c
         for term in range(4):
-            if term > 0 and slopes.size == 0:
+            if slopes is None:
                 if term == 1:
                     # Beyond the border of the map lies what is on it
                     for m in range(16):
                         z, y = min(max(a - 1 + (m >> 2), 0), planes - 1), min(max(b - 1 + (m & 3), 0), rows - 1)
                         for right in range(4):
                             patch[4 * m + right] = potential[z, y, min(max(c - 1 + right, 0), columns - 1)]
-                if term == 1:
-                    sobel_slope(patch, 1, 16, 4, rise, summed)
-                elif term == 2:
-                    sobel_slope(patch, 4, 16, 1, rise, summed)
-                else:
-                    sobel_slope(patch, 16, 4, 1, rise, summed)
-            if not inner:
-                for corner in range(8):
-                    z, y, x = corner >> 2, (corner >> 1) & 1, corner & 1
-                    cube[corner] = 0
-                    if 0 <= a + z < planes and 0 <= b + y < rows and 0 <= c + x < columns:
-                        if term == 0:
-                            cube[corner] = source[a + z, b + y, c + x]
-                        elif slopes.size > 0:
-                            cube[corner] = slopes[term - 1, a + z, b + y, c + x]
-                        else:
-                            cube[corner] = rise[(z + 1) * 16 + (y + 1) * 4 + x + 1]
-                total = between(cube, 0, 2, 4, wk, wj, wi)
-            elif term == 0:
-                total = between(flat, one, columns, rows * columns, wk, wj, wi)
-            elif slopes.size > 0:
-                total = between(rises, (term - 1) * flat.size + one, columns, rows * columns, wk, wj, wi)
-            else:
-                total = between(rise, 21, 4, 16, wk, wj, wi)
+                if term > 0:
+                    step, other, third = STEPS[term - 1]
+                    beside = np.uint64(step)
+                    for m in range(beside, np.uint64(64) - beside):
+                        rise[m] = np.float64(patch[m + beside]) - np.float64(patch[m - beside])
+                    smoothed(rise, other, summed)
+                    smoothed(summed, third, rise)
+            for corner in range(8):
+                z, y, x = corner >> 2, (corner >> 1) & 1, corner & 1
+                cube[corner] = 0
+                if inner or (0 <= a + z < planes and 0 <= b + y < rows and 0 <= c + x < columns):
+                    there = one + (z * rows + y) * columns + x
+                    if term == 0:
+                        cube[corner] = flat[there]
+                    elif slopes is None:
+                        cube[corner] = rise[21 + 16 * z + 4 * y + x]
+                    else:
+                        cube[corner] = rises[(term - 1) * flat.size + there]
+            total = ((cube[0] * vk) * vj) * vi
+            total += ((cube[1] * vk) * vj) * wi
+            total += ((cube[2] * vk) * wj) * vi
+            total += ((cube[3] * vk) * wj) * wi
+            total += ((cube[4] * wk) * vj) * vi
+            total += ((cube[5] * wk) * vj) * wi
+            total += ((cube[6] * wk) * wj) * vi
+            total += ((cube[7] * wk) * wj) * wi
             if term > 0:
                 slope[term - 1] = total
                 continue
             probability[n] = total
-            if probability[n] == 0 and not everywhere:
+            if lit is None and probability[n] == 0:
                 break
-        if probability[n] == 0 and not everywhere:
+        if lit is None and probability[n] == 0:
             continue
         for component in range(3):
             directions[n, component] = (turn[component, 0] * slope[0] + turn[component, 1] * slope[1]) + turn[component, 2] * slope[2]

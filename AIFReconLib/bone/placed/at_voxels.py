@@ -16,9 +16,6 @@ from .placement import Placement
 SHORTEST = 1e-30
 """Length below which a gradient has no direction: its components would lose digits in float32."""
 
-NO_SLOPES: Singles = np.empty((3, 0, 0, 0), np.float32)
-NOT_LIT = np.empty((0, 0, 0), np.int32)
-
 
 @dataclass(frozen=True, eq=False)
 class BoneAtVoxels:
@@ -57,10 +54,9 @@ class BoneAtVoxels:
             return self._at(voxels, everywhere)
         probability, directions = np.empty(voxels.size, np.float32), np.empty((voxels.size, 3), np.float32)
         part = place.shape, place.planes, place.rows, place.columns
-        slopes = self.all_slopes if everywhere or self.slopes is not None else NO_SLOPES
-        arrays = self.map_probability, self.potential, slopes, self.to_reference
-        lit = self.lit if everywhere else NOT_LIT
-        fast.look_up(arrays, part, place.starts, place.matrix, voxels, lit, probability, directions)
+        arrays = self.map_probability, self.potential, self.to_reference
+        slopes, lit = self.all_slopes if everywhere else self.slopes, self.lit if everywhere else None
+        fast.look_up(arrays, slopes, part, place.starts, place.matrix, voxels, lit, probability, directions)
         return probability, directions
 
     def _at(self, voxels: Integers, everywhere: bool) -> tuple[Singles, Singles]:
