@@ -9,9 +9,10 @@ from itertools import product
 import numpy as np
 
 from ..arrays import Integers, Matrix, Numbers
+from ..geometry.box import Box
 from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress
-from .map import BoneMap, BoneOnGrid, Box
+from .map import BoneMap, BoneOnGrid
 from .seen import BoneDrawing, Said, SeenBone, cubes_over
 
 MOST_KEPT, AT_A_TIME = 500, 8

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import ndimage
 
-from ..arrays import Floats, Integers, Mask, Matrix, Numbers, Singles
+from ..arrays import Floats, Integers, Matrix, Numbers, Singles
 from ..errors import GeometryError
+from ..geometry.box import Box, box_around
 from ..geometry.volume import Volume, VoxelGrid, as_volume
 from ..machine.threads import in_parts, optional_module, usable_cores
 from ..message import Described, listed
@@ -35,8 +36,6 @@ GAUSSIAN_REACH = 4.0
 
 PARTS = 32
 """Parts that filters and sampling are split into for several threads; always as many, so that results depend on no machine."""
-
-Box = tuple[slice, slice, slice]
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +136,7 @@ class BoneMap(Described):
         if not (np.isfinite(sigma_kji).all() and (sigma_kji > 0).all()):
             raise GeometryError("Input sigma must be positive; got {sigma}.", sigma=sigma_voxels if sigma_mm is None else sigma_mm)
         margin = np.ceil(GAUSSIAN_REACH * sigma_kji).astype(int) + 2
-        box = _box_around(bone, margin)
+        box = box_around(bone, margin)
         bone = bone[box]
         report(progress, 0.1, "Making the bone map")
         probability = _sobel_magnitude(bone.astype(np.float32))
@@ -284,13 +283,6 @@ def _not_empty(plane: Singles) -> slice:
     """The rows of a plane from the first to the last that is not all 0: what was never written stays so, and takes no memory."""
     rows = np.flatnonzero(plane.any(axis=1))
     return slice(int(rows[0]), int(rows[-1]) + 1) if rows.size else slice(0, 0)
-
-
-def _box_around(mask: Mask, margin: Integers) -> Box:
-    """The part of `mask` within `margin` (k, j, i) voxels of a True one."""
-    (found,) = ndimage.find_objects(mask.view(np.uint8))
-    k, j, i = (slice(max(s.start - m, 0), min(s.stop + m, n)) for s, m, n in zip(found, margin, mask.shape, strict=True))
-    return k, j, i
 
 
 def _matrix_of_box(volume: Volume, box: Box) -> Matrix:

@@ -24,7 +24,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from scipy import ndimage
 
-from ..arrays import Array, Floats, Integers, Mask, Numbers, Singles
+from ..arrays import Floats, Integers, Mask, Numbers, Singles
 from ..errors import GeometryError, require_kind
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
@@ -364,7 +364,7 @@ def _speckle_snr(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth
         return np.nan
     cut = tuple(slice(0, b * s) for b, s in zip(blocks, side))
 
-    def by_block(array: Array) -> Floats:
+    def by_block(array: Numbers) -> Floats:
         split = array[cut].reshape(blocks[0], side[0], blocks[1], side[1], blocks[2], side[2])
         sums: Floats = split.sum(axis=(1, 3, 5), dtype=np.float64)
         return sums
