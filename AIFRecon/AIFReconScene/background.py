@@ -91,10 +91,11 @@ def importLibrary(progress=None) -> None:
 def letWindowsLive() -> None:
     """Have what waits be drawn and timers go on, between two steps that only the main thread can take.
 
-    Nothing happens unless a dialog keeps everything else from being pressed meanwhile.
+    Nothing happens unless a dialog keeps everything else from being pressed meanwhile, nor where there is no application.
     """
-    if slicer.app.activeModalWidget() is not None:
-        slicer.app.processEvents()
+    application = getattr(slicer, "app", None)
+    if application is not None and application.activeModalWidget() is not None:
+        application.processEvents()
 
 
 class _Relay:

@@ -10,9 +10,10 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import Integers, Matrix, Numbers
+from ..geometry.box import Box
 from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress
-from .map import BoneMap, Box
+from .map import BoneMap
 from .placed.on_grid import BoneOnGrid
 from .seen import BoneDrawing, Said, SeenBone, cubes_over
 

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import ndimage
 
-from ..arrays import Floats, Integers, Mask, Matrix, Numbers, Singles
+from ..arrays import Floats, Integers, Matrix, Numbers, Singles
 from ..errors import GeometryError
+from ..geometry.box import Box, box_around
 from ..geometry.volume import Volume, VoxelGrid, as_volume
 from ..machine.threads import in_parts, usable_cores
 from ..message import Described, listed
@@ -32,8 +33,6 @@ DIRECTIONS = ("gradient", "surface")
 
 GAUSSIAN_REACH = 4.0
 """Where scipy cuts a Gaussian off, in sigmas."""
-
-Box = tuple[slice, slice, slice]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -110,7 +109,7 @@ class BoneMap(Described):
         if not (np.isfinite(sigma_kji).all() and (sigma_kji > 0).all()):
             raise GeometryError("Input sigma must be positive; got {sigma}.", sigma=sigma_voxels if sigma_mm is None else sigma_mm)
         margin = np.ceil(GAUSSIAN_REACH * sigma_kji).astype(int) + 2
-        box = _box_around(bone, margin)
+        box = box_around(bone, margin)
         bone = bone[box]
         report(progress, 0.1, "Making the bone map")
         probability = _sobel_magnitude(bone.astype(np.float32))
@@ -260,13 +259,6 @@ def _sobel_magnitude(array: Singles) -> Singles:
         squared += slope
     np.sqrt(squared, out=squared)
     return squared
-
-
-def _box_around(mask: Mask, margin: Integers) -> Box:
-    """The part of `mask` within `margin` (k, j, i) voxels of a True one."""
-    (found,) = ndimage.find_objects(mask.view(np.uint8))
-    k, j, i = (slice(max(s.start - m, 0), min(s.stop + m, n)) for s, m, n in zip(found, margin, mask.shape, strict=True))
-    return k, j, i
 
 
 def _matrix_of_box(volume: Volume, box: Box) -> Matrix:

@@ -10,10 +10,11 @@ import numpy as np
 from scipy import ndimage
 
 from ..arrays import Floats, Integers, Matrix, Numbers, Singles
+from ..geometry.box import Box
 from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress, report
 from ..resolve import Imaging
-from .map import GAUSSIAN_REACH, BoneMap, Box
+from .map import GAUSSIAN_REACH, BoneMap
 from .scan_line_reader import Rectangle, ScanLineReader, running_sum
 
 SPACING = 1.0

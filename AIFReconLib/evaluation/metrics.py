@@ -24,7 +24,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from scipy import ndimage
 
-from ..arrays import Array, Floats, Integers, Mask, Numbers, Singles
+from ..arrays import Floats, Integers, Mask, Numbers, Singles
 from ..errors import GeometryError, require_kind
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
@@ -175,11 +175,8 @@ def evaluate(
         truth = bone_truth(truth, beams)
     if mask is not None and not mask.grid.matches(volume.grid):
         raise GeometryError("Input mask must have the voxels of the volume; got others. Give the mask of this reconstruction.")
-    gray = volume.array.astype(np.float32)
-    measured = np.isfinite(gray) & ((gray if mask is None else mask.array) != 0)
-    gray[~measured] = 0.0
-    inside = _within(volume, truth.surface.points_reference)
-    chosen = np.flatnonzero(inside if truth.best_cosine is None else inside & np.isfinite(truth.best_cosine))
+    gray, measured = _grays(volume, mask)
+    chosen = _chosen(volume, truth)
     responses = _responses(gray, measured, volume, truth, chosen)
     if truth.best_cosine is None:
         everywhere = np.isfinite(responses.bone)
@@ -196,6 +193,26 @@ def evaluate(
         shadow_std=shadow_std,
         speckle_snr=_speckle_snr(gray, measured, volume, truth),
     )
+
+
+def shown_points(volume: Volume, truth: BoneTruth, mask: Volume | None = None) -> Mask:
+    """Which points of the true surface `evaluate` counts as covered, (n,) bool; the arguments are its own."""
+    chosen = _chosen(volume, truth)
+    shown = np.zeros(len(truth.surface), dtype=bool)
+    shown[chosen] = _responses(*_grays(volume, mask), volume, truth, chosen).covered
+    return shown
+
+
+def _grays(volume: Volume, mask: Volume | None) -> tuple[Singles, Mask]:
+    gray = volume.array.astype(np.float32)
+    measured: Mask = np.isfinite(gray) & ((gray if mask is None else mask.array) != 0)
+    return np.where(measured, gray, np.float32(0)), measured
+
+
+def _chosen(volume: Volume, truth: BoneTruth) -> Integers:
+    ijk = transform_points(volume.grid.reference_to_ijk, truth.surface.points_reference)
+    inside = np.all((ijk >= -0.5) & (ijk <= np.array(volume.grid.size) - 0.5), axis=1)
+    return np.flatnonzero(inside if truth.best_cosine is None else inside & np.isfinite(truth.best_cosine))
 
 
 @dataclass(frozen=True, eq=False)
@@ -347,7 +364,7 @@ def _speckle_snr(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth
         return np.nan
     cut = tuple(slice(0, b * s) for b, s in zip(blocks, side))
 
-    def by_block(array: Array) -> Floats:
+    def by_block(array: Numbers) -> Floats:
         split = array[cut].reshape(blocks[0], side[0], blocks[1], side[1], blocks[2], side[2])
         sums: Floats = split.sum(axis=(1, 3, 5), dtype=np.float64)
         return sums
@@ -369,12 +386,6 @@ def _speckle_snr(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth
     variance = np.maximum(by_block(np.square(gray, dtype=np.float64))[cubes] / count[cubes] - mean**2, 0.0)
     speckled = variance > 1e-9 * mean**2
     return float(np.median(mean[speckled] / np.sqrt(variance[speckled]))) if speckled.any() else np.nan
-
-
-def _within(volume: Volume, points: Floats) -> Mask:
-    ijk = transform_points(volume.grid.reference_to_ijk, points)
-    within: Mask = np.all((ijk >= -0.5) & (ijk <= np.array(volume.grid.size) - 0.5), axis=1)
-    return within
 
 
 def _distances(truth: BoneTruth, points: Floats) -> Numbers:

@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import GeometryError
+from ..geometry.box import box_around
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 
@@ -90,9 +91,7 @@ def distance_from_labels(labels: Volume) -> Volume:
     if not bone.any() or bone.all():
         raise GeometryError("Input labels must have voxels above 0 and voxels of 0; got only one kind. Was the right segmentation chosen?")
     spacing_kji = labels.grid.spacing[::-1]
-    (found,) = ndimage.find_objects(bone.view(np.uint8))
-    margin = np.ceil(DISTANCE_LIMIT / spacing_kji).astype(int) + 1
-    box = tuple(slice(max(s.start - m, 0), min(s.stop + m, n)) for s, m, n in zip(found, margin, bone.shape))
+    box = box_around(bone, np.ceil(DISTANCE_LIMIT / spacing_kji).astype(int) + 1)
     bone = bone[box]
     distance = np.asarray(ndimage.distance_transform_edt(~bone, sampling=spacing_kji)).astype(np.float32)
     distance -= np.asarray(ndimage.distance_transform_edt(bone, sampling=spacing_kji)).astype(np.float32)

@@ -10,10 +10,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
 
 from ..arrays import Bytes, Floats, Integers, Mask, Matrix
 from ..errors import GeometryError
+from ..geometry.box import box_around
 from ..geometry.transforms import image_plane_axes, pixel_spacing, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import LINEAR, ProbeGeometry
@@ -266,8 +266,7 @@ class BoneRays:
     """
 
     def __init__(self, distance: Volume):
-        found = ndimage.find_objects((distance.array <= 0).view(np.uint8))
-        box = found[0] if found and found[0] else (slice(0, 1),) * 3
+        box = box_around(distance.array <= 0)
         inside = np.asarray(distance.array[box], dtype=np.float32)
         # Looks until bone can be there at all: rays look into the nearest voxels, half a diagonal beside them at most
         free = np.ceil((inside - float(np.linalg.norm(distance.grid.spacing))) / RAY_STEP)

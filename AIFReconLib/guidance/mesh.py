@@ -93,9 +93,9 @@ def met_on_mesh(mesh: BoneMesh, met: BoneMet) -> dict[str, Numbers]:
         where no beam from the back could reach.
     """
     surface = met.bone.surface
-    _, nearest = cKDTree(surface.points_reference).query(mesh.points_reference, distance_upper_bound=NEAR)
-    reachable = nearest < len(surface)
-    nearest = np.where(reachable, nearest, 0)
+    _, found = cKDTree(surface.points_reference).query(mesh.points_reference, distance_upper_bound=NEAR)
+    reachable = found < len(surface)
+    nearest = np.where(reachable, found, 0)
     arrays: dict[str, Numbers] = {
         "best_cosine": np.where(reachable, np.nan_to_num(met.best_cosine[nearest]), 0.0).astype(np.float32),
         "frames": np.where(reachable, met.frames[nearest], 0).astype(np.int32),

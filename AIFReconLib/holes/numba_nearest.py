@@ -51,7 +51,7 @@ def fill_slab(
     """
     planes, rows, columns = mask.shape
     count, reach = offsets.shape[0], lengths.shape[1] - 2
-    reach_k, reach_j = rows_kj[:, 0].max(), rows_kj[:, 1].max()
+    reach_k, reach_j = int(rows_kj[:, 0].max()), int(rows_kj[:, 1].max())
     low, high = max(first - reach_k, 0), min(stop + reach_k, planes)
     flat_steps = np.empty(count, np.int64)
     for n in range(count):

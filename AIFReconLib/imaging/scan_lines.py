@@ -49,7 +49,8 @@ def scan_line_samples(columns: Integers, rows: Integers, spacing: tuple[float, f
     """
     if probe.kind == LINEAR:
         left, top = int(columns.min()), int(rows.min())
-        lines = np.meshgrid(np.arange(left, columns.max() + 1.0), np.arange(top, rows.max() + 1.0), indexing="ij")
+        across, down = np.arange(float(left), float(columns.max()) + 1.0), np.arange(float(top), float(rows.max()) + 1.0)
+        lines = np.meshgrid(across, down, indexing="ij")
         return ScanLineSamples(lines[0], lines[1], spacing[1], (columns - left) * lines[0].shape[1] + (rows - top))
     column, row = probe.apex
     x, y = (columns - column) * spacing[0], (rows - row) * spacing[1]

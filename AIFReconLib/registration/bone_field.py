@@ -9,6 +9,7 @@ from scipy import ndimage
 
 from ..arrays import Floats, Integers, Mask, Singles
 from ..errors import GeometryError
+from ..geometry.box import box_around
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 from ..machine.threads import in_parts, usable_cores
@@ -54,7 +55,7 @@ class BoneField:
         if bone.all():
             raise GeometryError("Input labels must leave voxels that are not bone; got bone everywhere. Was the right segmentation chosen?")
         factors = np.maximum(np.floor(VOXEL / labels.grid.spacing + 0.5), 1).astype(int)
-        (found,) = ndimage.find_objects(bone.view(np.uint8))
+        found = box_around(bone)
         first = np.array([s.start for s in found])[::-1]
         size = np.array([s.stop for s in found])[::-1] - first
         # Whole blocks of voxels with a margin of nothing on every side: bone at the border of a CT ends there
@@ -129,9 +130,8 @@ class BoneField:
 def _signed_distance(inside: Mask, spacing_kji: Floats) -> Floats:
     """Signed distance to the surface, which lies half a voxel from the centers of the voxels on either side of it; smoothed, float32."""
     half = np.float32(0.5 * np.prod(spacing_kji) ** (1 / 3))
-    (box,) = ndimage.find_objects(inside.view(np.uint8))
     # No need to look for depth in bone outside of its box
-    box = tuple(slice(max(s.start - 1, 0), s.stop + 1) for s in box)
+    box = box_around(inside, 1)
     asked = ~inside, inside[box]
     found: list[Singles] = [np.empty(0, np.float32)] * len(asked)
 

@@ -179,8 +179,8 @@ def placed_labels(labels: Volume, places: dict[int, Floats]) -> Volume:
     boxes = ndimage.find_objects(labels.array.astype(np.int32))
     corners = {}
     for label, place in places.items():
-        box = boxes[label - 1]
-        ijk = np.array(np.meshgrid(*[(s.start - 1, s.stop) for s in box[::-1]])).reshape(3, -1).T
+        spans = [np.array([s.start - 1, s.stop]) for s in (boxes[label - 1] or ())[::-1]]
+        ijk: Integers = np.array(np.meshgrid(*spans)).reshape(3, -1).T
         corners[label] = transform_points(base.grid.reference_to_ijk @ place @ labels.ijk_to_reference, ijk)
     low = np.floor(np.min([c.min(axis=0) for c in corners.values()], axis=0)).astype(int)
     high = np.ceil(np.max([c.max(axis=0) for c in corners.values()], axis=0)).astype(int)

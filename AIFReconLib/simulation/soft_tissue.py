@@ -72,8 +72,8 @@ class SoftTissue:
 
     def fat_depth(self, x: Singles) -> Singles:
         """Depth of the thoracolumbar fascia under the skin at x, mm: a little deeper over the furrow."""
-        depth: Singles = SKIN_THICKNESS + (self.fat_thickness - SKIN_THICKNESS) * (0.72 + 0.28 * np.exp(-((x / 18.0) ** 2)))
-        return depth
+        depth = SKIN_THICKNESS + (self.fat_thickness - SKIN_THICKNESS) * (0.72 + 0.28 * np.exp(-((x / 18.0) ** 2)))
+        return np.asarray(depth, dtype=np.float32)
 
     def sample_texture(self, kind: int, x: Reals, y: Reals, z: Reals) -> Singles:
         """Texture `kind` (0 fibers, 1 sheets) at points given by arrays of one shape."""

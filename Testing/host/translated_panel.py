@@ -116,6 +116,7 @@ class Reader:
 
     def read(self, where: str, text: str) -> None:
         """Keep a text with ASCII letters that belong to no name."""
+        text = text.replace("\u2060", "")  # a word joiner is not seen
         rest = text
         for name in self._names:
             rest = rest.replace(name, "")

@@ -1,7 +1,8 @@
 """The views of the application: their nodes, logics and cameras are real, nothing is drawn.
 
 As in Slicer, a slice view fits its field of view to the size of its widget whenever events are handled after either has changed, and a 3D
-view looks at what appears in it only when it is told to.
+view looks at what appears in it only when it is told to. A slice view's own controls follow what it shows, and save a step of undo for
+every such change.
 """
 
 from __future__ import annotations
@@ -158,6 +159,23 @@ def _showsIn3D(node, display) -> bool:
     return bool(display.GetVisibility3D()) and (node.IsA("vtkMRMLModelNode") or node.IsA("vtkMRMLMarkupsNode"))
 
 
+class _SavesUndo:
+    """The controls of a slice view, to which it is the user who changes opacities and interpolation, whoever did."""
+
+    def __init__(self, composite):
+        self._shown = _layers(composite)
+
+    def __call__(self, composite, event) -> None:
+        before, self._shown = self._shown, _layers(composite)
+        if before != self._shown and composite.GetScene() is not None:
+            composite.GetScene().SaveStateForUndo()
+
+
+def _layers(composite) -> tuple:
+    volumes = composite.GetBackgroundVolumeID(), composite.GetForegroundVolumeID(), composite.GetLabelVolumeID()
+    return (*volumes, composite.GetForegroundOpacity(), composite.GetLabelOpacity())
+
+
 class qSlicerLayoutManager(QtCore.QObject):
     """The views: nodes and logics are real, nothing is drawn."""
 
@@ -210,6 +228,9 @@ class qSlicerLayoutManager(QtCore.QObject):
             node = logic.GetSliceNode()
             if self._observed.get(name, (None, 0))[0] is not node:
                 self._observed[name] = node, node.AddObserver("ModifiedEvent", lambda *_: self._fitting.start(0))
+            composite = logic.GetSliceCompositeNode()
+            if self._observed.get((name, "layers"), (None, 0))[0] is not composite:
+                self._observed[name, "layers"] = composite, composite.AddObserver("ModifiedEvent", _SavesUndo(composite))
         for node in self._viewNodes():
             cameraOf(node)
         layout = self._node()

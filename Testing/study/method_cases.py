@@ -10,7 +10,8 @@ import numpy as np
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.compounding.needs import method_needs_bone
 from AIFReconLib.compounding.own.method import load_method
-from AIFReconLib.evaluation.metrics import evaluate
+from AIFReconLib.compounding.state import Reconstruction
+from AIFReconLib.evaluation.metrics import evaluate, shown_points
 from AIFReconLib.evaluation.surface import BoneSurface
 from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
@@ -49,6 +50,9 @@ MISREGISTRATIONS = {
 
 GRAY_SHADOWS = "gray shadows"
 """The condition in which reverberation and clutter lie behind bone, as in real images; otherwise shadows are black."""
+
+BOTH = "bone that average and weighted show"
+"""The condition in which widths and distances of the lines are compared on the same bone."""
 
 OF_MULTI = "single-angle, of what multi-angle reaches"
 TRACKER_NOISE = TrackingErrors(noise=0.5, noise_deg=1.0)
@@ -102,7 +106,16 @@ def patient_rows(seed: int, own: tuple[str, ...] = ()) -> list[Row]:
 def _exact(seed: int, name: str, scan: Scan, labels: Volume, own: tuple[str, ...] = ()) -> list[Row]:
     methods = ("average", "latest", "maximum", *BONE_METHODS, *REFERENCES, *own)
     rows = [_row(seed, name, "exact", method, scan, labels) for method in methods]
-    return rows + [_row(seed, name, "exact", method, scan, labels, "surface") for method in BONE_METHODS]
+    rows += [_row(seed, name, "exact", method, scan, labels, "surface") for method in BONE_METHODS]
+    return rows + _where_both_show(seed, name, scan, labels)
+
+
+def _where_both_show(seed: int, name: str, scan: Scan, labels: Volume) -> list[Row]:
+    """Average and `weighted` on the bone that both show: how wide and how far off their lines are is told of what each shows."""
+    made = {method: _result(method, scan, labels) for method in ("average", "weighted")}
+    both = np.logical_and.reduce([shown_points(result.intensity, scan.truth, result.mask) for result in made.values()])
+    truth = restricted(scan.truth, both)
+    return [Row(seed, name, BOTH, method, "", evaluate(result.intensity, truth, result.mask).to_dict()) for method, result in made.items()]
 
 
 def _controls(seed: int, phantom: LumbarPhantom, probe: PhasedArray, multi: Scan) -> list[Row]:
@@ -131,12 +144,15 @@ def _controls(seed: int, phantom: LumbarPhantom, probe: PhasedArray, multi: Scan
 
 def _row(seed: int, scan_name: str, condition: str, method: str, scan: Scan, labels: Volume, direction: str = "gradient") -> Row:
     """Reconstruct and measure."""
-    needs_bone = method_needs_bone(method)
-    bone = BoneMap.from_labels(labels, sigma_mm=SIGMA) if needs_bone else None
-    settings = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT, bone_direction=direction)
-    result = reconstruct(scan.sequence, settings, bone)
+    result = _result(method, scan, labels, direction)
     metrics = evaluate(result.intensity, scan.truth, result.mask).to_dict()
-    return Row(seed, scan_name, condition, method, direction if needs_bone else "", metrics)
+    return Row(seed, scan_name, condition, method, direction if method_needs_bone(method) else "", metrics)
+
+
+def _result(method: str, scan: Scan, labels: Volume, direction: str = "gradient") -> Reconstruction:
+    bone = BoneMap.from_labels(labels, sigma_mm=SIGMA) if method_needs_bone(method) else None
+    settings = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT, bone_direction=direction)
+    return reconstruct(scan.sequence, settings, bone)
 
 
 def simulated_scan(

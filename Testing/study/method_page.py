@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from AIFReconLib.settings import is_own_method
 
-from .method_cases import GRAY_SHADOWS, METHODS, MISREGISTRATIONS, MULTI_FRAMES, OF_MULTI, SIGMA, SINGLE_FRAMES, SPACING, Row
+from .method_cases import BOTH, GRAY_SHADOWS, METHODS, MISREGISTRATIONS, MULTI_FRAMES, OF_MULTI, SIGMA, SINGLE_FRAMES, SPACING, Row
 from .patients import Spread, spread_of
 
 COLUMNS = (
@@ -41,6 +41,14 @@ def study_page(rows: list[Row]) -> str:
     sections = {
         "Exact poses and CT, multi-angle": _exact(rows, "multi-angle"),
         "Exact poses and CT, single-angle": _exact(rows, "single-angle"),
+        "On the bone that average and weighted both show": _table(
+            rows,
+            [
+                (f"{scan}, {method}", {"scan": scan, "condition": BOTH, "method": method})
+                for scan in ("multi-angle", "single-angle")
+                for method in ("average", "weighted")
+            ],
+        ),
         "Single against multi-angle, on the bone that multi-angle reaches": _table(
             rows,
             [(f"single-angle, {method}", {"scan": OF_MULTI, "method": method}) for method in ("average", "weighted")]

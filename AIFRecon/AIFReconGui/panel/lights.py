@@ -87,6 +87,7 @@ class Lights(Follower):
         if sign.text != word:
             sign.text, sign.styleSheet = word, style
         advised = f"<br>{escape(inPanelWords(advice))}" if advice else ""
-        text = f"<b>{escape(titles[name])}:</b> {escape(inPanelWords(finding))}{advised}"
+        # Qt breaks lines after a slash, unless a word joiner follows
+        text = f"<b>{escape(titles[name])}:</b> {escape(inPanelWords(finding))}{advised}".replace("mm/s", "mm/\u2060s")
         if label.text != text:
             say(label, text)

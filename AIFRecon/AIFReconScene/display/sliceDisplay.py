@@ -1,5 +1,8 @@
 """Volumes in the slice views: the reconstruction over the CT, several of them side by side, and volume rendering."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import slicer
 
 from AIFReconLib.errors import SettingsError
@@ -49,7 +52,8 @@ def showBackground(volumeNode, applicationLogic=None) -> None:
     for sliceLogic in _sliceLogics(MAIN_VIEWS, applicationLogic):
         composite = sliceLogic.GetSliceCompositeNode()
         if composite.GetBackgroundVolumeID() != volumeNode.GetID():
-            composite.SetBackgroundVolumeID(volumeNode.GetID())
+            with changing(composite):
+                composite.SetBackgroundVolumeID(volumeNode.GetID())
             _fit(sliceLogic, volumeNode)
 
 
@@ -71,7 +75,8 @@ def setOpacity(outputNode, opacity: float, applicationLogic=None) -> None:
     """Set how strongly `outputNode` covers the CT, 0 to 1, wherever it is in the foreground."""
     for composite in _composites(applicationLogic):
         if composite.GetForegroundVolumeID() == outputNode.GetID():
-            composite.SetForegroundOpacity(opacity)
+            with changing(composite):
+                composite.SetForegroundOpacity(opacity)
 
 
 def exchange(before, after, applicationLogic=None) -> bool:
@@ -80,7 +85,8 @@ def exchange(before, after, applicationLogic=None) -> bool:
     for composite in _composites(applicationLogic):
         for layer in ("Background", "Foreground"):
             if getattr(composite, f"Get{layer}VolumeID")() == before.GetID():
-                getattr(composite, f"Set{layer}VolumeID")(after.GetID())
+                with changing(composite):
+                    getattr(composite, f"Set{layer}VolumeID")(after.GetID())
                 found = True
     return found
 
@@ -92,11 +98,13 @@ def showLabels(labelNode, overNode, applicationLogic=None) -> None:
         over = overNode.GetID() if overNode is not None else None
         if over is not None and over in (composite.GetBackgroundVolumeID(), composite.GetForegroundVolumeID()):
             if shown in (None, "", labelNode.GetID()):
-                composite.SetLabelVolumeID(labelNode.GetID())
-                composite.SetLabelOpacity(composite.GetForegroundOpacity() if composite.GetForegroundVolumeID() == over else 1.0)
+                with changing(composite):
+                    composite.SetLabelVolumeID(labelNode.GetID())
+                    composite.SetLabelOpacity(composite.GetForegroundOpacity() if composite.GetForegroundVolumeID() == over else 1.0)
         elif shown == labelNode.GetID():
-            composite.SetLabelVolumeID(None)
-            composite.SetLabelOpacity(1.0)
+            with changing(composite):
+                composite.SetLabelVolumeID(None)
+                composite.SetLabelOpacity(1.0)
 
 
 def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", applicationLogic=None, tableNode=None, fit: bool = True) -> None:
@@ -155,6 +163,19 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
     for sliceLogic in logics:
         sliceLogic.GetSliceCompositeNode().SetLinkedControl(True)
         sliceLogic.GetSliceCompositeNode().SetHotLinkedControl(True)
+
+
+@contextmanager
+def changing(composite) -> Iterator[None]:
+    """Change what a view shows at once, and as no step of *Undo*: the view's own controls save one whenever volumes or opacities change."""
+    scene = composite.GetScene()
+    asked = scene.GetUndoFlag()
+    scene.SetUndoFlag(False)
+    try:
+        with slicer.util.NodeModify(composite):
+            yield
+    finally:
+        scene.SetUndoFlag(asked)
 
 
 def restoreLayout(scene=None) -> None:
@@ -259,7 +280,7 @@ def _sliceLogics(names, applicationLogic) -> list:
 
 def _showIn(sliceLogic, node, ctNode, opacity: float) -> None:
     composite = sliceLogic.GetSliceCompositeNode()
-    with slicer.util.NodeModify(composite):
+    with changing(composite):
         composite.SetBackgroundVolumeID((ctNode or node).GetID())
         composite.SetForegroundVolumeID(node.GetID() if ctNode is not None else None)
         composite.SetForegroundOpacity(opacity if ctNode is not None else 0.0)

@@ -42,8 +42,9 @@ class LiveViews:
         if self._frame is not frameNode:
             self._before = self._before or _View.of(node, composite)
             self._frame = frameNode
-            composite.SetBackgroundVolumeID(frameNode.GetID())
-            composite.SetForegroundVolumeID(None)
+            with sliceDisplay.changing(composite):
+                composite.SetBackgroundVolumeID(frameNode.GetID())
+                composite.SetForegroundVolumeID(None)
         elif not self._seenIn3D:
             self._seenIn3D = True
             node.SetSliceVisible(True)
@@ -125,7 +126,7 @@ class _View:
     def restore(self, node, composite) -> None:
         scene = node.GetScene()
         there = [volume if volume and scene.GetNodeByID(volume) else None for volume in (self.background, self.foreground)]
-        with slicer.util.NodeModify(node), slicer.util.NodeModify(composite):
+        with slicer.util.NodeModify(node), sliceDisplay.changing(composite):
             node.SetSliceVisible(self.visible)
             node.GetSliceToRAS().DeepCopy(slicer.util.vtkMatrixFromArray(self.sliceToRAS))
             node.SetFieldOfView(*self.fieldOfView)

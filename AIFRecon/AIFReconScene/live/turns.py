@@ -8,6 +8,10 @@ LEAST, LONGEST = 0.004, 0.02
 MOST_OWED = 0.3
 """s that windows owe at most, whatever they did: after something that took long a scan's display must go on."""
 
+HELD_BACK, LET_GO = 0.4, 0.25
+"""s for which nothing is drawn because windows owe, and then something all the same: they may be busy with what others draw, such as the
+images that another module puts into the scene, and owe for ever."""
+
 
 class Turns:
     """Hands the interpreter to other threads, as long as the windows' own thread has kept it.
@@ -26,16 +30,18 @@ class Turns:
 
     def __init__(self, clock=time.perf_counter, sleep=time.sleep):
         self._clock, self._sleep = clock, sleep
-        self._owed, self._since = 0.0, None
+        self._owed, self._since, self._owing = 0.0, None, 0.0
 
     @property
     def isOwing(self) -> bool:
         """Whether windows have kept the interpreter for so long that one turn does not make up for it: nothing should be drawn now."""
-        return self._owed > LONGEST
+        return self._owed > LONGEST and (self._clock() - self._owing) % (HELD_BACK + LET_GO) < HELD_BACK
 
     def give(self) -> None:
         """Let other threads work for some milliseconds; to be called whenever events have been handled."""
         now = self._clock()
+        if self._owed <= LONGEST:
+            self._owing = now
         if self._since is not None:
             self._owed = min(self._owed + now - self._since, MOST_OWED)
         self._sleep(min(max(self._owed, LEAST), LONGEST))

@@ -89,6 +89,19 @@ def texts() -> translations.Texts:
 
 
 @pytest.fixture(scope="module")
+def lrelease() -> str:
+    """Qt's program that compiles translations."""
+    pyside = pytest.importorskip("PySide6", reason="PySide6-Essentials is not installed: pip install '.[test]'")
+    program = shutil.which("lrelease", path=Path(pyside.__file__).parent)
+    if program is None:
+        pytest.skip("this PySide6 has no lrelease")
+    tried = subprocess.run([program, "-version"], capture_output=True, text=True, check=False)
+    if tried.returncode == 127:  # a system library is missing
+        pytest.skip(f"lrelease does not start here: {tried.stderr.strip()}. On Debian: apt install libglib2.0-0")
+    return program
+
+
+@pytest.fixture(scope="module")
 def written(tmp_path_factory) -> Path:
     """The translators' file."""
     path = tmp_path_factory.mktemp("resources") / "Translations" / translations.TARGET.name
@@ -102,12 +115,8 @@ def test_the_translators_file_holds_every_text(written, texts):
     assert read == {(context, text) for context, held in texts.items() for text in held}
 
 
-def test_qt_reads_the_translators_file(written, texts):
-    pyside = pytest.importorskip("PySide6", reason="PySide6-Essentials is not installed: pip install '.[test]'")
-    program = shutil.which("lrelease", path=Path(pyside.__file__).parent)
-    if program is None:
-        pytest.skip("this PySide6 has no lrelease")
-    done = subprocess.run([program, written, "-qm", written.with_suffix(".qm")], capture_output=True, text=True, check=True)
+def test_qt_reads_the_translators_file(written, texts, lrelease):
+    done = subprocess.run([lrelease, written, "-qm", written.with_suffix(".qm")], capture_output=True, text=True, check=True)
     count = sum(map(len, texts.values()))
     assert f"{count} untranslated" in done.stdout
 
@@ -227,13 +236,9 @@ def test_a_language_keeps_every_placeholder(path):
 
 
 @pytest.mark.parametrize("path", LANGUAGES, ids=lambda path: path.stem)
-def test_qt_speaks_the_language_once_it_is_compiled(path, tmp_path):
-    pyside = pytest.importorskip("PySide6", reason="PySide6-Essentials is not installed: pip install '.[test]'")
-    program = shutil.which("lrelease", path=Path(pyside.__file__).parent)
-    if program is None:
-        pytest.skip("this PySide6 has no lrelease")
+def test_qt_speaks_the_language_once_it_is_compiled(path, tmp_path, lrelease):
     compiled = tmp_path / "language.qm"
-    subprocess.run([program, path, "-qm", compiled], capture_output=True, check=True)
+    subprocess.run([lrelease, path, "-qm", compiled], capture_output=True, check=True)
     from PySide6 import QtCore
 
     translator = QtCore.QTranslator()

@@ -12,7 +12,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "AIFRecon"))
 
-from AIFReconScene.live.turns import LEAST, LONGEST, MOST_OWED, Turns
+from AIFReconScene.live.turns import HELD_BACK, LEAST, LET_GO, LONGEST, MOST_OWED, Turns
 
 MOST_EVENTS = 200
 """Events of the windows within which a thread must have got on."""
@@ -80,6 +80,18 @@ def test_windows_that_stood_still_for_long_do_not_owe_for_ever(turns, clock):
     while turns.isOwing:
         turns.give()
     assert sum(clock.slept) == pytest.approx(MOST_OWED, abs=2 * LONGEST)
+
+
+def test_something_is_drawn_beside_windows_that_owe_for_ever(turns, clock):
+    owed = []
+    for _ in range(200):
+        clock.now += 0.1
+        turns.give()
+        owed.append(turns.isOwing)
+    drawn = 1.0 - sum(owed) / len(owed)
+    assert drawn == pytest.approx(LET_GO / (HELD_BACK + LET_GO), abs=0.1)
+    spells = "".join("x" if each else " " for each in owed).split()
+    assert max(map(len, spells)) * (0.1 + LONGEST) <= HELD_BACK + 0.1 + LONGEST
 
 
 def test_a_new_scan_owes_nothing(turns, clock):

@@ -55,7 +55,7 @@ def ray_echoes(
         inside = ndimage.map_coordinates(distance.array, ijk.T[::-1], order=1, mode="constant", cval=6.0).reshape(way.shape[:2]) <= 0
         met = inside.any(axis=1)
         points.append(way[met, inside[met].argmax(axis=1)])
-        beams.append(np.tile(beam, (met.sum(), 1)))
+        beams.append(np.tile(beam, (int(met.sum()), 1)))
         frames.append(np.round(points[-1][:, 2]).astype(np.int64))
     met_at = np.concatenate(points)
     return SweepEchoes(

@@ -84,6 +84,20 @@ def test_a_case_reconstructs_and_measures(phantom, scan, monkeypatch):
     assert weighted["oblique_cnr"] > average["oblique_cnr"]
 
 
+def test_average_and_weighted_are_compared_on_the_bone_that_both_show(phantom, scan, monkeypatch):
+    monkeypatch.setattr(method_cases, "SPACING", 2.0)
+    monkeypatch.setattr(method_cases, "HOLE_LIMIT", 4.0)
+    average, weighted = method_cases._where_both_show(2, "multi-angle", scan, phantom.labels)
+    assert (average.method, weighted.method) == ("average", "weighted")
+    assert (
+        average.metrics["bone_area"]
+        == weighted.metrics["bone_area"]
+        < method_cases._row(2, "multi-angle", "exact", "average", scan, phantom.labels).metrics["bone_area"]
+    )
+    assert weighted.metrics["bone_coverage"] > 0.8
+    assert average.metrics["bone_localization_error"] < 1.0
+
+
 @register_method
 def all_alike(intensity):
     return 1.0, intensity

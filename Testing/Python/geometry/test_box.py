@@ -1,0 +1,22 @@
+"""The box around chosen voxels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from AIFReconLib.geometry.box import box_around
+
+
+@pytest.mark.parametrize("margin", [0, 2, np.array([1, 0, 40])])
+def test_it_holds_every_voxel_and_the_margin_that_fits(margin):
+    mask = np.zeros((9, 12, 30), bool)
+    mask[2, 3, 4] = mask[5, 10, 20] = True
+    box = box_around(mask, margin)
+    k, j, i = np.broadcast_to(margin, 3)
+    assert box == (slice(2 - k, min(6 + k, 9)), slice(3 - j, min(11 + j, 12)), slice(max(4 - i, 0), min(21 + i, 30)))
+    assert mask[box].sum() == 2
+
+
+def test_around_nothing_it_is_the_first_voxel():
+    assert box_around(np.zeros((3, 4, 5), bool)) == (slice(0, 1),) * 3
