@@ -85,7 +85,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         from AIFReconGui.libraryLog import LibraryLog
         from AIFReconGui.longWork import LongWork
         from AIFReconGui.panel.guidancePanel import GuidancePanel
-        from AIFReconGui.panel.layout import Tabs
+        from AIFReconGui.panel.layout import RoomForTexts, Tabs
         from AIFReconGui.panel.livePanel import LivePanel
         from AIFReconGui.panel.recordedPanel import RecordedPanel
         from AIFReconGui.panel.registrationPanel import RegistrationPanel
@@ -103,6 +103,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         onBone = (self.ui, self._work, self._live, self.logic, self._onParametersModified)
         self._registration, self._guidance = RegistrationPanel(*onBone), GuidancePanel(*onBone)
         self._tabs = Tabs(self.ui, self._onParametersModified)
+        self._room = RoomForTexts(uiWidget, self.ui)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
         self._isSetUp = True
 

@@ -79,6 +79,26 @@ class AIFReconWindowTest(unittest.TestCase):
             with self.subTest(section=section.objectName):
                 self.assertGreaterEqual(section.height, section.minimumSizeHint.height())
 
+    def test_texts_have_room_for_all_of_their_lines_when_the_panel_gets_narrower(self):
+        from AIFReconGui.panel.layout import say
+
+        self.parameters.sweep = tinyScene.addSweep()
+        before = self.width()
+        dock = self.window.findChild(qt.QDockWidget, "PanelDockWidget")
+        label = self.ui.statusLabel
+        self.addCleanup(self.window.resizeDocks, [dock], [before], qt.Qt.Horizontal)
+        self.window.resizeDocks([dock], [before + 150], qt.Qt.Horizontal)
+        self.settle()
+        label.visible = True
+        say(label, "\n".join([LONG] * 3))
+        self.settle()
+        lines = label.heightForWidth(label.width)
+        self.window.resizeDocks([dock], [before], qt.Qt.Horizontal)
+        self.settle()
+        self.assertGreater(label.heightForWidth(label.width), lines)
+        self.assertGreaterEqual(label.minimumHeight, label.heightForWidth(label.width))
+        self.assertGreaterEqual(label.height, label.heightForWidth(label.width))
+
     def test_names_of_segments_do_not_widen_a_panel_that_is_made_anew(self):
         before = self.width()
         self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()

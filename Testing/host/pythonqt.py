@@ -90,6 +90,17 @@ class PythonQtMeta(type):
         raise AttributeError(f"type object '{cls.__name__}' has no attribute '{name}'")
 
 
+def _filtering(native, owner) -> type:
+    """A Qt class whose event filter is that of a Python class which derives from its wrapper."""
+
+    class Filtering(native):
+        def eventFilter(self, watched, event):
+            wrapper = owner()
+            return wrapper is not None and bool(wrapper.eventFilter(wrap(watched), wrap(event)))
+
+    return Filtering
+
+
 class Wrapper(metaclass=PythonQtMeta):
     """A Qt object, or a value such as a color, as PythonQt shows it. Derived classes are made by `wrapper_class`."""
 
@@ -106,6 +117,12 @@ class Wrapper(metaclass=PythonQtMeta):
         table = native.__dict__.get("api")
         if table is not None and not (not args or (len(args) == 1 and (args[0] is None or isinstance(args[0], Wrapper)))):
             raise ValueError(f"{type(self).__name__} can be created with a parent only; got {args!r}")
+        if (
+            isinstance(native, type)
+            and issubclass(native, QtCore.QObject)
+            and any("eventFilter" in vars(each) for each in type(self).__mro__)
+        ):
+            native = _filtering(native, weakref.ref(self))
         self._adopt(native(*map(unwrap, args)))
 
     def _adopt(self, native):

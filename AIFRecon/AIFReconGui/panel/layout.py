@@ -26,6 +26,35 @@ def _fit(label) -> None:
         label.minimumHeight = label.heightForWidth(label.width) if label.text and label.visible else 0
 
 
+class RoomForTexts(qt.QObject):
+    """Gives every text that wraps its words room for all of its lines again, when the panel has got another width.
+
+    The user makes it narrower, or the scroll bar comes that a longer text has called for.
+
+    Parameters
+    ----------
+    panel : QWidget
+    ui : namespace of the widgets in it
+    """
+
+    def __init__(self, panel, ui):
+        qt.QObject.__init__(self)
+        self._labels = [each for each in vars(ui).values() if isinstance(each, qt.QLabel) and each.wordWrap]
+        self._width = panel.width
+        panel.installEventFilter(self)
+
+    def eventFilter(self, watched, event):
+        """Hear of the panel's events; none is kept from it."""
+        if event.type() == qt.QEvent.Resize and watched.width != self._width:
+            self._width = watched.width
+            qt.QTimer.singleShot(0, self._fit)
+        return False
+
+    def _fit(self) -> None:
+        for label in self._labels:
+            _fit(label)
+
+
 class Tabs:
     """The tabs Recorded and Live. The panel is as high as the one that is shown: Qt asks for the room of the highest.
 
