@@ -9,6 +9,7 @@ the window after each step and `walk.json`: the longest stall of each step in ms
 that it should not. The exit status is 0 when every step succeeded, no stall was over the limits and the log holds no traceback.
 
     ... walkInSlicer.py FOLDER --only recording,live
+    ... walkInSlicer.py FOLDER --only liveGuidance
     ... walkInSlicer.py FOLDER --only sampleData,echoes,network,recordedNetwork,liveNetwork
 
 Takes these steps alone.
@@ -18,12 +19,8 @@ Takes these steps alone.
 Closes the application in the middle of a reconstruction instead, SECONDS after its start; it must end within a second, in silence.
 """
 
-import contextlib
 import json
 import pathlib
-import re
-import shutil
-import subprocess
 import sys
 import time
 import unittest
@@ -36,7 +33,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
 import realData  # noqa: E402 - the folder must be known first
-from walkBone import MODEL, echoes, network, recordedNetwork, requireNetwork  # noqa: E402
+from walkBone import echoes, network, recordedNetwork  # noqa: E402
+from walkLive import live, liveGuidance, liveNetwork  # noqa: E402
 
 WINDOW = (1400, 900)
 PANEL_WIDTH = 400
@@ -47,10 +45,6 @@ LONGEST_IN_A_RUN, LONGEST_WHILE_LIVE = 0.25, 0.1
 
 PUSHED, NEAR = (4.0, -6.0, 3.0), 1.5
 """mm: how far the CT is pushed off its place, and how near the bone's box comes back to it."""
-
-FRAMES_SCOUTED, FRAMES_INSERTED = 60, 200
-RATE = 20.0
-"""Frames per second of the replayed recording."""
 
 
 class Heart:
@@ -257,11 +251,6 @@ def saveAndLoad(walk: Walk) -> None:
     np.testing.assert_array_equal(slicer.util.arrayFromVolume(walk.parameters.output), before)
 
 
-def shown(view: str):
-    """The volume in the background of a slice view."""
-    return slicer.app.layoutManager().sliceWidget(view).sliceLogic().GetBackgroundLayer().GetVolumeNode()
-
-
 def recording(walk: Walk) -> None:
     """A real recording is loaded with its calibration, and reconstructed."""
     slicer.mrmlScene.Clear()
@@ -276,75 +265,9 @@ def recording(walk: Walk) -> None:
         raise RuntimeError(f"the recording was not reconstructed: {walk.ui.statusLabel.text}")
 
 
-@contextlib.contextmanager
-def replayed(recording, calibration, log):
-    """A scanner: the recording, replayed over OpenIGTLink by a process of its own, whose errors go to the file `log`. Gives the port."""
-    python = shutil.which("PythonSlicer") or shutil.which("python3")
-    command = [python, "-m", "AIFReconLib", "replay", recording, "--config", calibration, "--port", "0", "--rate", f"{RATE:g}", "--loop"]
-    with open(log, "w", encoding="utf-8") as errors:
-        scanner = subprocess.Popen(
-            list(map(str, command)),
-            cwd=HERE.parents[1],
-            env=slicer.util.startupEnvironment(),
-            stdout=subprocess.PIPE,
-            stderr=errors,
-            text=True,
-        )
-    try:
-        yield int(re.search(r"port (\d+)", scanner.stdout.readline())[1])
-    finally:
-        scanner.kill()
-        scanner.wait()
-
-
-def live(walk: Walk) -> None:
-    """A real recording is replayed, its box found, and a volume grows while it is received."""
-    scan(walk, "Live")
-
-
-def liveNetwork(walk: Walk) -> None:
-    """The same scan, while a network in a file tells where bone is."""
-    from AIFReconScene.inputs.boneSource import BoneSource
-
-    requireNetwork()
-    walk.ui.liveBoneModelPathLineEdit.currentPath = str(MODEL)
-    walk.ui.liveBoneSourceComboBox.currentIndex = list(BoneSource).index(BoneSource.MODEL)
-    looked = scan(walk, "LiveNetwork").seen._watch.state
-    if looked.problem is not None or not looked.frames:
-        raise RuntimeError(f"the network looked at {looked.frames} frames: {looked.problem}")
-    print(f"the network looked at {looked.frames} frames", flush=True)
-
-
-def scan(walk: Walk, name: str):
-    """Scan in the Live tab; what happened is measured and pictured under a name. Returns the scan, which is over."""
-    calibration = realData.folder() / realData.SPINE_CALIBRATION
-    with replayed(realData.recordingOf(calibration), calibration, walk.folder / "replay.log") as port:
-        walk.parameters.output = None
-        walk.parameters.liveHost, walk.parameters.livePort = "127.0.0.1", port
-        walk.ui.tabWidget.currentIndex = 1
-        walk.settle()
-        walk.press(walk.ui.liveStartButton)
-        running = walk.widget._live._live
-        session = running.session
-        walk.wait(lambda: session.scouted >= FRAMES_SCOUTED, what="a box")
-        walk.wait(lambda: walk.ui.liveUseBoxButton.enabled, what="Use the scanned box")
-        walk.heart.start()
-        walk.press(walk.ui.liveUseBoxButton)
-        walk.wait(lambda: session.statistics.inserted > FRAMES_INSERTED, what="frames")
-        walk.wait(lambda: shown("Green") is not None and shown("Green") is running.volumeNode, what="the growing volume in the green view")
-        walk.wait(lambda: shown("Red") is running.frameNode, what="the frame in the red view")
-        walk.stalls[f"while{name}"], walk.worked[f"while{name}"] = round(walk.heart.longest * 1000.0), round(walk.heart.worked * 1000.0)
-        walk.picture(f"scan{name}")
-        walk.heart.start()
-        walk.press(walk.ui.liveStopButton)
-    if walk.parameters.output is None or not slicer.util.arrayFromVolume(walk.parameters.output).any():
-        raise RuntimeError(f"the scan left no volume: {walk.ui.liveStatisticsLabel.text}")
-    return running
-
-
 STEPS = (
     *(sampleData, apply, compare, single, register, guidance, box, saveAndLoad),
-    *(echoes, network, recordedNetwork, recording, live, liveNetwork),
+    *(echoes, network, recordedNetwork, recording, live, liveNetwork, liveGuidance),
 )
 
 
