@@ -1,12 +1,14 @@
 """A live session in the scene: starts it from the panel's parameters and keeps the nodes it shows up to date."""
 
 import logging
+from dataclasses import replace
 
 from AIFReconLib.errors import GeometryError, OperationCanceled, SettingsError
 from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
 from AIFReconLib.live.session.agreement_watch import AgreementWatch, LiveState
 from AIFReconLib.live.session.session import SCOUTING, LiveSession
 from AIFReconLib.live.session.snapshots import SnapshotMaker
+from AIFReconLib.machine.threads import usable_cores
 from AIFReconLib.provenance.record import with_settings
 from AIFReconLib.registration.echoes import FEWEST, SweepEchoes
 
@@ -294,11 +296,10 @@ def _sourceFrom(parameters):
 
 
 def _configurationFrom(parameters):
+    """The Plus configuration. Unless it says itself how many threads insert, one core stays with the windows: they would wait to draw."""
+    from AIFReconLib import read_plus_configuration
     from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 
     path = fileFrom(parameters.configurationPath)
-    if path is None:
-        return NO_CONFIGURATION
-    from AIFReconLib import read_plus_configuration
-
-    return read_plus_configuration(path)
+    configuration = NO_CONFIGURATION if path is None else read_plus_configuration(path)
+    return replace(configuration, threads=configuration.threads or max(usable_cores() - 1, 1))
