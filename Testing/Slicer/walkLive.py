@@ -25,7 +25,7 @@ GUIDED_FRAMES, GUIDED_SECONDS = 270, 15.0
 
 
 @contextlib.contextmanager
-def replayed(recording, configuration, log, rate: float = RATE):
+def replayed(recording, configuration, log, rate=RATE):
     """A scanner: the recording, replayed over OpenIGTLink by a process of its own, whose errors go to the file `log`. Gives the port."""
     python = shutil.which("PythonSlicer") or shutil.which("python3")
     command = [python, "-m", "AIFReconLib", "replay", recording, "--config", configuration, "--port", "0", "--rate", f"{rate:g}", "--loop"]
@@ -91,10 +91,9 @@ def scan(walk, name: str, source=None, rate: float = RATE, meanwhile=lambda runn
 
     `source` is (recording, configuration), by default a real one; `meanwhile` is called with the scan once its volume is seen to grow.
     """
-    if source is None:
-        calibration = realData.folder() / realData.SPINE_CALIBRATION
-        source = realData.recordingOf(calibration), calibration
-    with replayed(*source, walk.folder / "replay.log", rate) as port:
+    calibration = realData.folder() / realData.SPINE_CALIBRATION
+    recording, configuration = source or (realData.recordingOf(calibration), calibration)
+    with replayed(recording, configuration, walk.folder / "replay.log", rate) as port:
         walk.parameters.output = None
         walk.parameters.liveHost, walk.parameters.livePort = "127.0.0.1", port
         walk.ui.tabWidget.currentIndex = 1
