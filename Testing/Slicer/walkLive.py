@@ -91,8 +91,7 @@ def scan(walk, name: str, source=None, rate: float = RATE, meanwhile=lambda runn
 
     `source` is (recording, configuration), by default a real one; `meanwhile` is called with the scan once its volume is seen to grow.
     """
-    calibration = realData.folder() / realData.SPINE_CALIBRATION
-    recording, configuration = source or (realData.recordingOf(calibration), calibration)
+    recording, configuration = source or realRecording()
     with replayed(recording, configuration, walk.folder / "replay.log", rate) as port:
         walk.parameters.output = None
         walk.parameters.liveHost, walk.parameters.livePort = "127.0.0.1", port
@@ -116,6 +115,12 @@ def scan(walk, name: str, source=None, rate: float = RATE, meanwhile=lambda runn
     if walk.parameters.output is None or not slicer.util.arrayFromVolume(walk.parameters.output).any():
         raise RuntimeError(f"the scan left no volume: {walk.ui.liveStatisticsLabel.text}")
     return running
+
+
+def realRecording():
+    """A real recording and its configuration; without real data the step is left out."""
+    calibration = realData.folder() / realData.SPINE_CALIBRATION
+    return realData.recordingOf(calibration), calibration
 
 
 def shown(view: str):
