@@ -210,7 +210,8 @@ class BoneMap(Described):
         (the inverse transpose of the matrix), interpolated linearly to the grid and normalized; zero where there is no gradient.
         """
         placed = self.at_voxels(grid, direction, part(progress, 0.0, 0.1), planes)
-        place, _ = placed.placement, placed.lit
+        place = placed.placement
+        _ = placed.lit  # made once, before several threads ask for it
         (first, stop), rows, columns = place.planes, slice(*place.rows), slice(*place.columns)
         line = np.arange(rows.start, rows.stop)[:, None] * place.shape[2] + np.arange(columns.start, columns.stop)
         probability, directions = np.zeros(place.shape, np.float32), np.zeros((*place.shape, 3), np.float32)
