@@ -98,6 +98,19 @@ class AIFReconViewsTest(unittest.TestCase):
         self.assertEqual(self.composite().GetBackgroundVolumeID(), ct.GetID())
         self.assertTrue(segmentation.GetSegmentation().ContainsRepresentation("Closed surface"))
         np.testing.assert_allclose(self.focus(), self.middle(segmentation), atol=10.0)
+        view = self.threeD.mrmlViewNode()
+        self.assertTrue(view.GetBoxVisible() and view.GetAxisLabelsVisible())
+
+    def test_bone_fills_the_view_however_large_its_ct_is(self):
+        from AIFReconGui.sampleData import loadPhantomSample
+
+        _ct, segmentation, _registration, _browser = loadPhantomSample()
+        bounds = [0.0] * 6
+        segmentation.GetRASBounds(bounds)
+        radius = np.linalg.norm(np.diff(np.reshape(bounds, (3, 2)))) / 2.0
+        camera = self.threeD.cameraNode()
+        away = np.linalg.norm(np.subtract(camera.GetPosition(), camera.GetFocalPoint()))
+        self.assertLess(away, 1.1 * radius / np.sin(np.radians(camera.GetViewAngle()) / 2.0))
 
     # ---- bone beside a reconstruction
 

@@ -80,8 +80,12 @@ class qMRMLThreeDView(QtWidgets.QWidget):
             camera.SetFocalPoint([(bounds[axis] + bounds[axis + 1]) / 2 for axis in (0, 2, 4)])
 
     def resetCamera(self, rotation=True, translation=True, distance=True):
-        """Looks at what appears from a main axis, and takes all of it in."""
-        self.cameraNode().Reset(rotation, translation, distance, appearing(self._node.GetScene()))
+        """Looks at what appears from a main axis, and takes all of it in, its box too where the view shows one."""
+        renderer = appearing(self._node.GetScene())
+        if self._node.GetBoxVisible():
+            for bounds in _boundsOfNodes(self._node):
+                renderer.AddActor(_boxActor(bounds))
+        self.cameraNode().Reset(rotation, translation, distance, renderer)
 
 
 class qMRMLThreeDWidget(QtWidgets.QWidget):
@@ -124,15 +128,32 @@ def appearing(scene):
     renderer = vtk.vtkRenderer()
     renderer.GetActiveCamera()
     for bounds in _boundsIn3D(scene):
-        box = vtk.vtkCubeSource()
-        box.SetBounds(bounds)
-        box.Update()
-        mapper = vtk.vtkPolyDataMapper()
-        mapper.SetInputData(box.GetOutput())
-        actor = vtk.vtkActor()
-        actor.SetMapper(mapper)
-        renderer.AddActor(actor)
+        renderer.AddActor(_boxActor(bounds))
     return renderer
+
+
+def _boxActor(bounds):
+    box = vtk.vtkCubeSource()
+    box.SetBounds(bounds)
+    box.Update()
+    mapper = vtk.vtkPolyDataMapper()
+    mapper.SetInputData(box.GetOutput())
+    actor = vtk.vtkActor()
+    actor.SetMapper(mapper)
+    return actor
+
+
+def _boundsOfNodes(viewNode):
+    """RAS bounds of each node that a view's own box is drawn around: volumes too, which 3D views do not show."""
+    scene = viewNode.GetScene()
+    for index in range(scene.GetNumberOfNodesByClass("vtkMRMLDisplayableNode")):
+        node = scene.GetNthNodeByClass(index, "vtkMRMLDisplayableNode")
+        displays = [node.GetNthDisplayNode(number) for number in range(node.GetNumberOfDisplayNodes())]
+        shown = any(display is not None and display.IsDisplayableInView(viewNode.GetID()) for display in displays)
+        if shown and not slicer.vtkMRMLSliceLogic.IsSliceModelNode(node):
+            bounds = _rasBounds(node)
+            if vtk.vtkMath.AreBoundsInitialized(bounds):
+                yield bounds
 
 
 def _boundsIn3D(scene):
@@ -142,10 +163,27 @@ def _boundsIn3D(scene):
         displays = [node.GetNthDisplayNode(number) for number in range(node.GetNumberOfDisplayNodes())]
         if not any(_showsIn3D(node, display) for display in displays if display is not None):
             continue
-        bounds = [0.0] * 6
-        node.GetRASBounds(bounds)
-        if vtk.vtkMath.AreBoundsInitialized(bounds):
-            yield bounds
+        for bounds in _surfaceBounds(node) if node.IsA("vtkMRMLSegmentationNode") else [_rasBounds(node)]:
+            if vtk.vtkMath.AreBoundsInitialized(bounds):
+                yield bounds
+
+
+def _rasBounds(node) -> list[float]:
+    bounds = [0.0] * 6
+    node.GetRASBounds(bounds)
+    return bounds
+
+
+def _surfaceBounds(node):
+    """Of what is drawn of each segment; the node's own bounds are those of its labels' whole image."""
+    toRAS = vtk.vtkGeneralTransform()
+    slicer.vtkMRMLTransformNode.GetTransformBetweenNodes(node.GetParentTransformNode(), None, toRAS)
+    for segmentID in node.GetSegmentation().GetSegmentIDs():
+        inWorld = vtk.vtkTransformPolyDataFilter()
+        inWorld.SetTransform(toRAS)
+        inWorld.SetInputData(node.GetClosedSurfaceInternalRepresentation(segmentID))
+        inWorld.Update()
+        yield inWorld.GetOutput().GetBounds()
 
 
 def _showsIn3D(node, display) -> bool:

@@ -1,5 +1,7 @@
 """What the 3D views show: the surface of bone, and all that appears in their middle."""
 
+import contextlib
+
 import numpy as np
 import slicer
 
@@ -15,9 +17,25 @@ LETTERS = 30
 def center() -> None:
     """Have every 3D view look at the middle of what appears in it, from the side that the user has chosen; they never do by themselves."""
     for view in _views():
-        view.resetFocalPoint()
-        # Where it is and how far away, not how it is turned
-        view.resetCamera(False, True, True)
+        with _withoutBox(view):
+            view.resetFocalPoint()
+            # How far away it is, not how it is turned
+            view.resetCamera(False, False, True)
+        view.cameraNode().ResetClippingRange()
+
+
+@contextlib.contextmanager
+def _withoutBox(view):
+    """A view's box is drawn around all nodes, those too that no 3D view shows: a CT would make the bone in it small and push it aside."""
+    node = view.mrmlViewNode()
+    shown = node.GetBoxVisible(), node.GetAxisLabelsVisible()
+    node.SetBoxVisible(False)
+    node.SetAxisLabelsVisible(False)
+    try:
+        yield
+    finally:
+        node.SetBoxVisible(shown[0])
+        node.SetAxisLabelsVisible(shown[1])
 
 
 def lookAlong(direction, up, model) -> None:
