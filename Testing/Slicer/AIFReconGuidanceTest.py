@@ -169,8 +169,10 @@ class AIFReconGuidanceTest(unittest.TestCase):
         text = self.ui.guidanceMoveLabel.text
         self.assertRegex(text, "^[\u2190-\u2193\u21bb\u25cf]  ")
         self.assertIn("26px", self.ui.guidanceMoveLabel.styleSheet)
-        view = slicer.app.layoutManager().threeDWidget(0).threeDView()
-        self.assertEqual(view.cornerAnnotation().GetText(2), text)
+        annotation = slicer.app.layoutManager().threeDWidget(0).threeDView().cornerAnnotation()
+        self.assertEqual(annotation.GetText(2), text)
+        # Large also in a view of 250 pixels
+        self.assertGreaterEqual(annotation.GetMaximumLineHeight() * 250, annotation.GetMaximumFontSize())
 
     def test_the_ghost_stands_where_the_move_leads(self):
         self.setToldBox()
@@ -199,9 +201,25 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.widget._guidance._show(self.widget._guidance._shown, self.parameters.bone)
         self.assertEqual(camera.GetPosition(), before)
 
+    def test_segments_are_not_drawn_in_3d_under_the_colors_and_come_back_also_where_another_session_hid_them(self):
+        from AIFReconScene.display.boneColors import BoneColors
+
+        display = self.nodes.segmentation.GetDisplayNode()
+        self.setToldBox()
+        self.assertEqual((display.GetVisibility3D(), display.GetVisibility()), (0, 1))
+        BoneColors().clear()
+        self.assertTrue(display.GetVisibility3D())
+
+    def test_segments_that_the_user_draws_in_3d_again_stay_drawn(self):
+        self.setToldBox()
+        display = self.nodes.segmentation.GetDisplayNode()
+        display.SetVisibility3D(True)
+        self.widget._guidance._show(self.widget._guidance._shown, self.parameters.bone)
+        self.assertTrue(display.GetVisibility3D())
+
     def test_nothing_is_drawn_into_the_nodes_of_ct_and_segmentation(self):
         segmentation, ct = self.nodes.segmentation, self.nodes.ct
-        nodes = [ct, *(node.GetNthDisplayNode(n) for node in (ct, segmentation) for n in range(node.GetNumberOfDisplayNodes()))]
+        nodes = [ct, *(ct.GetNthDisplayNode(n) for n in range(ct.GetNumberOfDisplayNodes()))]
         before = [node.GetMTime() for node in nodes], segmentation.GetNumberOfDisplayNodes(), segmentation.GetTransformNodeID()
         self.setToldBox()
         after = [node.GetMTime() for node in nodes], segmentation.GetNumberOfDisplayNodes(), segmentation.GetTransformNodeID()

@@ -55,6 +55,7 @@ class qMRMLThreeDView(QtWidgets.QWidget):
         super().__init__()
         self._node = node
         self._annotation = vtk.vtkCornerAnnotation()
+        self._annotation.SetMaximumLineHeight(0.07)  # as CTK's views do
 
     def cornerAnnotation(self):
         """The texts in the corners of the view."""

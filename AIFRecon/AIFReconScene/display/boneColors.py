@@ -15,6 +15,9 @@ COLORS = ((0.32, 0.30, 0.29), (0.72, 0.72, 0.72), (0.00, 0.27, 0.68), (0.35, 0.7
 """Of `AIFReconLib.guidance.mesh.OUT_OF_REACH` to `SQUARELY`: grays where nothing was met, blue to orange where something was. No two
 of them are alike to the color-blind."""
 
+HIDDEN = "AIFRecon.HiddenIn3D"
+"""Attribute of the display of segments that are not drawn in 3D while these colors are: saved with the scene, so that they come back."""
+
 LEGEND, LETTERS = (0.16, 0.42), 16
 """Part of a view that the legend takes, across and up, and its letters in points."""
 
@@ -25,7 +28,8 @@ class BoneColors:
     Notes
     -----
     It is drawn from the scan, so it is neither saved with the scene nor offered where a model can be chosen. While nothing but colors
-    changes, one array is written anew and nothing else is touched.
+    changes, one array is written anew and nothing else is touched. Segments are not drawn in 3D meanwhile: their surface is the same, so
+    that its color would show through in specks, and where it is translucent it takes a view several times as long to draw.
     """
 
     def __init__(self):
@@ -52,11 +56,13 @@ class BoneColors:
         self._levels = levels
         if node.GetTransformNodeID() != bone.GetTransformNodeID():
             node.SetAndObserveTransformNodeID(bone.GetTransformNodeID())
+        _hideSegments(bone)
         return node
 
     def clear(self) -> None:
         """Remove everything, also what is left where somebody has deleted the model alone."""
         scene = slicer.mrmlScene
+        _hideSegments(None)
         removeNodes([scene.GetNodeByID(each) for each in self._ownIDs], scene)
         self._modelID, self._ownIDs, self._colored, self._levels = None, [], None, None
 
@@ -82,6 +88,19 @@ class BoneColors:
         node.SetSelectable(False)
         self._modelID, self._ownIDs = node.GetID(), [each.GetID() for each in own]
         return node
+
+
+def _hideSegments(bone) -> None:
+    """Do not draw these segments in 3D, but draw all others again that were hidden here."""
+    display = bone.GetDisplayNode() if bone is not None and bone.IsA("vtkMRMLSegmentationNode") else None
+    for other in nodesOfClass("vtkMRMLSegmentationDisplayNode", slicer.mrmlScene):
+        if other is not display and other.GetAttribute(HIDDEN):
+            other.SetVisibility3D(True)
+            other.RemoveAttribute(HIDDEN)
+    # Once: what the user shows again stays
+    if display is not None and display.GetVisibility3D() and not display.GetAttribute(HIDDEN):
+        display.SetVisibility3D(False)
+        display.SetAttribute(HIDDEN, "1")
 
 
 def _colors():

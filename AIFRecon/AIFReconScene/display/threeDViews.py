@@ -13,6 +13,9 @@ UPPER_LEFT = 2
 LETTERS = 30
 """Points: to be read from two meters."""
 
+LINE, GROWTH = 0.15, 10.0
+"""Part of a view's height that a line may take, and how letters grow with the view: by Slicer's own 0.07 and VTK's 5 they stay small."""
+
 
 def center() -> None:
     """Have every 3D view look at the middle of what appears in it, from the side that the user has chosen; they never do by themselves."""
@@ -60,6 +63,8 @@ def say(text: str) -> None:
         if annotation.GetText(UPPER_LEFT) != (text or None):
             annotation.SetText(UPPER_LEFT, text)
             annotation.SetMaximumFontSize(LETTERS)
+            annotation.SetMaximumLineHeight(LINE)
+            annotation.SetLinearFontScaleFactor(GROWTH)
             annotation.GetTextProperty().SetShadow(True)
             view.scheduleRender()
 
