@@ -19,7 +19,7 @@ HIDDEN = "AIFRecon.HiddenIn3D"
 """Attribute of the display of segments that are not drawn in 3D while these colors are: saved with the scene, so that they come back."""
 
 LEGEND, LETTERS = (0.32, 0.42), 16
-"""Part of a view that the legend takes, across and up, and its letters in points; Slicer makes them so small that the longest fits across."""
+"""Part of a view that the legend takes, across and up, and its letters in points: Slicer makes them so small that the longest fits."""
 
 
 class BoneColors:
