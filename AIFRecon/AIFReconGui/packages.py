@@ -63,7 +63,10 @@ def ensureLivePackages() -> None:
     PackageMissingError
         When the user declines, the installation fails, or Slicer runs tests: it installs nothing then.
     """
-    error = _installedIfWanted(missingLivePackages(), _("Live reconstruction needs the Python package pyigtl. Install it now?"))
+    error = _installedIfWanted(
+        missingLivePackages(),
+        _("To receive live images, AIFRecon needs the Python package pyigtl, a small download from the internet. Install it now?"),
+    )
     if error is not None:
         raise PackageMissingError("pyigtl was not installed, and live reconstruction needs it: {why}", why=error) from error
     if missing := missingLivePackages():
@@ -74,11 +77,13 @@ def ensureLivePackages() -> None:
 def ensureModelPackages() -> None:
     """Make sure that onnxruntime is there, asking the user first; errors as for `ensureLivePackages`."""
     missing = [] if isInstalled(MODEL) else [MODEL]
-    error = _installedIfWanted(missing, _("A network in a file needs the Python package onnxruntime. Install it now?"))
+    error = _installedIfWanted(
+        missing, _("An AI model in a file needs the Python package onnxruntime, a download from the internet. Install it now?")
+    )
     if error is not None:
-        raise PackageMissingError("onnxruntime was not installed, and a network in a file needs it: {why}", why=error) from error
+        raise PackageMissingError("onnxruntime was not installed, and an AI model in a file needs it: {why}", why=error) from error
     if not isInstalled(MODEL):
-        raise PackageMissingError("{packages} is not installed, and a network in a file needs it.", packages=MODEL)
+        raise PackageMissingError("{packages} is not installed, and an AI model in a file needs it.", packages=MODEL)
 
 
 def packagesAreThere(parameters, failure: str, live: bool = False) -> bool:
@@ -101,9 +106,9 @@ def offerSpeed() -> None:
         return
     wanted = slicer.util.confirmYesNoDisplay(
         _(
-            "With the Python package numba, AIFRecon reconstructs several times faster, with the same voxels. It takes some 60 MB, and the "
-            "first reconstruction some seconds more.\n\nInstall it now? You are asked only once; slicer.util.pip_install('numba') in the "
-            "Python console installs it later."
+            "AIFRecon can reconstruct several times faster, with the same result. It needs the Python package numba for that: some 60 MB "
+            "from the internet, and some seconds more in the first reconstruction.\n\nInstall it now? You need not, and are asked only "
+            "once; slicer.util.pip_install('numba') in the Python console installs it later."
         ),
         _("Faster reconstruction"),
     )

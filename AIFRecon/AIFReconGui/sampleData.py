@@ -31,7 +31,7 @@ def loadPhantomSample(source=None):
     from .errorsShown import errorsShown
     from .progressDialog import ProgressDialog
 
-    with errorsShown(_("The lumbar phantom could not be made.")), ProgressDialog(_("Lumbar phantom")) as progress:
+    with errorsShown(_("The sample patient could not be made.")), ProgressDialog(_("Lumbar phantom")) as progress:
         return addPhantom(progress).nodes
     return []
 

@@ -26,8 +26,8 @@ from .next_move import Direction, Move, NextMove, directions
 from .passes import labels_under
 from .probe import ProbeOnBack, Skin, images_like
 
-FAR = Message("No frame has come near the bone of the CT. Place the CT on the patient first.")
-NOT_IN_BOX = Message("The box to be reconstructed holds no bone of the CT. Move the box, or place the CT on the patient.")
+FAR = Message("No frame has come near the bone of the CT. Scan over the spine; if you did, place the CT on the sweep first.")
+NOT_IN_BOX = Message("The box to be reconstructed holds no bone of the CT. Move the box, or place the CT on the sweep.")
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,7 +27,7 @@ LABOR = 0.5
 ROUNDS = 3
 """Times as many frames as a pass needs at least, in which a pass is thought to be made: 18 for a slide of 18 mm, a second or two."""
 
-HEAD, FEET, LEFT, RIGHT = Message("head"), Message("feet"), Message("left"), Message("right")
+HEAD, FEET, LEFT, RIGHT = Message("head"), Message("feet"), Message("patient's left"), Message("patient's right")
 
 SMALLEST_MM, SMALLEST_DEG = 4.0, 4.0
 """What a hand does not notice is not said."""
@@ -144,14 +144,14 @@ class NextMove:
 
 
 def directions(now: Placement, there: Placement) -> tuple[Direction, ...]:
-    """Turn, slide, then tilt; where nothing of it is left, to sweep on."""
+    """Turn, slide, then tilt, told by where the beam then goes, not by the handle; where nothing of it is left, to sweep on."""
     steps = []
     if np.cos(np.radians(there.turn_deg - now.turn_deg)) < 0:
         # The same plane, held the other way round
         now = Placement(now.x, now.z, now.turn_deg + 180.0, -now.in_plane_deg, -now.across_deg)
     if abs((there.turn_deg - now.turn_deg + 90.0) % 180.0 - 90.0) > TURNED_DEG:
         plane = Message("sagittal") if abs(there.turn_deg) > TURNED_DEG else Message("transverse")
-        steps.append(Direction(TURN, Message("turn to {plane}", plane=plane)))
+        steps.append(Direction(TURN, Message("turn the probe to {plane}", plane=plane)))
         now = Placement(now.x, now.z, there.turn_deg)
     for (arrow, way), mm in (
         ((UP, HEAD), there.z - now.z),
@@ -167,8 +167,10 @@ def directions(now: Placement, there: Placement) -> tuple[Direction, ...]:
     for ways, degrees in ((in_plane, there.in_plane_deg - now.in_plane_deg), (across, there.across_deg - now.across_deg)):
         if abs(degrees) >= SMALLEST_DEG:
             arrow, way = ways[degrees < 0]
-            steps.append(Direction(arrow, Message("tilt {degrees:.0f} degrees toward the {way}", degrees=abs(degrees), way=way)))
-    return tuple(steps) or (Direction(HERE, Message("sweep on here")),)
+            steps.append(
+                Direction(arrow, Message("aim the beam {degrees:.0f} degrees more toward the {way}", degrees=abs(degrees), way=way))
+            )
+    return tuple(steps) or (Direction(HERE, Message("keep sweeping here")),)
 
 
 def _middle(planned: Pass) -> Placement:

@@ -53,7 +53,7 @@ def with_limit(
         return replace(settings, hole_limit=0.0), ()
     if settings.holes is None and configured and settings.hole_limit in (AUTOMATIC, 0):
         ways = listed((way.described() for way in configured), ", then ")
-        return replace(settings, hole_limit=0.0), (Message("Holes are filled as the configuration asks: {ways}.", ways=ways),)
+        return replace(settings, hole_limit=0.0), (Message("Gaps are filled as the configuration asks: {ways}.", ways=ways),)
     if settings.hole_limit != AUTOMATIC:
         return settings, ()
     limit, notes = automatic_limit(poses, shown, grid)
@@ -89,7 +89,7 @@ def automatic_limit(poses: Matrix, shown: Mask, grid: VoxelGrid) -> tuple[float,
     # No more than the settings take, which voxels of centimeters would ask for
     most = min(max(FARTHEST, diagonal), LARGEST)
     limit = min(math.ceil(10 * max(diagonal, apart + diagonal / 2) - 1e-9) / 10, most)
-    notes = [Message("Holes are filled up to {limit:.3g} mm, chosen by how far apart the frames lie.", limit=limit)]
+    notes = [Message("Gaps are filled up to {limit:.3g} mm, chosen by how far apart the frames lie.", limit=limit)]
     if diagonal <= FARTHEST < apart + diagonal / 2:
         times = apart / (most - diagonal / 2)
         notes.append(

@@ -86,7 +86,7 @@ def fill_holes(
     blocks = list(itertools.product(*(range(0, n, e) for n, e in zip(mask.shape, edge, strict=True))))
     filled = 0
     for number, first in enumerate(blocks):
-        report(progress, number / len(blocks), "Filling holes")
+        report(progress, number / len(blocks), "Filling gaps")
         # The block with what the limit can reach around it
         low = np.maximum(first - reach, 0)
         window = tuple(slice(a, b) for a, b in zip(low, first + edge + reach, strict=True))
@@ -153,7 +153,7 @@ def _fill_compiled(
             box = max(int(j), 0), min(int(last_j), mask.shape[1]), max(int(i), 0), min(int(last_i), mask.shape[2])
             filled[part] = fill_slab(starts[part], stop, box)
 
-    in_parts(fill, len(starts), threads or usable_cores(), progress, "Filling holes")
+    in_parts(fill, len(starts), threads or usable_cores(), progress, "Filling gaps")
     report(progress, 1.0, "Filled holes")
     return int(filled.sum())
 

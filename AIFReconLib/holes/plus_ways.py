@@ -65,7 +65,7 @@ def fill_holes_by_kind(
     starts = range(0, mask.shape[0], planes)
     filled = 0
     for number, start in enumerate(starts):
-        report(progress, number / len(starts), "Filling holes")
+        report(progress, number / len(starts), "Filling gaps")
         stop = min(start + planes, mask.shape[0])
         low, high = max(start - reach, 0), min(stop + reach, mask.shape[0])
         # Filled voxels of the slab before are holes still to this one, and no sources

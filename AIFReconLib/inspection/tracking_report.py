@@ -103,7 +103,7 @@ class TrackingReport:
         rows.append((Message("pose jumps"), str(len(self.jumps)) if self.jumps else Message("none")))
         if self.coverage is not None:
             measured, filled = (n / self.coverage.voxels for n in (self.coverage.measured, self.coverage.filled))
-            rows.append((Message("coverage"), describe_coverage(measured, filled)))
+            rows.append((Message("volume"), describe_coverage(measured, filled)))
         return rows
 
     def findings(self) -> list[str]:

@@ -72,24 +72,24 @@ def tracking_verdict(report: TrackingReport) -> Verdict:
     jumps = len(report.jumps)
     if not report.used:
         advice = Message("Check that the tracker sees the probe, and that the calibration belongs to it.")
-        return Verdict(Level.POOR, Message("no frame can be placed"), advice)
+        return Verdict(Level.POOR, Message("no frame has a position"), advice)
     if jumps >= max(2, MANY_JUMPS * report.frames):
         return Verdict(
             Level.POOR,
-            Message("{frames}; the pose jumps {count} times", frames=frames, count=jumps),
+            Message("{frames}; the tracked position jumps {count} times", frames=frames, count=jumps),
             Message("Fasten the markers, clear the tracker's view, and scan again."),
         )
     if share < FEW_FRAMES:
         return Verdict(Level.POOR, frames, Message("Keep the markers in the tracker's view, and scan again."))
     if jumps:
-        advice = Message("Look at the picture there: a marker was seen wrongly, or bumped.")
-        found = Message("{frames}; the pose jumps once, after frame {frame}", frames=frames, frame=report.jumps[0].before)
+        advice = Message("Check the picture there, and scan again if it is torn: a marker was seen wrongly, or bumped.")
+        found = Message("{frames}; the tracked position jumps once, after frame {frame}", frames=frames, frame=report.jumps[0].before)
         return Verdict(Level.LOOK, found, advice)
     if share < MOST_FRAMES:
         return Verdict(Level.LOOK, frames, Message("Keep the markers in the tracker's view; parts of the sweep are missing."))
     if report.median_speed is None:
         return Verdict(Level.GOOD, frames)
-    found = Message("{frames}, {speed:.0f} mm/s", frames=frames, speed=report.median_speed)
+    found = Message("{frames}, probe at {speed:.0f} mm/s", frames=frames, speed=report.median_speed)
     if report.median_speed > FAST:
         return Verdict(Level.LOOK, found, Message("Move the probe more slowly: {fast:.0f} mm/s at most.", fast=FAST))
     return Verdict(Level.GOOD, found)
@@ -109,19 +109,26 @@ def registration_verdict(agreement: Agreement, names: Mapping[int, str] | None =
     from ..registration.echoes import FEWEST
 
     if agreement.echoes + agreement.elsewhere < FEWEST:
-        return unknown(Message("the sweep shows too little bone to compare"))
+        return unknown(Message("the sweep shows too little bone to compare with the CT"))
     place = Message("Place the CT on the sweep before you believe the picture.")
     if not agreement.echoes:
         return Verdict(Level.POOR, Message("no bone of the CT is near the bone of the sweep"), place)
-    found = Message("{share:.0%} of the echoes, {median:.1f} mm", share=agreement.share, median=agreement.median_distance)
+    found = Message(
+        "{share:.0%} of the echoes lie on its bone, {median:.1f} mm off in the median",
+        share=agreement.share,
+        median=agreement.median_distance,
+    )
     if agreement.enough:
         return Verdict(Level.GOOD, Message("CT agrees: {found}", found=found))
     if agreement.share >= ENOUGH and agreement.median_distance <= LARGEST_MEDIAN:
-        bones = listed([(names or {}).get(label, str(label)) for label in agreement.disagreeing_labels])
+        bones = listed([(names or {}).get(label) or Message("label {label}", label=label) for label in agreement.disagreeing_labels])
         return Verdict(
             Level.LOOK,
             Message("CT agrees but for {bones}: {found}", bones=bones, found=found),
-            Message("Do not believe the picture there: the spine has bent, or the CT is a level off."),
+            Message(
+                "Do not trust the picture there, nor the names of the levels: the spine may have bent since the CT, or the CT lies one "
+                "level off."
+            ),
         )
     return Verdict(Level.POOR, Message("CT does not agree: {found}", found=found), place)
 
@@ -141,9 +148,10 @@ def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move:
     scanned = {name: share for name, share in shown.items() if met[name] >= REACHED and share == share}
     if not scanned:
         return Verdict(
-            Level.POOR, Message("the sweep has met no bone of the CT"), Message("Scan over the bone, or place the CT on the sweep.")
+            Level.POOR, Message("the sweep has hit no bone of the CT"), Message("Scan over the bone, or place the CT on the sweep.")
         )
-    found = listed([Message("{name} {share:.0%}", name=name, share=share) for name, share in scanned.items()])
+    shares = listed([Message("{name}: {share:.0%}", name=name, share=share) for name, share in scanned.items()])
+    found = Message("expected to show: {shares}", shares=shares)
     least = min(scanned.values())
     if least >= COVERED:
         return Verdict(Level.GOOD, found)

@@ -152,7 +152,7 @@ class Agreement:
             return Message("CT and sweep do not agree: none of {count:,} bone echoes lies near the CT's bone.", count=self.elsewhere)
         return Message(
             "CT and sweep {verdict}: {share:.0%} of {count:,} bone echoes lie within {close:g} mm of the CT's bone, "
-            "median {median:.1f} mm.",
+            "{median:.1f} mm off in the median.",
             verdict=Message("agree") if self.enough else Message("do not agree"),
             share=self.share,
             count=self.echoes,
@@ -166,8 +166,8 @@ class Agreement:
             return None
         if self.share >= ENOUGH and self.median_distance <= LARGEST_MEDIAN:
             return Message(
-                "Label {labels} does not lie on its echoes: the CT may be a level off, or the spine have bent since.",
-                labels=listed([str(label) for label in self.disagreeing_labels]),
+                "Not on its echoes: {labels}. The CT may lie one level off, or the spine may have bent since.",
+                labels=listed([Message("label {label}", label=label) for label in self.disagreeing_labels]),
             )
         return Message("The CT is probably not where the bone is, or of another patient.")
 

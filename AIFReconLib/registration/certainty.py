@@ -25,6 +25,9 @@ FARTHEST_MM, FARTHEST_DEG = 20.0, 45.0
 RESTARTS, RESTART_MM, RESTART_DEG = 4, 3.0, 3.0
 """Starts about the place that was found, from which it must be found again."""
 
+ALONG = 0.94
+"""Cosine to an axis of the CT, 20 degrees, from which on a motion is said to be along it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Loose:
@@ -37,19 +40,30 @@ class Loose:
         Along which it slides, or about which it turns.
     amount : float
         mm or degrees, either way, until `LOSS` is reached.
+    ct_axis : (3,) float64 array
+        The same axis in the CT's own axes: right, front, head.
     """
 
     kind: str
     axis: Floats
     amount: float
+    ct_axis: Floats
 
     @property
     def sentence(self) -> Message:
         """In words."""
-        axis = "({:.2f}, {:.2f}, {:.2f})".format(*(self.axis + 0.0))
+        axis = _words(self.ct_axis)
         if self.kind == "slide":
-            return Message("sliding along {axis} by {amount:.1f} mm either way", axis=axis, amount=self.amount)
-        return Message("turning about {axis} by {amount:.0f} degrees either way", axis=axis, amount=self.amount)
+            return Message("the CT may be {amount:.1f} mm off either way along {axis}", axis=axis, amount=self.amount)
+        return Message("the CT may be turned {amount:.0f} degrees either way about {axis}", axis=axis, amount=self.amount)
+
+
+def _words(axis: Floats) -> Message:
+    """An axis of the CT as a clinician calls it; in numbers (right, front, head) where it is near none."""
+    nearest = int(np.abs(axis).argmax())
+    if abs(axis[nearest]) >= ALONG:
+        return (Message("the left-right axis"), Message("the front-back axis"), Message("the head-feet axis"))[nearest]
+    return Message("the axis {axis} of the CT", axis="({:.2f}, {:.2f}, {:.2f})".format(*(axis + 0.0)))
 
 
 def not_held(echoes: SweepEchoes, bone: BoneField, refined: Refined) -> list[Loose]:
@@ -83,7 +97,8 @@ def not_held(echoes: SweepEchoes, bone: BoneField, refined: Refined) -> list[Loo
         amount = amount if slides else math.degrees(amount)
         if amount > (HELD_MM if slides else HELD_DEG):
             axis = axis / length
-            found.append(Loose("slide" if slides else "turn", axis * np.sign(axis[np.abs(axis).argmax()]), float(amount)))
+            axis = axis * np.sign(axis[np.abs(axis).argmax()])
+            found.append(Loose("slide" if slides else "turn", axis, float(amount), axis @ refined.labels_to_reference[:3, :3]))
     return sorted(found, key=lambda one: -one.amount / (HELD_MM if one.kind == "slide" else HELD_DEG))
 
 

@@ -124,9 +124,9 @@ class LabeledBone:
             return lines
         width = self.settings(method)["bone_sigma_mm"]
         if comparison is None or comparison.agreement is None:
-            return [*lines, Message("Width of the bone map: {width:g} mm, as CT and sweep were not compared.", width=width)]
-        said = Message("Width of the bone map: {width:g} mm, by how far these echoes lie from the CT's bone.", width=width)
+            return [*lines, Message("Tolerance around the CT's bone: {width:g} mm, as CT and sweep were not compared.", width=width)]
+        said = Message("Tolerance around the CT's bone: {width:g} mm, by how far the echoes lie from it.", width=width)
         belief = self.settings(method).get("bone_belief", 1.0)
         if belief == 1.0:
             return [*lines, said]
-        return [*lines, said, Message("So the map is believed by {belief:.0%}.", belief=belief)]
+        return [*lines, said, Message("CT and sweep do not fit closely, so the CT's bone counts for {belief:.0%} only.", belief=belief)]

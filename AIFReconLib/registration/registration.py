@@ -100,7 +100,7 @@ class Registration:
         """What the data do not hold, in words."""
         words = [loose.sentence for loose in self.loose]
         if not words and self.restarts > HELD_MM:
-            words = [Message("starts nearby end {spread:.1f} mm apart", spread=self.restarts)]
+            words = [Message("tries that began nearby end {spread:.1f} mm apart", spread=self.restarts)]
         return words
 
 
@@ -253,7 +253,8 @@ def _disagreement(agreement: Agreement) -> Message | None:
     warning = agreement.warning()
     if warning is None and agreement.median_distance > REFINED_MEDIAN:
         warning = Message(
-            "It fits only roughly for a place that was refined: a level off, the spine bent, the poses shaking, or another patient."
+            "It fits only roughly even after fine adjustment: the CT may be a level off or of another patient, the spine may have bent, "
+            "or the tracking was unsteady."
         )
     if warning is None:
         return None
@@ -278,7 +279,7 @@ def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Message | None
     rival = next(iter(others), None)
     if rival is None or not rival.agreement.enough or rival.agreement.tightness < AS_GOOD * best.tightness:
         return None
-    where = Message("elsewhere") if not rival.levels else Message("{levels:+d} level(s) away", levels=rival.levels)
+    where = Message("elsewhere") if not rival.levels else Message("{levels:+d} level(s) away (+: toward the head)", levels=rival.levels)
     return Message(
         "The CT fits nearly as well {where}: {other:.0%} of all echoes agree there, {best:.0%} here. "
         "Compare the alternatives in --report, then choose one with --level N, or take the best with --accept.",

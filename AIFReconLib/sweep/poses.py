@@ -63,7 +63,7 @@ class SweepPoses:
         usable = self.usable
         if not usable.size:
             raise NoUsableFramesError(
-                "{name}: no frame can be placed ({reasons}). Check the tracking of this recording.",
+                "{name}: no frame has a position ({reasons}). Check the tracking of this recording.",
                 name=name,
                 reasons=describe_skipped(self.skipped()) or Message("it has no frames"),
             )

@@ -50,8 +50,8 @@ def test_any_other_answer_goes_on(answer):
 
 def test_the_error_says_what_was_being_done():
     with pytest.raises(OperationCanceled) as caught:
-        report(Listener(stop_after=1), 0.5, "Filling holes")
-    assert str(caught.value) == "Canceled in this step: Filling holes."
+        report(Listener(stop_after=1), 0.5, "Filling gaps")
+    assert str(caught.value) == "Canceled in this step: Filling gaps."
 
 
 def test_what_the_listener_hears_can_be_translated():

@@ -174,7 +174,7 @@ def test_configurations_that_show_other_parts_of_the_image_are_refused_unless_on
 
 def test_a_sweep_without_any_pose_is_named():
     lost = sweep(2, "b.mha", statuses=dict.fromkeys(range(6), TransformStatus.OUT_OF_VIEW))
-    with pytest.raises(NoUsableFramesError, match=r"b\.mha: no frame can be placed"):
+    with pytest.raises(NoUsableFramesError, match=r"b\.mha: no frame has a position"):
         reconstruct([sweep(1, "a.mha"), lost])
 
 

@@ -63,6 +63,7 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertPicture()
         self.assertEqual(self.clicks, 1)
         self.assertEqual(self.levels()[1], "good")
+        self.assertIn("not all lights are green", self.ui.statusLabel.text)
         self.assertFalse(self.ui.sampleButton.isVisibleTo(self.widget.parent))
 
     def test_a_recording_with_its_ct_is_open_placed_and_reconstructed_in_three_clicks(self):

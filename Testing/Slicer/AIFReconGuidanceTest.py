@@ -162,12 +162,14 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.setToldBox()
         for name in names:
             self.assertIn(name, self.ui.guidanceTableLabel.text)
-        self.assertRegex(self.ui.guidanceLabel.text, r"over Vertebra \d.*, adds [\d.]+ cm")
+        self.assertRegex(self.ui.guidanceLabel.text, r"over Vertebra \d.*; shows [\d.]+ cm² more bone")
 
     def test_the_next_move_is_in_large_type_with_an_arrow_in_panel_and_3d_view(self):
         self.setToldBox()
         text = self.ui.guidanceMoveLabel.text
         self.assertRegex(text, "^[\u2190-\u2193\u21bb\u25cf]  ")
+        # The list of what was recorded begins with it
+        self.assertEqual(self.ui.guidanceLabel.text.splitlines()[0], text)
         self.assertIn("26px", self.ui.guidanceMoveLabel.styleSheet)
         annotation = slicer.app.layoutManager().threeDWidget(0).threeDView().cornerAnnotation()
         self.assertEqual(annotation.GetText(2), text)
@@ -246,7 +248,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
         legend = slicer.modules.colors.logic().GetColorLegendDisplayNode(self.model())
         self.assertTrue(legend.GetVisibility() and legend.GetUseColorNamesForLabels())
         table = self.model().GetDisplayNode().GetColorNode()
-        self.assertEqual([table.GetColorName(number).split(",")[0] for number in (1, 2, 4)], ["not met", "grazed", "squarely"])
+        self.assertEqual([table.GetColorName(number).split(",")[0] for number in (1, 2, 4)], ["not hit", "grazing", "squarely"])
 
     def test_the_colors_are_told_apart_by_the_color_blind(self):
         from AIFReconScene.display.boneColors import COLORS

@@ -72,8 +72,8 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
 
     def test_the_panel_tells_the_tracking_and_the_counts(self):
         self.begin()
-        self.assertTrue(waitFor(lambda: self.ui.liveStateLabel.text == "tracked"), self.ui.liveStateLabel.text)
-        self.assertTrue(waitFor(lambda: "frames inserted" in self.ui.liveStatisticsLabel.text))
+        self.assertTrue(waitFor(lambda: self.ui.liveStateLabel.text == "Probe seen"), self.ui.liveStateLabel.text)
+        self.assertTrue(waitFor(lambda: "frames added to the picture" in self.ui.liveStatisticsLabel.text))
 
     def test_the_voxels_are_those_of_the_exact_calibration(self):
         from AIFReconLib import reconstruct
@@ -94,7 +94,7 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
 
         with mock.patch.object(LiveViews, "follow", side_effect=RuntimeError("the view is broken")):
             self.begin()
-            self.assertTrue(waitFor(lambda: self.ui.liveStateLabel.text == "tracked"), self.ui.liveStateLabel.text)
+            self.assertTrue(waitFor(lambda: self.ui.liveStateLabel.text == "Probe seen"), self.ui.liveStateLabel.text)
             self.assertTrue(waitFor(lambda: "the view is broken" in self.ui.liveStatisticsLabel.text))
             inserted = self.scan.statistics.inserted
             self.assertTrue(waitFor(lambda: self.scan.statistics.inserted > inserted + 3))

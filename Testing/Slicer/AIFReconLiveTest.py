@@ -122,7 +122,7 @@ class AIFReconLiveTest(unittest.TestCase):
         self.serve(rate=20.0, loop=True)
         self.chooseBox()
         self.ui.liveStartButton.click()
-        self.assertTrue(waitFor(lambda: self.ui.liveStateLabel.text == "tracked"))
+        self.assertTrue(waitFor(lambda: self.ui.liveStateLabel.text == "Probe seen"))
         self.assertIn("26px", self.ui.liveStateLabel.styleSheet)
 
     def test_without_a_box_the_sweep_finds_it(self):

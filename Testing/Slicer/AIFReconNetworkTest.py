@@ -90,7 +90,7 @@ class AIFReconNetworkTest(unittest.TestCase):
         from AIFReconLib.bone.recorded import RecordedPredictions
 
         self.parameters.sweep, self.parameters.bonePredictions = tinyScene.addSweep(), self.addSaid()
-        self.choose(self.ui.boneSourceComboBox, "A network, as it was recorded")
+        self.choose(self.ui.boneSourceComboBox, "An AI model, as it was recorded")
         self.assertReconstructs(self.expected(lambda sweep: RecordedPredictions(sweep, self.said())))
 
     def test_a_network_in_a_file_reconstructs_as_it_does_in_the_library(self):
@@ -98,7 +98,7 @@ class AIFReconNetworkTest(unittest.TestCase):
 
         path = self.model()
         self.parameters.sweep = tinyScene.addSweep()
-        self.choose(self.ui.boneSourceComboBox, "A network in a file")
+        self.choose(self.ui.boneSourceComboBox, "An AI model in a file")
         self.ui.boneModelPathLineEdit.currentPath = str(path)
         self.assertReconstructs(self.expected(lambda sweep: OnnxModel(path)))
         self.assertIn("bone.onnx", self.ui.statusLabel.text)
@@ -108,7 +108,7 @@ class AIFReconNetworkTest(unittest.TestCase):
 
         self.parameters.sweep, self.parameters.bonePredictions = tinyScene.addSweep(), self.addSaid()
         self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
-        self.choose(self.ui.boneSourceComboBox, "A network, as it was recorded")
+        self.choose(self.ui.boneSourceComboBox, "An AI model, as it was recorded")
         self.assertReconstructs(self.expected(lambda sweep: RecordedPredictions(sweep, self.said())))
 
     def test_what_a_scan_recorded_of_a_network_is_opened_beside_the_scan(self):
@@ -126,7 +126,7 @@ class AIFReconNetworkTest(unittest.TestCase):
         self.widget.logic.openFiles(self.parameters, paths)
         self.assertIn("scan", self.parameters.sweep.GetName())
         self.assertNotIn("bone", self.parameters.sweep.GetName())
-        self.assertEqual(self.ui.boneSourceComboBox.currentText, "A network, as it was recorded")
+        self.assertEqual(self.ui.boneSourceComboBox.currentText, "An AI model, as it was recorded")
         self.ui.applyButton.click()
         self.assertEqual(self.shown, [])
         self.assertTrue(slicer.util.arrayFromVolume(self.parameters.output).any())
@@ -136,12 +136,12 @@ class AIFReconNetworkTest(unittest.TestCase):
     def test_both_tabs_show_one_choice_and_the_fields_that_count_with_it(self):
         for fold in (self.ui.inputsCollapsibleButton, self.ui.connectionCollapsibleButton):
             fold.collapsed = False  # a closed one hides all that lie in it
-        self.choose(self.ui.boneSourceComboBox, "A network in a file")
-        self.assertEqual(self.ui.liveBoneSourceComboBox.currentText, "A network in a file")
+        self.choose(self.ui.boneSourceComboBox, "An AI model in a file")
+        self.assertEqual(self.ui.liveBoneSourceComboBox.currentText, "An AI model in a file")
         self.ui.liveBoneModelPathLineEdit.currentPath = "mine.onnx"
         self.assertEqual(self.ui.boneModelPathLineEdit.currentPath, "mine.onnx")
         self.assertFalse(self.ui.boneModelPathLineEdit.isHidden() or self.ui.liveBoneModelPathLineEdit.isHidden())
-        self.choose(self.ui.liveBoneSourceComboBox, "A network that runs elsewhere")
+        self.choose(self.ui.liveBoneSourceComboBox, "An AI model that runs elsewhere")
         self.assertFalse(self.ui.bonePredictionsSelector.isHidden() or self.ui.liveBoneDeviceLineEdit.isHidden())
         self.assertTrue(self.ui.boneModelPathLineEdit.isHidden() and self.ui.liveBoneModelPathLineEdit.isHidden())
 
@@ -174,13 +174,13 @@ class AIFReconNetworkTest(unittest.TestCase):
 
     def test_what_is_missing_is_said_before_anything_is_pressed(self):
         self.parameters.sweep = tinyScene.addSweep()
-        self.choose(self.ui.boneSourceComboBox, "A network, as it was recorded")
-        self.assertRefused(self.ui.applyButton, "Select what the network has said")
+        self.choose(self.ui.boneSourceComboBox, "An AI model, as it was recorded")
+        self.assertRefused(self.ui.applyButton, "Select the recorded output of the AI model")
         self.assertRefused(self.ui.liveStartButton, "Enter the name")
         self.parameters.liveImageDevice = self.parameters.liveBoneDevice = "Image"
         self.assertRefused(self.ui.liveStartButton, "two names")
-        self.choose(self.ui.boneSourceComboBox, "A network in a file")
-        self.assertRefused(self.ui.applyButton, "Choose the file of the network")
+        self.choose(self.ui.boneSourceComboBox, "An AI model in a file")
+        self.assertRefused(self.ui.applyButton, "Choose the file of the AI model")
         self.ui.boneModelPathLineEdit.currentPath = "nowhere.onnx"
         self.assertRefused(self.ui.applyButton, "There is no file nowhere.onnx.")
         self.assertRefused(self.ui.liveStartButton, "There is no file nowhere.onnx.")
@@ -190,7 +190,7 @@ class AIFReconNetworkTest(unittest.TestCase):
         wrong = self.folder / "wrong.onnx"
         wrong.write_bytes(b"no network")
         self.parameters.sweep, self.parameters.boneModelPath = tinyScene.addSweep(), wrong
-        self.choose(self.ui.boneSourceComboBox, "A network in a file")
+        self.choose(self.ui.boneSourceComboBox, "An AI model in a file")
         self.ui.applyButton.click()
         self.assertEqual(len(self.shown), 1)
         self.assertIn("this is no ONNX model", self.shown[0])
@@ -206,7 +206,7 @@ class AIFReconNetworkTest(unittest.TestCase):
         half = TrackedSequence(self.said().images[:, ::2], self.said().records)
         self.parameters.sweep = tinyScene.addSweep()
         self.parameters.bonePredictions = browserFromSequence(half, "Half").GetMasterSequenceNode()
-        self.choose(self.ui.boneSourceComboBox, "A network, as it was recorded")
+        self.choose(self.ui.boneSourceComboBox, "An AI model, as it was recorded")
         self.ui.applyButton.click()
         self.assertIn("do not fit frames", self.shown[0])
         self.assertNotIn("--", self.shown[0])
@@ -268,7 +268,7 @@ class AIFReconNetworkTest(unittest.TestCase):
         from AIFReconLib.bone.recorded import RecordedPredictions
 
         self.parameters.liveBoneDevice = "Bone"
-        self.choose(self.ui.liveBoneSourceComboBox, "A network that runs elsewhere")
+        self.choose(self.ui.liveBoneSourceComboBox, "An AI model that runs elsewhere")
         queue = self.stream()
         self.assertFalse(self.ui.liveBoneSourceComboBox.enabled)
         self.send(queue, "Bone")
@@ -280,7 +280,7 @@ class AIFReconNetworkTest(unittest.TestCase):
 
     def test_a_network_in_a_file_looks_at_a_scan_from_its_scouting_pass_on(self):
         self.parameters.boneModelPath = self.model()
-        self.choose(self.ui.liveBoneSourceComboBox, "A network in a file")
+        self.choose(self.ui.liveBoneSourceComboBox, "An AI model in a file")
         queue = self.stream(box=False)
         self.send(queue, rounds=range(3))
         live = self.live._live

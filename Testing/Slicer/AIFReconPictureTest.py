@@ -276,11 +276,22 @@ class AIFReconPictureTest(unittest.TestCase):
         for words in (
             self.parameters.output.GetName(),
             f"{tinyScene.FRAMES - 1} of {tinyScene.FRAMES} frames",
-            "CT agrees",
-            "bone met",
+            "bone hit, its sides included: ",
             "AIFRecon",
         ):
             self.assertIn(words, line)
+        self.assertRegex(line, r"; CT agrees: \d+% of the echoes lie on its bone, [\d.]+ mm off in the median; ")
+        self.assertTrue(line.endswith("Research use only: not for guiding a needle."), line)
+
+    def test_the_line_says_where_the_ct_does_not_agree(self):
+        """It lands in somebody's notes: it must not say that a CT agrees beside a red light."""
+        self.reconstruct()
+        above = self.parameters.ctVolume.GetParentTransformNode()
+        tinyScene.setMatrix(above, tinyScene.moved(0.0, 0.0, 12.0) @ tinyScene.matrixOf(above))
+        self.picture._ui.copyLineButton.click()
+        line = qt.QApplication.clipboard().text()
+        self.assertNotIn("CT agrees", line)
+        self.assertRegex(line, "CT does not agree|no bone of the CT is near")
 
     def test_the_page_stands_alone_with_pictures_sweep_agreement_coverage_and_settings(self):
         self.showBone()
@@ -288,7 +299,7 @@ class AIFReconPictureTest(unittest.TestCase):
             self.picture.saveReport(pathlib.Path(folder) / "one")
             page = (pathlib.Path(folder) / "one.html").read_text("utf-8")
         self.assertEqual(page.count("data:image/png;base64,"), 7)
-        for words in ("as measured", "CT and sweep", "Bone met by the beams", "weight_floor", "frames used".capitalize(), "AIFRecon"):
+        for words in ("as measured", "CT and sweep", "Bone hit by the beams", "weight_floor", "frames used".capitalize(), "AIFRecon"):
             self.assertIn(words, page)
         self.assertNotIn("://", page)
 

@@ -166,7 +166,7 @@ class AIFReconRegistrationTest(unittest.TestCase):
         tinyScene.setMatrix(stranger.ctToReference, self.true)
         self.ui.placeButton.click()
         np.testing.assert_array_equal(tinyScene.matrixOf(stranger.ctToReference), self.true)
-        self.assertIn("Not moved.", self.ui.registrationLabel.text)
+        self.assertIn("The CT was not moved.", self.ui.registrationLabel.text)
         self.assertNotIn("--", self.ui.registrationLabel.text)
         self.assertGreaterEqual(self.ui.alternativesComboBox.count, 1)
         self.ui.takePlaceButton.click()
@@ -178,7 +178,7 @@ class AIFReconRegistrationTest(unittest.TestCase):
         before = self.displace()
         self.nodes.ct.SetAndObserveTransformNodeID(None)
         said = self.messageOf(self.ui.placeButton.click)
-        self.assertIn("must be under the same transform", said)
+        self.assertIn("lie under different transforms", said)
         np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)
 
     def test_a_warping_transform_is_refused_in_a_sentence(self):
@@ -254,7 +254,7 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.ui.checkButton.click()
         value = self.ui.agreementProgressBar.value
         self.ui.placeButton.click()
-        self.assertIn("Not moved.", self.ui.registrationLabel.text)
+        self.assertIn("The CT was not moved.", self.ui.registrationLabel.text)
         self.assertEqual(self.ui.agreementProgressBar.value, value)
 
     def test_a_reconstruction_says_whether_ct_and_sweep_agree(self):
@@ -376,5 +376,5 @@ class AIFReconRegistrationTest(unittest.TestCase):
     def test_a_parent_that_is_taken_off_meanwhile_is_told_and_nothing_moves(self):
         before = self.displace()
         said = self.messageOf(lambda: self.pressAnd(lambda: self.nodes.ct.SetAndObserveTransformNodeID(None)))
-        self.assertIn("must be under the same transform", said)
+        self.assertIn("lie under different transforms", said)
         np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)

@@ -66,8 +66,8 @@ class AIFReconSweepsTest(unittest.TestCase):
         second = tinyScene.addSweep("Second", BESIDE)
         self.check("Second")
         self.assertEqual(list(self.parameters.otherSweeps), [second])
-        self.assertIn("First: 11 of 12 frames can be placed", self.ui.sweepStatusLabel.text)
-        self.assertIn("Second: 11 of 12 frames can be placed", self.ui.sweepStatusLabel.text)
+        self.assertIn("First: 11 of 12 frames have a position", self.ui.sweepStatusLabel.text)
+        self.assertIn("Second: 11 of 12 frames have a position", self.ui.sweepStatusLabel.text)
         self.ui.applyButton.click()
         volume = self.parameters.output
         asked = ReconstructionSettings(spacing=1.0, hole_limit=0.0)

@@ -136,7 +136,7 @@ class AIFReconWindowTest(unittest.TestCase):
                 with self.subTest(widget=name):
                     self.assertTrue(waitFor(lambda name=name: self.isSeen(getattr(self.ui, f"live{name}"))))
             where = self.ui.liveStopButton.y
-            for said in ("tracked", "Bring the probe into the tracker's view"):
+            for said in ("Probe seen", "Bring what is not seen into the tracker's view"):
                 self.widget._live._showMove(said)
                 self.settle()
                 self.assertEqual(self.ui.liveStopButton.y, where)

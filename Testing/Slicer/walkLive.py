@@ -101,7 +101,7 @@ def scan(walk, name: str, source=None, rate: float = RATE, meanwhile=lambda runn
         running = walk.widget._live._live
         session = running.session
         walk.wait(lambda: session.scouted >= FRAMES_SCOUTED, what="a box")
-        walk.wait(lambda: walk.ui.liveUseBoxButton.enabled, what="Use the scanned box")
+        walk.wait(lambda: walk.ui.liveUseBoxButton.enabled, what="Use the scanned area")
         walk.heart.start()
         walk.press(walk.ui.liveUseBoxButton)
         walk.wait(lambda: session.statistics.inserted > FRAMES_INSERTED, what="frames")

@@ -190,7 +190,7 @@ def live(module: Module, folder: Path) -> None:
         wait(lambda: ui.liveUseBoxButton.enabled)
         module.press(ui.liveUseBoxButton)
         wait(lambda: session.statistics.inserted > FRAMES_SEEN and session.statistics.waiting == 0 and parameters.output is not None)
-        wait(lambda: ui.liveStateLabel.text == "tracked")
+        wait(lambda: ui.liveStateLabel.text == "Probe seen")
         module.host.grab(module.widget.parent, folder / "live-panel.png", width=PANEL_WIDTH)
         size = (330, 330)
         views = [module.slice_view("Red", size, center=None, field_of_view=110.0)]

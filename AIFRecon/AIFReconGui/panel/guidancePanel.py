@@ -6,7 +6,7 @@ import qt
 from AIFReconScene.display import threeDViews
 from AIFReconScene.display.boneColors import BoneColors
 from AIFReconScene.display.ghostProbe import GhostProbe
-from AIFReconScene.inputs.boneNodes import boneNames
+from AIFReconScene.inputs.boneNodes import boneNames, inNames
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
@@ -40,6 +40,10 @@ class GuidancePanel:
         self._showing = qt.QTimer()
         self._showing.setInterval(SHOWN_EVERY)
         self._showing.connect("timeout()", self._showScan)
+        ui.guidanceTableLabel.toolTip = _(
+            "Shares of the bone that some beam from the back could reach, its sides too; the light “Coverage” counts only what faces the "
+            "back. The next move leads to where most bone is to be gained, which need not be the vertebra of the lowest share."
+        )
         ui.guidanceCheckBox.connect("clicked(bool)", self.onBox)
         ui.liveGuidanceCheckBox.connect("clicked(bool)", self.onLiveBox)
         ui.guidanceSweepButton.connect("clicked(bool)", self.onSweep)
@@ -54,7 +58,7 @@ class GuidancePanel:
         missing = self._live.whyNotNow() or self._logic.whyNotRegister(parameters, False)
         button = self._ui.guidanceSweepButton
         button.enabled = parameters.guidance and not missing
-        button.toolTip = missing or _("Color the bone by what the chosen sweep has met, and say where to look next")
+        button.toolTip = missing or _("Color the bone by what the chosen sweep has hit, and say where to scan next")
         if scanning != self._showing.isActive():
             (self._showing.start if scanning else self._showing.stop)()
         if scanning and (self._live.guidance is not None) != parameters.guidance:
@@ -63,7 +67,7 @@ class GuidancePanel:
         if not parameters.guidance or self._isOld(parameters):
             self.forget()
         if parameters.guidance and not scanning and self._shown is None:
-            self._say(missing or _("Press “Look again” to color the bone by what the chosen sweep has met, or start a scan."))
+            self._say(missing or _("Press “Update colors” to color the bone by what the chosen sweep has hit, or start a scan."))
 
     def forget(self) -> None:
         """Take everything out of the scene and the views, and the words with it."""
@@ -95,7 +99,7 @@ class GuidancePanel:
     def onSweep(self) -> None:
         """Color the bone by what the chosen sweeps have met."""
         try:
-            said = self._work.run(_("Guidance"), _("What the sweep has met could not be told."), self._ofSweep, self._parameterNode)
+            said = self._work.run(_("Guidance"), _("What the sweep has hit could not be told."), self._ofSweep, self._parameterNode)
             if said:
                 self._say(said)
         finally:
@@ -164,13 +168,19 @@ class GuidancePanel:
         advice = guidance.advice
         if advice is None or advice.move is None:
             self._clearMove()
-            self._say(_("Looking for the next move: scan on.") if advice is None else _("Nothing is left that would add much."))
+            self._say(
+                _("Looking for the next move: keep scanning.")
+                if advice is None
+                else _("Enough is scanned: no further move would add much.")
+            )
             return
         first, *then = advice.directions
         self._large(f"{first.arrow}  {inPanelWords(first.words)}")
-        where = " \N{EN DASH} ".join(names.get(label, str(label)) for label in advice.over)
-        adds = _("over {where}, adds {adds:.1f} cm²").format(where=where, adds=advice.move.adds_cm2)
-        self._say("\n".join([*(f"{step.arrow}  {inPanelWords(step.words)}" for step in then), adds]))
+        # Beside a scan the first step stands in large letters; of what was recorded the list is all there is
+        listed = then if self._about is None or self._about[0] else advice.directions
+        where = inPanelWords(inNames(advice.over, names))
+        adds = _("over {where}; shows {adds:.1f} cm² more bone").format(where=where, adds=advice.move.adds_cm2)
+        self._say("\n".join([*(f"{step.arrow}  {inPanelWords(step.words)}" for step in listed), adds]))
         self._ghost.show(advice.move.image_to_reference, guidance.coverage.met.geometry.beams)
 
     def _clearMove(self) -> None:
@@ -198,9 +208,9 @@ def _table(coverage, names: dict) -> str:
     known = {str(label): name for label, name in names.items()}
     rows = [(known.get(label) or _("Label {number}").format(number=label), share) for label, share in coverage.by_label.items()]
     if coverage.interspinous.reachable_cm2:
-        rows.append((_("Borders of the gaps"), coverage.interspinous))
+        rows.append((_("Edges of interspinous spaces"), coverage.interspinous))
     rows.append((_("All bone"), coverage.all))
-    heads = (_("Bone"), _("met"), _("squarely"), _("will show"))
+    heads = (_("Bone"), _("hit"), _("squarely"), _("expected to show"))
     lines = ["".join(f"<th align='{_side(n)}'>{escape(head)}</th>" for n, head in enumerate(heads))]
     for name, share in rows:
         cells = (escape(name), *map(_percent, (share.met, share.below_45_deg, share.expected_visibility)))

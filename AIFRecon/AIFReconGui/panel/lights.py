@@ -42,7 +42,7 @@ class Lights(Follower):
         shown = self._verdicts.of(self._parameterNode)
         for name, verdict in shown.items():
             known = name != COVERAGE or not self.isLooking
-            self._show(name, verdict.level.value, verdict.finding if known else _("being looked at ..."), verdict.advice if known else "")
+            self._show(name, verdict.level.value, verdict.finding if known else _("being worked out ..."), verdict.advice if known else "")
         # At hand where it is needed, and with the rest of its kind else
         good = shown["registration"].level.value == "good"
         button = self._ui.placeButton

@@ -69,6 +69,8 @@ class LivePanel:
         ui.liveFindButton.connect("clicked(bool)", self.onFind)
         ui.liveMoreButton.connect("toggled(bool)", ui.liveDetails.setVisible)
         ui.guidanceMoveLabel.styleSheet = styleOf(GRAY, LARGE)
+        ui.guidanceMoveLabel.toolTip = _("Arrows are for a patient seen from behind, with the head up; left and right are the patient's.")
+        ui.liveStateLabel.toolTip = _("Whether the tracker sees the probe, and Reference, the marker on the patient")
         self._showState(_("not started"), GRAY)
 
     @staticmethod
@@ -105,7 +107,7 @@ class LivePanel:
     def followBone(self, progress) -> str:
         """Weight by the CT where it lies now; what that means for the volume, in a sentence."""
         if self._live.followBone(progress):
-            return _("The volume so far was weighted with the CT where it was before: “Start over” begins it anew.")
+            return _("The picture so far was made with the CT where it was before: press “Start over...” to begin it anew.")
         return ""
 
     def whyNotNow(self) -> str:
@@ -165,7 +167,7 @@ class LivePanel:
 
     def onReset(self) -> None:
         """Empty the volume and go on, if the user means it."""
-        asked = _("Start over? The volume so far is dropped, and the scan goes on. What is recorded stays.")
+        asked = _("Start over? The picture so far is deleted and begun anew; the scan goes on. The recording, where one is made, is kept.")
         if slicer.util.confirmOkCancelDisplay(asked, windowTitle=_("Start over")) and self._live is not None:
             self._live.session.reset()
 
@@ -176,11 +178,14 @@ class LivePanel:
         def work(parameters, progress):
             found = inBackground(lambda progress: answering(remembered, progress), progress)
             if found is None:
-                return _("No server answers on this computer, nor where one was before. Start Plus, or enter its name or address.")
+                return _(
+                    "Not found: nothing answers on this computer, nor where a scanner was before. Start Plus on the computer of the "
+                    "scanner, or enter the name or address of that computer."
+                )
             parameters.liveHost, parameters.livePort = found
-            return _("A server answers at {host}, port {port}.").format(host=found[0], port=found[1])
+            return _("Found at {host}, port {port}: press Start.").format(host=found[0], port=found[1])
 
-        said = self._do(_("No server could be looked for."), work)
+        said = self._do(_("The search for the scanner failed."), work)
         self._ui.liveRecordedLabel.text = ""
         if said:
             self._say(said)
@@ -188,7 +193,7 @@ class LivePanel:
 
     def onUseBox(self) -> None:
         """Reconstruct in the box that was scanned so far."""
-        with errorsShown(_("The box cannot be used yet.")):
+        with errorsShown(_("The scanned area cannot be used yet.")):
             self._live.useScoutedBox()
         self.update(self._missing)
 
@@ -250,7 +255,7 @@ class LivePanel:
             lines.append(_("Recorded to {path}.").format(path=live.session.recorded))
             self._showSize(live.session.recorded)
         if live.seen is not None and live.seen.recorded is not None:
-            lines.append(_("What the network said is in {path}.").format(path=live.seen.recorded))
+            lines.append(_("What the AI model said is in {path}.").format(path=live.seen.recorded))
         if live.session.recording_failure:
             lines.append(inPanelWords(live.session.recording_failure))
         return "\n".join(lines)
@@ -270,12 +275,13 @@ class LivePanel:
         statistics = live.statistics
         failed, fit = statistics.phase == "failed", live.agreement
         scouting = live.session.grid is None or statistics.phase == "scouting"
-        tracking = inPanelWords(statistics.tracking)
-        tracked = statistics.tracking == "tracked" and not failed
+        isSeen = statistics.tracking == "tracked"
+        tracking = _("Probe seen") if isSeen else inPanelWords(statistics.tracking)
+        tracked = isSeen and not failed
         if failed:
-            word = _("Failed: nothing is inserted")
+            word = _("Stopped by an error: the picture no longer grows")
         elif scouting:
-            word = _("Looking for the box") if tracked else tracking
+            word = _("Quick first scan") if tracked else tracking
         else:
             word = _("Paused") if statistics.phase == "paused" else tracking
         apart = tracked and fit.has_fallen
@@ -298,17 +304,17 @@ class LivePanel:
     def _nextMove(self, statistics, tracked: bool, scouting: bool, apart: bool) -> str:
         """What the person with the probe is to do now, in a few words."""
         if statistics.phase == "failed":
-            return _("Press “Start over”, or Stop")
+            return _("Press “Start over...”, or Stop; why is under “More”")
         if apart:
             return _("Press “Place CT on sweep”")
         if statistics.phase == "paused":
             return _("Press Pause again to go on")
         if not tracked:
             waits = not statistics.frames_received
-            return _("Check Plus, and the connection below") if waits else _("Bring the probe into the tracker's view")
+            return _("Check Plus, and the connection below") if waits else _("Bring what is not seen into the tracker's view")
         if scouting and not self._advised:
-            return _("Scan once quickly, then press “Use the scanned box”")
-        return self._advised or _("Scan on")
+            return _("Scan the whole area once, quickly; then press “Use the scanned area”")
+        return self._advised or _("Keep scanning")
 
     def advise(self, text: str) -> None:
         """What guidance says to do next; empty: nothing."""
@@ -364,6 +370,8 @@ def _agreementLines(fit) -> list:
 
 def _counts(statistics) -> str:
     """Where the frames went."""
-    said = _("{inserted} of {received} frames inserted").format(inserted=statistics.inserted, received=statistics.frames_received)
+    said = _("{inserted} of {received} frames added to the picture").format(
+        inserted=statistics.inserted, received=statistics.frames_received
+    )
     reasons = "; ".join(f"{count} {inPanelWords(reason)}" for reason, count in statistics.skipped.items())
     return said + (f" ({reasons})" if reasons else "")

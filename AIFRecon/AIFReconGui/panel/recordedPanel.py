@@ -133,7 +133,7 @@ class RecordedPanel(Follower):
 
     def onSample(self) -> None:
         """Make the simulated patient and reconstruct it."""
-        self._reconstruct(self._sample)
+        self._reconstruct(self._sample, _("The sweep of the sample is fast and thin on purpose: not all lights are green."))
 
     def onLoad(self) -> None:
         """Read the recording."""
@@ -153,12 +153,12 @@ class RecordedPanel(Follower):
         """Go back from the comparison."""
         self._logic.display.showOutput(self._parameterNode)
 
-    def _reconstruct(self, work) -> None:
+    def _reconstruct(self, work, *more) -> None:
         def told(parameters, progress) -> str:
             method, voxels, *notes = inPanelWords(work(parameters, progress=progress)).split("\n")
             self._ui.summaryLabel.visible = True
             say(self._ui.summaryLabel, f"{method}\n{voxels}")
-            return "\n".join((_("Done."), *notes))
+            return "\n".join((_("Done."), *notes, *more))
 
         failure = _("The volume could not be reconstructed.")
         if packagesAreThere(self._parameterNode, failure):

@@ -73,14 +73,17 @@ class RegistrationPanel:
         missing, waits = self._logic.whyNotRegister(parameters, self._live.isRunning), self._live.whyNotNow()
         if self._about is not None and self._about != self._subject(parameters):
             self.forget()
+        places = _(
+            "Move CT and bone together so that the bone lies on its echoes; the CT itself stays as it is, and the move can be undone"
+        )
         for button, reason, does in (
             (ui.checkButton, waits or missing, _("Say how well CT and sweep agree; nothing is moved")),
-            (ui.placeButton, missing, _("Move the transform above CT and bone so that the bone lies on its echoes; nothing is resampled")),
+            (ui.placeButton, missing, places),
         ):
             button.enabled = not reason
             button.toolTip = reason or does
         ui.livePlaceButton.enabled = self._live.isRunning and not missing
-        ui.livePlaceButton.toolTip = missing or _("Lay the CT on the bone that this scan has shown so far")
+        ui.livePlaceButton.toolTip = missing or _("Move the CT onto the bone that this scan has shown so far")
         ui.undoPlaceButton.enabled = self._placement.canUndo
         self._follow(parameters.bone)
         self._echoes.setVisible(parameters.showEchoes)
@@ -163,7 +166,7 @@ class RegistrationPanel:
         if not found.accepted:
             self._show(parameters, finding.at(rigidPlace(bone)))
             self._offer(_places(found))
-            refused = _("Not moved. Of the best place that was found: {reason}").format(reason=inPanelWords(found.said))
+            refused = _("The CT was not moved. About the best place found: {reason}").format(reason=inPanelWords(found.said, self._names()))
             return self._words(refused, verdict=False)
         moved = "" if found.moved is None else _("Moved by {mm:.1f} mm.").format(mm=found.moved)
         self._moveTo(parameters, finding)
@@ -223,8 +226,12 @@ class RegistrationPanel:
     def _words(self, *more: str, verdict: bool = True) -> str:
         agreement = self._finding.agreement
         warning = agreement.warning()
-        lines = [inPanelWords(agreement.sentence()), inPanelWords(warning) if warning is not None else ""] if verdict else []
+        lines = [inPanelWords(agreement.sentence()), inPanelWords(warning, self._names()) if warning is not None else ""] if verdict else []
         return "\n".join(line for line in (*lines, *more) if line)
+
+    def _names(self) -> dict:
+        parameters = self._parameterNode
+        return {} if parameters is None or parameters.bone is None else boneNames(parameters.bone, list(parameters.boneSegments))
 
     def _say(self, text: str) -> None:
         self._ui.registrationLabel.visible = bool(text)
@@ -260,9 +267,9 @@ def _places(found) -> list:
     places = [(found.transform, found.agreement, _("Best"))]
     for other in found.alternatives:
         if other.agreement.explained >= WORTH_OFFERING * best:
-            where = _("{levels:+d} level(s)").format(levels=other.levels) if other.levels else _("Elsewhere")
+            where = _("{levels:+d} level(s) (+: toward the head)").format(levels=other.levels) if other.levels else _("Elsewhere")
             places.append((other.transform, other.agreement, where))
-    words = _("{where}: {share:.0%}, median {median:.1f} mm")
+    words = _("{where}: {share:.0%} of the echoes agree, median {median:.1f} mm")
     return [(place, words.format(where=where, share=own.explained, median=own.median_distance)) for place, own, where in places]
 
 
@@ -270,7 +277,7 @@ def _uncertainties(found) -> list:
     """What the sweep does not hold, in a sentence."""
     if not found.uncertain:
         return []
-    return [_("Not held by this sweep: {motions}.").format(motions="; ".join(inPanelWords(each) for each in found.uncertain))]
+    return [_("This sweep does not tell exactly: {motions}.").format(motions="; ".join(inPanelWords(each) for each in found.uncertain))]
 
 
 def _landmarkModule() -> str:

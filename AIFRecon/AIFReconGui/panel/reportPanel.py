@@ -39,7 +39,7 @@ class ReportPanel:
 
         shown = None
         if self._parameterNode.sweep is None:
-            said = _("Select a tracked sweep, or load a recording.")
+            said = _("Open a recording, or select a tracked sweep.")
         else:
             try:
                 shown = self._reportOf(self._parameterNode)

@@ -14,7 +14,7 @@ UNKNOWN = ("\N{WHITE CIRCLE}", GRAY)
 def signOf(level: str) -> tuple:
     """Shape and word, and the style, of a level of `AIFReconLib.inspection.verdicts`."""
     shape, colors = SIGNS.get(level, UNKNOWN)
-    word = {"good": _("good"), "look": _("look"), "poor": _("poor")}.get(level, _("not yet"))
+    word = {"good": _("good"), "look": _("caution"), "poor": _("poor")}.get(level, _("not yet"))
     return f"{shape} {word}", styleOf(colors)
 
 

@@ -45,7 +45,7 @@ class PicturePanel:
         self._parameterNode = self._bound = None
         self._views = EchoView(), SpineView(), ProbeUp(), LevelNames()
         self._presets = windows.presets()
-        for label in (_("as they are"), *(preset.label for preset in self._presets)):
+        for label in (_("as it is"), *(preset.label for preset in self._presets)):
             ui.windowComboBox.addItem(label)
         ui.windowComboBox.connect("activated(int)", self.onWindow)
         ui.copyLineButton.connect("clicked(bool)", self.onCopyLine)
@@ -72,7 +72,7 @@ class PicturePanel:
             (ui.showRaisedCheckBox, "" if plain else enhanced, _("Violet where the picture is brighter than the echoes are on the mean")),
             (ui.showSpineCheckBox, "" if spine else shown, _("Show the bone that was seen as a surface, smoothed for display")),
             (ui.probeUpCheckBox, "" if parameters.sweep else _("Select a tracked sweep."), _("Turn the slice views as the scanner does")),
-            (ui.copyLineButton, tells, _("Put what is to be known into the clipboard, in one line")),
+            (ui.copyLineButton, tells, _("Copy the summary, one line, to the clipboard")),
             (ui.saveReportButton, tells, _("Write a page with pictures, sweep, agreement of the CT, coverage, settings and software")),
         ):
             widget.enabled = not missing
@@ -96,7 +96,7 @@ class PicturePanel:
             qt.QApplication.clipboard().setText(tell(parameters, self._trackingOf(parameters), progress, pictures=False).line)
             return ""
 
-        self._work.run(_("Report"), _("The line could not be made."), work, self._parameterNode)
+        self._work.run(_("Report"), _("The summary could not be made."), work, self._parameterNode)
 
     def onSaveReport(self) -> None:
         """Ask where to, and write the page."""

@@ -116,12 +116,12 @@ def _colors():
 
 def levelNames() -> tuple:
     """What the colors stand for, in the user's language."""
-    return _("out of reach"), _("not met"), _("grazed, over 60\u00b0"), _("aslant, 45 to 60\u00b0"), _("squarely, below 45\u00b0")
+    return _("out of reach"), _("not hit"), _("grazing, over 60\u00b0"), _("obliquely, 45 to 60\u00b0"), _("squarely, below 45\u00b0")
 
 
 def _arrange(legend) -> None:
     with slicer.util.NodeModify(legend):
-        legend.SetTitleText(_("Bone met by beams"))
+        legend.SetTitleText(_("How the beam hits bone"))
         legend.SetUseColorNamesForLabels(True)
         legend.SetMaxNumberOfColors(len(COLORS))
         legend.SetNumberOfLabels(len(COLORS))

@@ -10,7 +10,7 @@ from vtk.util import numpy_support
 
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.message import Message
+from AIFReconLib.message import Message, listed
 from AIFReconLib.progress import Progress
 
 from ..background import inBackground
@@ -124,6 +124,16 @@ def boneNames(node, segmentIDs: list[str] | None = None) -> dict[int, str]:
     chosen = segmentIDs or [segmentation.GetNthSegmentID(index) for index in range(segmentation.GetNumberOfSegments())]
     segments = [segmentation.GetSegment(segmentID) for segmentID in chosen]
     return {number: segment.GetName() for number, segment in enumerate(segments, start=1) if segment is not None}
+
+
+def nameOf(label: int, names: dict[int, str]) -> str | Message:
+    """What a label is called: by its segment, else by its number."""
+    return names.get(label) or Message("label {label}", label=label)
+
+
+def inNames(labels, names: dict[int, str]) -> Message:
+    """Neighbors, from one to the other."""
+    return listed([nameOf(label, names) for label in labels], " \N{EN DASH} ")
 
 
 def _reach(sigmaVoxels: float, sigmaMm: float | None):

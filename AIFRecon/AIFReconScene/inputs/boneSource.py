@@ -19,8 +19,8 @@ class BoneSource(enum.Enum):
         """What the panel shows, of a scan where it is `live`."""
         return {
             BoneSource.CT: _("The CT"),
-            BoneSource.PREDICTIONS: _("A network that runs elsewhere") if live else _("A network, as it was recorded"),
-            BoneSource.MODEL: _("A network in a file"),
+            BoneSource.PREDICTIONS: _("An AI model that runs elsewhere") if live else _("An AI model, as it was recorded"),
+            BoneSource.MODEL: _("An AI model in a file"),
             BoneSource.ECHOES: _("The echoes themselves"),
         }[self]
 
@@ -40,7 +40,7 @@ def whyNoBone(parameters, live: bool = False) -> str:
     source, model = parameters.boneSource, fileFrom(parameters.boneModelPath)
     if source == BoneSource.MODEL:
         if model is None:
-            return _("Choose the file of the network, or let something else tell where bone is.")
+            return _("Choose the file of the AI model, or choose another “Bone told by”.")
         return "" if model.is_file() else _("There is no file {path}.").format(path=model)
     if source == BoneSource.PREDICTIONS:
         return _whyNotStreamed(parameters) if live else _whyNotRecorded(parameters)
@@ -49,20 +49,20 @@ def whyNoBone(parameters, live: bool = False) -> str:
 
 def _whyNotRecorded(parameters) -> str:
     if parameters.bonePredictions is None:
-        return _("Select what the network has said of the sweep, or let something else tell where bone is.")
+        return _("Select the recorded output of the AI model, or choose another “Bone told by”.")
     if parameters.otherSweeps:
-        return _("What the network has said belongs to one sweep: leave the others out, or let something else tell where bone is.")
+        return _("The output of the AI model belongs to one sweep: leave the others out, or choose another “Bone told by”.")
     return ""
 
 
 def _whyNotStreamed(parameters) -> str:
     if parameters.liveSource != LiveSource.OPENIGTLINK:
-        return _("What a network says comes from a server: take the images from there too, or let something else tell where bone is.")
+        return _("What an AI model says comes from a server: take the images from there too, or choose another “Bone told by”.")
     name = parameters.liveBoneDevice.strip()
     if not name:
-        return _("Enter the name under which the server sends what the network says, or let something else tell where bone is.")
+        return _("Enter the name under which the server sends what the AI model says, or choose another “Bone told by”.")
     if name == parameters.liveImageDevice.strip():
-        return _("Images and what the network says of them must have two names; both are {name}.").format(name=name)
+        return _("Images and what the AI model says of them must have two names; both are {name}.").format(name=name)
     return ""
 
 
@@ -74,7 +74,7 @@ def describeBone(parameters, live: bool = False) -> str:
     if source != BoneSource.CT:
         return whyNoBone(parameters, live)
     if bone is None:
-        return _("Without bone the sweep is averaged: nothing says at which angle a beam meets it.")
+        return _("No bone selected: the sweep is averaged, and bone is not enhanced.")
     if bone.IsA("vtkMRMLSegmentationNode"):
         return ""
     if bone.IsA("vtkMRMLLabelMapVolumeNode"):

@@ -110,8 +110,8 @@ class RegistrationStart(enum.Enum):
     def label(self) -> str:
         """What the panel shows."""
         return {
-            RegistrationStart.WHERE_IT_IS: _("Where the CT is now"),
-            RegistrationStart.ANYWHERE: _("Find it, without a start"),
+            RegistrationStart.WHERE_IT_IS: _("Near where the CT is now"),
+            RegistrationStart.ANYWHERE: _("Anywhere"),
         }[self]
 
 

@@ -39,7 +39,7 @@ def whyNotLoad(parameters) -> str:
 def whyNotReconstruct(parameters, sweep=None) -> str:
     """What is missing before a volume can be reconstructed; `sweep` is the `SweepSummary` of the chosen one."""
     if parameters.sweep is None:
-        return _("Select a tracked sweep, or load a recording.")
+        return _("Open a recording, or select a tracked sweep.")
     if sweep is not None and sweep.problem:
         return inPanelWords(sweep.problem)
     return _whatIsMissing(parameters)
@@ -48,9 +48,9 @@ def whyNotReconstruct(parameters, sweep=None) -> str:
 def whyNotLive(parameters) -> str:
     """What is missing before a live scan can begin."""
     if parameters.liveSource == LiveSource.SCENE and parameters.liveImage is None:
-        return _("Select the image node that is kept up to date.")
+        return _("Choose the live image, under “Connection”.")
     if parameters.liveSource == LiveSource.OPENIGTLINK and not parameters.liveHost.strip():
-        return _("Enter the name or address of the server.")
+        return _("Press “Find the scanner”, under “Connection”, or enter its server there.")
     return _whatIsMissing(parameters, live=True)
 
 
@@ -59,10 +59,12 @@ def _whatIsMissing(parameters, live: bool = False) -> str:
     if missing := whyNoBone(parameters, live):
         return missing
     if not isThere and (ofMethod or parameters.bestCosine):
-        wanted = methodOf(parameters) if ofMethod else _("The best cosine")
-        return _("{method} needs bone: select a segmentation, a labelmap or a bone probability, or another method.").format(method=wanted)
+        if not ofMethod:
+            return _("“Squareness” (in Settings) needs bone: select the CT's segmentation under “Bone of CT”, or uncheck it.")
+        wanted = _("{method} needs bone: select the CT's segmentation under “Bone of CT”, or set “Method” (in Settings) to automatic.")
+        return wanted.format(method=methodOf(parameters))
     if parameters.bone is not None and _holdsNothing(parameters.bone):
-        return _("{name} holds no bone: segment the CT, or select another.").format(name=parameters.bone.GetName())
+        return _holdsNoBone(parameters.bone)
     if parameters.region == Region.BOX and parameters.roi is None:
         return _("Select or draw the box to reconstruct, or choose another region.")
     if parameters.region == Region.BOX and isEmpty(parameters.roi):
@@ -91,17 +93,21 @@ def whyNotRegister(parameters, sweep=None, isScanning: bool = False) -> str:
     if not isLabeled(bone):
         return _("{name} is a probability, which has no surface: select a segmentation or a labelmap.").format(name=bone.GetName())
     if _holdsNothing(bone):
-        return _("{name} holds no bone: segment the CT, or select another.").format(name=bone.GetName())
+        return _holdsNoBone(bone)
     if isScanning:
         return ""
     if parameters.sweep is None:
-        return _("Select a tracked sweep, or load a recording.")
+        return _("Open a recording, or select a tracked sweep.")
     return inPanelWords(sweep.problem) if sweep is not None and sweep.problem else ""
 
 
 def withoutRepeating(missing: str, sweepText: str) -> str:
     """What is missing, for a place beside what is said of the sweep: a pointer where the same is said there."""
     return _("The sweep cannot be reconstructed: see above.") if missing and missing in sweepText else missing
+
+
+def _holdsNoBone(bone) -> str:
+    return _("{name} holds no bone: mark the bone of the CT in Slicer's Segment Editor, or select another.").format(name=bone.GetName())
 
 
 def _holdsNothing(bone) -> bool:

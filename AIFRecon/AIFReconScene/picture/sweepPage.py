@@ -11,10 +11,11 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError, OperationCanceled, SettingsError
 from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.inspection.verdicts import registration_verdict
 from AIFReconLib.progress import part, report
 
 from ..background import inBackground
-from ..inputs.boneNodes import boneNames, isLabeled
+from ..inputs.boneNodes import boneNames, isLabeled, nameOf
 from ..inputs.inputs import Inputs
 from ..panelWords import inPanelWords
 from ..registration.ctRegistration import CTRegistration, rigidPlace
@@ -103,7 +104,8 @@ def tell(parameters, tracking, progress=None, pictures: bool = True) -> Told:
     if tracked.median_speed is not None:
         words[-1] += _(" at {speed:.0f} mm/s").format(speed=tracked.median_speed)
     words += [*agreement, *covered, _voxels(output), f"AIFRecon {output.GetAttribute(VERSION_ATTRIBUTE) or page.versions['aifrecon']}"]
-    return Told(page, f"{output.GetName()}: {'; '.join(words)}")
+    research = _("Research use only: not for guiding a needle.")
+    return Told(page, f"{output.GetName()}: {'; '.join(words)}. {research}")
 
 
 def _slicerVersion() -> dict:
@@ -179,14 +181,13 @@ def _agreement(parameters, progress) -> tuple:
         return (), [Section(title, said=(inPanelWords(error),))]
     names = boneNames(bone, list(parameters.boneSegments) or None)
     rows = [
-        (names.get(label, str(label)), f"{own.agreement:.0%}", f"{own.median_distance:.1f} mm", f"{own.echoes:,}")
+        (inPanelWords(nameOf(label, names)), f"{own.agreement:.0%}", f"{own.median_distance:.1f} mm", f"{own.echoes:,}")
         for label, own in sorted(agreement.per_label.items())
     ]
     table = ((_("Bone"), _("Echoes that agree"), _("Median distance"), _("Echoes")), *rows) if rows else ()
     warning = agreement.warning()
-    said = (inPanelWords(agreement.sentence()), *([inPanelWords(warning)] if warning is not None else []))
-    word = _("CT agrees: {share:.0%} of the echoes, {median:.1f} mm").format(share=agreement.share, median=agreement.median_distance)
-    return (word,), [Section(title, said=said, table=table)]
+    said = (inPanelWords(agreement.sentence()), *([inPanelWords(warning, names)] if warning is not None else []))
+    return (inPanelWords(registration_verdict(agreement, names).finding),), [Section(title, said=said, table=table)]
 
 
 def _coverage(parameters, progress) -> tuple:
@@ -194,7 +195,7 @@ def _coverage(parameters, progress) -> tuple:
     from AIFReconLib.evaluation.report import Section
     from AIFReconLib.guidance.coverage import coverage
 
-    bone, title = parameters.bone, _("Bone met by the beams")
+    bone, title = parameters.bone, _("Bone hit by the beams")
     if bone is None or not isLabeled(bone):
         return (), []
     try:
@@ -206,12 +207,19 @@ def _coverage(parameters, progress) -> tuple:
         raise
     except AIFReconError as error:
         return (), [Section(title, said=(inPanelWords(error),))]
-    shares = [*found.by_label.items(), (_("all"), found.all)]
+    by_name = [(name if names else _("label {number}").format(number=name), share) for name, share in found.by_label.items()]
+    shares = [*by_name, (_("all"), found.all)]
     rows = [(name, *map(_percent, (share.met, share.below_45_deg, share.expected_visibility))) for name, share in shares]
-    headings = (_("Bone"), _("Met"), _("Squarely, below 45°"), _("Expected to show"))
-    words = ", ".join(f"{name} {_percent(share.met)}" for name, share in found.by_label.items())
-    said = (_("Shares of the bone that some beam from the back could reach."), *map(inPanelWords, found.notes))
-    return (_("bone met: {shares}").format(shares=words),), [Section(title, said=said, table=(headings, *rows))]
+    headings = (_("Bone"), _("Hit"), _("Squarely, below 45°"), _("Expected to show"))
+    words = ", ".join(f"{name}: {_percent(share.met)}" for name, share in by_name)
+    said = (
+        _(
+            "Shares of the bone that some beam from the back could reach, its sides too; the light “Coverage” counts only what "
+            "faces the back."
+        ),
+        *map(inPanelWords, found.notes),
+    )
+    return (_("bone hit, its sides included: {shares}").format(shares=words),), [Section(title, said=said, table=(headings, *rows))]
 
 
 def _percent(share: float) -> str:

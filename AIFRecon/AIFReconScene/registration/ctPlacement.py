@@ -108,8 +108,8 @@ def transformAbove(bone, ct, browser):
     if ct is not None and ct.GetParentTransformNode() is not mover:
         names = [node.GetParentTransformNode().GetName() if node.GetParentTransformNode() else "-" for node in (ct, bone)]
         raise TransformError(
-            "{ct} and {bone} must be under the same transform, to be moved together; got {one!r} and {other!r}. "
-            "Put both under one in Slicer's Transforms or Data.",
+            "{ct} and {bone} must be moved together, but lie under different transforms, {one!r} and {other!r}. "
+            "In Slicer's Data module, drag both onto the same transform.",
             ct=ct.GetName(),
             bone=bone.GetName(),
             one=names[0],

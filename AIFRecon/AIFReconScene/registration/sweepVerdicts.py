@@ -6,7 +6,7 @@ from AIFReconLib.errors import AIFReconError, OperationCanceled
 from AIFReconLib.inspection.verdicts import Verdict, coverage_verdict, registration_verdict, tracking_verdict, unknown
 from AIFReconLib.message import Message, said
 
-from ..inputs.boneNodes import boneNames, isLabeled
+from ..inputs.boneNodes import boneNames, inNames, isLabeled, nameOf
 from ..sweep.severalSweeps import furtherSweeps
 from ..sweep.sweepStatus import sweepKey
 from ..transforms import matrixToWorld
@@ -92,13 +92,15 @@ class SweepVerdicts:
         if parameters.sweep is None:
             return unknown(Message("no sweep yet"))
         if name != TRACKING and parameters.bone is None:
-            return unknown(Message("without CT and segmentation nobody can tell"))
+            return unknown(Message("not known: select the bone of the CT under “Bone of CT”"))
         if name != TRACKING and not isLabeled(parameters.bone):
-            return unknown(Message("needs a segmentation of the CT"))
+            return unknown(Message("not known: select a segmentation of the CT under “Bone of CT”"))
         key, verdict = self._known.get(name, (None, None))
         if verdict is not None and key == _key(name, parameters):
             return verdict
-        return unknown(Message("reconstruct again to be told") if verdict is not None else Message("told after the reconstruction"))
+        return unknown(
+            Message("something has changed: press “Reconstruct” again") if verdict is not None else Message("known after “Reconstruct”")
+        )
 
 
 def _key(name: str, parameters) -> tuple:
@@ -130,12 +132,12 @@ def _coverageOf(prepared, names: dict, progress) -> Verdict:
 def _verdictOn(found, names: dict, move: str = "") -> Verdict:
     from AIFReconLib.guidance.coverage import back_of_labels
 
-    shares = {names.get(int(label), label): share for label, share in back_of_labels(found.met).items()}
+    shares = {nameOf(int(label), names): share for label, share in back_of_labels(found.met).items()}
     shown = {name: share.expected_visibility for name, share in shares.items()}
     return coverage_verdict(shown, {name: share.met for name, share in shares.items()}, move)
 
 
 def _inWords(advice, names: dict) -> Message:
     """Where to move the probe next, in a few words."""
-    over = " \N{EN DASH} ".join(names.get(label, str(label)) for label in advice.over)
-    return Message("{step} over {where}", step=advice.directions[0].words, where=over)
+    over = inNames(advice.over, names)
+    return Message("Next: {step} over {where}.", step=advice.directions[0].words, where=over)

@@ -43,7 +43,7 @@ class SweepSummary:
         """The findings in words, as `aifrecon info` has them."""
         if self.problem:
             return [self.problem]
-        placed = Message("{usable} of {frames} frames can be placed.", usable=self.usable, frames=self.frames)
+        placed = Message("{usable} of {frames} frames have a position.", usable=self.usable, frames=self.frames)
         skipped = ((describe_frames(numbers), reason) for reason, numbers in self.skipped.items())
         return [placed, *(Message("Will be skipped: {frames}: {reason}.", frames=frames, reason=reason) for frames, reason in skipped)]
 
@@ -123,7 +123,7 @@ def sweepSummary(browser, imageSequence=None, reference: str | None = None) -> S
     problem = None
     if not usable:
         problem = Message(
-            "{name}: no frame can be placed ({reasons}). Check the tracking of this recording.",
+            "{name}: no frame has a position ({reasons}). Check the tracking of this recording.",
             name=items.path.name,
             reasons=describe_skipped(skipped),
         )

@@ -4,20 +4,32 @@
 <context>
     <name>AIFRecon</name>
     <message>
-        <source>A network that says where bone is in a frame, as an ONNX file. It is run on this computer's processor, and nothing but this file and the JSON of its name is opened.</source>
-        <translation>说明一帧中骨骼位置的网络（ONNX 文件）。它在本机处理器上运行，除此文件和同名 JSON 外不打开任何文件。</translation>
+        <source>AI model:</source>
+        <translation>AI 模型：</translation>
     </message>
     <message>
-        <source>And also:</source>
-        <translation>以及：</translation>
+        <source>AI models (*.onnx)</source>
+        <translation>AI 模型 (*.onnx)</translation>
     </message>
     <message>
-        <source>Bone from:</source>
+        <source>AI output:</source>
+        <translation>AI 结果：</translation>
+    </message>
+    <message>
+        <source>AI stream:</source>
+        <translation>AI 数据流：</translation>
+    </message>
+    <message>
+        <source>An AI model (a neural network) that says where bone is in a frame, as an ONNX file. It is run on this computer's processor, and nothing but this file and the JSON of its name is opened.</source>
+        <translation>说明一帧中骨骼位置的 AI 模型（神经网络，ONNX 文件）。它在本机处理器上运行，除此文件和同名 JSON 外不打开任何文件。</translation>
+    </message>
+    <message>
+        <source>Bone of CT:</source>
+        <translation>CT 的骨骼：</translation>
+    </message>
+    <message>
+        <source>Bone told by:</source>
         <translation>骨骼依据：</translation>
-    </message>
-    <message>
-        <source>Bone:</source>
-        <translation>骨骼：</translation>
     </message>
     <message>
         <source>CT:</source>
@@ -36,32 +48,16 @@
         <translation>更多</translation>
     </message>
     <message>
-        <source>Name under which the server sends what a network says (device), with the time stamps of its images</source>
-        <translation>服务器发送网络结果所用的名称（设备），带有相应图像的时间戳</translation>
+        <source>More sweeps:</source>
+        <translation>更多扫查：</translation>
     </message>
     <message>
-        <source>Network name:</source>
-        <translation>网络名称：</translation>
-    </message>
-    <message>
-        <source>Network said:</source>
-        <translation>网络的结果：</translation>
-    </message>
-    <message>
-        <source>Network:</source>
-        <translation>网络：</translation>
-    </message>
-    <message>
-        <source>Networks (*.onnx)</source>
-        <translation>网络 (*.onnx)</translation>
+        <source>Name under which the server sends what an AI model says (device), with the time stamps of its images</source>
+        <translation>服务器发送 AI 模型结果所用的名称（设备），带有相应图像的时间戳</translation>
     </message>
     <message>
         <source>None</source>
         <translation>无</translation>
-    </message>
-    <message>
-        <source>None (plain average)</source>
-        <translation>无（普通平均）</translation>
     </message>
     <message>
         <source>None yet</source>
@@ -124,20 +120,20 @@
         <translation>用示例患者试一试</translation>
     </message>
     <message>
-        <source>Use the scanned box</source>
-        <translation>使用扫查区域</translation>
+        <source>Use the scanned area</source>
+        <translation>使用已扫查的区域</translation>
     </message>
     <message>
         <source>Vertebrae:</source>
         <translation>椎骨：</translation>
     </message>
     <message>
-        <source>What a network has said of the frames (predictions): a sequence of images, one for each frame or with their times, from 0 to 255 or from 0 to 1</source>
-        <translation>网络对各帧的判断（预测）：一个图像序列，每帧一幅或带有各帧的时间，取值 0 到 255 或 0 到 1</translation>
+        <source>What an AI model has said of the frames (predictions): a sequence of images, one for each frame or with their times, from 0 to 255 or from 0 to 1</source>
+        <translation>AI 模型对各帧的判断（预测）：一个图像序列，每帧一幅或带有各帧的时间，取值 0 到 255 或 0 到 1</translation>
     </message>
     <message>
-        <source>Who says where bone is: the CT in its place, a neural network that looks at every frame, or the echoes, bright with darkness behind them. Only the CT knows bone that no frame shows.</source>
-        <translation>由谁说明骨骼在哪里：已就位的 CT、逐帧查看图像的神经网络，或后方变暗的明亮回声。只有 CT 知道任何一帧都没有显示的骨骼。</translation>
+        <source>Who says where bone is: the CT in its place, an AI model (a neural network) that looks at every frame, or the echoes, bright with darkness behind them. Only the CT knows bone that no frame shows.</source>
+        <translation>由谁说明骨骼在哪里：已就位的 CT、逐帧查看图像的 AI 模型（神经网络），或后方变暗的明亮回声。只有 CT 知道任何一帧都没有显示的骨骼。</translation>
     </message>
     <message>
         <source>not started</source>
@@ -147,8 +143,8 @@
 <context>
     <name>AIFReconGui.packages</name>
     <message>
-        <source>A network in a file needs the Python package onnxruntime. Install it now?</source>
-        <translation>文件中的网络需要 Python 包 onnxruntime。现在安装吗？</translation>
+        <source>An AI model in a file needs the Python package onnxruntime, a download from the internet. Install it now?</source>
+        <translation>文件中的 AI 模型需要 Python 包 onnxruntime（从互联网下载）。现在安装吗？</translation>
     </message>
 </context>
 <context>
@@ -158,12 +154,20 @@
         <translation>已由 {frames} 帧中的 {looked} 帧得知骨骼。</translation>
     </message>
     <message>
+        <source>CT agrees but for {bones}: {found}</source>
+        <translation>除 {bones} 外 CT 吻合：{found}</translation>
+    </message>
+    <message>
         <source>CT agrees: {found}</source>
         <translation>CT 吻合：{found}</translation>
     </message>
     <message>
         <source>CT does not agree: {found}</source>
         <translation>CT 不吻合：{found}</translation>
+    </message>
+    <message>
+        <source>Do not trust the picture there, nor the names of the levels: the spine may have bent since the CT, or the CT lies one level off.</source>
+        <translation>该处的图像和节段名称都不可信：脊柱可能在 CT 之后弯曲，或 CT 偏了一个节段。</translation>
     </message>
     <message>
         <source>Move the probe more slowly: {fast:.0f} mm/s at most.</source>
@@ -178,32 +182,36 @@
         <translation>请从其他角度再次扫查 {name}。</translation>
     </message>
     <message>
+        <source>expected to show: {shares}</source>
+        <translation>预计可见：{shares}</translation>
+    </message>
+    <message>
+        <source>known after “Reconstruct”</source>
+        <translation>按“重建”后可知</translation>
+    </message>
+    <message>
         <source>no sweep yet</source>
         <translation>尚无扫查</translation>
     </message>
     <message>
-        <source>onnxruntime was not installed, and a network in a file needs it: {why}</source>
-        <translation>未安装 onnxruntime，而文件中的网络需要它：{why}</translation>
-    </message>
-    <message>
-        <source>told after the reconstruction</source>
-        <translation>重建后给出</translation>
+        <source>onnxruntime was not installed, and an AI model in a file needs it: {why}</source>
+        <translation>未安装 onnxruntime，而文件中的 AI 模型需要它：{why}</translation>
     </message>
     <message>
         <source>{count} predictions belong to no frame with a pose.</source>
         <translation>{count} 个预测不属于任何有位姿的帧。</translation>
     </message>
     <message>
-        <source>{frames}, {speed:.0f} mm/s</source>
-        <translation>{frames}，{speed:.0f} mm/s</translation>
+        <source>{frames}, probe at {speed:.0f} mm/s</source>
+        <translation>{frames}，探头速度 {speed:.0f} mm/s</translation>
     </message>
     <message>
-        <source>{packages} is not installed, and a network in a file needs it.</source>
-        <translation>{packages} 未安装，而文件中的网络需要它。</translation>
+        <source>{packages} is not installed, and an AI model in a file needs it.</source>
+        <translation>{packages} 未安装，而文件中的 AI 模型需要它。</translation>
     </message>
     <message>
-        <source>{share:.0%} of the echoes, {median:.1f} mm</source>
-        <translation>{share:.0%} 的回波，{median:.1f} mm</translation>
+        <source>{share:.0%} of the echoes lie on its bone, {median:.1f} mm off in the median</source>
+        <translation>{share:.0%} 的回波落在其骨骼上，中位偏差 {median:.1f} mm</translation>
     </message>
     <message>
         <source>{used} of {frames} frames</source>
@@ -217,51 +225,62 @@
         <translation>回声本身</translation>
     </message>
     <message>
-        <source>What the network has said belongs to one sweep; got {predictions} for {sweeps}. Leave the others out.</source>
-        <translation>网络的结果只属于一次扫查；现有 {predictions} 个对应 {sweeps} 次。请不选其他扫查。</translation>
+        <source>The output of the AI model belongs to one sweep; got {predictions} for {sweeps}. Leave the others out.</source>
+        <translation>AI 模型的结果只属于一次扫查；现有 {predictions} 个对应 {sweeps} 次。请不选其他扫查。</translation>
     </message>
     <message>
-        <source>{name}: predictions of {got} pixels do not fit frames of {frames}. Select what the network has said of this sweep, in its size.</source>
-        <translation>{name}：{got} 像素的预测与 {frames} 的图像不符。请选择网络对此扫查、同样大小的结果。</translation>
+        <source>{name}: predictions of {got} pixels do not fit frames of {frames}. Select what the AI model has said of this sweep, in its size.</source>
+        <translation>{name}：{got} 像素的预测与 {frames} 的图像不符。请选择 AI 模型对此扫查、同样大小的结果。</translation>
+    </message>
+</context>
+<context>
+    <name>Picture</name>
+    <message>
+        <source>Research use only: not for guiding a needle.</source>
+        <translation>仅供研究：不得用于引导穿刺针。</translation>
     </message>
 </context>
 <context>
     <name>inputs.boneSource</name>
     <message>
-        <source>A network in a file</source>
-        <translation>文件中的网络</translation>
+        <source>An AI model in a file</source>
+        <translation>文件中的 AI 模型</translation>
     </message>
     <message>
-        <source>A network that runs elsewhere</source>
-        <translation>在别处运行的网络</translation>
+        <source>An AI model that runs elsewhere</source>
+        <translation>在别处运行的 AI 模型</translation>
     </message>
     <message>
-        <source>A network, as it was recorded</source>
-        <translation>网络（已记录的结果）</translation>
+        <source>An AI model, as it was recorded</source>
+        <translation>AI 模型（已记录的结果）</translation>
     </message>
     <message>
         <source>Bone is looked for in the sweep itself: what is bright with darkness behind it. The docs say how well that works.</source>
         <translation>在扫查图像中寻找骨骼：明亮且后方变暗之处。文档说明了其效果。</translation>
     </message>
     <message>
-        <source>Choose the file of the network, or let something else tell where bone is.</source>
-        <translation>请选择网络文件，或改用其他骨骼依据。</translation>
+        <source>Choose the file of the AI model, or choose another “Bone told by”.</source>
+        <translation>请选择 AI 模型的文件，或改选其他“骨骼依据”。</translation>
     </message>
     <message>
-        <source>Enter the name under which the server sends what the network says, or let something else tell where bone is.</source>
-        <translation>请输入服务器发送网络结果所用的名称，或改用其他骨骼依据。</translation>
+        <source>Enter the name under which the server sends what the AI model says, or choose another “Bone told by”.</source>
+        <translation>请输入服务器发送 AI 模型结果所用的名称，或改选其他“骨骼依据”。</translation>
     </message>
     <message>
         <source>Every label above 0 is bone.</source>
         <translation>大于 0 的标签均为骨骼。</translation>
     </message>
     <message>
-        <source>Images and what the network says of them must have two names; both are {name}.</source>
-        <translation>图像与网络对其的结果必须使用两个名称；现在都是 {name}。</translation>
+        <source>Images and what the AI model says of them must have two names; both are {name}.</source>
+        <translation>图像与 AI 模型对其的结果必须使用两个名称；现在都是 {name}。</translation>
     </message>
     <message>
-        <source>Select what the network has said of the sweep, or let something else tell where bone is.</source>
-        <translation>请选择网络对此扫查的结果，或改用其他骨骼依据。</translation>
+        <source>No bone selected: the sweep is averaged, and bone is not enhanced.</source>
+        <translation>未选择骨骼：只对扫查做平均，不增强骨骼。</translation>
+    </message>
+    <message>
+        <source>Select the recorded output of the AI model, or choose another “Bone told by”.</source>
+        <translation>请选择已记录的 AI 模型结果，或改选其他“骨骼依据”。</translation>
     </message>
     <message>
         <source>Taken for the probability of bone, from 0 to 1.</source>
@@ -276,27 +295,23 @@
         <translation>回声本身</translation>
     </message>
     <message>
+        <source>The output of the AI model belongs to one sweep: leave the others out, or choose another “Bone told by”.</source>
+        <translation>AI 模型的结果只属于一次扫查：请不选其他扫查，或改选其他“骨骼依据”。</translation>
+    </message>
+    <message>
         <source>There is no file {path}.</source>
         <translation>没有文件 {path}。</translation>
     </message>
     <message>
-        <source>What a network says comes from a server: take the images from there too, or let something else tell where bone is.</source>
-        <translation>网络的结果来自服务器：图像也请取自该服务器，或改用其他骨骼依据。</translation>
-    </message>
-    <message>
-        <source>What the network has said belongs to one sweep: leave the others out, or let something else tell where bone is.</source>
-        <translation>网络的结果只属于一次扫查：请不选其他扫查，或改用其他骨骼依据。</translation>
-    </message>
-    <message>
-        <source>Without bone the sweep is averaged: nothing says at which angle a beam meets it.</source>
-        <translation>没有骨骼时只做平均：无从得知声束以何角度到达。</translation>
+        <source>What an AI model says comes from a server: take the images from there too, or choose another “Bone told by”.</source>
+        <translation>AI 模型的结果来自服务器：图像也请取自该服务器，或改选其他“骨骼依据”。</translation>
     </message>
 </context>
 <context>
     <name>inputs.readiness</name>
     <message>
-        <source>Select a tracked sweep, or load a recording.</source>
-        <translation>请选择扫查，或载入录像。</translation>
+        <source>Open a recording, or select a tracked sweep.</source>
+        <translation>请打开录像，或选择扫查。</translation>
     </message>
 </context>
 <context>
@@ -314,27 +329,31 @@
         <translation>跟踪</translation>
     </message>
     <message>
-        <source>being looked at ...</source>
-        <translation>正在查看……</translation>
+        <source>being worked out ...</source>
+        <translation>正在计算……</translation>
     </message>
 </context>
 <context>
     <name>panel.livePanel</name>
     <message>
-        <source>Bring the probe into the tracker's view</source>
-        <translation>请将探头移入跟踪器视野</translation>
+        <source>Bring what is not seen into the tracker's view</source>
+        <translation>请将未被看到的部分移入跟踪器视野</translation>
+    </message>
+    <message>
+        <source>Keep scanning</source>
+        <translation>继续扫查</translation>
     </message>
     <message>
         <source>Press Start</source>
         <translation>请按“开始”</translation>
     </message>
     <message>
-        <source>Scan on</source>
-        <translation>继续扫查</translation>
+        <source>Probe seen</source>
+        <translation>已看到探头</translation>
     </message>
     <message>
-        <source>What the network said is in {path}.</source>
-        <translation>网络的结果在 {path}。</translation>
+        <source>What the AI model said is in {path}.</source>
+        <translation>AI 模型的结果在 {path}。</translation>
     </message>
     <message>
         <source>not started</source>
@@ -363,12 +382,12 @@
 <context>
     <name>panel.signals</name>
     <message>
-        <source>good</source>
-        <translation>良好</translation>
+        <source>caution</source>
+        <translation>注意</translation>
     </message>
     <message>
-        <source>look</source>
-        <translation>注意</translation>
+        <source>good</source>
+        <translation>良好</translation>
     </message>
     <message>
         <source>not yet</source>
@@ -377,6 +396,13 @@
     <message>
         <source>poor</source>
         <translation>不良</translation>
+    </message>
+</context>
+<context>
+    <name>picture.sweepPage</name>
+    <message>
+        <source>Research use only: not for guiding a needle.</source>
+        <translation>仅供研究：不得用于引导穿刺针。</translation>
     </message>
 </context>
 </TS>

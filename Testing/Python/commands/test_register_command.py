@@ -115,5 +115,5 @@ def test_reconstruct_says_whether_ct_and_sweep_agree_and_believes_it_as_far(tran
     said = capsys.readouterr().out
     width = read_settings(tmp_path / "v.nrrd").options["bone_sigma_mm"]
     assert words in said
-    assert f"Width of the bone map: {width:g} mm" in said
+    assert f"Tolerance around the CT's bone: {width:g} mm" in said
     assert widths[0] <= width <= widths[1]

@@ -27,10 +27,10 @@ def arrows(now, there):
     [
         (Placement(0.0, 12.0), UP, "slide 12 mm toward the head"),
         (Placement(0.0, -12.0), DOWN, "slide 12 mm toward the feet"),
-        (Placement(9.0, 0.0), TO_RIGHT, "slide 9 mm toward the right"),
-        (Placement(-9.0, 0.0), TO_LEFT, "slide 9 mm toward the left"),
-        (Placement(0.0, 0.0, 90.0), TURN, "turn to sagittal"),
-        (Placement(0.0, 0.0), HERE, "sweep on here"),
+        (Placement(9.0, 0.0), TO_RIGHT, "slide 9 mm toward the patient's right"),
+        (Placement(-9.0, 0.0), TO_LEFT, "slide 9 mm toward the patient's left"),
+        (Placement(0.0, 0.0, 90.0), TURN, "turn the probe to sagittal"),
+        (Placement(0.0, 0.0), HERE, "keep sweeping here"),
     ],
 )
 def test_a_step_has_an_arrow_and_words(there, arrow, words):
@@ -56,7 +56,7 @@ def test_a_tilt_points_where_the_middle_beam_turns_to(bone, turn, tilts):
 def test_a_probe_that_is_held_the_other_way_round_is_tilted_the_same_way():
     there = Placement(0.0, 0.0, 90.0, 20.0, 0.0)
     assert arrows(Placement(0.0, 0.0, -90.0, 10.0, 0.0), there) == UP
-    assert str(directions(Placement(0.0, 0.0, -90.0, 10.0, 0.0), there)[0].words) == "tilt 30 degrees toward the head"
+    assert str(directions(Placement(0.0, 0.0, -90.0, 10.0, 0.0), there)[0].words) == "aim the beam 30 degrees more toward the head"
 
 
 @pytest.mark.parametrize(("share", "expected"), [(-1.0, (1,)), (0.1, (1,)), (0.5, (2, 1)), (0.9, (2,)), (2.0, (2,))])

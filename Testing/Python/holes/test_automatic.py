@@ -135,7 +135,7 @@ def test_a_limit_that_is_given_is_kept_in_the_result_and_needs_no_word():
 def test_a_configuration_s_own_way_stays_and_is_named(settings):
     reconstructor = Reconstructor(GRID, ReconstructionSettings(**settings), holes=(HoleFilling("stick", 9),))
     result = reconstructor.reconstruction()
-    assert result.notes == ("Holes are filled as the configuration asks: stick of up to 9 voxels.",)
+    assert result.notes == ("Gaps are filled as the configuration asks: stick of up to 9 voxels.",)
 
 
 def test_holes_off_fills_nothing():

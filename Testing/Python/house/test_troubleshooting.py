@@ -97,7 +97,7 @@ def test_a_recording_that_holds_image_poses_read_with_the_calibration(here, said
 
 def test_a_tool_that_was_never_seen(here, said):
     rewrite(here, blind)
-    assert quoted("aifrecon: sweep.igs.mha: no frame can be placed") in said("reconstruct", *SWEEP, *OUTPUT)
+    assert quoted("aifrecon: sweep.igs.mha: no frame has a position") in said("reconstruct", *SWEEP, *OUTPUT)
 
 
 def test_a_box_elsewhere(here, said):

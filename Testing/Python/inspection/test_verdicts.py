@@ -40,7 +40,7 @@ def test_tracking_is_as_good_as_its_worst_number(numbers, level):
 
 
 def test_the_words_say_what_the_panel_promises():
-    assert tracked(270, 270, speed=14.2).finding == "270 of 270 frames, 14 mm/s"
+    assert tracked(270, 270, speed=14.2).finding == "270 of 270 frames, probe at 14 mm/s"
 
 
 @pytest.mark.parametrize("numbers", [{"used": 0}, {"used": 60}, {"used": 30}, {"jumps": 1}, {"jumps": 5}, {"speed": 90.0}])
@@ -73,7 +73,7 @@ def test_a_registration_is_good_where_it_would_be_accepted(numbers, level):
 
 def test_the_vertebra_that_does_not_agree_is_named():
     assert "L4" in agreeing(labels={1: 0.95, 2: 0.2}).finding
-    assert agreeing().finding == "CT agrees: 94% of the echoes, 0.4 mm"
+    assert agreeing().finding == "CT agrees: 94% of the echoes lie on its bone, 0.4 mm off in the median"
 
 
 def covered(move="", **shares) -> Verdict:
@@ -83,12 +83,12 @@ def covered(move="", **shares) -> Verdict:
 
 def test_coverage_is_as_good_as_the_worst_vertebra():
     assert [covered(L3=0.91, L4=low).level for low in (0.6, 0.59, 0.3, 0.29)] == [Level.GOOD, Level.LOOK, Level.LOOK, Level.POOR]
-    assert covered(L3=0.91, L4=0.62).finding == "L3 91%, L4 62%"
+    assert covered(L3=0.91, L4=0.62).finding == "expected to show: L3: 91%, L4: 62%"
 
 
 def test_a_vertebra_that_nobody_scanned_is_not_judged():
     found = coverage_verdict({"L1": 0.02, "L3": 0.8, "L5": float("nan")}, {"L1": 0.05, "L3": 0.9, "L5": float("nan")})
-    assert (found.level, found.finding) == (Level.GOOD, "L3 80%")
+    assert (found.level, found.finding) == (Level.GOOD, "expected to show: L3: 80%")
 
 
 def test_a_sweep_that_met_no_bone_is_poor():
@@ -96,7 +96,7 @@ def test_a_sweep_that_met_no_bone_is_poor():
 
 
 def test_what_to_do_is_the_next_move_where_that_is_known():
-    assert covered("tilt toward the head over L4", L3=0.9, L4=0.4).advice == "tilt toward the head over L4"
+    assert covered("aim the beam toward the head over L4", L3=0.9, L4=0.4).advice == "aim the beam toward the head over L4"
     assert "L4" in covered(L3=0.9, L4=0.4).advice
 
 

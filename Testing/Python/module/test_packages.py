@@ -92,7 +92,7 @@ def test_slicer_s_own_way_is_taken_where_there_is_one(packages, host, monkeypatc
 def test_a_network_in_a_file_asks_for_what_runs_it_and_a_no_is_told_in_a_sentence(packages, host, qt, monkeypatch):
     monkeypatch.setattr(packages, "isInstalled", lambda requirement: False)
     host.dialogs.answers.append(qt.QMessageBox.Cancel)
-    with pytest.raises(packages.PackageMissingError, match=r"onnxruntime.* is not installed, and a network in a file needs it"):
+    with pytest.raises(packages.PackageMissingError, match=r"onnxruntime.* is not installed, and an AI model in a file needs it"):
         packages.ensureModelPackages()
     [question] = host.dialogs.messages()
     assert "onnxruntime" in question
@@ -102,7 +102,7 @@ def test_an_installation_that_fails_says_why(packages, host, qt, monkeypatch):
     """The host installs nothing, which is a failure."""
     monkeypatch.setattr(packages, "isInstalled", lambda requirement: False)
     host.dialogs.answers.append(qt.QMessageBox.Ok)
-    with pytest.raises(packages.PackageMissingError, match=r"was not installed, and a network in a file needs it: .*does not install"):
+    with pytest.raises(packages.PackageMissingError, match=r"was not installed, and an AI model in a file needs it: .*does not install"):
         packages.ensureModelPackages()
 
 

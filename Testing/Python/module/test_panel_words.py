@@ -30,8 +30,8 @@ OF_COMMANDS_ALONE = (
 
 
 @functools.cache
-def sentences() -> list[str]:
-    """The templates of the library that name an option and may reach the panel."""
+def templates() -> list[str]:
+    """The templates of the library that may reach the panel."""
     errors = write_translations.error_classes()
     found = []
     for path in write_translations.python_files(write_translations.LIBRARY):
@@ -41,7 +41,12 @@ def sentences() -> list[str]:
             continue
         for _, template in write_translations.template_calls(ast.parse(path.read_text(encoding="utf-8")), errors):
             found.append(write_translations.literal(template) or "")
-    return [text for text in dict.fromkeys(found) if re.search(r"--[a-z]|aifrecon [a-z]", text)]
+    return list(dict.fromkeys(found))
+
+
+def sentences() -> list[str]:
+    """Those that name an option."""
+    return [text for text in templates() if re.search(r"--[a-z]|aifrecon [a-z]", text)]
 
 
 def test_sentences_that_name_options_are_found():
@@ -61,7 +66,17 @@ def test_no_option_of_the_command_line_is_named_in_the_panel(host, template):
 def test_every_sentence_that_the_panel_puts_otherwise_is_one_of_the_library(host):
     from AIFReconScene.panelWords import _SENTENCES
 
-    assert set(_SENTENCES) <= set(sentences())
+    assert set(_SENTENCES) <= set(templates())
+
+
+def test_labels_go_by_the_names_of_their_segments(host):
+    from AIFReconScene.panelWords import inPanelWords
+
+    from AIFReconLib.registration.agreement import Agreement, LabelAgreement
+
+    warning = Agreement(0.8, 0.3, 1000, 0, {1: LabelAgreement(0.9, 0.3, 800), 2: LabelAgreement(0.1, 4.0, 200)}).warning()
+    assert inPanelWords(warning, {1: "L3", 2: "L4"}).startswith("Not on its echoes: L4.")
+    assert inPanelWords(warning, {}) == inPanelWords(warning, {1: "L3"}) == warning
 
 
 def test_a_box_is_not_called_a_volume(host):

@@ -276,7 +276,7 @@ def summary(browser):
 def test_a_summary_counts_frames_by_reason(scene):
     found = summary(live(scene, statuses=["OK", "OUT_OF_VIEW", "OK", "MISSING"]))
     assert found.lines == [
-        "2 of 4 frames can be placed.",
+        "2 of 4 frames have a position.",
         "Will be skipped: 1 frame (1): ProbeToReference OUT_OF_VIEW.",
         "Will be skipped: 1 frame (3): ProbeToReference MISSING.",
     ]
@@ -285,7 +285,7 @@ def test_a_summary_counts_frames_by_reason(scene):
 def test_a_summary_says_what_keeps_a_sweep_from_being_used(scene):
     found = summary(live(scene, statuses=["OUT_OF_VIEW"] * 4))
     assert found.problem == (
-        "Live: no frame can be placed (ProbeToReference OUT_OF_VIEW: 4 frames (0-3)). Check the tracking of this recording."
+        "Live: no frame has a position (ProbeToReference OUT_OF_VIEW: 4 frames (0-3)). Check the tracking of this recording."
     )
 
 
@@ -298,5 +298,5 @@ def test_a_summary_reads_no_pixels(scene, monkeypatch):
 
 
 def test_a_sweep_in_which_no_frame_has_a_pose_is_refused_by_the_library(scene):
-    with pytest.raises(NoUsableFramesError, match="Live: no frame can be placed"):
+    with pytest.raises(NoUsableFramesError, match="Live: no frame has a position"):
         sweep_poses(read(live(scene, statuses=["OUT_OF_VIEW"] * 4))).require_usable("Live")
