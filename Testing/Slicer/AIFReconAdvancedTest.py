@@ -238,13 +238,14 @@ class AIFReconAdvancedTest(unittest.TestCase):
         text = self.ui.reportLabel.text
         self.assertIn("11 of 12", text)
         self.assertIn("OUT_OF_VIEW", text)
-        self.assertNotIn("Coverage", text)
+        self.assertNotIn("of the voxels measured", text)
         self.ui.trackingMoreButton.checked = False
 
     def test_the_tracking_report_has_the_coverage_after_a_reconstruction(self):
         self.ui.trackingMoreButton.checked = True
         voxels = self.applied()
-        self.assertIn("Coverage", self.ui.reportLabel.text)
+        self.assertIn(">Volume</td>", self.ui.reportLabel.text)
+        self.assertIn("of the voxels measured", self.ui.reportLabel.text)
         self.assertIn("average", self.ui.reportLabel.text)
         _title, report = self.widget.logic.trackingReport(self.parameters)
         self.assertEqual(report.coverage.voxels, voxels.size)

@@ -184,7 +184,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
     def test_a_failure_is_told_in_large_letters(self):
         self.begin()
         self.live._live.session._collect_error = RuntimeError("The cable broke.")
-        self.assertTrue(waitFor(lambda: "Stopped by an error" in self.ui.liveStateLabel.text))
+        self.assertTrue(waitFor(lambda: "the picture no longer grows" in self.ui.liveStateLabel.text))
         self.assertTrue(waitFor(lambda: "The cable broke." in self.ui.liveStatisticsLabel.text))
 
     def test_frames_that_are_left_out_are_told_in_the_panel_s_words(self):
@@ -237,7 +237,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
     def test_a_scan_that_failed_tells_no_rate(self):
         self.begin()
         self.live._live.session._collect_error = RuntimeError("The cable broke.")
-        self.assertTrue(waitFor(lambda: "Stopped by an error" in self.ui.liveStateLabel.text))
+        self.assertTrue(waitFor(lambda: "the picture no longer grows" in self.ui.liveStateLabel.text))
         self.assertNotIn("frames/s", self.ui.liveStatisticsLabel.text)
         self.assertEqual(self.ui.liveStatisticsLabel.text.count("The cable broke."), 1)
 

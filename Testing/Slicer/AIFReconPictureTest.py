@@ -287,7 +287,7 @@ class AIFReconPictureTest(unittest.TestCase):
         """It lands in somebody's notes: it must not say that a CT agrees beside a red light."""
         self.reconstruct()
         above = self.parameters.ctVolume.GetParentTransformNode()
-        tinyScene.setMatrix(above, tinyScene.moved(0.0, 0.0, 12.0) @ tinyScene.matrixOf(above))
+        tinyScene.setMatrix(above, tinyScene.moved(0.0, 6.0, 0.0) @ tinyScene.matrixOf(above))
         self.picture._ui.copyLineButton.click()
         line = qt.QApplication.clipboard().text()
         self.assertNotIn("CT agrees", line)

@@ -204,7 +204,7 @@ class GuidancePanel:
 
 
 def _table(coverage, names: dict) -> str:
-    """A line for each segment, as HTML: what was met, what of it squarely, and what is expected to show."""
+    """A line for each segment, as HTML: what was hit, what of it squarely, and what is expected to show."""
     known = {str(label): name for label, name in names.items()}
     rows = [(known.get(label) or _("Label {number}").format(number=label), share) for label, share in coverage.by_label.items()]
     if coverage.interspinous.reachable_cm2:

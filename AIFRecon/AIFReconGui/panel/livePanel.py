@@ -174,10 +174,13 @@ class LivePanel:
     def onFind(self) -> None:
         """Look for a server, and take it."""
         remembered = fromText(slicer.util.settingsValue(SERVERS_SETTING, ""))
+        shorter = ""
 
         def work(parameters, progress):
+            nonlocal shorter
             found = inBackground(lambda progress: answering(remembered, progress), progress)
             if found is None:
+                shorter = _("Not found: start Plus, or enter the name or address of its computer")
                 return _(
                     "Not found: nothing answers on this computer, nor where a scanner was before. Start Plus on the computer of the "
                     "scanner, or enter the name or address of that computer."
@@ -189,7 +192,7 @@ class LivePanel:
         self._ui.liveRecordedLabel.text = ""
         if said:
             self._say(said)
-            self._showMove(said)
+            self._showMove(shorter or said)
 
     def onUseBox(self) -> None:
         """Reconstruct in the box that was scanned so far."""
@@ -279,7 +282,7 @@ class LivePanel:
         tracking = _("Probe seen") if isSeen else inPanelWords(statistics.tracking)
         tracked = isSeen and not failed
         if failed:
-            word = _("Stopped by an error: the picture no longer grows")
+            word = _("Error: the picture no longer grows")
         elif scouting:
             word = _("Quick first scan") if tracked else tracking
         else:
@@ -313,7 +316,7 @@ class LivePanel:
             waits = not statistics.frames_received
             return _("Check Plus, and the connection below") if waits else _("Bring what is not seen into the tracker's view")
         if scouting and not self._advised:
-            return _("Scan the whole area once, quickly; then press “Use the scanned area”")
+            return _("Scan the whole area once; then press “Use the scanned area”")
         return self._advised or _("Keep scanning")
 
     def advise(self, text: str) -> None:

@@ -191,7 +191,7 @@ def tracking_words(status: str, reference: str) -> str:
     if name is None:
         return status
     if what == "stale":
-        return Message("Positions of {name} come too rarely", name=name)
+        return Message("{name}: positions come too rarely", name=name)
     if what not in ("MISSING", "OUT_OF_VIEW", "OUT_OF_VOLUME", "INVALID", "REQ_TIMEOUT", "UNKNOWN"):
         return status
     tools = [frame for frame in (name.source, name.target) if frame not in _NO_TOOLS]

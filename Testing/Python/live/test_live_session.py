@@ -427,7 +427,7 @@ def test_frames_that_waited_for_the_volume_to_be_made_say_nothing_of_latency(ses
         ("ProbeToTracker MISSING", "Probe not seen by the tracker"),
         ("ProbeToReference MISSING", "Probe or Reference not seen by the tracker"),
         ("ImageToReference MISSING", "Probe or Reference not seen by the tracker"),
-        ("ProbeToTracker stale", "Positions of ProbeToTracker come too rarely"),
+        ("ProbeToTracker stale", "ProbeToTracker: positions come too rarely"),
         ("ProbeToTracker not rigid (mirrored)", "ProbeToTracker not rigid (mirrored)"),
         ("pose not confirmed", "pose not confirmed"),
     ],

@@ -61,7 +61,7 @@ def test_faster_reconstruction_is_offered_once_and_says_what_it_gains(packages, 
     packages.offerSpeed()
     [question] = host.dialogs.messages()
     assert "several times faster" in question
-    assert "same voxels" in question
+    assert "same result" in question
 
 
 def test_a_yes_installs_and_a_failure_keeps_nobody_from_working(packages, host, qt, monkeypatch, caplog):

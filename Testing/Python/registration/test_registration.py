@@ -153,7 +153,8 @@ def test_a_label_without_its_echoes_is_named():
 
 def test_the_sentence_is_the_one_that_users_know():
     agreement = Agreement(0.94, 0.42, 4210, 17)
-    assert agreement.sentence() == "CT and sweep agree: 94% of 4,210 bone echoes lie within 2 mm of the CT's bone, 0.4 mm off in the median."
+    said = "CT and sweep agree: 94% of 4,210 bone echoes lie within 2 mm of the CT's bone, 0.4 mm off in the median."
+    assert agreement.sentence() == said
 
 
 def test_a_sweep_far_from_the_labels_says_so(echoes, bone):
