@@ -167,9 +167,7 @@ def directions(now: Placement, there: Placement) -> tuple[Direction, ...]:
     for ways, degrees in ((in_plane, there.in_plane_deg - now.in_plane_deg), (across, there.across_deg - now.across_deg)):
         if abs(degrees) >= SMALLEST_DEG:
             arrow, way = ways[degrees < 0]
-            steps.append(
-                Direction(arrow, Message("aim the beam {degrees:.0f} degrees more toward the {way}", degrees=abs(degrees), way=way))
-            )
+            steps.append(Direction(arrow, Message("aim the beam {degrees:.0f}\u00b0 more toward the {way}", degrees=abs(degrees), way=way)))
     return tuple(steps) or (Direction(HERE, Message("keep sweeping here")),)
 
 

@@ -136,7 +136,11 @@ class AIFReconWindowTest(unittest.TestCase):
                 with self.subTest(widget=name):
                     self.assertTrue(waitFor(lambda name=name: self.isSeen(getattr(self.ui, f"live{name}"))))
             where = self.ui.liveStopButton.y
-            for said in ("Probe seen", "Bring what is not seen into the tracker's view"):
+            for said in (
+                "Probe seen",
+                "Bring what is not seen into the tracker's view",
+                "\u2192  aim the beam 12\u00b0 more toward the patient's right",
+            ):
                 self.widget._live._showMove(said)
                 self.settle()
                 self.assertEqual(self.ui.liveStopButton.y, where)

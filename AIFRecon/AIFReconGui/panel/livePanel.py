@@ -316,7 +316,7 @@ class LivePanel:
             waits = not statistics.frames_received
             return _("Check Plus, and the connection below") if waits else _("Bring what is not seen into the tracker's view")
         if scouting and not self._advised:
-            return _("Scan the whole area once; then press “Use the scanned area”")
+            return _("Scan the area once, then press “Use the scanned area”")
         return self._advised or _("Keep scanning")
 
     def advise(self, text: str) -> None:

@@ -183,7 +183,7 @@ class Meter:
 
 
 def tracking_words(status: str, reference: str) -> str:
-    """What a frame's status means to the person at the probe: ``ProbeToTracker OUT_OF_VIEW`` is ``Probe not seen by the tracker``."""
+    """What a frame's status means to the person at the probe: ``ProbeToTracker OUT_OF_VIEW`` is ``Probe not seen by tracker``."""
     if status == "OK":
         return TRACKED
     word, _, what = status.partition(" ")
@@ -191,13 +191,13 @@ def tracking_words(status: str, reference: str) -> str:
     if name is None:
         return status
     if what == "stale":
-        return Message("{name}: positions come too rarely", name=name)
+        return Message("{name}: too few positions", name=name)
     if what not in ("MISSING", "OUT_OF_VIEW", "OUT_OF_VOLUME", "INVALID", "REQ_TIMEOUT", "UNKNOWN"):
         return status
     tools = [frame for frame in (name.source, name.target) if frame not in _NO_TOOLS]
     if name.source == "Image" and tools == [reference]:
         tools = ["Probe", reference]
-    return Message("{tools} not seen by the tracker", tools=listed(tools, " or ") or name)
+    return Message("{tools} not seen by tracker", tools=listed(tools, " or ") or name)
 
 
 class Trouble:

@@ -56,7 +56,7 @@ def test_a_tilt_points_where_the_middle_beam_turns_to(bone, turn, tilts):
 def test_a_probe_that_is_held_the_other_way_round_is_tilted_the_same_way():
     there = Placement(0.0, 0.0, 90.0, 20.0, 0.0)
     assert arrows(Placement(0.0, 0.0, -90.0, 10.0, 0.0), there) == UP
-    assert str(directions(Placement(0.0, 0.0, -90.0, 10.0, 0.0), there)[0].words) == "aim the beam 30 degrees more toward the head"
+    assert str(directions(Placement(0.0, 0.0, -90.0, 10.0, 0.0), there)[0].words) == "aim the beam 30\u00b0 more toward the head"
 
 
 @pytest.mark.parametrize(("share", "expected"), [(-1.0, (1,)), (0.1, (1,)), (0.5, (2, 1)), (0.9, (2,)), (2.0, (2,))])

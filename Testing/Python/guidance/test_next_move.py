@@ -60,7 +60,7 @@ def test_moves_that_are_followed_show_most_of_the_borders(followed, probe):
 def test_moves_are_said_in_a_sonographers_words(followed):
     steps = (
         r"(turn the probe to (sagittal|transverse)|slide \d+ mm toward the (patient's )?\w+|"
-        r"aim the beam \d+ degrees more toward the (patient's )?\w+|keep sweeping here)"
+        r"aim the beam \d+\u00b0 more toward the (patient's )?\w+|keep sweeping here)"
     )
     for words, _, _ in followed[0]:
         assert re.fullmatch(rf"{steps}(, {steps})* over (label [12]|labels 2 and 1), adds \d+\.\d cm2", words), words

@@ -423,11 +423,11 @@ def test_frames_that_waited_for_the_volume_to_be_made_say_nothing_of_latency(ses
     ("status", "words"),
     [
         ("OK", "tracked"),
-        ("ReferenceToTracker OUT_OF_VIEW", "Reference not seen by the tracker"),
-        ("ProbeToTracker MISSING", "Probe not seen by the tracker"),
-        ("ProbeToReference MISSING", "Probe or Reference not seen by the tracker"),
-        ("ImageToReference MISSING", "Probe or Reference not seen by the tracker"),
-        ("ProbeToTracker stale", "ProbeToTracker: positions come too rarely"),
+        ("ReferenceToTracker OUT_OF_VIEW", "Reference not seen by tracker"),
+        ("ProbeToTracker MISSING", "Probe not seen by tracker"),
+        ("ProbeToReference MISSING", "Probe or Reference not seen by tracker"),
+        ("ImageToReference MISSING", "Probe or Reference not seen by tracker"),
+        ("ProbeToTracker stale", "ProbeToTracker: too few positions"),
         ("ProbeToTracker not rigid (mirrored)", "ProbeToTracker not rigid (mirrored)"),
         ("pose not confirmed", "pose not confirmed"),
     ],
@@ -440,7 +440,7 @@ def test_the_tracking_state_is_that_of_the_latest_frame(session_of):
     session = session_of(streamed(tracked_sequence(statuses={5: TransformStatus.OUT_OF_VIEW})))
     session.start()
     wait_for(lambda: session.latest is not None and session.latest.number == 5)
-    assert session.statistics.tracking in ("Probe not seen by the tracker", "no images")
+    assert session.statistics.tracking in ("Probe not seen by tracker", "no images")
 
 
 def test_trouble_of_the_stream_is_told(session_of):
