@@ -4,6 +4,7 @@ import pathlib
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import numpy as np
 import slicer
@@ -217,3 +218,10 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertEqual(found[0], "127.0.0.1")
         kept = [("scanner", 18944), ("127.0.0.1", 18945)]
         self.assertEqual(serverSearch.fromText(serverSearch.asText(kept)), kept)
+
+    def test_a_search_says_whether_the_scanner_is_found_and_what_now(self):
+        for found, said in ((None, "Not found: start Plus"), (("127.0.0.1", 18945), "Found at 127.0.0.1, port 18945: press Start.")):
+            with unittest.mock.patch("AIFReconGui.panel.livePanel.answering", lambda remembered, progress, found=found: found):
+                self.ui.liveFindButton.click()
+            self.assertIn(said, self.ui.guidanceMoveLabel.text)
+        self.assertEqual(self.parameters.livePort, 18945)
