@@ -168,12 +168,10 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.setToldBox()
         text = self.ui.guidanceMoveLabel.text
         self.assertRegex(text, "^[\u2190-\u2193\u21bb\u25cf]  ")
-        # The list of what was recorded begins with it
         self.assertEqual(self.ui.guidanceLabel.text.splitlines()[0], text)
         self.assertIn("26px", self.ui.guidanceMoveLabel.styleSheet)
         annotation = slicer.app.layoutManager().threeDWidget(0).threeDView().cornerAnnotation()
         self.assertEqual(annotation.GetText(2), text)
-        # Large also in a view of 250 pixels
         self.assertGreaterEqual(annotation.GetMaximumLineHeight() * 250, annotation.GetMaximumFontSize())
 
     def test_the_ghost_stands_where_the_move_leads(self):

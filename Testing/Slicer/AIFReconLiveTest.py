@@ -133,6 +133,17 @@ class AIFReconLiveTest(unittest.TestCase):
         self.assertTrue(waitFor(lambda: self.live._live.statistics.inserted > 30))
         self.assertFalse(self.ui.liveUseBoxButton.enabled)
 
+    def test_bone_is_an_outline_as_soon_as_the_growing_volume_is_seen(self):
+        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
+        self.parameters.bone.CreateDefaultDisplayNodes()
+        display = self.parameters.bone.GetDisplayNode()
+        self.assertTrue(display.GetVisibility2DFill())
+        self.serve(rate=20.0, loop=True)
+        self.chooseBox()
+        self.ui.liveStartButton.click()
+        self.assertTrue(waitFor(lambda: self.live._live.showsVolume))
+        self.assertTrue(waitFor(lambda: not display.GetVisibility2DFill()))
+
     def test_the_box_of_a_configuration_needs_no_scouting(self):
         box = 'OutputOrigin="-19.5 -3.5 -14.5" OutputSpacing="1 1 1" OutputExtent="0 39 0 39 0 29"'
         with tempfile.TemporaryDirectory() as folder:

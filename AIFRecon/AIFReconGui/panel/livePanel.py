@@ -56,7 +56,7 @@ class LivePanel:
         self._parameterNode = None
         self._live = None
         self._missing = self._advised = ""
-        self._record, self._sized = None, 0.0
+        self._record, self._sized, self._shownID = None, 0.0, None
         self._turns = Turns()
         self._followers = (ofScan(ui), PathField(ui.liveBoneModelPathLineEdit, "boneModelPath"))
         self._collecting = self._timer(COLLECTED_EVERY, self._collect)
@@ -227,7 +227,7 @@ class LivePanel:
         inBackground(lambda _progress: importlib.import_module("AIFReconScene.live.liveReconstruction"), progress)
         from AIFReconScene.live.liveReconstruction import LiveReconstruction
 
-        self._record, self._sized = recordingPath(parameters), 0.0
+        self._record, self._sized, self._shownID = recordingPath(parameters), 0.0, None
         self._live = LiveReconstruction(parameters, progress, self._record)
         settings = slicer.app.userSettings()
         settings.setValue("AIFRecon/LiveHost", parameters.liveHost)
@@ -275,6 +275,10 @@ class LivePanel:
         if live is None or self.isBehind:
             return
         live.refresh()
+        if live.showsVolume and live.volumeNode.GetID() != self._shownID:
+            # What follows what is on display, such as the outlines of bone, does so now
+            self._shownID = live.volumeNode.GetID()
+            self._refresh()
         statistics = live.statistics
         failed, fit = statistics.phase == "failed", live.agreement
         scouting = live.session.grid is None or statistics.phase == "scouting"

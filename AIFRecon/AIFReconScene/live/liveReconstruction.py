@@ -164,6 +164,11 @@ class LiveReconstruction:
         if self._frame.isUnderWay:
             self._attempt(self._showFrame)
 
+    @property
+    def showsVolume(self) -> bool:
+        """Whether the growing volume is in all views that it is to be in."""
+        return self.volumeNode is not None and self._views.shows(self.volumeNode)
+
     def refresh(self) -> None:
         """Show the volume or the frame, in turns where both are ready; `displayProblem` says what failed.
 
@@ -174,7 +179,7 @@ class LiveReconstruction:
             self._attempt(self.guidance.follow)
         if self._frame.isUnderWay:
             return
-        if self.volumeNode is not None and not self._views.shows(self.volumeNode):
+        if self.volumeNode is not None and not self.showsVolume:
             self._attempt(self._views.showVolume, self.volumeNode)
             return
         result = None if self._volumeWasLast else self._snapshots.take()
