@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -224,13 +225,15 @@ def test_16_bit_images_cut_to_8_bit_are_a_warning(tmp_path, results, capsys):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes close differently there")
-def test_a_reader_that_goes_away_is_no_error(patient):
+@pytest.mark.parametrize("unbuffered", ["", "1"], ids=["at the end", "in the middle"])
+def test_a_reader_that_goes_away_is_no_error(patient, unbuffered):
     done = subprocess.run(
-        f'"{sys.executable}" -m AIFReconLib info "{patient.sweep}" | true; exit "${{PIPESTATUS[0]}}"',
+        f'"{sys.executable}" -m AIFReconLib info "{patient.sweep}" --config "{patient.config}" | true; exit "${{PIPESTATUS[0]}}"',
         shell=True,
         executable="/bin/bash",
         capture_output=True,
         text=True,
         check=False,
+        env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
     )
     assert (done.returncode, done.stderr) == (0, "")
