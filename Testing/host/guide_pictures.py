@@ -43,13 +43,19 @@ def registration(module, folder: Path) -> None:
         if matrix is not None:
             transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(matrix))
         module.press(button)
-        top, end = _top(module, ui.registrationSignalLabel) - 8, _top(module, ui.coverageSignalLabel) - 8
-        section = _panel(module).copy(0, top, PANEL_WIDTH, end - top)
+        section = _section(module, ui.registrationSignalLabel, ui.coverageSignalLabel)
         rows.append([section, module.slice_view("Yellow", SIZE, field_of_view=110.0), _echoes_in_3d(module)])
     view_frames.write_png(view_frames.tiled(rows, background=_background(module)), folder / "step-registration.png")
     module.widget._registration.forget()
     transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(true))
     ui.registrationMoreButton.checked = False
+
+
+def _section(module, first, beyond):
+    """The panel from one widget to before another; their places are known once it has its size."""
+    panel = _panel(module)
+    top, end = _top(module, first) - 8, _top(module, beyond) - 8
+    return panel.copy(0, top, PANEL_WIDTH, end - top)
 
 
 def _echoes_in_3d(module):
@@ -92,8 +98,7 @@ def guidance(module, folder: Path) -> None:
         center = np.add(np.reshape(bounds, (3, 2)).mean(axis=1), (0.0, -25.0, 0.0))
         view.look(center, np.add(center, (-130.0, -300.0, 110.0)), (0.0, 0.0, 1.0), 430.0)
         shown = view_frames.framed(view.image(), "1   Bone met by the sweep, and the next move", node.GetLayoutColor())
-    top, end = _top(module, ui.coverageSignalLabel) - 8, _top(module, ui.settingsCollapsibleButton) - 8
-    section = _panel(module).copy(0, top, PANEL_WIDTH, end - top)
+    section = _section(module, ui.coverageSignalLabel, ui.picturePlace)
     picture = view_frames.tiled([[section, shown]], background=_background(module))
     view_frames.write_png(picture, folder / "step-guidance.png")
     ui.guidanceCheckBox.click()
