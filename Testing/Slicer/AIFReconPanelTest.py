@@ -271,18 +271,19 @@ class AIFReconPanelTest(unittest.TestCase):
     def test_what_a_thread_of_the_library_notes_reaches_the_application_s_log_on_the_main_thread(self):
         seen = self.logged()
         self.noteFromAThread("noted")
-        self.assertEqual(seen, [])
+        self.assertNotIn("noted", dict(seen))
         end = time.monotonic() + 10.0
-        while not seen and time.monotonic() < end:
+        while "noted" not in dict(seen) and time.monotonic() < end:
             slicer.app.processEvents()
             time.sleep(0.01)
-        self.assertEqual(seen, [("noted", True)])
+        # What runs before this one may still be noted
+        self.assertEqual([each for each in seen if each[0] == "noted"], [("noted", True)])
 
     def test_what_the_panel_s_own_thread_notes_is_logged_at_once_and_in_order(self):
         seen = self.logged()
         self.noteFromAThread("first")
         logging.getLogger("AIFReconLib.io").error("second")
-        self.assertEqual([text for text, _onMainThread in seen], ["first", "second"])
+        self.assertEqual([text for text, _onMainThread in seen if text in ("first", "second")], ["first", "second"])
 
     def test_nothing_that_was_noted_is_lost_when_the_panel_is_reloaded_and_nothing_is_logged_twice(self):
         seen = self.logged()
