@@ -12,8 +12,6 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import tinyScene
 
-from AIFReconLib import ClipRectangle, ImageRegion, ReconstructionSettings, reconstruct
-
 
 class AIFReconAdvancedTest(unittest.TestCase):
     """The panel beside the library's own call."""
@@ -47,6 +45,8 @@ class AIFReconAdvancedTest(unittest.TestCase):
 
     def expected(self, settings: dict, **options) -> np.ndarray:
         """The voxels of the library's own call."""
+        from AIFReconLib import ReconstructionSettings, reconstruct
+
         return reconstruct(tinyScene.makeSequence(), ReconstructionSettings(spacing=1.0, **settings), **options).intensity.array
 
     def assertRefused(self, *words):
@@ -90,13 +90,15 @@ class AIFReconAdvancedTest(unittest.TestCase):
     def test_only_the_clip_rectangle_enters(self):
         for widget, value in (("Column", 20.0), ("Row", 10.0), ("Width", 25.0), ("Height", 40.0)):
             getattr(self.ui, f"clip{widget}SpinBox").value = value
+        from AIFReconLib import ClipRectangle, ImageRegion
+
         region = ImageRegion(ClipRectangle((20.0, 10.0), (25.0, 40.0)))
         np.testing.assert_array_equal(self.applied(), self.expected({}, region=region))
 
     def test_only_the_fan_enters(self):
         from AIFReconScene.inputs.parameters import ProbeShape
 
-        from AIFReconLib import Fan, ProbeGeometry
+        from AIFReconLib import Fan, ImageRegion, ProbeGeometry
 
         self.parameters.probe, self.parameters.apexColumn, self.parameters.apexRow = ProbeShape.SECTOR, 32.0, -20.0
         self.ui.fanLastRadiusSpinBox.value = 70.0

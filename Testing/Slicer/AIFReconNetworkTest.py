@@ -14,8 +14,6 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import tinyScene
 from AIFReconLiveTest import waitFor
 
-from AIFReconLib import ReconstructionSettings, reconstruct
-
 
 class AIFReconNetworkTest(unittest.TestCase):
     """The tiny sweep, and a network that knows where its echoes are."""
@@ -65,6 +63,8 @@ class AIFReconNetworkTest(unittest.TestCase):
 
     def expected(self, estimatorOf):
         """The voxels of the library's own call."""
+        # Here and not above: another test may have reloaded the library since
+        from AIFReconLib import ReconstructionSettings, reconstruct
         from AIFReconLib.bone.estimators import bone_from_frames
 
         sweep = tinyScene.makeSequence()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib.util
 import os
 import subprocess
@@ -68,6 +69,14 @@ def run(*arguments: str) -> subprocess.CompletedProcess:
 def test_the_self_tests_pass(file):
     done = run("Testing/host/run_self_tests.py", "-k", f"{file}.")
     assert done.returncode == 0, (done.stdout + done.stderr)[-6000:]
+
+
+@pytest.mark.parametrize("path", sorted((REPOSITORY / "Testing" / "Slicer").glob("*.py")), ids=lambda path: path.stem)
+def test_the_library_is_imported_when_a_self_test_runs_and_not_before(path):
+    """In Slicer all run in one go, and some reload the module: what was imported before is then of another library."""
+    imported = [node for node in ast.parse(path.read_text("utf-8")).body if isinstance(node, (ast.Import, ast.ImportFrom))]
+    names = [alias.name for node in imported for alias in node.names] + [getattr(node, "module", None) or "" for node in imported]
+    assert [name for name in names if name.startswith(("AIFReconLib", "AIFReconScene", "AIFReconGui"))] == []
 
 
 def test_nothing_heavy_is_imported_when_the_panel_is_opened():
