@@ -12,7 +12,7 @@ from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform, write_transform
 from ..io.volume.files import check_volume_path, read_labels, write_volume
-from ..io.volume.surfaces import check_surface_path, is_surface_path, write_labels_surface
+from ..io.volume.surfaces import check_labels_surface_path, is_surface_path, write_labels_surface
 from ..progress import part
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> None:
         if path:
             check_writable(path)
     for path in arguments.labels_output:
-        (check_surface_path if is_surface_path(path) else check_volume_path)(path)
+        (check_labels_surface_path if is_surface_path(path) else check_volume_path)(path)
     if arguments.preview:
         from ..evaluation.figures import require_matplotlib
 

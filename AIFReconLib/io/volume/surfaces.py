@@ -1,9 +1,10 @@
-"""Surfaces written as VTK's XML files (.vtp), which Slicer loads as models; writing them needs no VTK."""
+"""Surfaces written as VTK's XML files (.vtp), which Slicer loads as models; writing them needs no VTK, making those of labels does."""
 
 from __future__ import annotations
 
 import base64
 import struct
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +44,19 @@ def check_surface_path(path: str | Path) -> None:
     if not is_surface_path(path):
         raise OutputError("Cannot write {path}: the suffix of a surface must be {suffix}. Choose another name.", path=path, suffix=SUFFIX)
     check_writable(path)
+
+
+def check_labels_surface_path(path: str | Path) -> None:
+    """Return if the closed surface of labels can be written to `path`; to be asked before a long computation.
+
+    Raises
+    ------
+    OutputError
+        As of `check_surface_path`, and when VTK is not installed.
+    """
+    check_surface_path(path)
+    if find_spec("vtkmodules") is None:
+        raise OutputError("Cannot write {path}: the surface of labels needs VTK. Install it with: pip install vtk", path=path)
 
 
 def write_surface(path: str | Path, points: ArrayLike, triangles: ArrayLike = (), **point_data: ArrayLike) -> None:
@@ -104,11 +118,17 @@ def write_labels_surface(labels: Volume, path: str | Path) -> None:
     path : str or Path
         Ends in .vtp.
 
+    Raises
+    ------
+    OutputError
+        As of `check_labels_surface_path`; nothing is left then.
+
     Notes
     -----
     Surfaces of neighbors meet without a gap (VTK's surface nets: Frisken SF (2022), SurfaceNets for multi-label segmentations with
     preservation of sharp boundaries, Journal of Computer Graphics Techniques 11(1)) and are smoothed by at most half a voxel.
     """
+    check_labels_surface_path(path)
     points, triangles, label = _surface_nets(labels)
     write_surface(path, points, triangles, label=label)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -36,7 +37,8 @@ def done(patient, tmp_path_factory):
     rough = random_rigid(8.0, 6.0, np.random.default_rng(0), about=patient.center_ras) @ read_transform(patient.ct_to_reference)
     write_transform(rough, folder / "rough.tfm")
     options = ("--bone-transform", folder / "rough.tfm", "--report", folder / "report.json", *("--labels-output", folder / "placed.nrrd"))
-    options = (*options, "--labels-output", folder / "placed.vtp")
+    if find_spec("vtkmodules"):
+        options = (*options, "--labels-output", folder / "placed.vtp")
     assert command(patient, folder / "found.tfm", *options) == 0
     return folder
 
@@ -72,6 +74,13 @@ def test_placed_labels_lie_where_the_transform_puts_them(patient, done):
     expected = labels.placed_by(read_transform(done / "found.tfm"))
     np.testing.assert_allclose(placed.ijk_to_reference, expected.ijk_to_reference, atol=1e-4)
     np.testing.assert_array_equal(placed.array, labels.array)
+
+
+def test_a_surface_without_vtk_is_refused_before_any_work(patient, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("AIFReconLib.io.volume.surfaces.find_spec", lambda name: None)
+    assert command(patient, tmp_path / "found.tfm", "--labels-output", tmp_path / "placed.vtp") == 2
+    assert capsys.readouterr().err.endswith("placed.vtp: the surface of labels needs VTK. Install it with: pip install vtk\n")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_surface_lies_around_the_placed_labels(done):

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 pytest.importorskip("vtkmodules", reason="VTK is not installed")
-from vtkmodules.util.numpy_support import vtk_to_numpy  # noqa: E402
-from vtkmodules.vtkFiltersCore import vtkFeatureEdges, vtkMassProperties  # noqa: E402
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader  # noqa: E402
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkFiltersCore import vtkFeatureEdges, vtkMassProperties
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-from AIFReconLib.errors import OutputError  # noqa: E402
-from AIFReconLib.geometry.volume import Volume  # noqa: E402
-from AIFReconLib.io.volume.surfaces import write_labels_surface, write_surface  # noqa: E402
+from AIFReconLib.errors import OutputError
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.volume.surfaces import write_labels_surface, write_surface
 
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 CENTER = np.array([12.0, -30.0, 55.0])
