@@ -3,10 +3,11 @@
     Slicer --no-splash --additional-module-paths AIFRecon --python-script Testing/Slicer/walkInSlicer.py FOLDER
 
 The steps are those of docs/slicer.md: sample data, a reconstruction, the comparison, boxes, saving and loading, bone from echoes and from
-a network, a real recording, live scans of it. What cannot be done here is said and left out: without the Python package onnxruntime
-(Slicer's console: slicer.util.pip_install("onnxruntime")) a network in a file, without real recordings theirs. Into FOLDER go a picture of
-the window after each step and `walk.json`: the longest stall of each step in ms, what was left out, and what the application's log says
-that it should not. The exit status is 0 when every step succeeded, no stall was over the limits and the log holds no traceback.
+a network, a real recording, live scans of it, the lights in all colors. What cannot be done here is said and left out: without the Python
+package onnxruntime (Slicer's console: slicer.util.pip_install("onnxruntime")) a network in a file, without real recordings theirs. Into
+FOLDER go a picture of the window after each step and `walk.json`: the longest stall of each step in ms, what was left out, and what the
+application's log says that it should not. The exit status is 0 when every step succeeded, no stall was over the limits and the log holds
+no traceback.
 
     ... walkInSlicer.py FOLDER --only recording,live
     ... walkInSlicer.py FOLDER --only liveGuidance
@@ -34,6 +35,7 @@ sys.path.insert(0, str(HERE))
 
 import realData  # noqa: E402 - the folder must be known first
 from walkBone import echoes, network, recordedNetwork  # noqa: E402
+from walkLights import lights  # noqa: E402
 from walkLive import live, liveGuidance, liveNetwork  # noqa: E402
 
 WINDOW = (1400, 900)
@@ -267,7 +269,7 @@ def recording(walk: Walk) -> None:
 
 STEPS = (
     *(sampleData, apply, compare, single, register, guidance, box, saveAndLoad),
-    *(echoes, network, recordedNetwork, recording, live, liveNetwork, liveGuidance),
+    *(echoes, network, recordedNetwork, recording, live, liveNetwork, liveGuidance, lights),
 )
 
 
