@@ -14,6 +14,9 @@ PROGRESS_AT = 0.45
 SIZE = (400, 300)
 """Of a view in a picture of four, pixels."""
 
+BESIDE = (340, 300)
+"""Of one of two views beside the panel."""
+
 
 def empty(module, folder: Path) -> None:
     """step-1-empty.png: the panel in an empty scene, with the reason why nothing can be reconstructed."""
@@ -44,7 +47,7 @@ def registration(module, folder: Path) -> None:
             transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(matrix))
         module.press(button)
         section = _section(module, ui.registrationSignalLabel, ui.coverageSignalLabel)
-        rows.append([section, module.slice_view("Yellow", SIZE, field_of_view=110.0), _echoes_in_3d(module)])
+        rows.append([section, module.slice_view("Yellow", BESIDE, field_of_view=100.0), _echoes_in_3d(module)])
     view_frames.write_png(view_frames.tiled(rows, background=_background(module)), folder / "step-registration.png")
     module.widget._registration.forget()
     transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(true))
@@ -72,7 +75,7 @@ def _echoes_in_3d(module):
     bounds = [0.0] * 6
     module.widget._registration._echoes.node.GetRASBounds(bounds)
     center = np.reshape(bounds, (3, 2)).mean(axis=1)
-    with view_render.OffscreenThreeDView(node, module.application, SIZE) as view:
+    with view_render.OffscreenThreeDView(node, module.application, BESIDE) as view:
         view.look(center, np.add(center, (-120.0, -300.0, 120.0)), (0.0, 0.0, 1.0), 300.0)
         return view_frames.framed(view.image(), "1   Bone of the CT, echoes of the sweep", node.GetLayoutColor())
 
