@@ -100,7 +100,7 @@ def guidance(module, folder: Path) -> None:
         module.widget._guidance._colors.node.GetRASBounds(bounds)
         center = np.add(np.reshape(bounds, (3, 2)).mean(axis=1), (0.0, -25.0, 0.0))
         view.look(center, np.add(center, (-130.0, -300.0, 110.0)), (0.0, 0.0, 1.0), 430.0)
-        shown = view_frames.framed(view.image(), "1   Bone met by the sweep, and the next move", node.GetLayoutColor())
+        shown = view_frames.framed(view.image(), "1   Bone hit by the sweep, and the next move", node.GetLayoutColor())
     section = _section(module, ui.coverageSignalLabel, ui.picturePlace)
     picture = view_frames.tiled([[section, shown]], background=_background(module))
     view_frames.write_png(picture, folder / "step-guidance.png")

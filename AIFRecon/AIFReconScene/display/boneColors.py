@@ -95,12 +95,15 @@ def _hideSegments(bone) -> None:
     display = bone.GetDisplayNode() if bone is not None and bone.IsA("vtkMRMLSegmentationNode") else None
     for other in nodesOfClass("vtkMRMLSegmentationDisplayNode", slicer.mrmlScene):
         if other is not display and other.GetAttribute(HIDDEN):
-            other.SetVisibility3D(True)
-            other.RemoveAttribute(HIDDEN)
+            # All views draw segments anew with every change of their display
+            with slicer.util.NodeModify(other):
+                other.SetVisibility3D(True)
+                other.RemoveAttribute(HIDDEN)
     # Once: what the user shows again stays
     if display is not None and display.GetVisibility3D() and not display.GetAttribute(HIDDEN):
-        display.SetVisibility3D(False)
-        display.SetAttribute(HIDDEN, "1")
+        with slicer.util.NodeModify(display):
+            display.SetVisibility3D(False)
+            display.SetAttribute(HIDDEN, "1")
 
 
 def _colors():
