@@ -127,8 +127,8 @@ class ScanLines:
         How many of these share a number of the CT's probability.
     expected_of_line : (lines,) int64 array
         Column of `expected` that each line reads.
-    expected_shape, has_pixel, expected_at : shape of `expected`, (m,) int64 array, (2, m) float64 array
-        Which of its numbers are read, and the columns and rows where.
+    expected_at : (2, n, m) float32 array
+        The columns and rows at which `expected` is read; not a number where there is no pixel.
     places : (2, n) float64 array
         Columns and rows of the layout's pixels.
 
@@ -171,10 +171,8 @@ class ScanLines:
         self._number_of_sample = number[sampled].reshape(-1)
         inside = number[sampled] < layout.inside.size
         asked = number[sampled][:: self.pace * self.paces, ::every]
-        self.expected_shape, self.has_pixel = asked.shape, np.flatnonzero(asked.reshape(-1) < layout.inside.size)
-        pixels = asked.reshape(-1)[self.has_pixel]
         self.places = layout.coordinates if layout.moved is None else layout.moved
-        self.expected_at = self.places[:, pixels]
+        self.expected_at = np.pad(self.places, ((0, 0), (0, 1)), constant_values=np.nan).astype(np.float32)[:, asked]
         # Stored as it will be read, line after line; the places above come the other way round
         self.pixel_of_sample = np.where(inside, (row + top) * layout.size[0] + (column + left), 0).astype(np.int32, order="C")
         edges = np.diff(np.pad(inside, ((0, 0), (1, 1))).astype(np.int8), axis=1)
@@ -240,18 +238,15 @@ class ScanLines:
         image_to_map : (4, 4) float64 array
             To these voxels.
         """
-        column, row = self.expected_at
-        flat, outside = np.zeros(column.size), np.zeros(column.size, dtype=bool)
+        column, row = self.expected_at.astype(np.float64)
+        flat, inside = np.zeros(column.shape), np.ones(column.shape, dtype=bool)
         for along, size in zip(image_to_map[2::-1], probability.shape, strict=True):
             place = np.floor((along[1] * row + (along[3] + 0.5)) + along[0] * column)
-            outside |= (place < 0.0) | (place >= size)
+            inside &= (place >= 0.0) & (place < size)
             flat = flat * size + place
-        flat[outside] = 0.0
-        read = probability.reshape(-1)[flat.astype(np.int64)]
-        read[outside] = 0.0
-        expected = np.zeros(self.expected_shape, np.float32)
-        expected.reshape(-1)[self.has_pixel] = read
-        return expected
+        read: Singles = probability.reshape(-1)[np.where(inside, flat, 0.0).astype(np.int64)]
+        read[~inside] = 0.0
+        return read
 
     def evidence(self, values: Singles, full_scale: float, expected: Singles | None = None) -> FrameEvidence:
         """Judge one frame.

@@ -63,8 +63,8 @@ Places = tuple[Integers, Integers, Integers, Integers, Integers, Integers]
 Lengths = tuple[int, int, int, int, int]
 """taps, depth, crest, pace, paces : of `ScanLines`."""
 
-Expected = tuple[Singles, Integers]
-"""expected, expected_of_line : of `ScanLines`."""
+Expected = tuple[Singles, Corner, Singles, Integers]
+"""The CT's word. probability : (voxels,) float32, of a map of size (i, j, k); expected_at, expected_of_line : of `ScanLines`."""
 
 Room = tuple[Numbers, Numbers, Singles, Singles]
 """To work in.

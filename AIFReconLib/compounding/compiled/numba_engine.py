@@ -137,7 +137,7 @@ class NumbaEngine:
 
         def judge_frame(frame: int) -> None:
             matrix = matrices[frame]
-            begins = judge.judge(images[frame], frame, judge.expected(bone.map_probability, bone.ijk_to_map @ matrix))
+            begins = judge.judge(images[frame], frame, bone.map_probability, bone.ijk_to_map @ matrix)
             if not begins.size:
                 return
             entered, voxels = judge.voxels_of(begins, matrix, *self._ends)

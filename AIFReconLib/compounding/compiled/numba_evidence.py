@@ -45,15 +45,6 @@ def number_voxels_at(places: Floats, pixels: Integers, matrix: Matrix, lows: Cor
         voxels[n] = voxel_at(places[0, pixels[n]], places[1, pixels[n]], matrix, lows, highs)
 
 
-@compiled
-def read_expected(probability: Singles, size: Corner, places: Floats, matrix: Matrix, numbers: Integers, expected: Singles) -> None:
-    """What a map of `size` (i, j, k), flat, says at `places` (2, n) float64, into those `numbers` (n,) of `expected`, flat."""
-    for n in range(numbers.size):
-        voxel = voxel_at(places[0, n], places[1, n], matrix, (0, 0, 0), size)
-        if voxel >= 0:
-            expected[numbers[n]] = probability[np.uint64(voxel)]
-
-
 @inlined
 def read_lines(pixels: Numbers, places: Integers, lit: Integers, first_lit: Integers, read: Numbers) -> None:
     """Read the pixels at flat `places` (samples, lines) within the runs `lit`; the rest of `read` stays dark."""
@@ -114,10 +105,38 @@ def hand_on_level(bright: Singles, kept: np.float32, new: np.float32, level: Sin
 
 
 @inlined
-def believe(expected: Singles, of_line: Integers, believed: Singles) -> None:
-    """What the CT says at one sample of each line."""
+def any_may_win(sample: np.float32, judged: Singles, bright: Singles, later: Singles, best: Singles, scales: Scales) -> bool:
+    """Whether one sample of any line may be its onset, if the CT expects bone there; `best` is the largest merit of each line so far.
+
+    Rounding keeps order, so that this is never less than what `compare` finds.
+    """
+    per_span, dark, least, tissue, most_said = scales[6], scales[7], scales[8] - scales[10], scales[9], ONE + EXTRA
+    preference, rival = scales[12], scales[13]
+    found = np.int32(0)
+    for line in range(best.size):
+        echo, level, before, end = bright[line], later[line], best[line], judged[line]
+        worth = (echo - preference * level) + rival
+        enough = (echo - level > least * ((echo + level) + dark)) & (level * per_span < tissue) & (sample < end)
+        found += np.int32(enough & (worth > ZERO) & (worth * most_said >= before))
+    return found > 0
+
+
+@inlined
+def ask(ct: Expected, matrix: Matrix, place: int, numbers: Floats, believed: Singles) -> None:
+    """What the CT says of each line (lines,) at one of the places along them where it is asked; `numbers` is room for that."""
+    probability, size, at, of_line = ct
+    asked = at.shape[2]
+    for n in range(asked):
+        column, row = np.float64(at[0, place, n]), np.float64(at[1, place, n])
+        i = np.floor((matrix[0, 1] * row + (matrix[0, 3] + 0.5)) + matrix[0, 0] * column)
+        j = np.floor((matrix[1, 1] * row + (matrix[1, 3] + 0.5)) + matrix[1, 0] * column)
+        k = np.floor((matrix[2, 1] * row + (matrix[2, 3] + 0.5)) + matrix[2, 0] * column)
+        inside = (i >= 0) & (i < size[0]) & (j >= 0) & (j < size[1]) & (k >= 0) & (k < size[2])
+        number = (k * size[1] + j) * size[0] + i
+        numbers[n] = number if inside else -1.0
     for line in range(believed.size):
-        believed[line] = expected[of_line[line]]
+        number = numbers[np.uint64(of_line[line])]
+        believed[line] = probability[np.uint64(number)] if number >= 0 else ZERO
 
 
 @inlined
@@ -128,12 +147,20 @@ def compare(
     per_span, dark, least, tissue, unsure = scales[6], scales[7], scales[8], scales[9], scales[10]
     preference, rival = scales[12], scales[13]
     for line in range(merit.size):
-        asked = least - unsure * believed[line]
-        enough = bright[line] - later[line] > asked * ((bright[line] + later[line]) + dark)
-        enough = enough & (later[line] * per_span < tissue) & (sample < judged[line])
-        worth = (bright[line] - preference * later[line]) + rival
-        worth = (worth if worth > ZERO else ZERO) * (believed[line] + EXTRA)
+        echo, level, said, end = bright[line], later[line], believed[line], judged[line]
+        asked = least - unsure * said
+        enough = (echo - level > asked * ((echo + level) + dark)) & (level * per_span < tissue) & (sample < end)
+        worth = (echo - preference * level) + rival
+        worth = (worth if worth > ZERO else ZERO) * (said + EXTRA)
         merit[line] = worth if enough else ZERO
+
+
+@inlined
+def take(better: Singles, least: Singles, new: Singles, old: Singles) -> None:
+    """`new` instead of `old` where `better` is at least `least`. All is read before it is asked: so compilers make vectors of it."""
+    for line in range(old.size):
+        one, other, now, before = better[line], least[line], new[line], old[line]
+        old[line] = now if one >= other else before
 
 
 @inlined
@@ -142,12 +169,11 @@ def keep_best(
 ) -> None:
     """The largest merit of each line so far, its sample, the level behind it and what the CT says; of equal ones the shallowest."""
     for line in range(merit.size):
-        better = merit[line] >= best[line]
-        place[line] = sample if better else place[line]
-        shadow[line] = later[line] if better else shadow[line]
-        trust[line] = believed[line] if better else trust[line]
-    for line in range(merit.size):
-        best[line] = merit[line] if merit[line] > best[line] else best[line]
+        worth, most, before = merit[line], best[line], place[line]
+        place[line] = sample if worth >= most else before
+    take(merit, best, later, shadow)
+    take(merit, best, believed, trust)
+    take(merit, best, merit, best)
 
 
 @inlined
@@ -180,7 +206,15 @@ def hand_out(
 
 @compiled
 def judge(
-    image: Numbers, places: Places, expected: Expected, lengths: Lengths, scales: Scales, whole: bool, room: Room, results: Results
+    image: Numbers,
+    places: Places,
+    ct: Expected,
+    matrix: Matrix,
+    lengths: Lengths,
+    scales: Scales,
+    whole: bool,
+    room: Room,
+    results: Results,
 ) -> int:
     """Reach and onset of one frame.
 
@@ -188,7 +222,9 @@ def judge(
     ----------
     image : (rows, columns) uint8 or float32 array, finite
     places : Places
-    expected : Expected
+    ct : Expected
+    matrix : (4, 4) float64 array
+        From the image to the CT's voxels.
     lengths : Lengths
     scales : Scales
     whole : bool
@@ -204,10 +240,10 @@ def judge(
 
     Notes
     -----
-    One pass up the samples, in rows that lie side by side in memory: an onset is known once a line has been seen whole.
+    One pass up the samples, in rows that lie side by side in memory: an onset is known once a line has been seen whole. The CT is asked
+    only where an echo would be the best of its line so far if bone were expected there.
     """
     pixel_of_sample, sample_of_pixel, lit, first_lit, active, judged = places
-    by_ct, expected_of_line = expected
     taps, depth, crest, pace, paces = lengths
     per_tap, per_line, per_reached, least, kept, new = scales[0], scales[1], scales[2], scales[3], scales[4], scales[5]
     reach, begins, onset = results
@@ -222,7 +258,7 @@ def judge(
     total = np.zeros(count + 2, np.float32)
     summed = False
     most, level, merit, best, place, shadow, trust, believed = np.zeros((8, count), np.float32)
-    read_by_ct = -1
+    numbers, asked_at = np.empty(ct[2].shape[2], np.float64), -1
     ring = depth // pace + 1
     largest = np.zeros((ring, count), np.float32)
     for sample in range(samples - 1, -1, -1):
@@ -253,22 +289,16 @@ def judge(
         deeper = largest[(turn + 1) % ring, start:stop]
         hand_on_level(here, kept, new, level[start:stop], deeper, largest[turn % ring, start:stop])
         if sample + depth < samples:
-            if turn // paces != read_by_ct:
-                read_by_ct = turn // paces
-                believe(by_ct[read_by_ct], expected_of_line, believed)
             later = largest[(turn + depth // pace) % ring, start:stop]
-            compare(np.float32(sample), judged_before[start:stop], here, later, believed[start:stop], scales, merit[start:stop])
-            said = believed[start:stop]
-            keep_best(
-                np.float32(sample),
-                merit[start:stop],
-                later,
-                said,
-                best[start:stop],
-                place[start:stop],
-                shadow[start:stop],
-                trust[start:stop],
-            )
+            if any_may_win(np.float32(sample), judged_before[start:stop], here, later, best[start:stop], scales):
+                if turn // paces != asked_at:
+                    asked_at = turn // paces
+                    ask(ct, matrix, asked_at, numbers, believed)
+                said, worth = believed[start:stop], merit[start:stop]
+                compare(np.float32(sample), judged_before[start:stop], here, later, said, scales, worth)
+                keep_best(
+                    np.float32(sample), worth, later, said, best[start:stop], place[start:stop], shadow[start:stop], trust[start:stop]
+                )
     for line in range(count):
         if best[line] > ZERO:
             middle = int(place[line])
@@ -301,10 +331,11 @@ class FrameJudge:
         self._begins, self._onsets = np.empty(self._reach.shape, np.uint32), np.zeros(places, np.int64)
         self._rooms: list[Room] = []
 
-    def judge(self, image: Numbers, frame: int, expected: Singles) -> NDArray[np.uint32]:
-        """Judge the image that comes as number `frame` of those that are kept; `expected` is what `ScanLines` returns by that name.
+    def judge(self, image: Numbers, frame: int, probability: Singles, image_to_map: Matrix) -> NDArray[np.uint32]:
+        """Judge the image that comes as number `frame` of those that are kept.
 
-        Threads may do so at the same time. Returns the numbers of the pixels that have an onset, (onsets,).
+        Threads may do so at the same time. `probability` and `image_to_map` are those of `ScanLines.expected`. Returns the numbers of the
+        pixels that have an onset, (onsets,).
         """
         lines = self.scan_lines
         try:
@@ -316,19 +347,12 @@ class FrameJudge:
         places = lines.pixel_of_sample, lines.padded_sample_of_pixel, lines.lit, lines.first_lit, lines.active, lines.judged
         lengths = lines.taps, lines.depth, lines.crest, lines.pace, lines.paces
         results = self._reach[frame], self._begins[frame], self._onset[frame]
-        by_ct = expected, lines.expected_of_line
-        onsets = judge(image, places, by_ct, lengths, self._scales, self._dtype == np.uint8, room, results)
+        k, j, i = probability.shape
+        ct = probability.reshape(-1), (i, j, k), lines.expected_at, lines.expected_of_line
+        onsets = judge(image, places, ct, image_to_map, lengths, self._scales, self._dtype == np.uint8, room, results)
         self._rooms.append(room)
         self._onsets[frame] = onsets
         return self._begins[frame, :onsets]
-
-    def expected(self, probability: Singles, image_to_map: Matrix) -> Singles:
-        """What `ScanLines.expected` returns."""
-        lines = self.scan_lines
-        k, j, i = probability.shape
-        expected = np.zeros(lines.expected_shape, np.float32)
-        read_expected(probability.reshape(-1), (i, j, k), lines.expected_at, image_to_map, lines.has_pixel, expected.reshape(-1))
-        return expected
 
     def voxels_of(self, pixels: NDArray[np.uint32], image_to_ijk: Matrix, lows: Corner, highs: Corner) -> tuple[Integers, Integers]:
         """The voxels of some of the layout's pixels in a part of the grid: positions among the pixels, and flat numbers."""
