@@ -118,7 +118,7 @@ def any_may_win(sample: np.float32, judged: Singles, bright: Singles, later: Sin
         worth = (echo - preference * level) + rival
         enough = (echo - level > least * ((echo + level) + dark)) & (level * per_span < tissue) & (sample < end)
         found += np.int32(enough & (worth > ZERO) & (worth * most_said >= before))
-    return found > 0
+    return bool(found > 0)
 
 
 @inlined
