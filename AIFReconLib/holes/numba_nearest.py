@@ -51,14 +51,16 @@ def fill_slab(
     """
     planes, rows, columns = mask.shape
     count, reach = offsets.shape[0], lengths.shape[1] - 2
-    reach_k, reach_j = int(rows_kj[:, 0].max()), int(rows_kj[:, 1].max())
+    reach_k, reach_j = 0, 0
+    for n in range(len(rows_kj)):
+        reach_k, reach_j = max(reach_k, rows_kj[n, 0]), max(reach_j, rows_kj[n, 1])
     low, high = max(first - reach_k, 0), min(stop + reach_k, planes)
     flat_steps = np.empty(count, np.int64)
     for n in range(count):
         flat_steps[n] = (offsets[n, 0] * rows + offsets[n, 1]) * columns + offsets[n, 2]
     flat_values, flat_mask = values.ravel(), mask.ravel()
     steps, near = np.empty((0, 0, 0), np.uint8), np.empty((0, 0, 0), np.bool_)
-    asked = np.ones(columns, np.bool_)
+    asked = np.empty(columns, np.bool_)
     noted, tried, vain, filled = False, count, 0, 0
     for k in range(first, stop):
         for j in range(box[0], box[1]):
@@ -122,9 +124,11 @@ def _steps_along_rows(mask: Bytes, reach: int) -> Bytes:
 def _near_rows(steps: Bytes, reach: int, reach_j: int) -> Mask:
     """Whether something within reach was measured in the rows of the same plane around every voxel [k, j, i]."""
     planes, rows, columns = steps.shape
-    near = np.zeros(steps.shape, np.bool_)
+    near = np.empty(steps.shape, np.bool_)
     for k in range(planes):
         for j in range(rows):
+            for i in range(columns):
+                near[k, j, i] = False
             for there in range(max(j - reach_j, 0), min(j + reach_j + 1, rows)):
                 for i in range(columns):
                     near[k, j, i] |= steps[k, there, i] <= reach
@@ -134,7 +138,8 @@ def _near_rows(steps: Bytes, reach: int, reach_j: int) -> Mask:
 @compiled
 def _look_around(asked: Mask, near: Mask, j: int, first: int, stop: int) -> None:
     """Note in `asked` (i,) which voxels of row j have something near in the planes [first, stop)."""
-    asked[:] = False
+    for i in range(len(asked)):
+        asked[i] = False
     for there in range(first, stop):
         for i in range(len(asked)):
             asked[i] |= near[there, j, i]

@@ -159,7 +159,11 @@ def number_voxels(matrix: Matrix, row: int, columns: Floats, bounds: Floats, vox
 @inlined
 def columns_of(images: Numbers) -> Floats:
     """The columns of an image as float64: reading them is faster than to convert counters, which some processors do one by one."""
-    return np.arange(images.shape[2]).astype(np.float64)
+    # A loop compiles in a third of the time of `arange`
+    columns = np.empty(images.shape[2], np.float64)
+    for column in range(columns.size):
+        columns[column] = column
+    return columns
 
 
 @inlined
