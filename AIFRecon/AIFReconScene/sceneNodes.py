@@ -28,7 +28,10 @@ def freeName(name: str, scene) -> str:
 
 def removeNodes(nodes, scene) -> None:
     """Take nodes out of a scene, the last first, with the display and storage nodes that were made for them."""
-    for node in reversed([node for node in nodes if node is not None and node.GetScene() is scene]):
+    for node in reversed(list(nodes)):
+        if node is None or node.GetScene() is not scene:
+            # What went with another of them; Slicer logs an error for each that is taken out twice
+            continue
         own = []
         if node.IsA("vtkMRMLDisplayableNode"):
             own += [node.GetNthDisplayNode(index) for index in range(node.GetNumberOfDisplayNodes())]

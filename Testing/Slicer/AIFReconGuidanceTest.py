@@ -234,6 +234,16 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertEqual(self.live._advised, "")
         self.assertFalse(slicer.app.layoutManager().threeDWidget(0).threeDView().cornerAnnotation().GetText(2))
 
+    def test_every_node_that_it_made_is_taken_out_once(self):
+        self.setToldBox()
+        scene, taken = slicer.mrmlScene, []
+        before = scene.GetNumberOfNodes()
+        tag = scene.AddObserver(slicer.vtkMRMLScene.NodeAboutToBeRemovedEvent, lambda *_about: taken.append("node"))
+        self.addCleanup(scene.RemoveObserver, tag)
+        self.setBox(False)
+        self.assertEqual(self.own(), [])
+        self.assertEqual(len(taken), before - scene.GetNumberOfNodes())
+
     def test_another_sweep_or_bone_takes_the_colors_away(self):
         self.setToldBox()
         self.parameters.boneSegments = [self.nodes.segmentation.GetSegmentation().GetNthSegmentID(0)]

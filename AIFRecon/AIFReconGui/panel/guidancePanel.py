@@ -3,6 +3,7 @@
 from html import escape
 
 import qt
+from AIFReconScene.background import letWindowsLive
 from AIFReconScene.display import threeDViews
 from AIFReconScene.display.boneColors import BoneColors
 from AIFReconScene.display.ghostProbe import GhostProbe
@@ -145,6 +146,7 @@ class GuidancePanel:
             self._colors.clear()
         else:
             self._colors.show(bone, guidance.colored, guidance.levels)
+            letWindowsLive()
         names = {} if bone is None or bone.GetScene() is None else boneNames(bone, self._segments())
         if guidance.problem is not None or guidance.coverage is None:
             self._clearMove()
