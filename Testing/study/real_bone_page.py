@@ -47,7 +47,7 @@ def real_bone_page(rows: list[Row], angles: str = "") -> str:
         "Width of the bone map": _table(
             COLUMNS,
             [
-                (f"{row.sigma:g} mm, {row.method}", row)
+                (f"{_width(row)}, {row.method}", row)
                 for sigma in sorted({*WIDTHS, SIGMA})
                 for row in rows
                 if row.condition == IN_PLACE and row.frames == ALL and row.sigma == sigma
@@ -67,6 +67,11 @@ def real_bone_page(rows: list[Row], angles: str = "") -> str:
 
 def _exact(row: Row) -> bool:
     return row.condition == IN_PLACE and row.frames == ALL and row.sigma in (0.0, SIGMA)
+
+
+def _width(row: Row) -> str:
+    """The width of a row's bone map; `RealBone` lets weighted choose it where nothing else is tried."""
+    return "chosen by itself" if row.method == "weighted" and row.sigma == SIGMA else f"{row.sigma:g} mm"
 
 
 def _table(columns: Iterable[tuple[str, str, str]], lines: Iterable[tuple[str, Row]]) -> str:
