@@ -105,35 +105,11 @@ def hand_on_level(bright: Singles, kept: np.float32, new: np.float32, level: Sin
 
 
 @inlined
-def any_may_win(sample: np.float32, judged: Singles, bright: Singles, later: Singles, best: Singles, scales: Scales) -> bool:
-    """Whether one sample of any line may be its onset, if the CT expects bone there; `best` is the largest merit of each line so far.
-
-    Rounding keeps order, so that this is never less than what `compare` finds.
-    """
-    per_span, dark, least, tissue, most_said = scales[6], scales[7], scales[8] - scales[10], scales[9], ONE + EXTRA
-    preference, rival = scales[12], scales[13]
-    found = np.int32(0)
-    for line in range(best.size):
-        echo, level, before, end = bright[line], later[line], best[line], judged[line]
-        worth = (echo - preference * level) + rival
-        enough = (echo - level > least * ((echo + level) + dark)) & (level * per_span < tissue) & (sample < end)
-        found += np.int32(enough & (worth > ZERO) & (worth * most_said >= before))
-    return bool(found > 0)
-
-
-@inlined
-def ask(ct: Expected, matrix: Matrix, place: int, numbers: Floats, believed: Singles) -> None:
+def ask(ct: Expected, matrix: Matrix, place: int, numbers: Integers, believed: Singles) -> None:
     """What the CT says of each line (lines,) at one of the places along them where it is asked; `numbers` is room for that."""
     probability, size, at, of_line = ct
-    asked = at.shape[2]
-    for n in range(asked):
-        column, row = np.float64(at[0, place, n]), np.float64(at[1, place, n])
-        i = np.floor((matrix[0, 1] * row + (matrix[0, 3] + 0.5)) + matrix[0, 0] * column)
-        j = np.floor((matrix[1, 1] * row + (matrix[1, 3] + 0.5)) + matrix[1, 0] * column)
-        k = np.floor((matrix[2, 1] * row + (matrix[2, 3] + 0.5)) + matrix[2, 0] * column)
-        inside = (i >= 0) & (i < size[0]) & (j >= 0) & (j < size[1]) & (k >= 0) & (k < size[2])
-        number = (k * size[1] + j) * size[0] + i
-        numbers[n] = number if inside else -1.0
+    for n in range(numbers.size):
+        numbers[n] = voxel_at(at[0, place, n], at[1, place, n], matrix, (0, 0, 0), size)
     for line in range(believed.size):
         number = numbers[np.uint64(of_line[line])]
         believed[line] = probability[np.uint64(number)] if number >= 0 else ZERO
@@ -153,6 +129,16 @@ def compare(
         worth = (echo - preference * level) + rival
         worth = (worth if worth > ZERO else ZERO) * (said + EXTRA)
         merit[line] = worth if enough else ZERO
+
+
+@inlined
+def any_wins(merit: Singles, best: Singles) -> bool:
+    """Whether any line has a merit that is as large as the largest so far."""
+    found = np.int32(0)
+    for line in range(best.size):
+        worth, most = merit[line], best[line]
+        found += np.int32((worth > ZERO) & (worth >= most))
+    return bool(found > 0)
 
 
 @inlined
@@ -258,7 +244,7 @@ def judge(
     total = np.zeros(count + 2, np.float32)
     summed = False
     most, level, merit, best, place, shadow, trust, believed = np.zeros((8, count), np.float32)
-    numbers, asked_at = np.empty(ct[2].shape[2], np.float64), -1
+    certain, numbers, asked_at = np.ones(count, np.float32), np.empty(ct[2].shape[2], np.int64), -1
     ring = depth // pace + 1
     largest = np.zeros((ring, count), np.float32)
     for sample in range(samples - 1, -1, -1):
@@ -290,15 +276,16 @@ def judge(
         hand_on_level(here, kept, new, level[start:stop], deeper, largest[turn % ring, start:stop])
         if sample + depth < samples:
             later = largest[(turn + depth // pace) % ring, start:stop]
-            if any_may_win(np.float32(sample), judged_before[start:stop], here, later, best[start:stop], scales):
+            worth, before = merit[start:stop], best[start:stop]
+            # With less of the CT's word nothing is worth more, to the last bit: rounding keeps order
+            compare(np.float32(sample), judged_before[start:stop], here, later, certain[start:stop], scales, worth)
+            if any_wins(worth, before):
                 if turn // paces != asked_at:
                     asked_at = turn // paces
                     ask(ct, matrix, asked_at, numbers, believed)
-                said, worth = believed[start:stop], merit[start:stop]
+                said = believed[start:stop]
                 compare(np.float32(sample), judged_before[start:stop], here, later, said, scales, worth)
-                keep_best(
-                    np.float32(sample), worth, later, said, best[start:stop], place[start:stop], shadow[start:stop], trust[start:stop]
-                )
+                keep_best(np.float32(sample), worth, later, said, before, place[start:stop], shadow[start:stop], trust[start:stop])
     for line in range(count):
         if best[line] > ZERO:
             middle = int(place[line])
