@@ -29,7 +29,10 @@ def main() -> int:
         with orderly_end(end):
             if problem := _too_little_address_space():
                 return _fail(problem, 2)
+            from .commands.parser import load, named
             from .commands.parser import main as run
+
+            load(named(sys.argv[1:]))
     except KeyboardInterrupt:
         end.told = True
     except MemoryError:
@@ -38,8 +41,9 @@ def main() -> int:
         if not end.told:
             if not isinstance(error, (ImportError, OSError)):
                 raise
-            cause = " ".join(str(error).split())
-            return _fail(f"A library cannot be loaded ({cause}). Install AIFRecon again, or give the program more memory.", 2)
+            from .terminal.console import not_loaded
+
+            return _fail(not_loaded(error), 2)
     # An interrupt may come out of an import as another error, or not at all
     if end.told:
         return _fail(_INTERRUPTED, end.exit_code)

@@ -16,7 +16,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ..arrays import Floats, Integers, Mask, Matrix, Numbers, Reals, Singles
 from ..errors import GeometryError
@@ -110,7 +110,7 @@ class BoneEchoFinder:
         self._spacing, self._pitch, self._step = np.asarray(spacing), lines.pitch, lines.step
         self._columns, self._rows, self._known = lines.columns, lines.rows, lines.known
         self._sigma = ECHO_ACROSS / self._pitch, ECHO_ALONG / self._step
-        self._reach = np.maximum(ndimage.gaussian_filter(self._known.astype(np.float32), self._sigma), np.float32(1e-3))
+        self._reach = np.maximum(scipy.ndimage.gaussian_filter(self._known.astype(np.float32), self._sigma), np.float32(1e-3))
         samples = np.arange(self._rows.shape[1])
         self._from, self._to = (np.minimum(samples + round(mm / self._step), samples.size) for mm in (SHADOW_FROM, SHADOW_TO))
         known_before = running_sum(self._known)
@@ -159,7 +159,7 @@ class BoneEchoFinder:
         lit = values[values > 0]
         if not lit.size:
             return values, None
-        echo: Singles = (ndimage.gaussian_filter(values, self._sigma, output=np.float32) / self._reach).astype(np.float32)
+        echo: Singles = (scipy.ndimage.gaussian_filter(values, self._sigma, output=np.float32) / self._reach).astype(np.float32)
         sums = running_sum(values)
         behind = (sums[:, self._to] - sums[:, self._from]).astype(np.float32) / np.maximum(self._behind, 1)
         score: Singles = np.where(self._eligible, (echo - behind) / (echo + behind + lit.mean()), 0.0).astype(np.float32)
@@ -258,10 +258,10 @@ def bone_from_sweep(
             sequence=sequence.name,
         )
     sigma = SIGMA / spacing
-    probability = ndimage.gaussian_filter(best.reshape(grid.shape), sigma, mode="constant")
+    probability = scipy.ndimage.gaussian_filter(best.reshape(grid.shape), sigma, mode="constant")
     np.minimum(probability / np.percentile(probability.reshape(-1)[seen], 90), 1.0, out=probability)
-    smooth = ndimage.gaussian_filter(distance.reshape(grid.shape), sigma, mode="constant")
-    inside = (smooth > 0) & (ndimage.gaussian_filter(weight.reshape(grid.shape), sigma, mode="constant") > 0.05 * LEAST_SCORE)
+    smooth = scipy.ndimage.gaussian_filter(distance.reshape(grid.shape), sigma, mode="constant")
+    inside = (smooth > 0) & (scipy.ndimage.gaussian_filter(weight.reshape(grid.shape), sigma, mode="constant") > 0.05 * LEAST_SCORE)
     report(progress, 1.0, "Looked for bone in the sweep")
     return BoneMap(Volume(probability, grid.ijk_to_reference), Volume(inside.astype(np.uint8), grid.ijk_to_reference))
 

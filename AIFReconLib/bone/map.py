@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy import ndimage
 
 from ..arrays import Floats, Integers, Matrix, Numbers, Singles
 from ..errors import GeometryError
@@ -246,7 +246,7 @@ def _smoothed(array: Singles, sigma_kji: Floats) -> Singles:
 
         def smooth(part: int, axis: int = axis, sigma: float = sigma, across: int = across, edges: Integers = edges) -> None:
             lines = array[(slice(None),) * across + (slice(edges[part], edges[part + 1]),)]
-            ndimage.gaussian_filter1d(lines, sigma, axis=axis, output=lines, mode="nearest", truncate=GAUSSIAN_REACH)
+            scipy.ndimage.gaussian_filter1d(lines, sigma, axis=axis, output=lines, mode="nearest", truncate=GAUSSIAN_REACH)
 
         in_parts(smooth, len(edges) - 1, usable_cores())
     return array
@@ -255,7 +255,7 @@ def _smoothed(array: Singles, sigma_kji: Floats) -> Singles:
 def _sobel_magnitude(array: Singles) -> Singles:
     squared = np.zeros_like(array)
     for axis in range(3):
-        slope = ndimage.sobel(array, axis=axis, mode="nearest")
+        slope = scipy.ndimage.sobel(array, axis=axis, mode="nearest")
         slope *= slope
         squared += slope
     np.sqrt(squared, out=squared)

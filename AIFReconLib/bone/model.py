@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy import sparse
-from scipy.special import expit, softmax
+import scipy
 
 from ..arrays import Numbers, Singles
 from ..errors import ModelError
@@ -66,7 +65,7 @@ class OnnxModel:
                 channels=self._channels,
             )
         self._size = self._input_size(shape)
-        self._resizers: dict[tuple[int, int], tuple[sparse.csr_matrix[np.float32], sparse.csr_matrix[np.float32]]] = {}
+        self._resizers: dict[tuple[int, int], tuple[scipy.sparse.csr_matrix[np.float32], scipy.sparse.csr_matrix[np.float32]]] = {}
         rows, columns = self._size or (256, 256)
         self._probability(np.zeros((rows, columns), dtype=np.float32))
 
@@ -136,9 +135,9 @@ class OnnxModel:
             raise self._misfit(Message("it answers with {kind} of {shape}", kind=answer.dtype.name, shape=_words(answer.shape)))
         values, wanted = channels[0].astype(np.float32), self.description.bone_class
         if self.description.output == CLASSES:
-            values = softmax(values, axis=0)
+            values = scipy.special.softmax(values, axis=0)
         elif self.description.output == LOGITS:
-            values = expit(values)
+            values = scipy.special.expit(values)
         count = len(values)
         if count == 1 and self.description.output != CLASSES:
             wanted = 0
@@ -225,7 +224,7 @@ def _words(shape: tuple[object, ...]) -> str:
     return " x ".join("?" if side is None else str(side) for side in shape)
 
 
-def _resizer(old: int, new: int) -> sparse.csr_matrix[np.float32]:
+def _resizer(old: int, new: int) -> scipy.sparse.csr_matrix[np.float32]:
     """The matrix (new, old) that resizes along one axis: linear between pixels, and means over them where it makes fewer."""
     scale = old / new
     reach = max(scale, 1.0)
@@ -235,4 +234,4 @@ def _resizer(old: int, new: int) -> sparse.csr_matrix[np.float32]:
     weight /= weight.sum(axis=1, keepdims=True)
     at = np.clip(near, 0, old - 1)
     line = np.repeat(np.arange(new), near.shape[1])
-    return sparse.csr_matrix((weight.ravel().astype(np.float32), (line, at.ravel())), shape=(new, old))
+    return scipy.sparse.csr_matrix((weight.ravel().astype(np.float32), (line, at.ravel())), shape=(new, old))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from ..arrays import Array, Floats, Mask, Numbers, Singles
 from ..errors import BeamGeometryError
@@ -65,7 +65,7 @@ class ScanLineReader:
         self.size, self._every = size, (columns, rows, known, together)
         self._read = _reading_matrix(columns, rows, known, size, together)
         self._drawn = mask, lines.sample_of_pixel
-        self._others: dict[tuple[tuple[int, int], Rectangle], sparse.csr_matrix[np.float32]] = {}
+        self._others: dict[tuple[tuple[int, int], Rectangle], scipy.sparse.csr_matrix[np.float32]] = {}
         self.columns, self.rows, share = (_mean_of_blocks(values, together) for values in (columns, rows, known))
         self.known: Mask = share > 0.5
         self.pitch, self.step = apart * together[0], lines.step * together[1]
@@ -102,7 +102,7 @@ class ScanLineReader:
         image[mask] = samples[np.minimum(line // together[0], last[0]), np.minimum(sample // together[1], last[1])]
         return image
 
-    def _of(self, matrix: sparse.csr_matrix[np.float32], values: Singles) -> Singles:
+    def _of(self, matrix: scipy.sparse.csr_matrix[np.float32], values: Singles) -> Singles:
         samples: Singles = (matrix @ values.ravel()).reshape(self.known.shape)
         samples[~self.known] = 0.0
         return samples
@@ -126,7 +126,7 @@ def _mean_of_blocks(values: Floats | Mask, together: tuple[int, int]) -> Floats:
 
 def _reading_matrix(
     columns: Floats, rows: Floats, known: Mask, size: tuple[int, int], together: tuple[int, int]
-) -> sparse.csr_matrix[np.float32]:
+) -> scipy.sparse.csr_matrix[np.float32]:
     """The matrix that takes an image's pixels to the mean of each block of known samples, by linear interpolation; sparse float32."""
     lines, samples = (n // block for n, block in zip(columns.shape, together))
     line, sample = (number // block for number, block in zip(np.nonzero(known), together))
@@ -140,7 +140,7 @@ def _reading_matrix(
     share = (
         np.concatenate([weight for *_, weight in corners]) / np.maximum(np.bincount(block, minlength=lines * samples), 1)[np.tile(block, 4)]
     )
-    return sparse.csr_matrix((share.astype(np.float32), (np.tile(block, 4), pixels)), shape=(lines * samples, size[0] * size[1]))
+    return scipy.sparse.csr_matrix((share.astype(np.float32), (np.tile(block, 4), pixels)), shape=(lines * samples, size[0] * size[1]))
 
 
 def running_sum(lines: Array) -> Floats:

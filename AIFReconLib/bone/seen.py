@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ..arrays import Floats, Integers, Matrix, Numbers, Singles
 from ..geometry.box import Box
@@ -276,7 +276,7 @@ class BoneDrawing:
 
         def smooth(values: Singles) -> Singles:
             breathe()
-            blurred: Singles = ndimage.gaussian_filter(values, sigma, mode="constant", truncate=GAUSSIAN_REACH, output=np.float32)
+            blurred: Singles = scipy.ndimage.gaussian_filter(values, sigma, mode="constant", truncate=GAUSSIAN_REACH, output=np.float32)
             return blurred
 
         report(progress, 0.0, "Drawing the bone map")
@@ -287,7 +287,7 @@ class BoneDrawing:
             self._full = max(self._full, float(np.percentile(mean[mean >= FULL_SHARE * largest], FULL_PERCENTILE)))
         probability = np.minimum(mean / np.float32(max(self._full, LEAST_FULL)), np.float32(1.0))
         breathe()
-        slopes = np.stack([ndimage.sobel(probability, axis=2 - axis, mode="nearest") for axis in range(3)])
+        slopes = np.stack([scipy.ndimage.sobel(probability, axis=2 - axis, mode="nearest") for axis in range(3)])
         facing = np.zeros_like(probability)
         for axis in range(3):
             facing += slopes[axis] * smooth(self._beams[(axis, *box)])

@@ -13,37 +13,37 @@ import contextlib
 import errno
 import os
 import sys
+from collections.abc import Iterable, Sequence
+from importlib import import_module
+from types import ModuleType
 
 from .. import __version__
 from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
 from ..message import one_line, said
-from ..terminal.console import prepare_streams
+from ..terminal.console import not_loaded, prepare_streams
 from ..terminal.log import add_log_options, logging_as_asked, quiet_as_asked
 from ..terminal.one_line_parser import BAD_INPUT, OneLineParser
 from ..terminal.signals import OrderlyEnd, orderly_end
-from . import (
-    batch,
-    benchmark,
-    bone_map,
-    convert,
-    coverage,
-    demo,
-    evaluate,
-    import_frames,
-    info,
-    live,
-    plan,
-    preview,
-    reconstruct,
-    register,
-    replay,
-    simulate,
-)
 
-COMMANDS = (
-    *(demo, reconstruct, preview, register, coverage, plan, batch, bone_map, info, import_frames),
-    *(convert, live, replay, evaluate, simulate, benchmark),
-)
+COMMANDS = {
+    "demo": "demo",
+    "reconstruct": "reconstruct",
+    "preview": "preview",
+    "register": "register",
+    "coverage": "coverage",
+    "plan": "plan",
+    "batch": "batch",
+    "bone-map": "bone_map",
+    "info": "info",
+    "import": "import_frames",
+    "convert": "convert",
+    "live": "live",
+    "replay": "replay",
+    "evaluate": "evaluate",
+    "simulate": "simulate",
+    "benchmark": "benchmark",
+}
+"""Names of all commands in the order of the help, and the file of each in this folder."""
 
 SUCCESS, REFUSED = 0, 1
 
@@ -57,8 +57,18 @@ _NO_MEMORY = (
 )
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """The parser of all commands."""
+def named(words: Sequence[str]) -> tuple[str, ...]:
+    """The commands whose options must be known to understand these words: the one that is named, else all."""
+    return (words[0],) if words and words[0] in COMMANDS else tuple(COMMANDS)
+
+
+def load(names: Iterable[str] = COMMANDS) -> list[ModuleType]:
+    """The files of these commands, with the libraries that they need: so long takes the start of the program."""
+    return [import_module(f".{COMMANDS[name]}", __package__) for name in names]
+
+
+def build_parser(names: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
+    """The parser of these commands."""
     parser = OneLineParser(
         prog="aifrecon",
         description="3D ultrasound of the spine from tracked 2D frames, weighted by the angle of incidence to bone. "
@@ -67,7 +77,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"aifrecon {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=OneLineParser)
-    for command in COMMANDS:
+    for command in load(names):
         command.add_to(commands)
     for each in commands.choices.values():
         add_log_options(each)
@@ -90,7 +100,7 @@ def main(argv: list[str] | None = None) -> int:
     prepare_streams()
     words = sys.argv[1:] if argv is None else argv
     try:
-        arguments = build_parser().parse_args(words or ["--help"])
+        arguments = build_parser(named(words)).parse_args(words or ["--help"])
     except SystemExit as stop:  # argparse has printed help, the version or its one line
         return int(stop.code or 0)
     except AIFReconError as error:  # of a settings file, which options are read from
@@ -107,6 +117,9 @@ def main(argv: list[str] | None = None) -> int:
         return _fail(said(error), BAD_INPUT)
     except MemoryError:
         return _fail(_NO_MEMORY, BAD_INPUT)
+    except ImportError as error:
+        # Libraries load their parts when they are first named
+        return _fail(_INTERRUPTED, end.exit_code) if end.told else _fail(not_loaded(error), BAD_INPUT)
     except BrokenPipeError:
         pass  # whoever read the output has gone, as `head` does
     except RuntimeError as error:

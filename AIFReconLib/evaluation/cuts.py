@@ -7,7 +7,7 @@ import zlib
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ..arrays import Bytes, Floats, Mask
 from ..geometry.volume import Volume
@@ -107,7 +107,7 @@ def _gray(levels: Floats, window: tuple[float, float]) -> Floats:
 
 
 def _edge(inside: Mask) -> Mask:
-    edge: Mask = inside & ~ndimage.binary_erosion(inside, border_value=1)
+    edge: Mask = inside & ~scipy.ndimage.binary_erosion(inside, border_value=1)
     return edge
 
 

@@ -22,7 +22,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ..arrays import Floats, Integers, Mask, Numbers, Singles
 from ..errors import GeometryError, require_kind
@@ -273,8 +273,8 @@ def _responses(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth, 
 def _profiles(gray: Singles, measured: Mask, volume: Volume, points: Floats) -> Floats:
     """Linear values of the measured voxels at points (..., 3) in Reference; NaN where they hold less than half of the weight."""
     coordinates = transform_points(volume.grid.reference_to_ijk, points).reshape(-1, 3).T[::-1]
-    weights = ndimage.map_coordinates(measured.astype(np.float32), coordinates, order=1, output=np.float32)
-    values = ndimage.map_coordinates(gray, coordinates, order=1, output=np.float32)
+    weights = scipy.ndimage.map_coordinates(measured.astype(np.float32), coordinates, order=1, output=np.float32)
+    values = scipy.ndimage.map_coordinates(gray, coordinates, order=1, output=np.float32)
     known = weights >= 0.5
     return np.where(known, values / np.where(known, weights, 1.0), np.nan).reshape(points.shape[:-1]).astype(np.float64)
 
@@ -347,7 +347,7 @@ def _shadow(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth) -> 
         points = transform_points(truth.distance.ijk_to_reference, deep)
     else:
         # Beams are wider than the geometry says: keep one voxel of the map away from what they reach
-        surrounded = ndimage.binary_erosion(truth.shadows.array == SHADOWED, border_value=1)
+        surrounded = scipy.ndimage.binary_erosion(truth.shadows.array == SHADOWED, border_value=1)
         points = transform_points(truth.shadows.ijk_to_reference, np.argwhere(surrounded)[:, ::-1])
         points = points[np.abs(_distances(truth, points)) >= SHADOW_FROM_SURFACE]
     ijk = transform_points(volume.grid.reference_to_ijk, points)
@@ -371,7 +371,7 @@ def _speckle_snr(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth
 
     count = by_block(measured)
     filled = count >= 0.5 * side.prod()
-    padded = ndimage.distance_transform_edt(np.pad(filled, 1), sampling=side * volume.grid.spacing[::-1])
+    padded = scipy.ndimage.distance_transform_edt(np.pad(filled, 1), sampling=side * volume.grid.spacing[::-1])
     from_edge = np.asarray(padded, dtype=np.float64)[1:-1, 1:-1, 1:-1]
     used = np.argwhere(from_edge >= SPECKLE_FROM_EDGE)
     # Bone and shadow are looked for at the corners and the middle of each cube

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ..arrays import Floats
 from ..geometry.transforms import transform_points
@@ -105,5 +105,5 @@ def _densest(values: Floats, otherwise: float) -> float:
 def _sample(distance: Volume, points: Floats) -> Floats:
     """Distances (n,) at points (n, 3), by linear interpolation; the limit outside."""
     ijk = transform_points(distance.grid.reference_to_ijk, points)
-    distances = ndimage.map_coordinates(distance.array, ijk.T[::-1], order=1, mode="constant", cval=DISTANCE_LIMIT)
+    distances = scipy.ndimage.map_coordinates(distance.array, ijk.T[::-1], order=1, mode="constant", cval=DISTANCE_LIMIT)
     return np.asarray(distances, dtype=np.float64)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy import ndimage
 
 from ..arrays import Floats
 from ..geometry.volume import Volume, VoxelGrid
@@ -58,7 +58,7 @@ def cut(volume: Volume, plane: Plane, center_ras: ArrayLike, width: float, heigh
     )
     ijk = points @ volume.grid.reference_to_ijk[:3, :3].T + volume.grid.reference_to_ijk[:3, 3]
     places = np.moveaxis(ijk[..., ::-1], -1, 0)
-    return ndimage.map_coordinates(volume.array, places, np.float64, 0 if order == 0 else 1, cval=np.nan)
+    return scipy.ndimage.map_coordinates(volume.array, places, np.float64, 0 if order == 0 else 1, cval=np.nan)
 
 
 def extent_along(grid: VoxelGrid, direction_ras: ArrayLike) -> tuple[float, float]:

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
-from scipy import ndimage
-from scipy.spatial import cKDTree
+import scipy
 
 from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import GeometryError
@@ -93,10 +92,10 @@ def distance_from_labels(labels: Volume) -> Volume:
     spacing_kji = labels.grid.spacing[::-1]
     box = box_around(bone, np.ceil(DISTANCE_LIMIT / spacing_kji).astype(int) + 1)
     bone = bone[box]
-    distance = np.asarray(ndimage.distance_transform_edt(~bone, sampling=spacing_kji)).astype(np.float32)
-    distance -= np.asarray(ndimage.distance_transform_edt(bone, sampling=spacing_kji)).astype(np.float32)
+    distance = np.asarray(scipy.ndimage.distance_transform_edt(~bone, sampling=spacing_kji)).astype(np.float32)
+    distance -= np.asarray(scipy.ndimage.distance_transform_edt(bone, sampling=spacing_kji)).astype(np.float32)
     np.clip(distance, -DISTANCE_LIMIT, DISTANCE_LIMIT, out=distance)
-    distance = ndimage.gaussian_filter(distance, SMOOTHING_VOXELS, mode="nearest")
+    distance = scipy.ndimage.gaussian_filter(distance, SMOOTHING_VOXELS, mode="nearest")
     shift = np.eye(4)
     shift[:3, 3] = [s.start for s in box[::-1]]
     return Volume(distance, labels.ijk_to_reference @ shift)
@@ -206,7 +205,7 @@ def interspinous_border(surface: BoneSurface, centers_reference: dict[int, Float
         if length == 0:
             continue
         posterior = third_moment / length
-        distance, number = cKDTree(surface.points_reference[others]).query(points, distance_upper_bound=GAP_LIMIT)
+        distance, number = scipy.spatial.cKDTree(surface.points_reference[others]).query(points, distance_upper_bound=GAP_LIMIT)
         near = np.isfinite(distance) & (distance > 0)
         way = surface.points_reference[others[np.where(near, number, 0)]] - points
         facing = (way * normals).sum(axis=1) >= np.cos(np.radians(GAP_FACING_DEG)) * np.linalg.norm(way, axis=1)
@@ -219,7 +218,7 @@ def interspinous_border(surface: BoneSurface, centers_reference: dict[int, Float
 def centers_of_mass(labels: Volume) -> dict[int, Floats]:
     """The center of mass of each label above 0, (3,) float64 in Reference, mm."""
     numbers = [int(label) for label in np.unique(labels.array) if label > 0]
-    centers_kji = ndimage.center_of_mass(labels.array > 0, cast("Integers", labels.array), numbers)
+    centers_kji = scipy.ndimage.center_of_mass(labels.array > 0, cast("Integers", labels.array), numbers)
     return {label: transform_points(labels.ijk_to_reference, np.array(kji)[::-1]) for label, kji in zip(numbers, centers_kji)}
 
 
@@ -236,7 +235,7 @@ def _label_of(points: Floats, normals: Floats, labels: Volume | None) -> Integer
 
 
 def _sample(array: Numbers, ijk: Floats) -> Floats:
-    return ndimage.map_coordinates(array, ijk.T[::-1], order=1, mode="nearest", output=np.float64)
+    return scipy.ndimage.map_coordinates(array, ijk.T[::-1], order=1, mode="nearest", output=np.float64)
 
 
 def nearest(volume: Volume, ijk: Floats, outside: float = 0) -> Numbers:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ..arrays import Integers, Mask
 
@@ -16,7 +16,7 @@ def box_around(mask: Mask, margin: Integers | int = 0) -> Box:
 
     Where none is True it is around the first voxel.
     """
-    found = ndimage.find_objects(mask.view(np.uint8), max_label=1)[0] or (slice(0, 1),) * 3
+    found = scipy.ndimage.find_objects(mask.view(np.uint8), max_label=1)[0] or (slice(0, 1),) * 3
     around = np.broadcast_to(margin, 3)
     k, j, i = (slice(max(s.start - int(m), 0), min(s.stop + int(m), n)) for s, m, n in zip(found, around, mask.shape, strict=True))
     return k, j, i

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from ..arrays import Bytes, Floats, Integers, Matrix, Numbers
 from ..geometry.transforms import transform_points
@@ -93,7 +93,7 @@ def met_on_mesh(mesh: BoneMesh, met: BoneMet) -> dict[str, Numbers]:
         where no beam from the back could reach.
     """
     surface = met.bone.surface
-    _, found = cKDTree(surface.points_reference).query(mesh.points_reference, distance_upper_bound=NEAR)
+    _, found = scipy.spatial.cKDTree(surface.points_reference).query(mesh.points_reference, distance_upper_bound=NEAR)
     reachable = found < len(surface)
     nearest = np.where(reachable, found, 0)
     arrays: dict[str, Numbers] = {
@@ -126,7 +126,7 @@ class ColoredBone:
         step = max(round(CELL / bone.distance.grid.spacing.max()), 1)
         distance = bone.distance.array[::step, ::step, ::step].astype(np.float32) - np.float32(LIFTED)
         mesh = bone_mesh(Volume(distance, bone.distance.ijk_to_reference @ np.diag([step, step, step, 1.0])))
-        _, nearest = cKDTree(bone.surface.points_reference).query(mesh.points_reference, distance_upper_bound=NEAR)
+        _, nearest = scipy.spatial.cKDTree(bone.surface.points_reference).query(mesh.points_reference, distance_upper_bound=NEAR)
         return cls(mesh, np.where(nearest < len(bone), nearest, -1))
 
     def placed_by(self, motion: Matrix) -> ColoredBone:

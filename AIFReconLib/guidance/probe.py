@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ..arrays import Floats, Matrix
 from ..geometry.transforms import image_plane_axes, invert, pixel_spacing, transform_points
@@ -184,7 +184,7 @@ class ProbeOnBack:
     def poses(self, placements: Sequence[Placement]) -> Matrix:
         """image_to_reference of a probe that stands so, one after the other, (n, 4, 4)."""
         x, z, *angles = np.array([(one.x, one.z, -one.turn_deg, -one.in_plane_deg, one.across_deg) for one in placements]).T
-        turns = Rotation.from_euler("YZX", np.stack(angles, axis=1), degrees=True).as_matrix()
+        turns = scipy.spatial.transform.Rotation.from_euler("YZX", np.stack(angles, axis=1), degrees=True).as_matrix()
         beams = turns[:, :, 1]
         targets = np.stack([x, self.skin.at(x, z) + AIM_DEPTH, z], axis=1)
         ways = np.full(len(x), AIM_DEPTH)
@@ -203,7 +203,7 @@ class ProbeOnBack:
         """How a probe stands whose image is there: the inverse of `pose`, wherever the skin is."""
         right, down = image_plane_axes(image_to_reference)
         turn = self.patient_to_reference[:3, :3].T @ np.stack([right, down, np.cross(right, down)], axis=1)
-        a, b, c = Rotation.from_matrix(turn).as_euler("YZX", degrees=True)
+        a, b, c = scipy.spatial.transform.Rotation.from_matrix(turn).as_euler("YZX", degrees=True)
         face = transform_points(invert(self.patient_to_reference), self.images.faces(image_to_reference[None])[0])
         target = face + AIM_DEPTH / max(turn[1, 1], 0.3) * turn[:, 1]
         return Placement(float(target[0]), float(target[2]), -float(a), -float(b), float(c))

@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy import fft, ndimage
+import scipy
 
 from ..arrays import Floats, Integers, Mask, Numbers
 from .filling import HoleFilling
@@ -114,7 +114,7 @@ def _box_sum_of(weights: Floats) -> Callable[[Floats], Floats]:
 
     def summed(array: Floats) -> Floats:
         for axis in range(3):
-            array = np.asarray(ndimage.correlate1d(array, weights, axis=axis, mode="constant", cval=0.0), dtype=np.float64)
+            array = np.asarray(scipy.ndimage.correlate1d(array, weights, axis=axis, mode="constant", cval=0.0), dtype=np.float64)
         return array
 
     return summed
@@ -122,8 +122,8 @@ def _box_sum_of(weights: Floats) -> Callable[[Floats], Floats]:
 
 def _kernel_sum(array: Floats, kernel: Floats) -> Floats:
     """The sum over the cube around each voxel, with the weights of an odd-sized `kernel`; nothing lies outside the volume."""
-    shape = [fft.next_fast_len(n + k - 1, real=True) for n, k in zip(array.shape, kernel.shape, strict=True)]
+    shape = [scipy.fft.next_fast_len(n + k - 1, real=True) for n, k in zip(array.shape, kernel.shape, strict=True)]
     # A correlation: the kernel the other way round
-    product = fft.rfftn(array, shape) * fft.rfftn(kernel[::-1, ::-1, ::-1], shape)
+    product = scipy.fft.rfftn(array, shape) * scipy.fft.rfftn(kernel[::-1, ::-1, ::-1], shape)
     inner = tuple(slice(k // 2, k // 2 + n) for n, k in zip(array.shape, kernel.shape, strict=True))
-    return np.asarray(fft.irfftn(product, shape), dtype=np.float64)[inner]
+    return np.asarray(scipy.fft.irfftn(product, shape), dtype=np.float64)[inner]

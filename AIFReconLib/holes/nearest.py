@@ -8,7 +8,7 @@ from functools import partial
 from typing import cast
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ..arrays import Bytes, Floats, Integers, Mask, Numbers
 from ..machine.threads import in_parts, optional_module, usable_cores
@@ -236,7 +236,7 @@ def _fill_block(values: Numbers, mask: Bytes, block: Box, spacing_kji: Floats, o
     holes = np.argwhere(mask[block] == EMPTY) + [part.start for part in block]
     if not len(holes) or not measured.any():
         return 0
-    transform = ndimage.distance_transform_edt(~measured, sampling=spacing_kji, return_distances=False, return_indices=True)
+    transform = scipy.ndimage.distance_transform_edt(~measured, sampling=spacing_kji, return_distances=False, return_indices=True)
     nearest = cast("Integers", transform)
     reach = np.abs(offsets).max(axis=0)
     padded = np.pad(measured, [(r, r) for r in reach])

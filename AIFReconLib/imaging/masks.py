@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import cast
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ..arrays import Integers, Mask
 
@@ -36,11 +36,11 @@ def largest_area(mask: Mask) -> Mask:
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
     area = mask[box]
-    labels, count = cast("tuple[Integers, int]", ndimage.label(area))
+    labels, count = cast("tuple[Integers, int]", scipy.ndimage.label(area))
     if count > 1:
         area = labels == np.bincount(labels[area]).argmax()
     # What cannot be reached from beside the box is a hole; the first label is that of the first pixel, which is beside it
-    labels, _ = cast("tuple[Integers, int]", ndimage.label(np.pad(~area, 1, constant_values=True)))
+    labels, _ = cast("tuple[Integers, int]", scipy.ndimage.label(np.pad(~area, 1, constant_values=True)))
     whole[box] = labels[1:-1, 1:-1] != 1
     return whole
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ..arrays import Floats, Integers, Matrix, Numbers, Singles
 from ..compounding.state import Reconstruction
@@ -113,9 +113,9 @@ def shown_bone(result: Reconstruction, labels: Volume | None = None, labels_to_r
     factors = np.clip(np.floor(CELL / spacing + 0.5), 1, result.grid.size).astype(int)
     evidence, seen = (_averaged(array, factors) for array in (weight, measured))
     sigma = (SMOOTHING / (spacing * factors))[::-1]
-    evidence, seen = (ndimage.gaussian_filter(array, sigma, mode="nearest") for array in (evidence, seen))
+    evidence, seen = (scipy.ndimage.gaussian_filter(array, sigma, mode="nearest") for array in (evidence, seen))
     field = evidence / np.maximum(seen, np.float32(LEAST_SEEN))
-    pieces, count = ndimage.label(field > LEVEL, np.ones((3, 3, 3)))
+    pieces, count = scipy.ndimage.label(field > LEVEL, np.ones((3, 3, 3)))
     small = np.bincount(pieces.reshape(-1), minlength=count + 1) * float(np.prod(spacing * factors)) < CRUMB
     small[0] = False
     field[small[pieces]] = 0.0

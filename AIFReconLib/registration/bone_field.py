@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from ..arrays import Floats, Integers, Mask, Singles
 from ..errors import GeometryError
@@ -136,11 +136,11 @@ def _signed_distance(inside: Mask, spacing_kji: Floats) -> Floats:
     found: list[Singles] = [np.empty(0, np.float32)] * len(asked)
 
     def measure(which: int) -> None:
-        found[which] = np.asarray(ndimage.distance_transform_edt(asked[which], sampling=spacing_kji)).astype(np.float32)
+        found[which] = np.asarray(scipy.ndimage.distance_transform_edt(asked[which], sampling=spacing_kji)).astype(np.float32)
 
     in_parts(measure, len(asked), usable_cores())
     distance, depth = found
     distance -= half
     distance[box] = np.where(inside[box], half - depth, distance[box])
     np.clip(distance, -REACH, REACH, out=distance)
-    return ndimage.gaussian_filter(distance, SMOOTHING, mode="nearest")
+    return scipy.ndimage.gaussian_filter(distance, SMOOTHING, mode="nearest")

@@ -15,8 +15,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ..arrays import Floats
 from ..geometry.transforms import invert, transform_points
@@ -62,7 +61,7 @@ def vector_motion(vector: Floats, center: Floats, lever: float = 1.0) -> Floats:
     """A rigid motion (4, 4) in Reference: turn about `center` by the rotation vector ``vector[3:] / lever``, then move by
     ``vector[:3]``."""
     motion = np.eye(4)
-    motion[:3, :3] = Rotation.from_rotvec(vector[3:] / lever).as_matrix()
+    motion[:3, :3] = scipy.spatial.transform.Rotation.from_rotvec(vector[3:] / lever).as_matrix()
     motion[:3, 3] = center - motion[:3, :3] @ center + vector[:3]
     return motion
 
@@ -84,7 +83,7 @@ class _Cost:
 
     def _compute(self, vector: Floats) -> tuple[Floats, Floats]:
         # Moving the labels by M is moving the echoes by its inverse
-        turn = Rotation.from_rotvec(vector[3:] / self.lever).as_matrix()
+        turn = scipy.spatial.transform.Rotation.from_rotvec(vector[3:] / self.lever).as_matrix()
         still = (self._echoes.points - vector[:3] - self.center) @ turn
         to_labels = invert(self._start)
         distances, slopes = self._bone.sample(transform_points(to_labels, still + self.center))
@@ -147,7 +146,7 @@ def refine(
             return np.stack([2 * (1 - decay), decay, -0.5 * decay])
 
         # Typed in another way from one release of the stubs to the next
-        solution = cast("Any", least_squares)(
+        solution = cast("Any", scipy.optimize.least_squares)(
             residuals,
             np.zeros(6),
             jac=slopes_of,

@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ..arrays import Floats
 from ..geometry.transforms import invert, transform_points
@@ -112,7 +111,7 @@ def around(start: Floats, center: Floats, count: int = TRIED_AROUND) -> Floats:
     """Places up to `AROUND_MM` and `AROUND_DEG` from a start, evenly in length and angle, (count, 4, 4); always the same ones."""
     rng = np.random.default_rng(0)
     moves, axes = (_directions(rng, count) for _ in range(2))
-    turns = Rotation.from_rotvec(np.deg2rad(AROUND_DEG) * rng.random((count, 1)) * axes).as_matrix()
+    turns = scipy.spatial.transform.Rotation.from_rotvec(np.deg2rad(AROUND_DEG) * rng.random((count, 1)) * axes).as_matrix()
     return _placed(turns, center + AROUND_MM * rng.random((count, 1)) * moves, start, center)
 
 
@@ -125,7 +124,7 @@ def level_shifts(bone: BoneField) -> dict[int, Floats]:
     """
     labels = bone.labels
     numbers = [int(label) for label in np.unique(labels.array) if label > 0]
-    masses = np.asarray(ndimage.center_of_mass((labels.array > 0).astype(np.uint8), labels.array.astype(np.int64), numbers))
+    masses = np.asarray(scipy.ndimage.center_of_mass((labels.array > 0).astype(np.uint8), labels.array.astype(np.int64), numbers))
     centers: Floats = masses[:, ::-1].astype(np.float64)
     centers = transform_points(labels.ijk_to_reference, centers)
     shifts = {}
@@ -162,7 +161,7 @@ def anywhere(echoes: SweepEchoes, bone: BoneField, count: int = TRIED_ANYWHERE) 
     if not elongated:
         about_beam = rng.uniform(0.0, 2 * math.pi, count)
     tilts = rng.normal(0.0, np.deg2rad(TILT_DEG), (count, 2))
-    turns = upright @ Rotation.from_euler("YXZ", np.column_stack([about_beam, tilts])).as_matrix()
+    turns = upright @ scipy.spatial.transform.Rotation.from_euler("YXZ", np.column_stack([about_beam, tilts])).as_matrix()
     back = _back_of(bone)
     middle = np.array([np.median(back[:, 0]), np.median(back[:, 1]), 0.5 * (back[:, 2].min() + back[:, 2].max())])
     reach = 0.5 * (np.ptp(back[:, 2]) + np.ptp(across @ superior))

@@ -17,8 +17,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
-from scipy import ndimage
-from scipy.optimize import least_squares
+import scipy
 
 from ..arrays import Floats, Integers, Mask
 from ..geometry.transforms import invert, transform_points
@@ -146,7 +145,7 @@ def _moved_together(
         return rho
 
     # Typed in another way from one release of the stubs to the next
-    solution = cast("Any", least_squares)(
+    solution = cast("Any", scipy.optimize.least_squares)(
         residuals,
         np.zeros(6 * len(numbers)),
         jac=jacobian,
@@ -176,7 +175,7 @@ def placed_labels(labels: Volume, places: dict[int, Floats]) -> Volume:
     to where it came from; where two bones claim one, the later label.
     """
     base = labels.placed_by(next(iter(places.values())))
-    boxes = ndimage.find_objects(labels.array.astype(np.int32))
+    boxes = scipy.ndimage.find_objects(labels.array.astype(np.int32))
     corners = {}
     for label, place in places.items():
         spans = [np.array([s.start - 1, s.stop]) for s in (boxes[label - 1] or ())[::-1]]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from ..arrays import Reals, Singles
 from ..geometry.volume import VoxelGrid
@@ -59,7 +59,7 @@ def hounsfield_units(
         solid = CORTICAL + (TRABECULAR + 35.0 * sheets - CORTICAL) * core
         hounsfield = soft + (solid - soft) * bone
         if noise > 0:
-            grain = ndimage.gaussian_filter(rng.standard_normal(x.shape, dtype=np.float32), 0.6, mode="wrap")
+            grain = scipy.ndimage.gaussian_filter(rng.standard_normal(x.shape, dtype=np.float32), 0.6, mode="wrap")
             hounsfield = hounsfield + grain * np.float32(noise / grain.std())
         values[k] = np.clip(np.rint(hounsfield), -1024, 3071)
     return values

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy import sparse
 
 from ..arrays import Floats, Integers, Matrix
 from ..errors import SettingsError
@@ -161,7 +161,7 @@ class PhasedArray:
         return points
 
     @cached_property
-    def scan_conversion(self) -> tuple[Integers, sparse.csr_matrix[np.float32]]:
+    def scan_conversion(self) -> tuple[Integers, scipy.sparse.csr_matrix[np.float32]]:
         """Pixels of the sector, and the bilinear weights that give them from samples.
 
         Returns
@@ -182,4 +182,4 @@ class PhasedArray:
         indices = np.stack([corner, corner + 1, corner + self.samples, corner + self.samples + 1], axis=1)
         values = np.stack([(1 - a) * (1 - b), (1 - a) * b, a * (1 - b), a * b], axis=1).astype(np.float32)
         starts = np.arange(0, 4 * len(pixels) + 1, 4)
-        return pixels, sparse.csr_matrix((values.ravel(), indices.ravel(), starts), shape=(len(pixels), self.lines * self.samples))
+        return pixels, scipy.sparse.csr_matrix((values.ravel(), indices.ravel(), starts), shape=(len(pixels), self.lines * self.samples))

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy import ndimage
-from scipy.spatial.transform import Rotation, Slerp
 
 from ..arrays import Floats, Matrix
 from ..errors import SettingsError
@@ -62,7 +61,8 @@ class ProbePath:
             return self
         times = np.clip(self.timestamps - seconds, self.timestamps[0], self.timestamps[-1])
         poses = np.tile(np.eye(4), (len(self), 1, 1))
-        poses[:, :3, :3] = Slerp(self.timestamps, Rotation.from_matrix(self.transducer_to_reference[:, :3, :3]))(times).as_matrix()
+        turns = scipy.spatial.transform.Rotation.from_matrix(self.transducer_to_reference[:, :3, :3])
+        poses[:, :3, :3] = scipy.spatial.transform.Slerp(self.timestamps, turns)(times).as_matrix()
         for axis in range(3):
             poses[:, axis, 3] = np.interp(times, self.timestamps, self.transducer_to_reference[:, axis, 3])
         return ProbePath(poses, self.timestamps)
@@ -138,7 +138,7 @@ def contact_pose(
             elevational=elevational_tilt_deg,
         )
     upright = np.eye(3) if orientation == TRANSVERSE else np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
-    tilt = Rotation.from_euler("ZX", [-in_plane_tilt_deg, elevational_tilt_deg], degrees=True).as_matrix()
+    tilt = scipy.spatial.transform.Rotation.from_euler("ZX", [-in_plane_tilt_deg, elevational_tilt_deg], degrees=True).as_matrix()
     pose = np.eye(4)
     pose[:3, :3] = upright @ tilt
     beam = pose[:3, 1]
@@ -239,7 +239,7 @@ def freehand_sweep(phantom: ScannedBack, frames: int = 150, *, seed: int = 0, ti
     if frames < 2:
         raise SettingsError("Input frames must be 2 or more; got {frames!r}.", frames=frames)
     rng = np.random.default_rng([seed, 10])
-    wander = ndimage.gaussian_filter1d(rng.standard_normal((5, frames)), frames / 12, axis=1, mode="reflect")
+    wander = scipy.ndimage.gaussian_filter1d(rng.standard_normal((5, frames)), frames / 12, axis=1, mode="reflect")
     wander /= np.abs(wander).max(axis=1, keepdims=True)
     speed = np.maximum(1.0 + 0.6 * wander[0], 0.2)
     way = np.cumsum(speed) - speed[0]
@@ -250,7 +250,7 @@ def freehand_sweep(phantom: ScannedBack, frames: int = 150, *, seed: int = 0, ti
         for z, side, a, e in zip(positions_z, *wander[1:4])
     ]
     poses = np.array(on_skin)
-    turns = Rotation.from_rotvec(np.deg2rad(8.0) * wander[4][:, None] * np.array([[0.0, 1.0, 0.0]])).as_matrix()
+    turns = scipy.spatial.transform.Rotation.from_rotvec(np.deg2rad(8.0) * wander[4][:, None] * np.array([[0.0, 1.0, 0.0]])).as_matrix()
     poses[:, :3, :3] = poses[:, :3, :3] @ turns
     return ProbePath(poses, np.arange(frames) / FRAME_RATE)
 
@@ -259,7 +259,7 @@ def random_rigid(translation: float, rotation_deg: float, rng: np.random.Generat
     """A rigid motion of exactly this length (mm) of the point `about`, and this angle, in random directions; (4, 4)."""
     direction, axis = (v / np.linalg.norm(v) for v in rng.standard_normal((2, 3)))
     matrix = np.eye(4)
-    matrix[:3, :3] = Rotation.from_rotvec(math.radians(rotation_deg) * axis).as_matrix()
+    matrix[:3, :3] = scipy.spatial.transform.Rotation.from_rotvec(math.radians(rotation_deg) * axis).as_matrix()
     matrix[:3, 3] = np.asarray(about) - matrix[:3, :3] @ np.asarray(about) + translation * direction
     return matrix
 
@@ -272,12 +272,13 @@ def ct_misregistration(translation: float, rotation_deg: float, seed: int, about
 def tracker_poses(timestamps: Floats) -> Matrix:
     """ReferenceToTracker, (n, 4, 4), mm: a camera 1.4 m away; the patient's marker rocks by half a millimeter as they breathe."""
     pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_euler("xyz", [112.0, -17.0, 38.0], degrees=True).as_matrix()
+    pose[:3, :3] = scipy.spatial.transform.Rotation.from_euler("xyz", [112.0, -17.0, 38.0], degrees=True).as_matrix()
     pose[:3, 3] = (86.0, -145.0, -1390.0)
     poses = np.tile(pose, (len(timestamps), 1, 1))
     breath = np.sin(2 * math.pi * 0.25 * np.asarray(timestamps))
     poses[:, :3, 3] += 0.5 * breath[:, None] * np.array([0.3, 0.8, 0.5])
-    poses[:, :3, :3] = poses[:, :3, :3] @ Rotation.from_rotvec(np.deg2rad(0.1) * breath[:, None] * np.array([[1.0, 0.0, 0.0]])).as_matrix()
+    rocking = scipy.spatial.transform.Rotation.from_rotvec(np.deg2rad(0.1) * breath[:, None] * np.array([[1.0, 0.0, 0.0]]))
+    poses[:, :3, :3] = poses[:, :3, :3] @ rocking.as_matrix()
     return poses
 
 
@@ -319,7 +320,7 @@ def simulate_sweep(
         report(progress, n / len(path), "Simulating ultrasound frames")
         images[n] = simulate_frame(phantom, true_probe, probe_to_reference[n], np.random.default_rng([seed, 31, n]), effects)
         shake = np.eye(4)
-        shake[:3, :3] = Rotation.from_rotvec(np.deg2rad(errors.noise_deg) * rng.standard_normal(3)).as_matrix()
+        shake[:3, :3] = scipy.spatial.transform.Rotation.from_rotvec(np.deg2rad(errors.noise_deg) * rng.standard_normal(3)).as_matrix()
         shake[:3, 3] = errors.noise * rng.standard_normal(3)
         seen = statuses[n] is TransformStatus.OK
         probe_to_tracker = reference_to_tracker[n] @ late[n] @ shake if seen else np.eye(4)
@@ -334,7 +335,7 @@ def simulate_sweep(
 
 def _dropouts(frames: int, dropout: float, rng: np.random.Generator) -> list[TransformStatus]:
     """Statuses of the probe: out of view in runs of some frames, `dropout` of all frames rounded."""
-    smooth = ndimage.gaussian_filter1d(rng.standard_normal(frames), 1.5, mode="reflect") + 1e-9 * np.arange(frames)
+    smooth = scipy.ndimage.gaussian_filter1d(rng.standard_normal(frames), 1.5, mode="reflect") + 1e-9 * np.arange(frames)
     lost = np.argsort(smooth)[: round(dropout * frames)]
     return [TransformStatus.OUT_OF_VIEW if n in set(lost.tolist()) else TransformStatus.OK for n in range(frames)]
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy import ndimage
 
 from ..arrays import Floats, Reals, Singles
 from .implicit_shapes import ellipse
@@ -79,7 +79,7 @@ class SoftTissue:
         """Texture `kind` (0 fibers, 1 sheets) at points given by arrays of one shape."""
         coordinates = np.stack([np.ravel(c) for c in (z, y, x)]) / TEXTURE_PITCH
         coordinates = coordinates.astype(np.float32)
-        values = ndimage.map_coordinates(self.texture[kind], coordinates, order=1, mode="grid-wrap", output=np.float32)
+        values = scipy.ndimage.map_coordinates(self.texture[kind], coordinates, order=1, mode="grid-wrap", output=np.float32)
         return values.reshape(np.shape(x))
 
     def scattering_db(self, points_reference: Floats, beams_reference: Floats) -> Singles:
@@ -135,6 +135,6 @@ def make_texture(rng: np.random.Generator, samples: int = 56) -> Singles:
     fields = []
     for sigma in ((7.0, 0.8, 1.3), (5.0, 0.7, 6.0)):
         noise = rng.standard_normal((samples, samples, samples)).astype(np.float32)
-        noise = ndimage.gaussian_filter(noise, sigma, mode="wrap")
+        noise = scipy.ndimage.gaussian_filter(noise, sigma, mode="wrap")
         fields.append((noise - noise.mean()) / noise.std())
     return np.stack(fields)

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage
 
 from ..arrays import Bytes, Floats, Matrix, Numbers, Singles
 from ..geometry.volume import Volume
@@ -247,7 +247,7 @@ def _beams(probe: PhasedArray, transducer_to_reference: Matrix) -> Floats:
 def _sample(array: Numbers, points_ijk: Singles) -> Singles:
     """Trilinear values of a [k, j, i] array at points (..., 3) given as (i, j, k); 6 outside."""
     coordinates = points_ijk.reshape(-1, 3).T[::-1]
-    values = ndimage.map_coordinates(array, coordinates, order=1, mode="constant", cval=6.0, output=np.float32)
+    values = scipy.ndimage.map_coordinates(array, coordinates, order=1, mode="constant", cval=6.0, output=np.float32)
     return values.reshape(points_ijk.shape[:-1])
 
 
@@ -341,7 +341,7 @@ def _bone_echoes(probe: PhasedArray, hits: Floats, cosines: Floats, rng: np.rand
     if not effects.speckle:
         field: Field = (coherent + incoherent).astype(np.complex64)
         return field
-    texture = 0.8 + 0.55 * ndimage.gaussian_filter(_random_phasors(rng, coherent.shape), 0.7, mode="nearest") * 2.5
+    texture = 0.8 + 0.55 * scipy.ndimage.gaussian_filter(_random_phasors(rng, coherent.shape), 0.7, mode="nearest") * 2.5
     return (coherent * texture + incoherent * _random_phasors(rng, coherent.shape)).astype(np.complex64)
 
 
@@ -349,9 +349,8 @@ def _reverberation(probe: PhasedArray, rng: np.random.Generator) -> Field:
     """Echoes that go to and fro between face and skin, (lines, samples) complex64: bands that fade, 1.9 mm apart."""
     depth = probe.ranges - probe.apex_offset
     bands = sum(10.0 ** ((44.0 - 6.5 * n) / 20.0) * np.exp(-(((depth - 0.5 - 1.9 * n) / 0.35) ** 2)) for n in range(5))
-    uneven = ndimage.gaussian_filter1d(rng.standard_normal(probe.lines), 5.0) * 0.5 + 1.0
-    field: Field = (0.35 * uneven[:, None] * bands[None, :]).astype(np.complex64)
-    return field
+    uneven = scipy.ndimage.gaussian_filter1d(rng.standard_normal(probe.lines), 5.0) * 0.5 + 1.0
+    return np.asarray(0.35 * uneven[:, None] * bands[None, :], np.complex64)
 
 
 def _receive(field: Field, probe: PhasedArray, rng: np.random.Generator, effects: UltrasoundEffects) -> Field:
@@ -375,15 +374,17 @@ def _receive(field: Field, probe: PhasedArray, rng: np.random.Generator, effects
     gain = TIME_GAIN_DB_PER_MM * depth if effects.attenuation else np.zeros_like(depth)
     field = field * 10.0 ** (-loss / 20.0)
     if effects.noise:
-        noise = ndimage.gaussian_filter1d(_random_phasors(rng, field.shape), 1.0, axis=1) * np.float32(math.sqrt(2 * math.sqrt(math.pi)))
+        phasors = _random_phasors(rng, field.shape)
+        noise = scipy.ndimage.gaussian_filter1d(phasors, 1.0, axis=1) * np.float32(math.sqrt(2 * math.sqrt(math.pi)))
         field = field + noise * np.float32(10.0 ** (NOISE_DB / 20.0))
     return (field * 10.0 ** (gain / 20.0)).astype(np.complex64)
 
 
 def _blur(field: Field, lines: float, samples: float) -> Field:
     """A Gaussian point spread of these standard deviations that keeps the power of uncorrelated echoes."""
-    blurred = ndimage.gaussian_filter1d(ndimage.gaussian_filter1d(field, samples, axis=1, truncate=3.2), lines, axis=0, truncate=3.2)
-    return blurred * np.float32(2 * math.sqrt(math.pi * lines * samples))
+    for axis, deviation in ((1, samples), (0, lines)):
+        field = scipy.ndimage.gaussian_filter1d(field, deviation, axis=axis, truncate=3.2)
+    return field * np.float32(2 * math.sqrt(math.pi * lines * samples))
 
 
 def _to_image(amplitude: Singles, probe: PhasedArray, effects: UltrasoundEffects) -> Bytes:

@@ -39,6 +39,11 @@ def prepare_streams() -> None:
             stream.reconfigure(errors="backslashreplace")
 
 
+def not_loaded(error: BaseException) -> str:
+    """What to say where a library, or a part of one, cannot be loaded."""
+    return f"A library cannot be loaded ({' '.join(str(error).split())}). Install AIFRecon again, or give the program more memory."
+
+
 def program() -> str:
     """How this program was called, to begin a command that can be copied: ``aifrecon``, or ``.venv/bin/python -m AIFReconLib``."""
     called = Path(sys.argv[0])

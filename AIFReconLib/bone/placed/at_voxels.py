@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from ...arrays import Floats, Integers, Matrix, Singles
 from ...machine.threads import optional_module
@@ -88,7 +88,7 @@ class BoneAtVoxels:
         within = tuple(slice(s.start - w.start, s.stop - w.start) for s, w in zip(near, wider, strict=True))
         if all(s.stop > s.start for s in near):
             for axis in range(3):
-                slopes[(axis, *near)] = ndimage.sobel(self.potential[wider], axis=2 - axis, mode="nearest")[within]
+                slopes[(axis, *near)] = scipy.ndimage.sobel(self.potential[wider], axis=2 - axis, mode="nearest")[within]
         return slopes
 
     @cached_property
@@ -125,7 +125,7 @@ def interpolated(array: Singles, places: Floats) -> Singles:
     """An array [k, j, i] between its voxels, linearly, at places (3, ...); around it lie zeros."""
     result = np.empty(places.shape[1:], np.float32)
     # "constant" would drop voxels on the very border, which rounding puts a hair outside
-    ndimage.map_coordinates(array, places, output=result, order=1, mode="grid-constant", prefilter=False)
+    scipy.ndimage.map_coordinates(array, places, output=result, order=1, mode="grid-constant", prefilter=False)
     return result
 
 

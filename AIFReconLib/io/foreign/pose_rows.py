@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ...arrays import Matrix
 from ...errors import AIFReconError, SettingsError
@@ -191,7 +191,7 @@ def pose_of(values: Mapping[str, float], form: PoseFormat) -> Matrix | None:
         length = float(np.linalg.norm(quaternion))
     if abs(length - 1.0) > QUATERNION_TOLERANCE:
         raise PoseValueError("must have a quaternion of length 1; got {length:.4g}. Check which columns hold it.", length=length)
-    matrix[:3, :3] = Rotation.from_quat(quaternion / length).as_matrix()
+    matrix[:3, :3] = scipy.spatial.transform.Rotation.from_quat(quaternion / length).as_matrix()
     return matrix
 
 
@@ -203,7 +203,7 @@ def _turned(matrix: Matrix, values: Mapping[str, float], form: PoseFormat) -> Ma
     angles = [values[name] for name in names]
     if not np.isfinite([*matrix[:3, 3], *angles]).all():
         return None
-    matrix[:3, :3] = Rotation.from_euler(form.euler_order, angles, degrees=form.angle_unit == "deg").as_matrix()
+    matrix[:3, :3] = scipy.spatial.transform.Rotation.from_euler(form.euler_order, angles, degrees=form.angle_unit == "deg").as_matrix()
     return matrix
 
 

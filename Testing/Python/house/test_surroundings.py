@@ -242,6 +242,50 @@ def test_a_library_that_cannot_be_loaded_is_one_line(monkeypatch, capsys):
     assert capsys.readouterr().err.startswith("aifrecon: A library cannot be loaded")
 
 
+def test_a_part_of_a_library_that_cannot_be_loaded_later_is_one_line(monkeypatch, capsys):
+    def run(_):
+        raise ImportError("DLL load failed while importing\n_nd_image")
+
+    monkeypatch.setattr("AIFReconLib.commands.info.run", run)
+    assert main(["info", "sweep.mha"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("aifrecon: A library cannot be loaded (DLL load failed while importing _nd_image). Install")
+    assert said.count("\n") == 1
+
+
+def test_ctrl_c_that_an_import_turns_into_another_error_ends_a_command_in_one_line(monkeypatch, capsys):
+    def run(_):
+        swallowed_and_forgotten()
+        raise ImportError("cannot import name")
+
+    monkeypatch.setattr("AIFReconLib.commands.info.run", run)
+    assert main(["info", "sweep.mha"]) == 130
+    assert capsys.readouterr().err == "aifrecon: Interrupted. No file is left half-written.\n"
+
+
+def loaded_by(program):
+    """The modules that a fresh process has loaded at the end of a program."""
+    done = subprocess.run([sys.executable, "-c", f"{program}; import sys; print(*sys.modules)"], capture_output=True, text=True, check=True)
+    return set(done.stdout.split())
+
+
+def test_a_command_starts_with_its_own_file_and_without_libraries_that_it_may_not_need():
+    loaded = loaded_by("from AIFReconLib.commands.parser import *; build_parser(named(['info', 'sweep.mha']))")
+    assert "AIFReconLib.commands.info" in loaded
+    assert not loaded & {f"AIFReconLib.commands.{file}" for file in cli.COMMANDS.values() if file != "info"}
+
+
+def test_no_command_starts_with_what_takes_long_to_load():
+    loaded = loaded_by("from AIFReconLib.commands.parser import *; build_parser()")
+    slow = {
+        "numba",
+        "matplotlib",
+        "vtk",
+        *(f"scipy.{part}" for part in ("fft", "linalg", "ndimage", "optimize", "sparse", "spatial", "special")),
+    }
+    assert not loaded & slow
+
+
 def swallowed_and_forgotten():
     with suppress(KeyboardInterrupt):
         signal.raise_signal(signal.SIGINT)

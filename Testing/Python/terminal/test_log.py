@@ -37,7 +37,7 @@ def reconstruct(patient, tmp_path, *options) -> int:
 
 def test_every_command_has_them():
     choices = build_parser()._subparsers._group_actions[0].choices
-    assert len(choices) == len(COMMANDS)
+    assert list(choices) == list(COMMANDS)
     assert [name for name, parser in choices.items() if not {"--verbose", "--log"} <= set(parser._option_string_actions)] == []
 
 
