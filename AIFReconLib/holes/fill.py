@@ -40,11 +40,11 @@ def fill_as_asked(
     if settings.holes == "off":
         return 0
     if settings.holes is None and settings.hole_limit == 0:
-        return fill_holes_by_kind(values, mask, configured, progress, engine=settings.engine, score=score)
+        return fill_holes_by_kind(values, mask, configured, progress, engine=settings.engine, threads=threads, score=score)
     limit = float(settings.hole_limit)
     if settings.holes in (None, "nearest"):
         return fill_holes(values, mask, spacing, limit, progress, engine=settings.engine, threads=threads)
-    return fill_holes_by_kind(values, mask, (within(settings.holes, limit, spacing),), progress, engine=settings.engine)
+    return fill_holes_by_kind(values, mask, (within(settings.holes, limit, spacing),), progress, engine=settings.engine, threads=threads)
 
 
 def as_configured(settings: ReconstructionSettings, configured: tuple[HoleFilling, ...]) -> bool:

@@ -33,29 +33,32 @@ def fill_along_sticks(
     size : int
         Voxels of the longest stick.
     wanted : int
-        How many sticks to average.
+        How many sticks to average. Where it is one, directions in which no stick can be as good as the best so far are not followed.
     averages : (holes,) float64 array
         Written; NaN where no stick is found.
     """
     directions = steps.shape[0]
     score, value = np.empty(directions), np.empty(directions)
     for hole in range(places.shape[0]):
-        here = places[hole]
+        here, shortest = places[hole], np.inf
         for n in range(directions):
             score[n] = 0.0
+            # A little more, for rounding: what is kept for nothing does no harm
+            longest = int(min(float(size), shortest / lengths[n] + 1e-6)) if wanted == 1 else size
             ahead = 0
-            for taken in range(1, size - 1):
+            for taken in range(1, longest - 1):
                 if flat_known[here + taken * steps[n]]:
                     ahead = taken
                     break
             if ahead == 0:
                 continue
-            for taken in range(1, size - ahead):
+            for taken in range(1, longest - ahead):
                 if flat_known[here - taken * steps[n]]:
                     length = ahead + taken + 1.0
                     toward = (taken + 1) / length
                     value[n] = (1 - toward) * flat_values[here - taken * steps[n]] + toward * flat_values[here + ahead * steps[n]]
                     score[n] = 1.0 / (length * lengths[n])
+                    shortest = min(shortest, length * lengths[n])
                     break
         total, weight, used = 0.0, 0.0, 0
         while used < wanted:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Bytes, Floats, Integers, Mask, Numbers
-from ..machine.threads import optional_module
+from ..machine.threads import checked_threads, in_parts, optional_module
 from ..progress import Progress, report
 from .averages import gaussian, gaussian_by_hits, inverse_distance, nearest_cube
 from .filling import CUBE, GAUSSIAN, GAUSSIAN_BY_HITS, INVERSE_DISTANCE, STICK, HoleFilling
@@ -36,6 +36,7 @@ def fill_holes_by_kind(
     progress: Progress | None = None,
     *,
     engine: str = "auto",
+    threads: int | None = None,
     score: Numbers | None = None,
 ) -> int:
     """Fill holes in place; returns how many were filled.
@@ -51,6 +52,8 @@ def fill_holes_by_kind(
     progress : Progress or None
     engine : "auto", "numpy" or "numba"
         Who does it; the answer is the same.
+    threads : int or None
+        For sticks with numba: how many to use, by default every core.
     score : [k, j, i] array or None
         How many pixels, or how much of them, entered each voxel, for "gaussian by hits"; by default the same everywhere.
 
@@ -71,30 +74,34 @@ def fill_holes_by_kind(
         # Filled voxels of the slab before are holes still to this one, and no sources
         known = mask[low:high] == MEASURED
         hits = None if score is None else score[low:high]
-        holes = np.argwhere(mask[start:stop] == EMPTY) + np.array([start - low, 0, 0])
+        holes = np.zeros_like(known)
+        holes[start - low : stop - low] = mask[start:stop] == EMPTY
         for kind in kinds:
-            if not len(holes) or not known.any():
+            if not holes.any() or not known.any():
                 break
-            found, found_values = _fill(values[low:high], known, holes, kind, engine, hits)
-            at = tuple((holes[found] + np.array([low, 0, 0])).T)
-            values[at] = found_values if values.dtype.kind == "f" else np.floor(found_values + 0.5)
-            mask[at] = FILLED
-            filled += int(found.sum())
-            holes = holes[~found]
+            found, found_values = _fill(values[low:high], known, holes, kind, hits, engine, threads)
+            now = np.zeros_like(holes)
+            now[holes] = found
+            values[low:high][now] = found_values if values.dtype.kind == "f" else np.floor(found_values + 0.5)
+            mask[low:high][now] = FILLED
+            filled += len(found_values)
+            holes[now] = False
     report(progress, 1.0, "Filled holes")
     return filled
 
 
-def _fill(values: Numbers, known: Mask, holes: Integers, kind: HoleFilling, engine: str, hits: Numbers | None) -> tuple[Mask, Floats]:
-    """Which holes are filled in this way, and with what."""
+def _fill(
+    values: Numbers, known: Mask, holes: Mask, kind: HoleFilling, hits: Numbers | None, engine: str, threads: int | None
+) -> tuple[Mask, Floats]:
+    """Which of the `holes` (bool [k, j, i]), in their order, are filled in this way, and with what."""
     if kind.kind == STICK:
-        return _fill_sticks(values, known, holes, kind, engine)
+        return _fill_sticks(values, known, holes, kind, engine, threads)
     if kind.kind == GAUSSIAN_BY_HITS:
-        return gaussian_by_hits(values, known, holes, kind, hits)
-    return _AVERAGES[kind.kind](values, known, holes, kind)
+        return gaussian_by_hits(values, known, np.argwhere(holes), kind, hits)
+    return _AVERAGES[kind.kind](values, known, np.argwhere(holes), kind)
 
 
-def _fill_sticks(values: Numbers, known: Mask, holes: Integers, kind: HoleFilling, engine: str) -> tuple[Mask, Floats]:
+def _fill_sticks(values: Numbers, known: Mask, holes: Mask, kind: HoleFilling, engine: str, threads: int | None) -> tuple[Mask, Floats]:
     """Linear interpolation between known voxels on both sides, along the shortest sticks.
 
     Notes
@@ -105,26 +112,31 @@ def _fill_sticks(values: Numbers, known: Mask, holes: Integers, kind: HoleFillin
     together, until there are at least `sticks` of them.
     """
     longest = max(kind.size - 2, 0)
-    padded = np.pad(known, longest)
-    flat_values = np.pad(values, longest).reshape(-1)
+    # Around the volume lies so much that no stick gets out of it
+    padded, flat_values = np.pad(known, longest), np.pad(values, longest).reshape(-1)
     strides = np.array([padded.shape[1] * padded.shape[2], padded.shape[2], 1])
-    places = (holes + longest) @ strides
-    parts = [slice(start, start + HOLES_AT_ONCE) for start in range(0, len(places), HOLES_AT_ONCE)]
-    filled = [_fill_along_sticks(flat_values, padded.reshape(-1), places[part], strides, kind, engine) for part in parts]
-    return np.concatenate([found for found, _ in filled]), np.concatenate([averages for _, averages in filled])
-
-
-def _fill_along_sticks(
-    flat_values: Numbers, flat_known: Mask, places: Integers, strides: Integers, kind: HoleFilling, engine: str
-) -> tuple[Mask, Floats]:
-    """The same for holes at flat `places` of a padded volume with these strides [k, j, i]."""
-    lengths = np.linalg.norm(STICKS, axis=1)
+    flat_known, places = padded.reshape(-1), np.flatnonzero(np.pad(holes, longest))
     compiled = None if engine == "numpy" else optional_module("AIFReconLib.holes.numba_sticks")
-    if compiled is not None:
-        averages = np.empty(len(places))
-        compiled.fill_along_sticks(flat_values, flat_known, places, np.dot(STICKS, strides), lengths, kind.size, kind.sticks, averages)
-        found = ~np.isnan(averages)
-        return found, averages[found]
+    averages = np.empty(len(places))
+    starts = range(0, len(places), HOLES_AT_ONCE)
+
+    def fill(number: int) -> None:
+        part = slice(starts[number], starts[number] + HOLES_AT_ONCE)
+        if compiled is None:
+            averages[part] = _along_sticks(flat_values, flat_known, places[part], strides, kind)
+        else:
+            steps, lengths = np.dot(STICKS, strides), np.linalg.norm(STICKS, axis=1)
+            compiled.fill_along_sticks(flat_values, flat_known, places[part], steps, lengths, kind.size, kind.sticks, averages[part])
+
+    # In numpy one part at a time: each needs memory for all directions
+    in_parts(fill, len(starts), 1 if compiled is None else checked_threads(threads))
+    found = ~np.isnan(averages)
+    return found, averages[found]
+
+
+def _along_sticks(flat_values: Numbers, flat_known: Mask, places: Integers, strides: Integers, kind: HoleFilling) -> Floats:
+    """The averages (holes,) at flat `places` of a padded volume with these strides [k, j, i]; NaN where no stick is found."""
+    lengths = np.linalg.norm(STICKS, axis=1)
     longest = max(kind.size - 2, 0)
     score, value = np.zeros((2, len(STICKS), len(places)))
     for number, direction in enumerate(STICKS):
@@ -138,8 +150,9 @@ def _fill_along_sticks(
         toward = (behind + 1) / length
         value[number, some] = (1 - toward) * flat_values[here - step * behind] + toward * flat_values[here + step * f]
         score[number, some] = 1.0 / (length * lengths[number])
-    found = score.max(axis=0) > 0
-    return found, _best_sticks(score[:, found], value[:, found], kind.sticks)
+    averages, found = np.full(len(places), np.nan), score.max(axis=0) > 0
+    averages[found] = _best_sticks(score[:, found], value[:, found], kind.sticks)
+    return averages
 
 
 def _steps(known: Mask, places: Integers, step: int, limits: Integers) -> Integers:
