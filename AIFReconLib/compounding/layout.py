@@ -41,8 +41,8 @@ class PixelLayout:
     spacing : (x, y), mm
     window : (top, bottom, left, right)
         Smallest rectangle around all of them, bottom and right not included.
-    inside : (n,) int64 array
-        Their flat numbers within the window, rising.
+    mask : (rows, columns) bool array
+        Which pixels of the window count, n of them.
     beam_x, beam_y : (n,) float32 arrays or None
         Beam direction through each, in the image plane.
     moved : (2, n) float64 array or None
@@ -52,18 +52,15 @@ class PixelLayout:
     size: tuple[int, int]
     spacing: tuple[float, float]
     window: tuple[int, int, int, int]
-    inside: Integers
+    mask: Mask
     beam_x: Singles | None
     beam_y: Singles | None
     moved: Floats | None = None
 
     @cached_property
-    def mask(self) -> Mask:
-        """Which pixels of the window count, (rows, columns) bool."""
-        top, bottom, left, right = self.window
-        mask = np.zeros((bottom - top) * (right - left), dtype=bool)
-        mask[self.inside] = True
-        return mask.reshape(bottom - top, right - left)
+    def inside(self) -> Integers:
+        """The flat numbers within the window of the pixels that count, (n,), rising."""
+        return np.flatnonzero(self.mask)
 
     def filled(self, values: NDArray[Value]) -> NDArray[Value]:
         """Values of the pixels that count, (n,), as an image over the window, (rows, columns); 0 or False elsewhere."""
@@ -99,7 +96,10 @@ class PixelLayout:
         edges = np.flatnonzero(padded[:, 1:] != padded[:, :-1])
         rows, starts = np.divmod(edges[::2], mask.shape[1] + 1)
         stops = edges[1::2] % (mask.shape[1] + 1)
-        offsets = np.searchsorted(self.inside, rows * (right - left) + starts)
+        if mask is self.mask:
+            offsets: Integers = np.cumsum(stops - starts) - (stops - starts)
+        else:
+            offsets = np.searchsorted(self.inside, rows * (right - left) + starts)
         return np.stack([rows + top, starts + left, stops + left, offsets], axis=1).astype(np.int64)
 
     @classmethod
@@ -121,7 +121,7 @@ class PixelLayout:
         if probe is not None:
             directions = probe.directions(columns, rows, spacing)[window[0] : window[1], window[2] : window[3]]
             beam_x, beam_y = directions[mask].T.copy()
-        layout = cls(size, spacing, window, np.flatnonzero(mask), beam_x, beam_y)
+        layout = cls(size, spacing, window, mask, beam_x, beam_y)
         return layout if depth_scale is None else replace(layout, moved=depth_scale.moved(layout.coordinates))
 
     def fits(self, size: tuple[int, int], spacing: tuple[float, float]) -> bool:

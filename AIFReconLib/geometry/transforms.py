@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -102,12 +103,18 @@ def why_not_rigid(matrix: Matrix) -> Message | None:
     problem = why_not_affine(matrix)
     if problem:
         return problem
-    rotation = matrix[:3, :3]
-    if np.abs(rotation.T @ rotation - np.eye(3)).max() > RIGIDITY_TOLERANCE:
+    x, y, z = matrix[:3, :3].T.tolist()
+    lengths, angles = (_dot(x, x), _dot(y, y), _dot(z, z)), (_dot(x, y), _dot(y, z), _dot(z, x))
+    if max(abs(length - 1.0) for length in lengths) > RIGIDITY_TOLERANCE or max(map(abs, angles)) > RIGIDITY_TOLERANCE:
         return Message("not rigid (scaled or sheared)")
-    if np.linalg.det(rotation) < 0:
+    across = (x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0])
+    if _dot(across, z) < 0:
         return Message("not rigid (mirrored)")
     return None
+
+
+def _dot(a: Sequence[float], b: Sequence[float]) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def why_not_an_image_pose(image_to_reference: Matrix) -> Message | None:
@@ -119,7 +126,7 @@ def why_not_an_image_pose(image_to_reference: Matrix) -> Message | None:
     along_x, along_y = math.hypot(*x), math.hypot(*y)
     if min(along_x, along_y) <= 0.0 or max(along_x, along_y) > 1e4 * min(along_x, along_y):
         return Message("singular (a pixel has no size)")
-    if abs(x[0] * y[0] + x[1] * y[1] + x[2] * y[2]) > SHEAR_TOLERANCE * along_x * along_y:
+    if abs(_dot(x, y)) > SHEAR_TOLERANCE * along_x * along_y:
         return Message("sheared (image axes are not at right angles)")
     return None
 

@@ -23,8 +23,7 @@ def layout_of(mask, spacing):
     """A layout of just these pixels."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     window = int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1
-    inside = np.flatnonzero(mask[window[0] : window[1], window[2] : window[3]])
-    return PixelLayout((COLUMNS, ROWS), spacing, window, inside, None, None)
+    return PixelLayout((COLUMNS, ROWS), spacing, window, mask[window[0] : window[1], window[2] : window[3]], None, None)
 
 
 def patches(seed, count):
