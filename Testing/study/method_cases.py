@@ -36,8 +36,8 @@ SIGMA = 4.0
 BEAM_THICKNESS = 3.0
 MULTI_FRAMES, SINGLE_FRAMES = 360, 120
 METHODS = ("average", "aif", "aif-compensated", "weighted")
-REFERENCES = (confidence_weighted_sector.name, incidence_weighted.name)
-"""Methods of others, tried with exact poses and CT."""
+REFERENCES = {"confidence-weighted": confidence_weighted_sector.name, "incidence-weighted": incidence_weighted.name}
+"""Methods of others, by what they are called here, tried with exact poses and CT."""
 
 MISREGISTRATIONS = {
     "CT 1 mm off": (1.0, 0.0),
@@ -99,12 +99,12 @@ def patient_rows(seed: int, own: tuple[str, ...] = ()) -> list[Row]:
     noisy_scan = Scan(_configured(noisy, probe), multi.truth)
     rows += [_row(seed, "multi-angle", "tracker noise", method, noisy_scan, phantom.labels) for method in (*METHODS, *own)]
     gray = simulated_scan(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed, UltrasoundEffects(clutter=True))
-    rows += [_row(seed, "multi-angle", GRAY_SHADOWS, method, gray, phantom.labels) for method in (*METHODS, *REFERENCES)]
+    rows += [_row(seed, "multi-angle", GRAY_SHADOWS, method, gray, phantom.labels) for method in (*METHODS, *REFERENCES.values())]
     return rows + _controls(seed, phantom, probe, multi)
 
 
 def _exact(seed: int, name: str, scan: Scan, labels: Volume, own: tuple[str, ...] = ()) -> list[Row]:
-    methods = ("average", "latest", "maximum", *BONE_METHODS, *REFERENCES, *own)
+    methods = ("average", "latest", "maximum", *BONE_METHODS, *REFERENCES.values(), *own)
     rows = [_row(seed, name, "exact", method, scan, labels) for method in methods]
     rows += [_row(seed, name, "exact", method, scan, labels, "surface") for method in BONE_METHODS]
     return rows + _where_both_show(seed, name, scan, labels)

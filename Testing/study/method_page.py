@@ -6,7 +6,19 @@ from collections.abc import Iterable
 
 from AIFReconLib.settings import is_own_method
 
-from .method_cases import BOTH, GRAY_SHADOWS, METHODS, MISREGISTRATIONS, MULTI_FRAMES, OF_MULTI, SIGMA, SINGLE_FRAMES, SPACING, Row
+from .method_cases import (
+    BOTH,
+    GRAY_SHADOWS,
+    METHODS,
+    MISREGISTRATIONS,
+    MULTI_FRAMES,
+    OF_MULTI,
+    REFERENCES,
+    SIGMA,
+    SINGLE_FRAMES,
+    SPACING,
+    Row,
+)
 from .patients import Spread, spread_of
 
 COLUMNS = (
@@ -63,22 +75,24 @@ def study_page(rows: list[Row]) -> str:
                 for method in METHODS[1:]
             ]
             + [
-                (f"{condition}, {method}", {**multi, "condition": condition, "method": method})
+                (f"{condition}, {_called(method)}", {**multi, "condition": condition, "method": method})
                 for condition in ("exact", *MISREGISTRATIONS)
                 for method in _own(rows, "CT 1 mm off")
             ],
         ),
         "Tracker noise of 0.5 mm and 1 degree": _table(
             rows,
-            [(method, {**multi, "condition": "tracker noise", "method": method}) for method in (*METHODS, *_own(rows, "tracker noise"))],
+            [
+                (_called(method), {**multi, "condition": "tracker noise", "method": method})
+                for method in (*METHODS, *_own(rows, "tracker noise"))
+            ],
         ),
         "Shadows that are gray, as real ones are": _table(
             rows,
             [
-                (f"{condition}, {method}", {**multi, "condition": condition, "method": method, "direction": direction})
-                for method in (*METHODS, *_own(rows, GRAY_SHADOWS))
+                (f"{condition}, {_called(row.method)}", {**multi, "condition": condition, "method": row.method, "direction": row.direction})
+                for row in _first_of_each(rows, GRAY_SHADOWS)
                 for condition in ("exact", GRAY_SHADOWS)
-                for direction in sorted({row.direction for row in rows if row.method == method} - {"surface"})
             ],
         ),
         "A wrong CT": _table(rows, [average, *_conditions(WRONG, METHODS[2:])]),
@@ -92,6 +106,16 @@ def study_page(rows: list[Row]) -> str:
         "the surface of one process alone: where the scan has none, whatever is covered is false bone."
     )
     return "\n\n".join([head, *(f"### {title}\n\n{table}" for title, table in sections.items())]) + "\n"
+
+
+def _called(method: str) -> str:
+    """What a method is called in a table: one of others by its words."""
+    return next((words for words, name in REFERENCES.items() if name == method), method)
+
+
+def _first_of_each(rows: list[Row], condition: str) -> list[Row]:
+    """A row of each method that was tried in a condition."""
+    return list({row.method: row for row in reversed(rows) if row.condition == condition}.values())[::-1]
 
 
 def _own(rows: list[Row], condition: str) -> list[str]:
@@ -108,7 +132,7 @@ def _exact(rows: list[Row], scan: str) -> str:
     lines = [(method, {**wanted, "method": method, "direction": ""}) for method in ("average", "latest", "maximum")]
     for method in METHODS[1:]:
         lines += [(f"{method}, {d}", {**wanted, "method": method, "direction": d}) for d in ("gradient", "surface")]
-    lines += [(method, {**wanted, "method": method}) for method in _own(rows, "exact")]
+    lines += [(_called(method), {**wanted, "method": method}) for method in _own(rows, "exact")]
     return _table(rows, lines)
 
 

@@ -147,6 +147,17 @@ def test_the_page_has_a_dash_where_nothing_is_known():
     assert line.count(" - ") == len(COLUMNS)
 
 
+def test_gray_shadows_have_a_line_of_each_method_with_and_without_and_others_go_by_their_words():
+    others = method_cases.REFERENCES["incidence-weighted"]
+    tried = [("average", ""), ("weighted", "gradient"), (others, "gradient")]
+    rows = [row(0, name, 2.0, direction=way, condition=what) for name, way in tried for what in ("exact", method_cases.GRAY_SHADOWS)]
+    rows += [row(0, "weighted", 2.0, direction="", condition=method_cases.BOTH), row(0, "weighted", 2.0, direction="surface")]
+    table = study_page(rows).partition("### Shadows that are gray")[2].partition("###")[0]
+    names = [line.split("|")[1].strip() for line in table.splitlines() if line.startswith("| ")][1:]
+    assert names == [f"{what}, {name}" for name in ("average", "weighted", "incidence-weighted") for what in ("exact", "gray shadows")]
+    assert "| - |" not in table
+
+
 def test_a_finished_study_is_read_and_not_run_again(tmp_path):
     rows = [row(0), row(0, "weighted", 2.0, direction="gradient")]
     (tmp_path / "patient-000.json").write_text(json.dumps([asdict(r) for r in rows]))
