@@ -123,8 +123,8 @@ def rows(phantom: LumbarPhantom) -> dict[str, tuple[Row, ...]]:
             values("--beta", "aif-compensated", "beta", (0.02, 0.1, 0.5, 1.0), bone),
         ),
         "parameters-weighted": (
-            values("--bone-gain", "weighted", "bone_gain", (0.0, 1.0, 2.0, 5.0), bone),
-            values("--weight-floor", "weighted", "weight_floor", (0.001, 0.02, 0.2, 1.0), bone),
+            values("--bone-gain", "weighted", "bone_gain", (0.0, 1.0, 4.0, 10.0), bone),
+            values("--weight-floor", "weighted", "weight_floor", (0.0003, 0.003, 0.03, 1.0), bone),
         ),
         "parameters-volume": (
             values("--spacing", "weighted", "spacing", (0.3, 0.5, 1.0, 2.0), bone, " mm"),
