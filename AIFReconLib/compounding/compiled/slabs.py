@@ -7,11 +7,12 @@ import numpy as np
 from ...arrays import Integers, Matrix, Numbers
 from ..layout import PixelLayout
 
-SLABS = 8
-"""Slabs that a batch is cut into: what frames share of one fits into a core's cache, and threads end at about the same time."""
+SLABS, SLABS_WITH_BONE = 8, 16
+"""Slabs that a batch is cut into, and where the bone map is read in every voxel, which takes 16 bytes more of each: what frames share of one
+fits into a core's cache, and threads end at about the same time."""
 
 
-def cut_into_slabs(matrices: Matrix, layout: PixelLayout, bounds: Numbers) -> tuple[int, Integers]:
+def cut_into_slabs(matrices: Matrix, layout: PixelLayout, bounds: Numbers, slabs: int = SLABS) -> tuple[int, Integers]:
     """The axis across which to cut, and the edges of the slabs along it, for frames at these places.
 
     Parameters
@@ -20,6 +21,8 @@ def cut_into_slabs(matrices: Matrix, layout: PixelLayout, bounds: Numbers) -> tu
     layout : PixelLayout
     bounds : (2, 3) array, along i, j, k
         The first voxel of the part that counts, and the one after the last.
+    slabs : int
+        How many, at most.
 
     Returns
     -------
@@ -39,4 +42,4 @@ def cut_into_slabs(matrices: Matrix, layout: PixelLayout, bounds: Numbers) -> tu
     reached = corners @ matrices[:, axis, :].T + 0.5
     low, high = bounds[:, axis]
     first, last = (float(np.clip(np.floor(end), low, high - 1)) for end in (reached.min(), reached.max()))
-    return axis, np.unique(np.floor(np.linspace(max(first - 1, low), min(last + 2, high), SLABS + 1)).astype(np.int64))
+    return axis, np.unique(np.floor(np.linspace(max(first - 1, low), min(last + 2, high), slabs + 1)).astype(np.int64))
