@@ -8,8 +8,8 @@ from ...arrays import Integers, Matrix, Numbers
 from ..layout import PixelLayout
 
 SLABS, SLABS_WITH_BONE = 8, 16
-"""Slabs that a batch is cut into, and where the bone map is read in every voxel, which takes 16 bytes more of each: what frames share of one
-fits into a core's cache, and threads end at about the same time."""
+"""Slabs that a batch is cut into, and where the bone map is read in every voxel, which takes 16 bytes more of each: what frames share of a
+slab fits into a core's cache, and threads end at about the same time."""
 
 
 def cut_into_slabs(matrices: Matrix, layout: PixelLayout, bounds: Numbers, slabs: int = SLABS) -> tuple[int, Integers]:
