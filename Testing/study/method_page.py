@@ -91,7 +91,7 @@ def study_page(rows: list[Row]) -> str:
             rows,
             [
                 (f"{condition}, {_called(row.method)}", {**multi, "condition": condition, "method": row.method, "direction": row.direction})
-                for row in _first_of_each(rows, GRAY_SHADOWS)
+                for row in {row.method: row for row in rows if row.condition == GRAY_SHADOWS}.values()
                 for condition in ("exact", GRAY_SHADOWS)
             ],
         ),
@@ -111,11 +111,6 @@ def study_page(rows: list[Row]) -> str:
 def _called(method: str) -> str:
     """What a method is called in a table: one of others by its words."""
     return next((words for words, name in REFERENCES.items() if name == method), method)
-
-
-def _first_of_each(rows: list[Row], condition: str) -> list[Row]:
-    """A row of each method that was tried in a condition."""
-    return list({row.method: row for row in reversed(rows) if row.condition == condition}.values())[::-1]
 
 
 def _own(rows: list[Row], condition: str) -> list[str]:
