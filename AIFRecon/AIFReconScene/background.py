@@ -9,8 +9,11 @@ import slicer
 from AIFReconLib.message import Message
 from AIFReconLib.progress import report
 
-HEAVY = ("AIFReconLib.reconstruction", "AIFReconLib.evaluation.metrics")
-"""With SciPy and all that the library computes with."""
+HEAVY = (
+    *("AIFReconLib.reconstruction", "AIFReconLib.evaluation.metrics"),
+    *("scipy.fft", "scipy.ndimage", "scipy.optimize", "scipy.sparse", "scipy.spatial", "scipy.special"),
+)
+"""All that the library computes with. It would load the parts of SciPy where it first names them, be that while windows stand still."""
 
 ALIVE_EVERY = 0.02
 """s between two looks of the main thread at its events."""

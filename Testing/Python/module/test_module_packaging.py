@@ -21,6 +21,7 @@ WITHIN_A_RECONSTRUCTION = (
     "imaging/region", "geometry/transform_graph", "geometry/volume", "compounding/reconstructor", "io/plus/configuration",
 )  # fmt: skip
 HEAVY = {"scipy", "SimpleITK", "matplotlib", "numba", "pyigtl"}
+SCIPY_PARTS = {"fft", "interpolate", "linalg", "ndimage", "optimize", "signal", "sparse", "spatial", "special", "stats"}
 
 
 def name_of(path: Path) -> str:
@@ -81,6 +82,17 @@ def test_the_icon_of_the_extension_has_the_size_that_slicer_asks(path, size):
 @pytest.mark.parametrize("path", MODULE_FILES, ids=name_of)
 def test_nothing_heavy_is_imported_when_slicer_starts(path):
     assert module_level_imports(ast.parse(path.read_text("utf-8"))) & HEAVY == set()
+
+
+def test_every_part_of_scipy_that_the_library_names_is_loaded_beside_the_windows():
+    named = {
+        part for path in (REPOSITORY / "AIFReconLib").rglob("*.py") for part in re.findall(r"\bscipy\.[a-z]+", path.read_text("utf-8"))
+    }
+    (loaded,) = re.findall(
+        r"^HEAVY = (\(.*?^\))", (MODULE / "AIFReconScene" / "background.py").read_text("utf-8"), re.DOTALL | re.MULTILINE
+    )
+    assert "scipy.ndimage" in named
+    assert {part for part in named if part.removeprefix("scipy.") in SCIPY_PARTS} <= set(re.findall(r'"([\w.]+)"', loaded))
 
 
 @pytest.mark.parametrize("path", sorted((MODULE / "AIFReconScene").glob("*.py")), ids=name_of)
