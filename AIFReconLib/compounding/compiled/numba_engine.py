@@ -20,7 +20,7 @@ from ..state import VoxelState
 from .groups import Evidence
 from .numba_evidence import FrameJudge
 from .numba_kernels import AVERAGE, LATEST, MAXIMUM, PACKED, clip_to_volume, insert_aif, insert_cosine, insert_plain, insert_weighted
-from .slabs import SLABS, SLABS_WITH_BONE, cut_into_slabs
+from .slabs import SLABS, SLABS_WITH_BONE, cut_into_slabs, slabs_for
 
 NOTHING: Singles = np.empty(0, np.float32)
 
@@ -103,7 +103,8 @@ class NumbaEngine:
 
     def _insert(self, batch: FrameBatch, frames: slice, pieces: Integers, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
         images, matrices, axes = batch.images[frames], batch.image_to_ijk[frames], batch.axes[frames]
-        axis, edges = cut_into_slabs(matrices, layout, self._bounds, SLABS_WITH_BONE if self._probability.size else SLABS)
+        slabs = slabs_for(matrices, layout, self.threads, SLABS_WITH_BONE if self._probability.size else SLABS)
+        axis, edges = cut_into_slabs(matrices, layout, self._bounds, slabs)
         spans = np.empty((len(images), len(pieces), 4), np.int32)
         clip_to_volume(matrices, pieces, self._bounds, axis, spans)
         entered = np.zeros((len(edges) - 1, len(images)), np.int64)

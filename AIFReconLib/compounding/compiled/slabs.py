@@ -8,8 +8,22 @@ from ...arrays import Integers, Matrix, Numbers
 from ..layout import PixelLayout
 
 SLABS, SLABS_WITH_BONE = 8, 16
-"""Slabs that a batch is cut into, and where the bone map is read in every voxel, which takes 16 bytes more of each: what frames share of a
-slab fits into a core's cache, and threads end at about the same time."""
+"""Slabs that a batch is cut into at most, and where the bone map is read in every voxel, which takes 16 bytes more of each: what frames
+share of a slab fits into a core's cache."""
+
+VOXELS_OF_SLAB = 8_000
+"""Voxels of one frame that a slab need not be smaller than for that: every cut more is a piece of a row more."""
+
+SLABS_OF_THREAD = 2
+"""At least, so that threads end at about the same time."""
+
+
+def slabs_for(matrices: Matrix, layout: PixelLayout, threads: int, most: int = SLABS) -> int:
+    """How many slabs to cut a batch into: as many as its frames, (frames, 4, 4) image_to_ijk, and threads can use."""
+    left, right, top, bottom = layout.bounds
+    pixel = float(np.linalg.norm(np.cross(matrices[0, :3, 0], matrices[0, :3, 1])))
+    needed = pixel * (right - left) * (bottom - top) / VOXELS_OF_SLAB * (most / SLABS)
+    return min(max(int(needed), SLABS_OF_THREAD * threads), most)
 
 
 def cut_into_slabs(matrices: Matrix, layout: PixelLayout, bounds: Numbers, slabs: int = SLABS) -> tuple[int, Integers]:
