@@ -253,13 +253,23 @@ def _smoothed(array: Singles, sigma_kji: Floats) -> Singles:
 
 
 def _sobel_magnitude(array: Singles) -> Singles:
-    squared = np.zeros_like(array)
-    for axis in range(3):
-        slope = scipy.ndimage.sobel(array, axis=axis, mode="nearest")
-        slope *= slope
-        squared += slope
-    np.sqrt(squared, out=squared)
-    return squared
+    """How long the Sobel gradient [k, j, i] is, in parts, each with a plane of its neighbors on either side."""
+    length = np.zeros_like(array)
+    planes = len(array)
+    edges = np.linspace(0, planes, min(PARTS, planes) + 1).astype(int)
+
+    def measure(part: int) -> None:
+        first, stop = int(edges[part]), int(edges[part + 1])
+        low, high = max(first - 1, 0), min(stop + 1, planes)
+        squared = length[first:stop]
+        for axis in range(3):
+            slope = scipy.ndimage.sobel(array[low:high], axis=axis, mode="nearest")[first - low : stop - low]
+            slope *= slope
+            squared += slope
+        np.sqrt(squared, out=squared)
+
+    in_parts(measure, len(edges) - 1, usable_cores())
+    return length
 
 
 def _matrix_of_box(volume: Volume, box: Box) -> Matrix:

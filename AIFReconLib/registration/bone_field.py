@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from ..arrays import Floats, Integers, Mask, Singles
+from ..arrays import Bytes, Floats, Integers, Mask, Singles
 from ..errors import GeometryError
 from ..geometry.box import box_around
 from ..geometry.transforms import transform_points
@@ -65,10 +65,10 @@ class BoneField:
         padded = np.zeros((blocks * factors)[::-1], dtype=np.uint8)
         start = margin * factors
         padded[tuple(slice(a, a + n) for a, n in zip(start[::-1], size[::-1]))] = bone[found]
-        shape = [n for b, f in zip(blocks[::-1], factors[::-1]) for n in (b, f)]
-        inside = padded.reshape(shape).mean(axis=(1, 3, 5)) >= 0.5
+        counts = _counted_in_blocks(padded, factors[::-1])
+        inside = 2 * counts >= factors.prod()
         if not inside.any():
-            inside = padded.reshape(shape).max(axis=(1, 3, 5)) > 0
+            inside = counts > 0
         to_labels = np.diag([*factors, 1.0])
         to_labels[:3, 3] = first - start + (factors - 1) / 2
         return cls(Volume(_signed_distance(inside, spacing[::-1]), labels.ijk_to_reference @ to_labels), labels)
@@ -125,6 +125,14 @@ class BoneField:
             i, j, k = np.where(known[:, None], ijk, 0).T
             result[open_] = np.where(known, self.labels.array[k, j, i], 0)
         return result
+
+
+def _counted_in_blocks(mask: Bytes, factors: Integers) -> Integers:
+    """How many voxels of 1 each block of `factors` [k, j, i] voxels of a mask holds; the blocks fill it."""
+    counts = np.zeros(np.array(mask.shape) // factors, dtype=np.int32)
+    for k, j, i in np.ndindex(*factors):
+        counts += mask[k :: factors[0], j :: factors[1], i :: factors[2]]
+    return counts
 
 
 def _signed_distance(inside: Mask, spacing_kji: Floats) -> Floats:

@@ -16,6 +16,9 @@ MAXIMUM_FRAMES = 1_000_000
 MAXIMUM_FRAME_BYTES = 2**28
 """Limits of what can be a recording: nine hours at 30 frames/s, and 256 MB in one image."""
 
+KEPT_BYTES = 2**27
+"""Compressed recordings that take no more than this are kept once they are decoded: to look for the probe, for bone and to reconstruct all
+read them from the first frame on."""
 
 _SPACE_KINDS = frozenset(("domain", "space"))
 _TIME_KINDS = frozenset(("list", "time"))
@@ -33,7 +36,8 @@ class FileImages(ImagesOnDemand):
     Notes
     -----
     `images[n]` reads frame n: (rows, columns), in MF orientation, colors reduced to luminance, a new array each time. Compressed
-    data are one stream: reading in frame order decodes each byte once, going back starts over. No file stays open.
+    data are one stream: reading in frame order decodes each byte once, going back starts over, but for recordings of up to `KEPT_BYTES`.
+    No file stays open.
     """
 
     def __init__(self, metafile: Metafile, *, flip_columns: bool = False, flip_rows: bool = False):
@@ -44,7 +48,8 @@ class FileImages(ImagesOnDemand):
         self._flips = (slice(None, None, -1 if flip_rows else 1), slice(None, None, -1 if flip_columns else 1))
         self._frame_bytes = metafile.pixel_bytes // frames
         self._stream: Inflater | None = None
-        self._last: tuple[int, bytes] | None = None
+        self._keeps_all = metafile.pixel_bytes <= KEPT_BYTES
+        self._kept: dict[int, bytes] = {}
 
     def _image(self, index: int) -> Numbers:
         _, rows, columns = self.shape
@@ -56,8 +61,9 @@ class FileImages(ImagesOnDemand):
     def _read(self, index: int) -> bytes:
         """The stored bytes of one frame."""
         metafile = self._metafile
-        if self._last is not None and self._last[0] == index:
-            return self._last[1]
+        kept = self._kept.get(index)
+        if kept is not None:
+            return kept
         with metafile.open_payload() as file:
             try:
                 if metafile.encoding == RAW:
@@ -79,18 +85,22 @@ class FileImages(ImagesOnDemand):
                 raise metafile.failure(
                     "frame {number} cannot be read ({reason}). Copy the file again.", number=index, reason=error.strerror
                 ) from error
-        if metafile.encoding != RAW:
-            self._last = (index, data)
         return data
 
     def _decode(self, file: BinaryIO, index: int) -> bytes:
         start = index * self._frame_bytes
         if self._stream is None or self._stream.position > start:
             self._stream = Inflater(self._metafile.data_offset, self._metafile.data_length)
-        self._stream.skip(file, start - self._stream.position)
+        if self._keeps_all:
+            for before in range(self._stream.position // self._frame_bytes, index):
+                self._kept[before] = self._stream.read(file, self._frame_bytes)
+        else:
+            self._kept.clear()
+            self._stream.skip(file, start - self._stream.position)
         data = self._stream.read(file, self._frame_bytes)
         if index == len(self) - 1:
             self._stream.finish(file)
+        self._kept[index] = data
         return data
 
 

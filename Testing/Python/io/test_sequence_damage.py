@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from sequence_samples import FIELDS, IDENTITY, metaimage, nrrd, ramp
 
 from AIFReconLib.errors import SequenceFormatError
+from AIFReconLib.io.sequence import file_images
 from AIFReconLib.io.sequence.files import read_sequence
 
 
@@ -281,7 +282,24 @@ def test_a_file_that_vanishes_after_opening_is_noticed(tmp_path):
         images[0]
 
 
-def test_reading_a_long_compressed_recording_needs_the_memory_of_a_few_frames(tmp_path):
+@pytest.mark.parametrize("limit", [0, 10**9])
+def test_compressed_frames_are_the_same_in_any_order_kept_or_not(tmp_path, monkeypatch, limit):
+    monkeypatch.setattr(file_images, "KEPT_BYTES", limit)
+    images = read_sequence(metaimage(tmp_path / "sweep.mha", NOISE, compressed=True)).images
+    for index in (2, len(NOISE) - 1, 0, 2, 1, 1, len(NOISE) - 1, 3):
+        np.testing.assert_array_equal(images[index], NOISE[index])
+
+
+def test_a_short_compressed_recording_is_decoded_once(tmp_path):
+    path = metaimage(tmp_path / "sweep.mha", NOISE, compressed=True)
+    images = read_sequence(path).images
+    images[len(NOISE) - 1]
+    path.unlink()
+    np.testing.assert_array_equal(np.asarray(images), NOISE)
+
+
+def test_reading_a_long_compressed_recording_needs_the_memory_of_a_few_frames(tmp_path, monkeypatch):
+    monkeypatch.setattr(file_images, "KEPT_BYTES", 2**20)
     pixels = np.zeros((200, 200, 200), np.uint8)
     pixels[::2] = 7
     images = read_sequence(metaimage(tmp_path / "sweep.mha", pixels, compressed=True)).images
