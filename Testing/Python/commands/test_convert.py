@@ -14,6 +14,7 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import TransformFileError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.foreign.calibration import read_calibration
+from AIFReconLib.io.sequence import file_images
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.transform.files import write_transform
@@ -267,7 +268,8 @@ def test_an_unknown_suffix_is_refused_before_work_begins(patient, results, capsy
     assert "its suffix must be one of .mha, .mhd, .nrrd" in refused(["convert", patient.sweep, results / "s.avi"], capsys, results)
 
 
-def test_a_long_recording_is_never_in_memory_as_a_whole(tmp_path):
+def test_a_long_recording_is_never_in_memory_as_a_whole(tmp_path, monkeypatch):
+    monkeypatch.setattr(file_images, "KEPT_BYTES", 2**20)
     count = 400
     images = np.broadcast_to(np.arange(256, dtype=np.uint8).reshape(1, 1, 256), (count, 256, 256))
     write_sequence(TrackedSequence(images, [FrameRecord(timestamp=0.1 * n) for n in range(count)]), tmp_path / "long.mha")
