@@ -238,11 +238,15 @@ def _require_known(direction: str) -> None:
         )
 
 
+def _edges_of_parts(count: int) -> Integers:
+    return np.linspace(0, count, min(PARTS, count) + 1).astype(int)
+
+
 def _smoothed(array: Singles, sigma_kji: Floats) -> Singles:
     """A float32 array after a Gaussian, in place; axis by axis in parts, which share no line along it."""
     for axis, sigma in enumerate(sigma_kji):
         across = 1 if axis == 0 else 0
-        edges = np.linspace(0, array.shape[across], min(PARTS, array.shape[across]) + 1).astype(int)
+        edges = _edges_of_parts(array.shape[across])
 
         def smooth(part: int, axis: int = axis, sigma: float = sigma, across: int = across, edges: Integers = edges) -> None:
             lines = array[(slice(None),) * across + (slice(edges[part], edges[part + 1]),)]
@@ -256,7 +260,7 @@ def _sobel_magnitude(array: Singles) -> Singles:
     """How long the Sobel gradient [k, j, i] is, in parts, each with a plane of its neighbors on either side."""
     length = np.zeros_like(array)
     planes = len(array)
-    edges = np.linspace(0, planes, min(PARTS, planes) + 1).astype(int)
+    edges = _edges_of_parts(planes)
 
     def measure(part: int) -> None:
         first, stop = int(edges[part]), int(edges[part + 1])

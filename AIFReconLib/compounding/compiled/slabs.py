@@ -12,14 +12,14 @@ SLABS, SLABS_WITH_BONE = 8, 16
 share of a slab fits into a core's cache."""
 
 VOXELS_OF_SLAB = 8_000
-"""Voxels of one frame that a slab need not be smaller than for that: every cut more is a piece of a row more."""
+"""Of one frame, that a core's cache holds beside the rest; smaller slabs only cut rows into more pieces, which are read out of turn."""
 
 SLABS_OF_THREAD = 2
 """At least, so that threads end at about the same time."""
 
 
 def slabs_for(matrices: Matrix, layout: PixelLayout, threads: int, most: int = SLABS) -> int:
-    """How many slabs to cut a batch into: as many as its frames, (frames, 4, 4) image_to_ijk, and threads can use."""
+    """How many slabs, at `most`, the cache and the threads ask for, by the voxels that the first of `matrices` (frames, 4, 4) meets."""
     left, right, top, bottom = layout.bounds
     pixel = float(np.linalg.norm(np.cross(matrices[0, :3, 0], matrices[0, :3, 1])))
     needed = pixel * (right - left) * (bottom - top) / VOXELS_OF_SLAB * (most / SLABS)
