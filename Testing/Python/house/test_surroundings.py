@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import io
 import os
 import signal
@@ -142,8 +143,11 @@ def test_a_signal_where_it_would_be_swallowed_comes_again(number, file, function
 
 
 def interrupted_at(event: int, call) -> bool:
-    """Whether `call` had that many events of a trace; it is interrupted there, wherever a signal could come."""
-    left, before = event, sys.gettrace()
+    """Whether `call` had that many events of a trace; it is interrupted there, wherever a signal could come.
+
+    Nothing is collected meanwhile: what Python runs then of other tests' leavings is traced as well, and loses an interrupt.
+    """
+    left, before, collects = event, sys.gettrace(), gc.isenabled()
 
     def trace(*_):
         nonlocal left
@@ -152,11 +156,14 @@ def interrupted_at(event: int, call) -> bool:
             raise KeyboardInterrupt
         return trace
 
+    gc.disable()
     sys.settrace(trace)
     try:
         call()
     finally:
         sys.settrace(before)
+        if collects:
+            gc.enable()
     return left <= 0
 
 
