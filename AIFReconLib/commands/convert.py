@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 from ..arrays import Matrix
 from ..errors import SettingsError, TransformError
 from ..geometry.transform_graph import TransformName
 from ..io.foreign.calibration import read_calibration
+from ..io.metafile.metafile import UNFINISHED
+from ..io.sequence.files import IMAGE_FRAME
 from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
 from ..sweep.edits import crop, recalibrate, rename, select_frames, with_configured_transforms
 from ..sweep.frames import TrackedSequence
@@ -78,6 +81,8 @@ def run(arguments: argparse.Namespace) -> None:
 
 def changed(sequence: TrackedSequence, arguments: argparse.Namespace) -> TrackedSequence:
     """The sequence with everything done to it that the options ask for: names first, then calibration, part and frames."""
+    # What is written is complete; the mark would keep readers from saying that it is damaged when it is
+    sequence = replace(sequence, fields={key: value for key, value in sequence.fields.items() if key != UNFINISHED})
     sequence = rename(with_configured_transforms(sequence), dict(_pair(text) for text in arguments.rename))
     if arguments.calibration:
         name, matrix = _calibration(arguments.calibration)
@@ -87,7 +92,10 @@ def changed(sequence: TrackedSequence, arguments: argparse.Namespace) -> Tracked
         raise SettingsError("--wrong-calibration says what to take out. Say with --calibration what to put in its place.")
     first, last = arguments.frames or (0, len(sequence) - 1)
     sequence = select_frames(sequence, first, last, arguments.every)
-    return crop(sequence, *arguments.crop) if arguments.crop else sequence
+    if not arguments.crop:
+        return sequence
+    x, y, width, height = arguments.crop
+    return crop(sequence, x, y, width, height, sequence.configuration.image_frame or IMAGE_FRAME)
 
 
 def _pair(text: str) -> tuple[str, str]:

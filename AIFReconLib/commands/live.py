@@ -332,4 +332,5 @@ def _recording_line(session: LiveSession) -> str | None:
         return session.recording_failure
     if session.recorder is None or session.recorded is None:
         return None
-    return f"recorded {session.recorder.frames} frames to {session.recorded}"
+    recorded = f"recorded {session.recorder.frames} frames to {session.recorded}"
+    return recorded if session.recorder.loss is None else f"{recorded}. {session.recorder.loss}"

@@ -217,12 +217,13 @@ def _with_images_moved(sequence: TrackedSequence, new_to_old: Matrix, image_fram
 
     def moved(transforms: Transforms) -> Transforms:
         changed = {}
-        for name, sample in transforms.items():
-            if name.source == image_frame:
-                sample = replace(sample, matrix=sample.matrix @ new_to_old)
-            elif name.target == image_frame:
-                sample = replace(sample, matrix=old_to_new @ sample.matrix)
-            changed[name] = sample
+        with np.errstate(all="ignore"):  # a pose that is recorded as infinite is judged later, like any other
+            for name, sample in transforms.items():
+                if name.source == image_frame:
+                    sample = replace(sample, matrix=sample.matrix @ new_to_old)
+                elif name.target == image_frame:
+                    sample = replace(sample, matrix=old_to_new @ sample.matrix)
+                changed[name] = sample
         return changed
 
     return _map_transforms(sequence, moved)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import SettingsError
+from ..geometry.transform_graph import TransformName
 from ..io.sequence.files import read_sequence
 from ..sweep.frames import TrackedSequence
 from ..sweep.pose_tracks import LONGEST_GAP
@@ -111,8 +112,15 @@ def sequence_from(arguments: argparse.Namespace) -> TrackedSequence:
         orientation=arguments.orientation,
         transform_sequences=arguments.transform_sequence,
         longest_gap=arguments.longest_gap,
+        image_frame=_image_frame(arguments),
     )
     return with_time_offset(sequence, arguments.time_offset, arguments.longest_gap)
+
+
+def _image_frame(arguments: argparse.Namespace) -> str | None:
+    """What --image-to-reference calls the image, where the command has that option and it is given."""
+    name = getattr(arguments, "image_to_reference", None)
+    return TransformName.parse(name).source if name else None
 
 
 def sequence_inputs(arguments: argparse.Namespace) -> list[Path | None]:

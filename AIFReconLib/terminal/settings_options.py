@@ -9,6 +9,7 @@ from pathlib import Path
 
 from .. import __version__
 from ..compounding.state import Reconstruction
+from ..geometry.transform_graph import TransformName, capital
 from ..message import Message
 from ..provenance.kept import KeptSettings
 from ..provenance.record import other_inputs, settings_of, signed
@@ -45,8 +46,10 @@ def _defaults_without(without: tuple[str, ...]) -> Callable[[argparse.Namespace]
             return {}
         kept = read_settings(given.settings)
         options = {name: value for name, value in kept.options.items() if name not in without}
-        other_frame = given.reference is not None and given.reference != options.get("reference")
-        if given.spacing or given.grid_like or other_frame:
+        if given.image_to_reference and given.reference is None:
+            # What is given names both ends
+            options.pop("reference", None)
+        if given.spacing or given.grid_like or _is_in_another_frame(given, kept.options):
             kept = replace(kept, grid=None)
         if given.bone_sigma_voxels is not None:
             options.pop("bone_sigma_mm", None)
@@ -55,6 +58,19 @@ def _defaults_without(without: tuple[str, ...]) -> Callable[[argparse.Namespace]
         return {**options, "kept": kept}
 
     return defaults
+
+
+def _is_in_another_frame(given: argparse.Namespace, kept: Mapping[str, object]) -> bool:
+    """Whether the options ask for a frame of reference that the kept box need not be in."""
+    asked = _target(given.reference, given.image_to_reference)
+    return asked is not None and asked != _target(kept.get("reference"), kept.get("image_to_reference"))
+
+
+def _target(reference: object, image_to_reference: object) -> str | None:
+    """The frame that both options together name, if they do."""
+    if reference:
+        return capital(str(reference))
+    return TransformName.parse(str(image_to_reference)).target if image_to_reference else None
 
 
 def check_save_settings(arguments: argparse.Namespace) -> None:

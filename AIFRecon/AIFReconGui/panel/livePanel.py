@@ -259,8 +259,7 @@ class LivePanel:
             self._showSize(live.session.recorded)
         if live.seen is not None and live.seen.recorded is not None:
             lines.append(_("What the AI model said is in {path}.").format(path=live.seen.recorded))
-        if live.session.recording_failure:
-            lines.append(inPanelWords(live.session.recording_failure))
+        lines += [inPanelWords(problem) for problem in _recordingProblems(live.session) if problem]
         return "\n".join(lines)
 
     # ---- timers
@@ -298,7 +297,7 @@ class LivePanel:
         if self._record is not None and time.monotonic() - self._sized > SIZE_EVERY:
             self._sized = time.monotonic()
             self._showSize(self._record)
-        problems = (statistics.trouble, live.snapshotProblem, live.displayProblem, statistics.recording_failure)
+        problems = (statistics.trouble, live.snapshotProblem, live.displayProblem, *_recordingProblems(live.session))
         lines = [_counts(statistics)] if failed else [_rate(statistics), _counts(statistics)]
         lines += [inPanelWords(line) for line in ([] if live.seen is None else live.seen.lines(statistics.frames_received))]
         lines += _agreementLines(fit)
@@ -353,6 +352,11 @@ class LivePanel:
     def _stopTimers(self) -> None:
         self._collecting.stop()
         self._showing.stop()
+
+
+def _recordingProblems(session) -> tuple:
+    """What is wrong with the recording, if there is one; None where nothing is."""
+    return session.recording_failure, session.recorder.loss if session.recorder is not None else None
 
 
 def _rate(statistics) -> str:

@@ -37,13 +37,13 @@ def open_dicom(files: list[Path]) -> ImportedImages:
         headers = [headers[n] for n in np.argsort(np.array(numbers, dtype=np.int64), kind="stable")]
     frames = [(path, frame) for path, header in headers for frame in range(_frame_count(header))]
     single = len(frames) == len(headers)
+    header_of = dict(headers)
 
     def decode(number: int) -> Numbers:
         path, frame = frames[number]
         what = Message("{path}, frame {number}: its pixels cannot be decoded", path=path, number=frame)
         with decoding(what, Message("Export it uncompressed, or install pylibjpeg[all].")):
-            image: Numbers = pixels.pixel_array(path, index=frame)
-            return image
+            return _as_shown(pixels, header_of[path], pixels.pixel_array(path, index=frame))
 
     stack = DecodedImages(len(frames), decode, lambda n: Message("{path}, frame {number}", path=frames[n][0], number=frames[n][1]))
     first = headers[0][1]
@@ -54,6 +54,19 @@ def open_dicom(files: list[Path]) -> ImportedImages:
         None if single and len(frames) > 1 else _times(first, len(frames)),
         _spacing(first),
     )
+
+
+def _as_shown(pixels: ModuleType, header: Dataset, image: Numbers) -> Numbers:
+    """Stored values of a frame as the gray levels or colors that they stand for (DICOM PS3.3 C.7.6.3.1.2)."""
+    kind = getattr(header, "PhotometricInterpretation", "")
+    if kind == "MONOCHROME1":
+        # White is the least value that can be stored, black the largest
+        least_and_largest = -1 if int(header.PixelRepresentation) else 2 ** int(header.BitsStored) - 1
+        return (least_and_largest - image.astype(np.int64)).astype(image.dtype)
+    if kind != "PALETTE COLOR":
+        return image
+    colors: Numbers = pixels.apply_color_lut(image, header)
+    return colors if colors.dtype == np.uint8 else (colors.astype(np.uint32) // 256).astype(np.uint8)
 
 
 def _header(pydicom: ModuleType, path: Path) -> Dataset:

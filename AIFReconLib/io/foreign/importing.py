@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -250,6 +251,11 @@ def _paired_by_name(
                 first=rows[name],
                 number=number,
             )
+    twice = next((name for name, count in Counter(images.names).items() if count > 1 and name in rows), None)
+    if twice is not None:
+        raise SettingsError(
+            "Two of the images are called {name}, and a pose names it. Import one folder at a time, or rename the images.", name=twice
+        )
     known = [rows.get(name) for name in images.names]
     found = sum(number is not None for number in known)
     if not found:

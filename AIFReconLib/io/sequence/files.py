@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from ...arrays import Matrix
 from ...errors import SequenceFormatError
 from ...imaging.images import ImageStack
 from ...message import Message
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
-from ...sweep.frames import TrackedSequence
+from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.pose_tracks import LONGEST_GAP
 from ..metafile.opening import read_metafile
 from ..plus.configuration import read_plus_configuration
@@ -33,6 +34,7 @@ def read_sequence(
     orientation: str | None = None,
     transform_sequences: Mapping[str, str | Path] | None = None,
     longest_gap: float = LONGEST_GAP,
+    image_frame: str | None = None,
 ) -> TrackedSequence:
     """The sequence in a file.
 
@@ -49,6 +51,9 @@ def read_sequence(
         each is taken at the time of every image.
     longest_gap : float, s
         Poses of a transform sequence that are farther apart in time than this are not interpolated between.
+    image_frame : str or None
+        What transforms call the image's frame, where volume nodes of Slicer have a geometry of their own; by default as the configuration
+        says, else Image.
 
     Returns
     -------
@@ -68,7 +73,7 @@ def read_sequence(
     Notes
     -----
     A transform of the image in a Slicer sequence takes what the volume node's IJKToRAS makes of a pixel. Where that is not the identity,
-    it is multiplied into those transforms, so that they take pixels here as everywhere.
+    it is multiplied into those transforms, so that they take pixels here as everywhere. Those of a configuration take pixels as they are.
     """
     metafile = read_metafile(path, SequenceFormatError)
     flip_columns, flip_rows = required_flips(metafile, parse_orientation(orientation) if orientation else None)
@@ -82,13 +87,12 @@ def read_sequence(
     if transform_sequences:
         records, paired = pair_transforms(records, transform_sequences, longest_gap)
         notes += paired
+    configuration = read_plus_configuration(config) if isinstance(config, str | Path) else config
     geometry = node_geometry(metafile) if from_slicer else None
     if geometry is not None:
-        records = place_frames(records, IMAGE_FRAME, geometry)
-        notes += (
-            Message("The volume nodes of this Slicer sequence have a geometry of their own, which the transforms of Image now include."),
-        )
-    configuration = read_plus_configuration(config) if isinstance(config, str | Path) else config
+        frame = image_frame or (configuration.image_frame if configuration is not None else None) or IMAGE_FRAME
+        records, said = _placed(records, frame, geometry)
+        notes += (said,)
     return TrackedSequence(
         images=images,
         records=records,
@@ -97,4 +101,19 @@ def read_sequence(
         configuration=NO_CONFIGURATION if configuration is None else configuration,
         path=Path(path),
         notes=notes,
+    )
+
+
+def _placed(records: list[FrameRecord], image_frame: str, geometry: Matrix) -> tuple[list[FrameRecord], Message]:
+    """Records whose transforms of the image include its node's geometry, and a note on what was done."""
+    if any(image_frame in (name.source, name.target) for record in records for name in record.transforms):
+        note = Message(
+            "The volume nodes of this Slicer sequence have a geometry of their own, which the transforms of {image_frame} now include.",
+            image_frame=image_frame,
+        )
+        return place_frames(records, image_frame, geometry), note
+    return records, Message(
+        "The volume nodes of this Slicer sequence have a geometry of their own, which nothing includes: none of the recorded transforms is "
+        "of {image_frame}.",
+        image_frame=image_frame,
     )

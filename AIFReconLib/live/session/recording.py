@@ -69,7 +69,8 @@ class Recorder:
     Notes
     -----
     A failure of the disk stops the recording, not its caller: `failure` then says what happened and where the frames are that were kept.
-    A frame whose image differs in size or type from the first is recorded without its image.
+    A frame whose image differs in size or type from the first is recorded without its image, and counted in `without_image`. But before
+    the probe was seen, images may change as they like: then the new ones are recorded, and it is those before that lose theirs.
     """
 
     def __init__(self, path: str | Path):
@@ -89,7 +90,8 @@ class Recorder:
                 left=left.name,
                 file=self.header_path.name,
             )
-        self.frames = 0
+        self.frames = self.without_image = 0
+        self._unseen: list[FrameRecord] | None = []
         self.failure: str | None = None
         self._shape: tuple[int, ...] = (0, 0)
         self._dtype: NumberType = np.dtype(np.uint8)
@@ -109,7 +111,10 @@ class Recorder:
         try:
             if self._pixels is None or self._fields is None:
                 self._pixels, self._fields = self._start(image)
+            elif self._unseen and self._differs(image):
+                self._pixels, self._fields = self._start_anew(image, self._unseen)
             self._append(image, frame.record, self._pixels, self._fields)
+            self._remember(frame.record)
             if time.monotonic() - self._refreshed >= max(REFRESH, REFRESH_BY_COST * self._cost):
                 self.refresh()
         except AIFReconError as error:
@@ -168,6 +173,21 @@ class Recorder:
                 file.close()
 
     @property
+    def loss(self) -> Message | None:
+        """How many frames are recorded without their image, and why; None where all have theirs."""
+        if not self.without_image:
+            return None
+        return Message(
+            "{count} of {frames} recorded frames are without their image, which was not of the size and type of the others "
+            "({columns} x {rows} pixels, {dtype}). Do not change the scanner's mode in the middle of a scan.",
+            count=self.without_image,
+            frames=self.frames,
+            columns=self._shape[1],
+            rows=self._shape[0],
+            dtype=str(self._dtype),
+        )
+
+    @property
     def _frame_bytes(self) -> int:
         return self._shape[0] * self._shape[1] * self._dtype.itemsize
 
@@ -184,10 +204,34 @@ class Recorder:
         self._pixels = pixels = open(self._pixels_path, "xb", buffering=0)  # noqa: SIM115 (closed in close)
         return pixels, open(self._fields_path, "xb", buffering=0)
 
-    def _append(self, image: Numbers, record: FrameRecord, pixels: FileIO, fields: FileIO) -> None:
+    def _remember(self, record: FrameRecord) -> None:
+        """Until the probe is seen, what the frames had beside their images; then nothing."""
+        if self._unseen is not None:
+            seen = any(sample.status is TransformStatus.OK for sample in record.transforms.values())
+            if seen:
+                self._unseen = None
+            else:
+                self._unseen.append(record)
+
+    def _start_anew(self, image: Numbers, before: list[FrameRecord]) -> tuple[FileIO, FileIO]:
+        """Files for images of another size or type, with the frames so far, without their images."""
+        self.close()
+        self._remove()
+        self.frames = self.without_image = self._listed = self._fields_length = 0
+        self._refreshed = 0.0
+        pixels, fields = self._start(image)
+        for record in before:
+            self._append(None, record, pixels, fields)
+        return pixels, fields
+
+    def _differs(self, image: Numbers) -> bool:
+        return image.shape != self._shape or image.dtype != self._dtype
+
+    def _append(self, image: Numbers | None, record: FrameRecord, pixels: FileIO, fields: FileIO) -> None:
         status = None
-        if image.shape != self._shape or image.dtype != self._dtype:
+        if image is None or self._differs(image):
             image, status = np.zeros(self._shape, self._dtype), TransformStatus.INVALID
+            self.without_image += 1
         lines = []
         for key, value in frame_entries([record]):
             name = key.removeprefix(_FIRST_FRAME)

@@ -14,6 +14,7 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import TransformFileError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.foreign.calibration import read_calibration
+from AIFReconLib.io.metafile.metafile import UNFINISHED
 from AIFReconLib.io.sequence import file_images
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
@@ -106,6 +107,27 @@ def test_a_cropped_image_stays_in_its_place(patient, results):
     np.testing.assert_array_equal(found.images[3], original.images[3][4:19, 7:27])
     before = sweep_poses(original).image_to_reference[3] @ (9.0, 6.0, 0.0, 1.0)
     np.testing.assert_allclose(sweep_poses(found).image_to_reference[3] @ (2.0, 2.0, 0.0, 1.0), before, atol=1e-9)
+
+
+def test_a_cropped_image_of_another_frame_stays_in_its_place(patient, results):
+    """Not every configuration calls the image's frame Image."""
+    patient.config.write_text(patient.config.read_text().replace('From="Image"', 'From="Video"').replace('"Image" Out', '"Video" Out'))
+    before = sweep_poses(read_sequence(patient.sweep, config=patient.config)).image_to_reference[3] @ (9.0, 6.0, 0.0, 1.0)
+    convert(patient.sweep, results / "s.mha", "--crop", 7, 4, 20, 15, "--config", patient.config)
+    after = sweep_poses(read_sequence(results / "s.mha", config=patient.config)).image_to_reference[3] @ (2.0, 2.0, 0.0, 1.0)
+    np.testing.assert_allclose(after, before, atol=1e-9)
+
+
+def test_an_infinite_pose_is_cropped_without_a_word_of_python(patient, results, capsys):
+    write_sequence(tracked_sequence(matrices={2: np.full((4, 4), np.inf)}), patient.sweep)
+    convert(patient.sweep, results / "s.mha", "--crop", 7, 4, 20, 15, "--rename", "Probe=Image")
+    assert "Warning" not in capsys.readouterr().err
+
+
+def test_what_a_killed_recording_left_is_complete_when_it_was_converted(tmp_path):
+    """The mark of an unfinished recording would keep readers from seeing bytes too many."""
+    write_sequence(replace(rich_sequence(), fields={UNFINISHED: "True"}), tmp_path / "a.mha", compress=False)
+    assert UNFINISHED not in convert(tmp_path / "a.mha", tmp_path / "b.mha").fields
 
 
 def test_cropping_says_what_becomes_of_the_configuration(patient, results, capsys):

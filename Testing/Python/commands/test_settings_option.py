@@ -136,6 +136,20 @@ def test_an_option_given_beside_it_wins_and_the_rest_stays(options, make, result
     assert_same(expected, mixed)
 
 
+@pytest.mark.parametrize("kept", [["--reference", "Tracker"], ["--image-to-reference", "ImageToTracker"]], ids=" ".join)
+@pytest.mark.parametrize("given", [["--image-to-reference", "ImageToReference"], ["--reference", "Reference"]], ids=" ".join)
+def test_another_frame_of_reference_that_is_given_wins_however_it_is_named(kept, given, make, results):
+    make("kept", *kept, "--spacing", "1.5", "--hole-limit", "1")
+    settings = ["--settings", results / "kept.nrrd"]
+    assert_same(make("expected", *given, "--spacing", "1.5", "--hole-limit", "1"), make("mixed", *settings, *given, "--spacing", "1.5"))
+
+
+def test_the_box_of_another_frame_of_reference_is_not_used(make, results):
+    make("kept", "--image-to-reference", "ImageToTracker", "--hole-limit", "1")
+    mixed = make("mixed", "--settings", results / "kept.nrrd", "--image-to-reference", "ImageToReference")
+    assert_same(make("expected", "--image-to-reference", "ImageToReference", "--hole-limit", "1"), mixed)
+
+
 def test_another_spacing_is_that_of_another_box(make, results):
     make("kept", "--spacing", "1.5", "--hole-limit", "1")
     assert_same(

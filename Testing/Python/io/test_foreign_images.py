@@ -198,6 +198,24 @@ def test_a_number_of_frames_beyond_all_limits_is_refused(dicom, tmp_path):
         open_images([path])
 
 
+def test_white_may_be_the_least_value_of_a_dicom_file(dicom, tmp_path):
+    path = write_dicom(dicom, tmp_path / "a.dcm", 255 - FRAMES, PhotometricInterpretation="MONOCHROME1")
+    np.testing.assert_array_equal(np.asarray(open_images([path]).stack), FRAMES)
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_a_palette_of_a_dicom_file_is_looked_up(dicom, tmp_path, bits):
+    """Of a palette that turns gray levels round, the picture counts and not the numbers that are stored."""
+    levels = np.arange(256)[::-1]
+    table = (levels * 257).astype("<u2").tobytes() if bits == 16 else levels.astype(np.uint8).tobytes()
+    palette = {}
+    for color in ("Red", "Green", "Blue"):
+        palette[f"{color}PaletteColorLookupTableDescriptor"] = [256, 0, bits]
+        palette[f"{color}PaletteColorLookupTableData"] = table
+    path = write_dicom(dicom, tmp_path / "a.dcm", 255 - FRAMES, PhotometricInterpretation="PALETTE COLOR", **palette)
+    np.testing.assert_allclose(np.asarray(open_images([path]).stack), FRAMES, atol=1)
+
+
 def test_a_file_that_is_no_dicom_is_named(dicom, tmp_path):
     (tmp_path / "a.dcm").write_bytes(b"x" * 500)
     with pytest.raises(FileFormatError, match=r"a\.dcm: it cannot be read as DICOM"):

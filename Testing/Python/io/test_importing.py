@@ -302,3 +302,15 @@ def test_a_drawing_of_one_still_image_is_no_error():
 def test_a_drawing_of_many_frames_stays_small():
     many = np.repeat(IMAGE_TO_REFERENCE, 1000, axis=0)
     assert len(draw_sweep(many, (40, 30))) < 60_000
+
+
+def test_two_images_of_one_name_are_not_given_one_pose(tmp_path, results, capsys):
+    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        for n in range(2):
+            pil.fromarray(np.asarray(SEQUENCE.images)[n]).save(tmp_path / folder / f"{n}.png")
+    rows = [[f"{n}.png", *row] for n, row in enumerate(flat(IMAGE_TO_REFERENCE)[:2])]
+    poses = save(tmp_path / "p.csv", rows, header=["image", *(f"m{i}{j}" for i in range(4) for j in range(4))])
+    words = ["import", tmp_path / "a", tmp_path / "b", "--poses", poses, "--transform", "ImageToReference", "-o", results / "x.mha"]
+    assert "Two of the images are called 0.png" in refused(words, capsys, results)

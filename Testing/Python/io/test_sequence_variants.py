@@ -34,6 +34,7 @@ from variant_files import (
 from AIFReconLib.errors import SequenceFormatError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.poses import sweep_poses
 
 BLANK_TIMES = {f"Seq_Frame{n:04d}_Station": "a word" for n in range(FRAMES)}
@@ -183,6 +184,24 @@ def test_the_volume_nodes_own_geometry_is_part_of_the_pose(tmp_path):
     sequence = read_sequence(images, transform_sequences={"ImageToReference": transforms})
     np.testing.assert_allclose(landmarks_mm(sequence), EXPECTED, atol=1e-9)
     assert "geometry of their own" in sequence.notes[-1]
+
+
+@pytest.mark.parametrize("told", ["by name", "by configuration"])
+def test_the_geometry_is_part_of_the_pose_whatever_the_image_is_called(tmp_path, told):
+    geometry = rigid((0.0, 0.0, 30.0), (7.0, -2.0, 1.0)) @ np.diag([0.25, 0.5, 1.0, 1.0])
+    images = slicer_images(tmp_path / "i.seq.nrrd", matrix=geometry)
+    transforms = slicer_transforms(tmp_path / "t.seq.mha", matrices=[pose @ np.linalg.inv(geometry) for pose in IMAGE_TO_REFERENCE])
+    how = {"image_frame": "Video"} if told == "by name" else {"config": PlusConfiguration(image_frame="Video")}
+    sequence = read_sequence(images, transform_sequences={"VideoToReference": transforms}, **how)
+    placed = sweep_poses(sequence, "VideoToReference").image_to_reference
+    np.testing.assert_allclose(placed, IMAGE_TO_REFERENCE, atol=1e-9)
+    assert "transforms of Video now include" in sequence.notes[-1]
+
+
+def test_a_geometry_that_no_transform_includes_is_said(tmp_path):
+    images = slicer_images(tmp_path / "i.seq.nrrd", matrix=np.diag([0.25, 0.5, 1.0, 1.0]))
+    sequence = read_sequence(images, transform_sequences={"VideoToReference": slicer_transforms(tmp_path / "t.seq.mha")})
+    assert "nothing includes" in sequence.notes[-1]
 
 
 def test_transforms_are_taken_at_the_time_of_the_image(tmp_path):

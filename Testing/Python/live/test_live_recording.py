@@ -16,7 +16,7 @@ from live_messages import SMALL, image, metadata, tracked
 from sweeps import image_pose
 
 from AIFReconLib.errors import OutputError, SequenceFormatError
-from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.disk import atomic
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer
@@ -276,3 +276,34 @@ def test_pixels_of_every_type_are_kept(dtype, tmp_path, record):
     picture = (np.arange(12).reshape(3, 4) * 20 - 100).astype(dtype)
     record(tmp_path / "scan.mhd", [LiveFrame(picture, None, record=FrameRecord(1.0))]).finish()
     np.testing.assert_array_equal(read_sequence(Path(tmp_path / "scan.mhd")).images[0], picture)
+
+
+def of_size(side, seconds, seen=True):
+    image_to_reference = TransformName("Image", "Reference")
+    sample = TransformSample(image_pose(), TransformStatus.OK if seen else TransformStatus.MISSING)
+    image = np.full((side, side), side, np.uint8)
+    return LiveFrame(image, image_pose(), seconds, record=FrameRecord(seconds, transforms={image_to_reference: sample}))
+
+
+def test_images_that_change_before_the_probe_was_seen_are_recorded_and_the_others_counted(tmp_path, record):
+    """A scanner that changes its mode just after the start must not cost the scan."""
+    recorder = record(tmp_path / "scan.mha", [of_size(4, 1.0, seen=False), of_size(5, 2.0, seen=False), of_size(8, 3.0), of_size(8, 4.0)])
+    assert "2 of 4 recorded frames" in str(recorder.loss)
+    recorder.finish()
+    recorded = read_sequence(tmp_path / "scan.mha")
+    assert recorded.frame_size == (8, 8)
+    assert [r.image_status is TransformStatus.OK for r in recorded.records] == [False, False, True, True]
+    assert [r.timestamp for r in recorded.records] == [1.0, 2.0, 3.0, 4.0]
+    assert [int(image.max()) for image in np.asarray(recorded.images)] == [0, 0, 8, 8]
+
+
+def test_images_that_change_in_the_middle_of_a_scan_are_counted(tmp_path, record):
+    recorder = record(tmp_path / "scan.mha", [of_size(8, 1.0), of_size(4, 2.0), of_size(8, 3.0, seen=False), of_size(4, 4.0)])
+    assert "2 of 4 recorded frames" in str(recorder.loss)
+    assert "8 x 8" in str(recorder.loss)
+    recorder.finish()
+    assert [int(image.max()) for image in np.asarray(read_sequence(tmp_path / "scan.mha").images)] == [8, 0, 8, 0]
+
+
+def test_a_recording_of_all_images_has_lost_none(tmp_path, record):
+    assert record(tmp_path / "scan.mha", frames()).loss is None
