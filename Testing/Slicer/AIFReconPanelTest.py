@@ -88,6 +88,17 @@ class AIFReconPanelTest(unittest.TestCase):
         self.ui.recordingPathLineEdit.currentPath = "folder/sweep.igs.mha"
         self.assertEqual(self.parameters.recordingPath, pathlib.Path("folder/sweep.igs.mha"))
 
+    def test_a_file_can_be_taken_away_again_and_may_have_any_suffix(self):
+        files = {"recordingPath": "s.mha", "configurationPath": "c.xml", "importanceMaskPath": "m.png", "boneModelPath": "n.onnx"}
+        for name, file in {**files, "liveRecordPath": "first.mhd"}.items():
+            line = getattr(self.ui, f"{name}LineEdit")
+            for path in (file, file.upper(), ""):
+                with self.subTest(name, path=path):
+                    line.currentPath = path
+                    self.assertEqual(getattr(self.parameters, name), pathlib.Path(path))
+                    self.parameters.alpha += 0.01  # the panel is brought up to date
+                    self.assertEqual(line.currentPath, path)
+
     def test_a_path_that_is_not_chosen_is_an_empty_line(self):
         self.assertEqual(self.ui.configurationPathLineEdit.currentPath, "")
 

@@ -7,6 +7,8 @@ and setters that are plain C++ methods are not offered: PythonQt does not show t
 
 from __future__ import annotations
 
+import re
+
 from PySide6 import QtCore, QtWidgets
 from PySide6.QtCore import Property, Qt, Signal
 
@@ -127,7 +129,7 @@ class ctkPathLineEdit(QtWidgets.QWidget):
         row.addWidget(self._button)
         self.setFocusProxy(self._box.lineEdit())
         self.setSizePolicy(QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed)
-        self._box.lineEdit().textChanged.connect(self.currentPathChanged)
+        self._box.lineEdit().textChanged.connect(self._tell)
 
     def comboBox(self):
         """The combo box inside."""
@@ -136,6 +138,12 @@ class ctkPathLineEdit(QtWidgets.QWidget):
     def setCurrentPath(self, path):
         """Sets the path."""
         self._box.lineEdit().setText(path)
+
+    def _tell(self, text):
+        """As CTK: only a path that fits the name filters is one; an empty line never is, nor a suffix in capitals."""
+        suffixes = [suffix for words in self._values["nameFilters"] for suffix in re.findall(r"\*\.(\w+)", words)]
+        if re.fullmatch("|".join(rf".*\.{suffix}?" for suffix in suffixes) or ".+", text):
+            self.currentPathChanged.emit(text)
 
     def browse(self):
         """Opens the dialog that the filters call for."""

@@ -24,7 +24,8 @@ class PathField:
         self._lineEdit = lineEdit
         self._name = name
         self._parameterNode = None
-        lineEdit.connect("currentPathChanged(QString)", self._onChanged)
+        # Not of the path: CTK tells only those that fit its filters, so neither an emptied line nor a suffix in capitals
+        lineEdit.comboBox().connect("editTextChanged(QString)", self._onChanged)
 
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none."""

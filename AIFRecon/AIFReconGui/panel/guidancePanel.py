@@ -67,6 +67,9 @@ class GuidancePanel:
         self._ui.guidanceWords.visible = self._ui.liveGuidanceCheckBox.checked = parameters.guidance
         if not parameters.guidance or self._isOld(parameters):
             self.forget()
+        elif not scanning and self._colors.node is None:
+            # A scene that was saved with its bone in colors is loaded without them: segments come back in their place
+            self._colors.clear()
         if parameters.guidance and not scanning and self._shown is None:
             self._say(missing or _("Press “Update colors” to color the bone by what the chosen sweep has hit, or start a scan."))
 

@@ -147,7 +147,7 @@ class RecordedPanel(Follower):
         """Reconstruct with every method that is compared."""
         failure = _("The methods could not be compared.")
         if packagesAreThere(self._parameterNode, failure):
-            self._run(_("Compare methods"), failure, self._logic.compare)
+            self._run(_("Compare methods"), failure, self._logic.compare, offersSpeed=True)
 
     def onSingleView(self) -> None:
         """Go back from the comparison."""
@@ -163,7 +163,7 @@ class RecordedPanel(Follower):
         failure = _("The volume could not be reconstructed.")
         if packagesAreThere(self._parameterNode, failure):
             self.lights.cancel()
-            self._run(_("Reconstruction"), failure, told)
+            self._run(_("Reconstruction"), failure, told, offersSpeed=True)
             self.lights.lookBeside()
 
     def _sample(self, parameters, progress) -> str:
@@ -173,14 +173,21 @@ class RecordedPanel(Follower):
         readiness.chooseDefaults(parameters)
         return self._logic.apply(parameters, part(progress, 0.6, 1.0))
 
-    def _run(self, title: str, failure: str, work) -> None:
+    def _run(self, title: str, failure: str, work, offersSpeed: bool = False) -> None:
         """Do long work with progress and cancel; its errors are shown, a cancel leaves the scene as it was."""
+        ended = []
+
+        def done(parameters, progress) -> str:
+            said = work(parameters, progress)
+            ended.append(said)
+            return said
+
         self._report = ""
         try:
-            self._report = self._work.run(title, failure, work, self._parameterNode)
+            self._report = self._work.run(title, failure, done, self._parameterNode)
         finally:
             self._refresh()
-        if self._report:
+        if ended and offersSpeed:
             # A first picture comes before any question
             qt.QTimer.singleShot(0, offerSpeed)
 
