@@ -210,6 +210,16 @@ class AIFReconGuidanceTest(unittest.TestCase):
         BoneColors().clear()
         self.assertTrue(display.GetVisibility3D())
 
+    def test_segments_that_a_saved_scene_has_hidden_are_drawn_where_no_colors_are(self):
+        from AIFReconScene.display.boneColors import HIDDEN
+
+        display = self.parameters.bone.GetDisplayNode()
+        display.SetVisibility3D(False)
+        display.SetAttribute(HIDDEN, "1")
+        self.parameters.guidance = True
+        self.assertTrue(display.GetVisibility3D())
+        self.assertIsNone(display.GetAttribute(HIDDEN))
+
     def test_segments_that_the_user_draws_in_3d_again_stay_drawn(self):
         self.setToldBox()
         display = self.nodes.segmentation.GetDisplayNode()

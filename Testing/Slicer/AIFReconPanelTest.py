@@ -176,6 +176,27 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertEqual(composite.GetForegroundVolumeID(), output.GetID())
         self.assertAlmostEqual(composite.GetForegroundOpacity(), self.parameters.opacity)
 
+    def test_a_faster_engine_is_offered_after_a_picture_and_not_after_a_cancel_or_a_file(self):
+        from AIFReconGui.panel import recordedPanel
+
+        from AIFReconLib.errors import OperationCanceled
+
+        offered = []
+        self.addCleanup(setattr, recordedPanel, "offerSpeed", recordedPanel.offerSpeed)
+        recordedPanel.offerSpeed = lambda: offered.append(True)
+
+        def canceled(parameters, progress):
+            raise OperationCanceled("nobody wants it")
+
+        panel = self.widget._recorded
+        panel._run("Reconstruction", "failed", canceled, offersSpeed=True)
+        panel._run("Opening", "failed", lambda parameters, progress: "Opened.")
+        slicer.app.processEvents()
+        self.assertEqual(offered, [])
+        panel._run("Reconstruction", "failed", lambda parameters, progress: "Done.", offersSpeed=True)
+        slicer.app.processEvents()
+        self.assertEqual(offered, [True])
+
     def test_the_opacity_slider_is_followed_by_the_slice_views(self):
         self.addInputs()
         self.ui.applyButton.click()
