@@ -19,6 +19,7 @@ class AIFReconBoxTest(unittest.TestCase):
         from AIFReconScene.inputs.parameters import Region
 
         slicer.mrmlScene.Clear()
+        tinyScene.recordElsewhere(self)
         slicer.util.selectModule("AIFRecon")
         self.widget = slicer.modules.AIFReconWidget
         self.ui, self.parameters = self.widget.ui, self.widget._parameterNode

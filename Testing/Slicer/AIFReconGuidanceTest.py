@@ -1,13 +1,17 @@
 """Self tests of guidance: bone colored by what a recorded sweep or a scan has met, shares, the next move, and sentences in their place."""
 
 import itertools
+import os
 import pathlib
 import sys
+import tempfile
 import time
 import unittest
 
 import numpy as np
 import slicer
+import vtk
+from vtk.util import numpy_support
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
@@ -55,6 +59,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
             self.addCleanup(setattr, module, name, getattr(module, name))
             setattr(module, name, value)
         slicer.mrmlScene.Clear()
+        tinyScene.recordElsewhere(self)
         slicer.util.selectModule("AIFRecon")
         self.widget = slicer.modules.AIFReconWidget
         self.ui, self.parameters, self.live = self.widget.ui, self.widget._parameterNode, self.widget._live
@@ -164,15 +169,46 @@ class AIFReconGuidanceTest(unittest.TestCase):
             self.assertIn(name, self.ui.guidanceTableLabel.text)
         self.assertRegex(self.ui.guidanceLabel.text, r"over Vertebra \d.*; shows [\d.]+ cm² more bone")
 
-    def test_the_next_move_is_in_large_type_with_an_arrow_in_panel_and_3d_view(self):
+    def annotation(self):
+        """The texts in the corners of the 3D view."""
+        return slicer.app.layoutManager().threeDWidget(0).threeDView().cornerAnnotation()
+
+    def test_the_next_move_is_in_large_type_in_panel_and_3d_view_here_with_an_arrow(self):
         self.setToldBox()
         text = self.ui.guidanceMoveLabel.text
         self.assertRegex(text, "^[\u2190-\u2193\u21bb\u25cf]  ")
         self.assertEqual(self.ui.guidanceLabel.text.splitlines()[0], text)
         self.assertIn("26px", self.ui.guidanceMoveLabel.styleSheet)
-        annotation = slicer.app.layoutManager().threeDWidget(0).threeDView().cornerAnnotation()
-        self.assertEqual(annotation.GetText(2), text)
+        annotation = self.annotation()
+        self.assertEqual(annotation.GetText(2), text[3:])
         self.assertGreaterEqual(annotation.GetMaximumLineHeight() * 250, annotation.GetMaximumFontSize())
+
+    def test_every_letter_of_the_move_in_the_3d_view_can_be_drawn(self):
+        self.setToldBox()
+        letters = set(self.annotation().GetText(2)) - {" "}
+        self.assertTrue(letters)
+        drawn, image, size = vtk.vtkTextRenderer.GetInstance(), vtk.vtkImageData(), [0, 0]
+        for letter in letters:
+            drawn.RenderString(self.annotation().GetTextProperty(), letter, image, size, 72)
+            pixels = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars())
+            self.assertTrue((pixels[:, -1] > 100).any(), letter)
+
+    def test_the_move_in_the_3d_view_is_written_in_the_font_that_the_user_has_chosen_for_views(self):
+        letters, logic = self.annotation().GetTextProperty(), slicer.app.applicationLogic()
+        with tempfile.TemporaryDirectory() as folder:
+            font = pathlib.Path(folder) / "font.ttf"
+            font.touch()
+            # Slicer has none until a language is installed that needs one
+            fonts = pathlib.Path(logic.GetFontsDirectory())
+            fonts.mkdir(exist_ok=True)
+            logic.SetFontFileName(vtk.VTK_ARIAL, os.path.relpath(font, fonts))
+            try:
+                self.setToldBox()
+                self.assertEqual(letters.GetFontFamily(), vtk.VTK_FONT_FILE)
+                self.assertTrue(font.samefile(letters.GetFontFile()))
+            finally:
+                logic.SetFontFileName(vtk.VTK_ARIAL, "")
+                letters.SetFontFamilyToArial()
 
     def test_the_ghost_stands_where_the_move_leads(self):
         self.setToldBox()
@@ -214,11 +250,10 @@ class AIFReconGuidanceTest(unittest.TestCase):
         from AIFReconScene.display.boneColors import HIDDEN
 
         display = self.parameters.bone.GetDisplayNode()
-        display.SetVisibility3D(False)
-        display.SetAttribute(HIDDEN, "1")
+        HIDDEN.follow(display)
+        self.assertFalse(display.GetVisibility3D())
         self.parameters.guidance = True
         self.assertTrue(display.GetVisibility3D())
-        self.assertIsNone(display.GetAttribute(HIDDEN))
 
     def test_segments_that_the_user_draws_in_3d_again_stay_drawn(self):
         self.setToldBox()
@@ -242,7 +277,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertEqual(self.own(), [])
         self.assertFalse(self.ui.guidanceWords.isVisibleTo(self.ui.coverageDetails))
         self.assertEqual(self.live._advised, "")
-        self.assertFalse(slicer.app.layoutManager().threeDWidget(0).threeDView().cornerAnnotation().GetText(2))
+        self.assertFalse(self.annotation().GetText(2))
 
     def test_every_node_that_it_made_is_taken_out_once(self):
         self.setToldBox()

@@ -20,6 +20,7 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
 
     def setUp(self):
         slicer.mrmlScene.Clear()
+        tinyScene.recordElsewhere(self)
         slicer.util.selectModule("AIFRecon")
         self.widget = slicer.modules.AIFReconWidget
         self.ui, self.parameters, self.live = self.widget.ui, self.widget._parameterNode, self.widget._live

@@ -21,6 +21,7 @@ class AIFReconLiveRegistrationTest(unittest.TestCase):
         from AIFReconScene.inputs.parameters import LiveSource
 
         slicer.mrmlScene.Clear()
+        tinyScene.recordElsewhere(self)
         slicer.util.selectModule("AIFRecon")
         self.widget = slicer.modules.AIFReconWidget
         self.ui, self.parameters, self.live = self.widget.ui, self.widget._parameterNode, self.widget._live

@@ -20,6 +20,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
 
     def setUp(self):
         slicer.mrmlScene.Clear()
+        tinyScene.recordElsewhere(self)
         slicer.util.selectModule("AIFRecon")
         self.take(slicer.modules.AIFReconWidget)
         self.server = None

@@ -158,6 +158,23 @@ class AIFReconPictureTest(unittest.TestCase):
         self.assertFalse(model.GetDisplayVisibility())
         self.assertEqual(bone.GetOpacity3D(), 1.0)
 
+    def test_bone_of_a_scene_that_was_saved_translucent_is_opaque_again_when_the_user_leaves(self):
+        self.showBone()
+        self.parameters.bone.GetDisplayNode().SetOpacity3D(0.9)
+        self.widget.exit()
+        self.assertEqual(self.parameters.bone.GetDisplayNode().GetOpacity3D(), 0.9)
+        self.widget.enter()
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "scene.mrb"
+            self.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
+            slicer.mrmlScene.Clear()
+            self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
+        display = self.widget._parameterNode.bone.GetDisplayNode()
+        self.assertLess(display.GetOpacity3D(), 0.5)
+        self.widget.exit()
+        self.assertAlmostEqual(display.GetOpacity3D(), 0.9)
+        self.widget.enter()
+
     def test_bone_is_looked_at_from_behind_once_and_then_the_view_is_the_user_s(self):
         model = self.showBone()
         camera = slicer.app.layoutManager().threeDWidget(0).threeDView().cameraNode()

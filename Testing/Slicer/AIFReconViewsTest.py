@@ -153,6 +153,21 @@ class AIFReconViewsTest(unittest.TestCase):
         self.assertFalse(display.GetVisibility2DFill())
         self.widget.enter()
 
+    def test_bone_of_a_scene_that_was_saved_outlined_is_filled_again_when_the_user_leaves(self):
+        self.addInputs()
+        self.parameters.bone.GetDisplayNode().SetVisibility2DOutline(False)
+        self.ui.applyButton.click()
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "scene.mrb"
+            self.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
+            slicer.mrmlScene.Clear()
+            self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
+        display = self.widget._parameterNode.bone.GetDisplayNode()
+        self.assertFalse(display.GetVisibility2DFill())
+        self.widget.exit()
+        self.assertEqual((display.GetVisibility2DFill(), display.GetVisibility2DOutline()), (1, 0))
+        self.widget.enter()
+
     def test_bone_is_filled_while_no_reconstruction_is_on_display(self):
         self.addInputs()
         self.parameters.opacity = 0.3

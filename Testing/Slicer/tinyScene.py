@@ -5,6 +5,7 @@ anisotropic pixels; one frame was not tracked. The CT holds the slab in coordina
 to where it belongs.
 """
 
+import tempfile
 import unittest
 
 import numpy as np
@@ -31,6 +32,14 @@ def requireLivePackages() -> None:
 
     if missing := missingLivePackages():
         raise unittest.SkipTest(f"{', '.join(missing)} is not installed, and Slicer installs nothing in testing mode")
+
+
+def recordElsewhere(test) -> None:
+    """Have scans that name no file recorded into a folder that goes with this test, not where the user's are."""
+    folder, scene = tempfile.TemporaryDirectory(), slicer.mrmlScene
+    test.addCleanup(folder.cleanup)
+    test.addCleanup(scene.SetRootDirectory, scene.GetRootDirectory())
+    scene.SetRootDirectory(folder.name)
 
 
 def rotation(axis: int, degrees: float) -> np.ndarray:

@@ -59,15 +59,26 @@ class Result(unittest.TextTestResult):
     def startTest(self, test):
         """Begins with an empty scene, as in a fresh Slicer."""
         self.host.reset()
+        self._files = self._saved()
         super().startTest(test)
 
     def stopTest(self, test):
-        """Names exceptions that stayed in slots. A test may have meant them, so only a failed assertion is a failure."""
+        """Names exceptions that stayed in slots, and fails a test that leaves files where the user's are.
+
+        A test may have meant the exceptions, so only a failed assertion is a failure.
+        """
         super().stopTest(test)
+        left = self._saved() - self._files
+        if left:
+            self.addFailure(test, (AssertionError, AssertionError(f"Left among the user's files: {', '.join(sorted(left))}"), None))
         for error in self.host.take_slot_errors():
             self.stream.writeln(f"  (raised in a slot: {type(error).__name__}: {error})")
             if isinstance(error, AssertionError):
                 self.addFailure(test, (type(error), error, error.__traceback__))
+
+    def _saved(self) -> set[str]:
+        """Names of what lies among the user's files."""
+        return {path.name for path in self.host.documents.iterdir()}
 
 
 def main(arguments=None) -> int:

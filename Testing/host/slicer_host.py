@@ -45,6 +45,8 @@ class SlicerHost:
     scene : vtkMRMLScene
     dialogs : Dialogs
         What was shown, and the answers to give.
+    documents : pathlib.Path
+        The folder of the user's files, where scenes are saved.
     source : pathlib.Path or None
         The Slicer sources whose Python files stand in for the host's own (environment variable AIFRECON_SLICER_SOURCE).
     """
@@ -70,8 +72,9 @@ class SlicerHost:
         self._application: Any = qSlicerApplication(self._folder.name, testing)
         _register_fonts()
         self.scene = createScene()
-        # As Slicer does with the user's documents
-        self.scene.SetRootDirectory(self._folder.name)
+        self.documents = Path(self._folder.name) / "Documents"
+        self.documents.mkdir()
+        self.scene.SetRootDirectory(str(self.documents))
         qt, ctk, widgets = qt_modules.make_modules()
         sys.modules.update(qt=qt, ctk=ctk)
         _tidy(slicer)

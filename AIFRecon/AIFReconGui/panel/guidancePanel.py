@@ -36,7 +36,7 @@ class GuidancePanel:
         self._parameterNode = None
         self._colors, self._ghost = BoneColors(), GhostProbe()
         self._shown = self._about = None
-        self._told = ""
+        self._told = "", ""
         self._isTurned = False
         self._showing = qt.QTimer()
         self._showing.setInterval(SHOWN_EVERY)
@@ -180,7 +180,7 @@ class GuidancePanel:
             )
             return
         first, *then = advice.directions
-        self._large(f"{first.arrow}  {inPanelWords(first.words)}")
+        self._large(first.arrow, inPanelWords(first.words))
         # Beside a scan the first step stands in large letters; of what was recorded the list is all there is
         listed = then if self._about is None or self._about[0] else advice.directions
         where = inPanelWords(inNames(advice.over, names))
@@ -190,14 +190,15 @@ class GuidancePanel:
 
     def _clearMove(self) -> None:
         self._ghost.clear()
-        self._large("")
+        self._large("", "")
 
-    def _large(self, text: str) -> None:
-        if text == self._told:
+    def _large(self, arrow: str, words: str) -> None:
+        if (arrow, words) == self._told:
             return
-        self._told = text
-        threeDViews.say(text)
-        self._live.advise(text)
+        self._told = arrow, words
+        # No letters of VTK's are arrows
+        threeDViews.say(words)
+        self._live.advise(f"{arrow}  {words}".strip())
 
     def _say(self, text: str) -> None:
         label = self._ui.guidanceLabel

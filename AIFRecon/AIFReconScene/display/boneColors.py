@@ -8,6 +8,7 @@ from vtk.util import numpy_support
 
 from ..background import letWindowsLive
 from ..sceneNodes import nodesOfClass, removeNodes
+from .borrowed import Borrowed
 
 MET = "Met"
 """The array of the model's points."""
@@ -16,8 +17,8 @@ COLORS = ((0.32, 0.30, 0.29), (0.72, 0.72, 0.72), (0.00, 0.27, 0.68), (0.35, 0.7
 """Of `AIFReconLib.guidance.mesh.OUT_OF_REACH` to `SQUARELY`: grays where nothing was met, blue to orange where something was. No two
 of them are alike to the color-blind."""
 
-HIDDEN = "AIFRecon.HiddenIn3D"
-"""Attribute of the display of segments that are not drawn in 3D while these colors are: saved with the scene, so that they come back."""
+HIDDEN = Borrowed("Visibility3D", False, "AIFRecon.HiddenIn3D")
+"""Segments are not drawn in 3D while these colors are."""
 
 LEGEND, LETTERS = (0.32, 0.42), 16
 """Part of a view that the legend takes, across and up, and its letters in points: Slicer makes them so small that the longest fits."""
@@ -95,18 +96,8 @@ class BoneColors:
 
 def _hideSegments(bone) -> None:
     """Do not draw these segments in 3D, but draw all others again that were hidden here."""
-    display = bone.GetDisplayNode() if bone is not None and bone.IsA("vtkMRMLSegmentationNode") else None
-    for other in nodesOfClass("vtkMRMLSegmentationDisplayNode", slicer.mrmlScene):
-        if other is not display and other.GetAttribute(HIDDEN):
-            # All views draw segments anew with every change of their display
-            with slicer.util.NodeModify(other):
-                other.SetVisibility3D(True)
-                other.RemoveAttribute(HIDDEN)
-    # Once: what the user shows again stays
-    if display is not None and display.GetVisibility3D() and not display.GetAttribute(HIDDEN):
-        with slicer.util.NodeModify(display):
-            display.SetVisibility3D(False)
-            display.SetAttribute(HIDDEN, "1")
+    isSegmented = bone is not None and bone.IsA("vtkMRMLSegmentationNode")
+    HIDDEN.follow(bone.GetDisplayNode() if isSegmented else None)
 
 
 def _colors():

@@ -1,8 +1,10 @@
 """Segments as outlines while a reconstruction is on display: filled, they would hide the very surface that it is about."""
 
-import slicer
-
 from . import sliceDisplay
+from .borrowed import Borrowed
+
+UNFILLED = Borrowed("Visibility2DFill", False, "AIFRecon.FilledBefore")
+OUTLINED = Borrowed("Visibility2DOutline", True, "AIFRecon.OutlinedBefore")
 
 
 class BoneOutlines:
@@ -15,8 +17,6 @@ class BoneOutlines:
 
     def __init__(self):
         self._parameterNode = None
-        self._displayID = None
-        self._wasFilled = False
 
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none: then the user leaves."""
@@ -27,18 +27,9 @@ class BoneOutlines:
     def update(self) -> None:
         """Outline the bone, if a reconstruction is on display."""
         bone = self._parameterNode.bone
-        isSegmented = bone is not None and bone.IsA("vtkMRMLSegmentationNode") and bone.GetDisplayNode() is not None
+        isSegmented = bone is not None and bone.IsA("vtkMRMLSegmentationNode")
         self._follow(bone.GetDisplayNode() if isSegmented and sliceDisplay.showsReconstruction() else None)
 
     def _follow(self, display) -> None:
-        displayID = display.GetID() if display is not None else None
-        if displayID == self._displayID:
-            return
-        before = slicer.mrmlScene.GetNodeByID(self._displayID) if self._displayID is not None else None
-        if before is not None and self._wasFilled:
-            before.SetVisibility2DFill(True)
-        self._displayID = displayID
-        if display is not None:
-            self._wasFilled = bool(display.GetVisibility2DFill())
-            display.SetVisibility2DFill(False)
-            display.SetVisibility2DOutline(True)
+        UNFILLED.follow(display)
+        OUTLINED.follow(display)

@@ -65,7 +65,10 @@ def say(text: str) -> None:
             annotation.SetMaximumFontSize(LETTERS)
             annotation.SetMaximumLineHeight(LINE)
             annotation.SetLinearFontScaleFactor(GROWTH)
-            annotation.GetTextProperty().SetShadow(True)
+            letters = annotation.GetTextProperty()
+            letters.SetShadow(True)
+            # VTK's own have no Chinese, for instance; a font that has is among Slicer's settings
+            slicer.app.applicationLogic().UseCustomFontFile(letters)
             view.scheduleRender()
 
 

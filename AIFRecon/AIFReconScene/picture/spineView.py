@@ -8,6 +8,7 @@ from AIFReconLib.errors import AIFReconError
 
 from ..background import inBackground
 from ..display import threeDViews
+from ..display.borrowed import Borrowed
 from ..sceneNodes import removeNodes
 from ..transforms import matrixToWorld
 from ..volumes.volumeNodes import giveName, hasGivenName, intoFolder
@@ -16,7 +17,7 @@ from .spineSurface import DISTANCE, FARTHEST, distanceColors, spineSurface
 SPINE_ROLE = "AIFRecon.spine"
 """Of the reference from a volume to the model of the bone that it shows."""
 
-TRANSLUCENT = 0.2
+TRANSLUCENT = Borrowed("Opacity3D", 0.2, "AIFRecon.OpacityBefore")
 """Opacity of the CT's bone behind."""
 
 _COLORS = "AIFRecon.SpineColors"
@@ -95,8 +96,7 @@ class SpineView:
     """
 
     def __init__(self):
-        self._modelID = self._boneID = self._seen = None
-        self._opacity = 1.0
+        self._modelID = self._seen = None
 
     def update(self, parameters) -> None:
         """Follow output, box and bone."""
@@ -107,15 +107,15 @@ class SpineView:
         if model is not None and bool(model.GetDisplayVisibility()) != visible:
             model.SetDisplayVisibility(visible)
         bone = parameters.bone
-        isSegmented = visible and bone is not None and bone.IsA("vtkMRMLSegmentationNode") and bone.GetDisplayNode() is not None
-        self._fade(bone.GetDisplayNode() if isSegmented else None)
+        isSegmented = bone is not None and bone.IsA("vtkMRMLSegmentationNode")
+        TRANSLUCENT.follow(bone.GetDisplayNode() if visible and isSegmented else None)
         if visible and self._seen != model.GetID():
             self._seen = model.GetID()
             _lookFromBehind(model, bone)
 
     def clear(self) -> None:
         """The user leaves: the CT's bone as it was."""
-        self._fade(None)
+        TRANSLUCENT.follow(None)
         self._seen = self._modelID = None
 
     def _hideOther(self, model) -> None:
@@ -123,18 +123,6 @@ class SpineView:
         if before is not None and before is not model:
             before.SetDisplayVisibility(False)
         self._modelID = model.GetID() if model is not None else None
-
-    def _fade(self, display) -> None:
-        boneID = display.GetID() if display is not None else None
-        if boneID == self._boneID:
-            return
-        before = slicer.mrmlScene.GetNodeByID(self._boneID) if self._boneID else None
-        if before is not None and before.GetOpacity3D() == TRANSLUCENT:
-            before.SetOpacity3D(self._opacity)
-        self._boneID = boneID
-        if display is not None:
-            self._opacity = display.GetOpacity3D()
-            display.SetOpacity3D(TRANSLUCENT)
 
 
 def _lookFromBehind(model, bone) -> None:

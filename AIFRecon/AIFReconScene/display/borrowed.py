@@ -1,0 +1,50 @@
+"""What the module changes for a while of how segments are displayed, which is the user's, and gives back."""
+
+import slicer
+
+from ..sceneNodes import nodesOfClass
+
+
+class Borrowed:
+    """One property of the display of segments, changed on one display at a time.
+
+    Parameters
+    ----------
+    name : str
+        As in the display's ``Get`` and ``Set`` methods, e.g. ``"Opacity3D"``.
+    value : bool or float
+        What it is while it is borrowed.
+    attribute : str
+        Of the display node: what it was before, as a number.
+
+    Notes
+    -----
+    What it was is kept in the scene and nowhere else, so that a scene which is saved meanwhile gives it back when it is open again. It is
+    changed once: what the user sets after that stays, also when it is given back.
+    """
+
+    def __init__(self, name: str, value, attribute: str):
+        self._name, self._value, self._attribute = name, value, attribute
+
+    def follow(self, display) -> None:
+        """Change this display, or none, and give back what was changed of any other one in the scene."""
+        for other in nodesOfClass("vtkMRMLSegmentationDisplayNode", slicer.mrmlScene):
+            if other is not display and other.GetAttribute(self._attribute) is not None:
+                self._giveBack(other)
+        if display is not None and display.GetAttribute(self._attribute) is None:
+            # All views draw segments anew with every change of their display
+            with slicer.util.NodeModify(display):
+                display.SetAttribute(self._attribute, str(float(self._of(display))))
+                self._set(display, self._value)
+
+    def _giveBack(self, display) -> None:
+        with slicer.util.NodeModify(display):
+            if self._of(display) == self._value:
+                self._set(display, type(self._value)(float(display.GetAttribute(self._attribute))))
+            display.RemoveAttribute(self._attribute)
+
+    def _of(self, display):
+        return getattr(display, f"Get{self._name}")()
+
+    def _set(self, display, value) -> None:
+        getattr(display, f"Set{self._name}")(value)
