@@ -33,7 +33,7 @@ from AIFReconScene.sweep.severalSweeps import offered
 from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus
 
-from AIFReconLib.progress import part, report
+from AIFReconLib.progress import part
 from AIFReconLib.sweep.pose_tracks import LONGEST_GAP
 
 
@@ -313,7 +313,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         keep += ["cosine"] if parameters.bestCosine else []
         inputs, settings = Inputs.fromParameters(parameters), settingsFrom(parameters)
         nodes, prepared, said = self._reconstruct(inputs, settings, parameters.output, keep, part(progress, 0.0, 0.85), True)
-        report(progress, 0.85, "Showing the volume")
         parameters.output = nodes["intensity"]
         self.display.showOutput(parameters, part(progress, 0.85, 0.9))
         self.verdicts.judge(parameters, prepared, self.trackingReport(parameters)[1], part(progress, 0.9, 1.0))

@@ -38,7 +38,6 @@ def loadPhantomSample(source=None):
 
 def addPhantom(progress=None):
     """The nodes of the simulated patient in the scene, with the surface of its bone, shown in the views."""
-    from AIFReconScene.background import letWindowsLive
     from AIFReconScene.display.firstLook import showInputs
     from AIFReconScene.display.threeDViews import makeSurface
     from AIFReconScene.volumes.phantomSample import loadPhantom
@@ -47,6 +46,5 @@ def addPhantom(progress=None):
 
     phantom = loadPhantom(part(progress, 0.0, 0.95))
     makeSurface(phantom.segmentation, part(progress, 0.95, 1.0))
-    letWindowsLive()
     showInputs(phantom.browser, phantom.ct)
     return phantom

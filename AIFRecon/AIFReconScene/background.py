@@ -4,8 +4,6 @@ import concurrent.futures
 import importlib
 import threading
 
-import slicer
-
 from AIFReconLib.message import Message
 from AIFReconLib.progress import report
 
@@ -89,16 +87,6 @@ class Beside:
 def importLibrary(progress=None) -> None:
     """Load what the library computes with, which takes a while the first time."""
     inBackground(lambda _progress: [importlib.import_module(name) for name in HEAVY], progress)
-
-
-def letWindowsLive() -> None:
-    """Have what waits be drawn and timers go on, between two steps that only the main thread can take.
-
-    Nothing happens unless a dialog keeps everything else from being pressed meanwhile, nor where there is no application.
-    """
-    application = getattr(slicer, "app", None)
-    if application is not None and application.activeModalWidget() is not None:
-        application.processEvents()
 
 
 class _Relay:

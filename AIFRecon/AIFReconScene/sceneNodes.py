@@ -1,5 +1,7 @@
 """Finding nodes of a scene, and taking them out again without leaving anything behind."""
 
+import contextlib
+
 import vtk
 
 
@@ -15,6 +17,24 @@ def proxiesOf(browser) -> list:
     nodes = vtk.vtkCollection()
     browser.GetAllProxyNodes(nodes)
     return [nodes.GetItemAsObject(index) for index in range(nodes.GetNumberOfItems())]
+
+
+@contextlib.contextmanager
+def addedTogether(scene):
+    """What is added to a scene within stays if all goes well; where something raises, a cancel too, it is taken out again."""
+    before = {node.GetID() for node in _all(scene)}
+    try:
+        yield
+    except BaseException:
+        # Singletons belong to the application
+        added = [node for node in _all(scene) if node.GetID() not in before and not node.GetSingletonTag()]
+        # Browsers first: they make the nodes anew that they replay into
+        removeNodes(sorted(added, key=lambda node: node.IsA("vtkMRMLSequenceBrowserNode")), scene)
+        raise
+
+
+def _all(scene) -> list:
+    return [scene.GetNthNode(number) for number in range(scene.GetNumberOfNodes())]
 
 
 def freeName(name: str, scene) -> str:

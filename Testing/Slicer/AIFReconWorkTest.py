@@ -43,17 +43,19 @@ class AIFReconWorkTest(unittest.TestCase):
         write_sequence(tinyScene.makeSequence(), path)
         self.parameters.recordingPath = path
 
-    def pressAndCancel(self, button, work: str, fraction: float):
-        """Press a button and cancel as soon as `work` of the logic has come so far."""
+    def pressAndCancel(self, button, work: str, fraction: float, cancel=None):
+        """Press a button and cancel, or do something else, as soon as `work` of the logic has come so far."""
         do = getattr(self.widget.logic, work)
 
-        def canceled(parameters, progress):
+        def canceled(*arguments):
+            *parameters, progress = arguments
+
             def report(done, message):
                 if done >= fraction:
-                    progress.cancel()
+                    (cancel or self.widget._work.cancel)()
                 return progress(done, message)
 
-            return do(parameters, report)
+            return do(*parameters, report)
 
         setattr(self.widget.logic, work, canceled)
         try:
@@ -93,6 +95,79 @@ class AIFReconWorkTest(unittest.TestCase):
                 self.assertEqual(self.scene(), before)
                 self.assertIsNone(self.parameters.sweep)
                 self.assertIn("Canceled", self.widget._recorded._report)
+
+    def fileSome(self) -> list:
+        """CT, labels, a place and two recordings as files, to be opened by the button; something else is chosen."""
+        from AIFReconLib import write_sequence
+        from AIFReconLib.geometry.volume import Volume
+
+        folder = pathlib.Path(self.folder.name)
+        paths = [folder / name for name in ("first.igs.mha", "second.igs.mha", "ct.nrrd", "labels.nrrd", "place.tfm")]
+        for path in paths[:2]:
+            write_sequence(tinyScene.makeSequence(), path)
+        array = np.zeros((6, 6, 6), np.int16)
+        array[2:4, 2:4, 1:3], array[2:4, 2:4, 4:5] = 1, 2
+        Volume(array * 700 - 500, np.eye(4)).write(paths[2])
+        Volume(array.astype(np.uint8), np.eye(4)).write(paths[3])
+        node, storage = slicer.vtkMRMLLinearTransformNode(), slicer.vtkMRMLTransformStorageNode()
+        storage.SetFileName(str(paths[4]))
+        self.assertTrue(storage.WriteData(node))
+        self.addInputs()
+        self.widget._recorded._ask = lambda: paths
+        self.addCleanup(lambda: delattr(self.widget._recorded, "_ask"))
+        return paths
+
+    def chosen(self) -> dict:
+        """What follows the files that are opened, and what CT and bone lie under."""
+        from AIFReconScene.volumes.opening import CHOSEN
+
+        parameters = self.parameters
+        above = [node.GetTransformNodeID() for node in (parameters.ctVolume, parameters.bone)]
+        return {"above": above, **{name: getattr(parameters, name) for name in CHOSEN}, "otherSweeps": list(parameters.otherSweeps)}
+
+    def test_files_that_are_canceled_leave_scene_and_choices_as_they_were(self):
+        self.fileSome()
+        nodes, chosen = self.scene()["names"], self.chosen()
+        for fraction in (0.0, 0.2, 0.5, 0.65, 0.95):
+            with self.subTest(fraction=fraction):
+                self.pressAndCancel(self.ui.openButton, "openFiles", fraction)
+                self.assertIn("Canceled", self.ui.statusLabel.text)
+                self.assertEqual(self.scene()["names"], nodes)
+                self.assertEqual(self.chosen(), chosen)
+
+    def test_files_that_are_opened_while_the_scene_is_closed_leave_nothing_chosen(self):
+        self.fileSome()
+        self.pressAndCancel(self.ui.openButton, "openFiles", 0.65, slicer.mrmlScene.Clear)
+        chosen = self.widget._parameterNode
+        self.assertEqual((chosen.sweep, chosen.ctVolume, chosen.bone, list(chosen.otherSweeps)), (None, None, None, []))
+        for kind in ("Volume", "Segmentation", "SequenceBrowser", "Sequence"):
+            self.assertEqual(slicer.util.getNodesByClass(f"vtkMRML{kind}Node"), [])
+
+    def test_files_of_which_one_cannot_be_read_leave_scene_and_choices_as_they_were(self):
+        paths = self.fileSome()
+        nodes, chosen = self.scene()["names"], self.chosen()
+        paths[1].write_bytes(paths[1].read_bytes()[:-100])
+        self.ui.openButton.click()
+        self.assertEqual(self.scene()["names"], nodes)
+        self.assertEqual(self.chosen(), chosen)
+
+    def test_files_are_chosen_in_the_order_in_which_they_need_each_other(self):
+        self.fileSome()
+        before = self.chosen()["above"]
+        self.ui.openButton.click()
+        self.assertEqual(self.parameters.sweep.GetName(), "first")
+        self.assertEqual([sweep.GetName() for sweep in self.parameters.otherSweeps], ["second"])
+        self.assertEqual((self.parameters.ctVolume.GetName(), self.parameters.bone.GetName()), ("ct", "labels"))
+        above = self.chosen()["above"]
+        self.assertEqual(above[0], above[1])
+        self.assertNotIn(above[0], before)
+
+    def test_a_canceled_sample_patient_leaves_the_scene_as_it_was(self):
+        before = self.scene()
+        self.pressAndCancel(self.ui.sampleButton, "apply", 0.3)
+        self.assertEqual(self.scene()["names"], before["names"])
+        self.assertIn("Canceled", self.ui.statusLabel.text)
+        self.assertIsNone(self.parameters.sweep)
 
     def test_a_cancel_is_told_where_no_sweep_is_chosen(self):
         self.chooseRecording()

@@ -3,7 +3,6 @@
 from html import escape
 
 import qt
-from AIFReconScene.background import letWindowsLive
 from AIFReconScene.display import threeDViews
 from AIFReconScene.display.boneColors import BoneColors
 from AIFReconScene.display.ghostProbe import GhostProbe
@@ -149,7 +148,6 @@ class GuidancePanel:
             self._colors.clear()
         else:
             self._colors.show(bone, guidance.colored, guidance.levels)
-            letWindowsLive()
         names = {} if bone is None or bone.GetScene() is None else boneNames(bone, self._segments())
         if guidance.problem is not None or guidance.coverage is None:
             self._clearMove()

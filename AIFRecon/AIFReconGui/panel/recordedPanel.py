@@ -10,6 +10,7 @@ from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneSource import hasBone
 from AIFReconScene.inputs.parameters import fileFrom
 from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.sceneNodes import addedTogether
 from AIFReconScene.sweep.fileKinds import OPENED
 from slicer.i18n import tr as _
 
@@ -169,9 +170,10 @@ class RecordedPanel(Follower):
     def _sample(self, parameters, progress) -> str:
         from ..sampleData import addPhantom
 
-        addPhantom(part(progress, 0.0, 0.6))
-        readiness.chooseDefaults(parameters)
-        return self._logic.apply(parameters, part(progress, 0.6, 1.0))
+        with addedTogether(slicer.mrmlScene):
+            addPhantom(part(progress, 0.0, 0.6))
+            readiness.chooseDefaults(parameters)
+            return self._logic.apply(parameters, part(progress, 0.6, 1.0))
 
     def _run(self, title: str, failure: str, work, offersSpeed: bool = False) -> None:
         """Do long work with progress and cancel; its errors are shown, a cancel leaves the scene as it was."""

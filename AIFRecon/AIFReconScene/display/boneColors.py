@@ -6,7 +6,6 @@ import vtk
 from slicer.i18n import tr as _
 from vtk.util import numpy_support
 
-from ..background import letWindowsLive
 from ..sceneNodes import nodesOfClass, removeNodes
 from .borrowed import Borrowed
 
@@ -58,8 +57,6 @@ class BoneColors:
         self._levels = levels
         if node.GetTransformNodeID() != bone.GetTransformNodeID():
             node.SetAndObserveTransformNodeID(bone.GetTransformNodeID())
-        # Two changes that all views take a while for: beside a dialog, one after the other
-        letWindowsLive()
         _hideSegments(bone)
         return node
 

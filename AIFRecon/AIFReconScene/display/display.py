@@ -8,7 +8,6 @@ from ..inputs.parameters import imageRegionFrom, probeFrom
 from ..panelWords import inPanelWords
 from ..sweep.sweepStatus import sweepKey
 from . import sliceDisplay, threeDViews
-from .drawnOnce import drawnOnce
 from .probeOverlay import ProbeOverlay
 
 
@@ -33,7 +32,7 @@ class SceneDisplay:
         if parameters.output is None:
             return  # deleted while the surface was made
         fit = self._changed("place", (parameters.output.GetID(), _boundsOf(parameters.output)))
-        with drawnOnce():
+        with slicer.util.RenderBlocker():
             sliceDisplay.restoreLayout()
             sliceDisplay.showOverCT(parameters.output, parameters.ctVolume, parameters.opacity, fit=fit)
             self.update(parameters)

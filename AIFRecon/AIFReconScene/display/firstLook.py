@@ -3,7 +3,6 @@
 import slicer
 
 from . import sliceDisplay, threeDViews
-from .drawnOnce import drawnOnce
 
 
 def showInputs(browserNode, ctNode=None) -> None:
@@ -16,7 +15,7 @@ def showInputs(browserNode, ctNode=None) -> None:
         Slice views that show it already stay where they are.
     """
     slicer.modules.sequences.showSequenceBrowser(browserNode)
-    with drawnOnce():
+    with slicer.util.RenderBlocker():
         if ctNode is not None:
             sliceDisplay.showBackground(ctNode)
         threeDViews.center()

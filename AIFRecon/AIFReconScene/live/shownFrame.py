@@ -6,7 +6,7 @@ import slicer
 
 from AIFReconLib.geometry.volume import Volume
 
-from ..display.drawnOnce import viewByView
+from ..display.viewByView import viewByView
 from ..sceneNodes import removeNodes
 from ..transforms import atRightAngles
 from ..volumes.volumeNodes import showGrayLevels, updateVolumeNode

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from typing import Any
 
+import slicer
+
 from AIFReconLib.errors import AIFReconError, OperationCanceled
 from AIFReconLib.message import Message
 from AIFReconLib.progress import part
 
-from ..background import letWindowsLive
-from ..display.drawnOnce import drawnOnce
 from ..inputs.parameters import needsBone
 from ..volumes.volumeNodes import outputNodes
 from .spineView import keepSpine
@@ -59,8 +59,7 @@ def keptNodes(result, beside: Beside, inputs, output, kinds) -> dict:
         Further volumes that are wanted.
     """
     volumes = {"intensity": output}
-    with drawnOnce():
+    with slicer.util.RenderBlocker():
         nodes = outputNodes(result, inputs.name, ("intensity", *kinds), volumes, inputs=inputs.nodes(), measured=beside.measured)
-        letWindowsLive()
         keepSpine(nodes["intensity"], beside.shown, inputs.name)
     return nodes

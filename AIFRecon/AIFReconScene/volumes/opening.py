@@ -1,21 +1,33 @@
 """Files of any kind that a reconstruction needs, read into the scene in one go; CT and labels by nothing but MRML's own readers."""
 
+import contextlib
+
 import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.progress import part
+from AIFReconLib.message import Message
+from AIFReconLib.progress import part, report
 
 from ..inputs.boneSource import BoneSource
-from ..sceneNodes import freeName, removeNodes
+from ..sceneNodes import addedTogether, freeName, removeNodes
 from ..sweep.fileKinds import CONFIGURATION, PREDICTIONS, RECORDING, SEGMENTATION, TRANSFORM, VOLUME, kindOf
 from ..transforms import ijkToRAS
 from .segments import addSegments
 
 MOST_LABELS = 64
 """A volume of so few whole numbers from 0 to 255 is a labelmap; a CT has hundreds."""
+
+ORDER = (CONFIGURATION, VOLUME, SEGMENTATION, TRANSFORM, PREDICTIONS, RECORDING)
+"""A transform is laid above what came before it; a recording needs its configuration."""
+
+CHOSEN = (
+    *("configurationPath", "recordingPath", "sweep", "otherSweeps", "imageSequence", "spacing"),
+    *("ctVolume", "bone", "boneSource", "bonePredictions"),
+)
+"""Parameters that follow what is opened."""
 
 
 def openFiles(parameters, paths, loadRecording, progress=None) -> str:
@@ -32,47 +44,81 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> str:
     Raises
     ------
     AIFReconError
-        With the file that cannot be read. Nothing is read where one is of no known kind.
+        With the file that cannot be read.
+    OperationCanceled
+        As after an error, scene and choices are as before.
     """
-    of: dict = {}
-    for path in paths:
-        of.setdefault(kindOf(path), []).append(path)
-    parameters.configurationPath = of.get(CONFIGURATION, [parameters.configurationPath])[0]
-    for path in of.get(VOLUME, ()):
-        node = openVolume(path)
-        setattr(parameters, "bone" if node.IsA("vtkMRMLSegmentationNode") else "ctVolume", node)
-    for path in of.get(SEGMENTATION, ()):
+    kinds = [(kindOf(path), path) for path in paths]
+    ordered = [(kind, path) for wanted in ORDER for kind, path in kinds if kind == wanted]
+    sweeps = []
+    with addedTogether(slicer.mrmlScene), _chosenTogether(parameters):
+        for number, (kind, path) in enumerate(ordered):
+            share = part(progress, number / len(ordered), (number + 1) / len(ordered))
+            report(share, 0.0, Message("Opening {name}", name=path.name))
+            if kind == RECORDING:
+                parameters.recordingPath = path
+                loadRecording(parameters, share)
+                sweeps.append(parameters.sweep)
+            elif kind == PREDICTIONS:
+                _openPredictions(parameters, path, loadRecording, share)
+            else:
+                _openOther(parameters, kind, path, share)
+        if sweeps:
+            parameters.sweep, parameters.otherSweeps = sweeps[0], sweeps[1:]
+    return _("Opened {names}.").format(names=", ".join(path.name for path in paths))
+
+
+@contextlib.contextmanager
+def _chosenTogether(parameters):
+    """What is chosen, and what CT and bone lie under, is as before where something raises."""
+    chosen = {name: getattr(parameters, name) for name in CHOSEN}
+    chosen["otherSweeps"] = list(chosen["otherSweeps"])
+    above = [(node, node.GetTransformNodeID()) for node in (parameters.ctVolume, parameters.bone) if node is not None]
+    try:
+        yield
+    except BaseException:
+        for node, transformID in above:
+            if _isThere(node):
+                node.SetAndObserveTransformNodeID(transformID)
+        for name, value in chosen.items():
+            value = list(filter(_isThere, value)) if isinstance(value, list) else value
+            setattr(parameters, name, value if _isThere(value) else None)
+        raise
+
+
+def _isThere(value) -> bool:
+    """Whether this is no node that somebody has deleted meanwhile."""
+    return not hasattr(value, "GetScene") or value.GetScene() is not None
+
+
+def _openOther(parameters, kind: str, path, progress) -> None:
+    if kind == CONFIGURATION:
+        parameters.configurationPath = path
+    elif kind == SEGMENTATION:
         parameters.bone = openSegmentation(path)
-    for path in of.get(TRANSFORM, ()):
+    elif kind == TRANSFORM:
         above = openTransform(path)
         for node in (parameters.ctVolume, parameters.bone):
             if node is not None:
                 node.SetAndObserveTransformNodeID(above.GetID())
-    for path in of.get(PREDICTIONS, ()):
-        _openPredictions(parameters, path, loadRecording)
-    recordings, loaded = of.get(RECORDING, ()), []
-    for number, path in enumerate(recordings):
-        parameters.recordingPath = path
-        loadRecording(parameters, part(progress, number / len(recordings), (number + 1) / len(recordings)))
-        loaded.append(parameters.sweep)
-    if loaded:
-        parameters.sweep, parameters.otherSweeps = loaded[0], loaded[1:]
-    return _("Opened {names}.").format(names=", ".join(path.name for path in paths))
+    else:
+        node = openVolume(path, progress)
+        setattr(parameters, "bone" if node.IsA("vtkMRMLSegmentationNode") else "ctVolume", node)
 
 
-def _openPredictions(parameters, path, loadRecording) -> None:
+def _openPredictions(parameters, path, loadRecording, progress) -> None:
     """Read what a network has said of a sweep, and let that tell where bone is; the sweep that is chosen stays chosen."""
     chosen = {name: getattr(parameters, name) for name in ("sweep", "imageSequence", "recordingPath", "spacing")}
     parameters.recordingPath = path
     try:
-        loadRecording(parameters, None)
+        loadRecording(parameters, progress)
         parameters.bonePredictions, parameters.boneSource = parameters.sweep.GetMasterSequenceNode(), BoneSource.PREDICTIONS
     finally:
         for name, value in chosen.items():
             setattr(parameters, name, value)
 
 
-def openVolume(path):
+def openVolume(path, progress=None):
     """The node of a volume: a segmentation where it holds labels.
 
     Raises
@@ -81,7 +127,7 @@ def openVolume(path):
         When it cannot be read; the scene is then as before.
     """
     node = _read("vtkMRMLScalarVolumeNode", "vtkMRMLVolumeArchetypeStorageNode", path)
-    return _segmentationOf(node) if _holdsLabels(slicer.util.arrayFromVolume(node)) else node
+    return _segmentationOf(node, progress) if _holdsLabels(slicer.util.arrayFromVolume(node)) else node
 
 
 def openSegmentation(path):
@@ -108,7 +154,7 @@ def _read(kind: str, reader: str, path):
     return node
 
 
-def _segmentationOf(volumeNode):
+def _segmentationOf(volumeNode, progress):
     """A segmentation of the labels of a volume, which it takes the place of, with that volume's voxels."""
     scene, name = slicer.mrmlScene, volumeNode.GetName()
     labels = Volume(slicer.util.arrayFromVolume(volumeNode).copy(), ijkToRAS(volumeNode))
@@ -118,7 +164,8 @@ def _segmentationOf(volumeNode):
     node.SetName(name)
     scene.AddNode(node)
     node.CreateDefaultDisplayNodes()
-    addSegments(node, labels, {label: _("Label {number}").format(number=label) for label in np.unique(labels.array).tolist() if label})
+    named = {label: _("Label {number}").format(number=label) for label in np.unique(labels.array).tolist() if label}
+    addSegments(node, labels, named, progress)
     return node
 
 

@@ -8,9 +8,11 @@ import numpy as np
 import slicer
 
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.progress import Progress, part
+from AIFReconLib.message import Message
+from AIFReconLib.progress import Progress, part, report
 
-from ..background import inBackground, letWindowsLive
+from ..background import inBackground
+from ..sceneNodes import addedTogether
 from ..sweep.sequenceNodes import browserFromSequence
 from ..transforms import vtkMatrixOf
 from .segments import addSegments
@@ -98,17 +100,15 @@ def simulatedPatient(progress: Progress | None = None, *, seed: int = 0, frames:
 def addPatient(phantom, sweep, progress: Progress | None = None, scene=None) -> PhantomNodes:
     """Add a simulated patient to a scene; arguments as for `loadPhantom`."""
     scene = scene or slicer.mrmlScene
-    # The sweep first: it alone can still be canceled, and it leaves nothing behind then
-    browser = browserFromSequence(sweep, "Lumbar sweep", progress, scene)
-    letWindowsLive()
-    transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
-    transform.SetMatrixTransformToParent(vtkMatrixOf(phantom.ct_to_reference))
-    ct = _ctNode(phantom.ct, scene)
-    ct.SetAndObserveTransformNodeID(transform.GetID())
-    letWindowsLive()
-    segmentation = _segmentationNode(phantom.labels, ct, scene)
-    letWindowsLive()
-    segmentation.SetAndObserveTransformNodeID(transform.GetID())
+    with addedTogether(scene):
+        browser = browserFromSequence(sweep, "Lumbar sweep", part(progress, 0.0, 0.4), scene)
+        report(progress, 0.4, Message("Adding the CT"))
+        transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
+        transform.SetMatrixTransformToParent(vtkMatrixOf(phantom.ct_to_reference))
+        ct = _ctNode(phantom.ct, scene)
+        ct.SetAndObserveTransformNodeID(transform.GetID())
+        segmentation = _segmentationNode(phantom.labels, ct, scene, part(progress, 0.6, 1.0))
+        segmentation.SetAndObserveTransformNodeID(transform.GetID())
     return PhantomNodes(ct, segmentation, transform, browser)
 
 
@@ -133,9 +133,9 @@ def _ctNode(ct: Volume, scene):
     return node
 
 
-def _segmentationNode(labels: Volume, ct, scene):
+def _segmentationNode(labels: Volume, ct, scene, progress):
     node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode", scene.GenerateUniqueName("Lumbar vertebrae"))
     node.CreateDefaultDisplayNodes()
     node.SetReferenceImageGeometryParameterFromVolumeNode(ct)
-    addSegments(node, labels, dict(enumerate(LEVELS, start=1)))
+    addSegments(node, labels, dict(enumerate(LEVELS, start=1)), progress)
     return node

@@ -4,8 +4,9 @@ import numpy as np
 import slicer
 
 from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.message import Message
+from AIFReconLib.progress import report
 
-from ..background import letWindowsLive
 from ..transforms import vtkMatrixOf
 from .volumeNodes import updateVolumeNode
 
@@ -13,7 +14,7 @@ COLORS = ((0.95, 0.84, 0.57), (0.70, 0.82, 0.93), (0.80, 0.90, 0.67), (0.93, 0.7
 """Of the segments in turn: pale, so that ultrasound stays in front."""
 
 
-def addSegments(node, labels: Volume, names: dict[int, str]) -> None:
+def addSegments(node, labels: Volume, names: dict[int, str], progress=None) -> None:
     """Add a segment for each label to a segmentation.
 
     Parameters
@@ -23,15 +24,22 @@ def addSegments(node, labels: Volume, names: dict[int, str]) -> None:
         In the node's own coordinates, RAS in mm.
     names : dict of int to str
         The labels, in the order of the segments, and what these are called.
+    progress : callable or None
+        Hears of every segment.
+
+    Raises
+    ------
+    OperationCanceled
+        Some segments are there by then.
     """
     for number, (label, name) in enumerate(names.items()):
+        report(progress, number / len(names), Message("Adding {name}", name=name))
         part = _around(labels, label)
         image, holder = slicer.vtkOrientedImageData(), slicer.vtkMRMLScalarVolumeNode()
         updateVolumeNode(holder, Volume((part.array == label).astype(np.uint8), part.ijk_to_reference))
         image.ShallowCopy(holder.GetImageData())
         image.SetGeometryFromImageToWorldMatrix(vtkMatrixOf(part.ijk_to_reference))
         node.AddSegmentFromBinaryLabelmapRepresentation(image, name, COLORS[number % len(COLORS)])
-        letWindowsLive()
 
 
 def _around(labels: Volume, label: int) -> Volume:

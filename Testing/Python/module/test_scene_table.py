@@ -127,12 +127,13 @@ def test_segments_lie_on_the_bone_of_the_ct(patient):
     assert hounsfield[labels.array > 0].mean() > hounsfield[labels.array == 0].mean() + 200
 
 
-def test_canceling_the_simulation_leaves_the_scene_as_it_was(scene, quick):
+@pytest.mark.parametrize("share", [0.5, 0.96, 0.97, 0.99])
+def test_canceling_the_simulation_leaves_the_scene_as_it_was(scene, quick, share):
     from AIFReconScene.volumes.phantomSample import loadPhantom
 
     before = class_counts(scene)
     with pytest.raises(OperationCanceled):
-        loadPhantom(lambda fraction, message: fraction < 0.97, frames=9)
+        loadPhantom(lambda fraction, message: fraction < share, frames=9)
     assert class_counts(scene) == before
 
 

@@ -1,26 +1,6 @@
-"""Many changes of the scene, each view drawn once when all are made, and the windows alive between one view and the next."""
-
-import contextlib
+"""Drawing goes on after a pause, and the windows are alive between one view and the next."""
 
 import slicer
-
-from ..background import letWindowsLive
-
-
-@contextlib.contextmanager
-def drawnOnce():
-    """Draw nothing within; afterwards draw view by view.
-
-    Notes
-    -----
-    `slicer.util.RenderBlocker` draws all views in one go in the end, for which the windows stand still as long as all of them take.
-    """
-    slicer.app.pauseRender()
-    try:
-        yield
-    finally:
-        for _view in viewByView():
-            letWindowsLive()
 
 
 def viewByView():
