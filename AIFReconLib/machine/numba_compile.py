@@ -17,6 +17,10 @@ __all__ = ["VERSION", "compiled", "inlined"]
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 """A loop over arrays; compiled, it is called as before."""
 
+# numba notes thousands of lines about one kernel. Where the root logger takes all of them, as in Slicer, compiling takes ten times as long
+if logging.getLogger("numba").level == logging.NOTSET:
+    logging.getLogger("numba").setLevel(logging.WARNING)
+
 _OPTIONS = {"nogil": True, "error_model": "numpy", "fastmath": False}
 
 

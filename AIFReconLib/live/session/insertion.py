@@ -102,7 +102,7 @@ class Inserter:
         self._imaging = Imaging(ImageRegion(), None)
         self._parts = parts or ReconstructorParts()
         self.error: Exception | None = None
-        self.ready = threading.Event()
+        self.warm, self.ready = threading.Event(), threading.Event()
         self._settings = settings
         self._bone = bone
         self._meter = meter
@@ -270,6 +270,8 @@ class Inserter:
             tiny.reconstruction()
         except Exception:  # what is wrong shows with the real volume, where it is reported
             logger.debug("The engine could not be warmed up", exc_info=True)
+        finally:
+            self.warm.set()
 
     def _work(self) -> None:
         self._warm_up()

@@ -151,13 +151,13 @@ class LiveSession:
             self._collector.start()
 
     def prepare(self, timeout: float | None = None) -> bool:
-        """Make the volume and place the bone map before `start`, so that the first frames need not wait; whether that is done.
+        """Compile what inserts, make the volume and place the bone map before `start`, so that no frame waits for it; whether that is done.
 
-        Without a grid, or with a probe that is still to be recognized, there is nothing to prepare yet.
+        Without a grid, or with a probe that is still to be recognized, no volume can be made yet.
         """
         with self._lock:
             self._start_inserting()
-        return self._phase != RECONSTRUCTING or self._inserter.ready.wait(timeout)
+        return (self._inserter.ready if self._phase == RECONSTRUCTING else self._inserter.warm).wait(timeout)
 
     def pause(self) -> None:
         """Insert nothing until `resume`. Frames are still received, shown, recorded and counted."""

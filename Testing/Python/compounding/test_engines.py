@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 import threading
 import time
@@ -288,6 +289,15 @@ def test_where_no_folder_can_be_written_to_code_is_compiled_all_the_same(monkeyp
 
     monkeypatch.setattr(numba_compile, "njit", without_a_folder)
     assert numba_compile.compiled(lambda x: x + 1)(2) == 3
+
+
+@needs_numba
+def test_compiling_is_not_noted_line_by_line_where_everything_is_logged(caplog):
+    from AIFReconLib.machine import numba_compile
+
+    with caplog.at_level(logging.DEBUG):
+        assert numba_compile.njit(lambda x: x + 2)(2) == 4
+    assert [record for record in caplog.records if record.name.startswith("numba")] == []
 
 
 @pytest.mark.parametrize("method", METHODS)
