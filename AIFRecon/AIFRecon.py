@@ -33,6 +33,8 @@ from AIFReconScene.sweep.severalSweeps import offered
 from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus
 
+from AIFReconLib.errors import OperationCanceled
+from AIFReconLib.message import Message, listed
 from AIFReconLib.progress import part
 from AIFReconLib.sweep.pose_tracks import LONGEST_GAP
 
@@ -266,7 +268,8 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
         settings, more = settingsAndInputs({**(inputs or {}), **choices})
         asked = ReconstructionSettings(**{"best_cosine": "cosine" in keep, **settings})
-        return self._reconstruct(Inputs(sweep=sweep, bone=bone, **more), asked, output, keep, progress)[0]["intensity"]
+        given = Inputs(sweep=sweep, bone=bone, **more)
+        return self._kept(self._computed(given, asked, keep, progress)[0], given, output, keep)["intensity"]
 
     # ---- for the panel
 
@@ -312,9 +315,16 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
         inputs, settings = Inputs.fromParameters(parameters), settingsFrom(parameters)
-        nodes, prepared, said = self._reconstruct(inputs, settings, parameters.output, keep, part(progress, 0.0, 0.85), True)
-        parameters.output = nodes["intensity"]
-        self.display.showOutput(parameters, part(progress, 0.85, 0.9))
+        computed, prepared, said = self._computed(inputs, settings, keep, part(progress, 0.0, 0.85), True)
+        # Drawn once, when all of it is shown
+        with slicer.util.RenderBlocker():
+            node = self._kept(computed, inputs, parameters.output, keep)["intensity"]
+            if progress is not None:
+                progress(0.85, Message("Showing the volume"))  # it is there: too late to cancel
+            if node.GetScene() is None or parameters.sweep is None:
+                raise OperationCanceled("The volume or its sweep was deleted meanwhile.")
+            parameters.output = node
+            self.display.showOutput(parameters, part(progress, 0.85, 0.9))
         self.verdicts.judge(parameters, prepared, self.trackingReport(parameters)[1], part(progress, 0.9, 1.0))
         return said
 
@@ -333,19 +343,23 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         self.display.showComparison(comparison, parameters)
         return comparison.report
 
-    def _reconstruct(self, inputs, settings, output, keep, progress, forViews=False):
+    def _computed(self, inputs, settings, keep, progress, forViews=False):
+        """What `_kept` makes nodes of, with the `PreparedInputs` and what was done in words."""
         from AIFReconScene.inputs.inputs import reconstructed
-        from AIFReconScene.picture.kept import Beside, besideOf, keptNodes
-
-        from AIFReconLib.message import listed
+        from AIFReconScene.picture.kept import Beside, besideOf
 
         wished = ("score", "hits") if forViews else ()
         result, prepared, said = reconstructed(inputs, settings, part(progress, 0.0, 0.75), keep, wished)
         beside = besideOf(prepared, settings, result, part(progress, 0.75, 0.95)) if forViews else Beside()
         self._tracking.remember(inputs, prepared.sequence, result)
+        return (result, beside), prepared, said if beside.problem is None else listed([said, beside.problem], "\n")
+
+    def _kept(self, computed, inputs, output, keep) -> dict:
+        from AIFReconScene.picture.kept import keptNodes
+
+        result, beside = computed
         slicer.mrmlScene.SaveStateForUndo()
-        nodes = keptNodes(result, beside, inputs, output, keep)
-        return nodes, prepared, said if beside.problem is None else listed([said, beside.problem], "\n")
+        return keptNodes(result, beside, inputs, output, keep)
 
 
 class AIFReconTest(ScriptedLoadableModuleTest):

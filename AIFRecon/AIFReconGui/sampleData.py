@@ -40,11 +40,13 @@ def addPhantom(progress=None):
     """The nodes of the simulated patient in the scene, with the surface of its bone, shown in the views."""
     from AIFReconScene.display.firstLook import showInputs
     from AIFReconScene.display.threeDViews import makeSurface
+    from AIFReconScene.sceneNodes import addedTogether
     from AIFReconScene.volumes.phantomSample import loadPhantom
 
     from AIFReconLib.progress import part
 
-    phantom = loadPhantom(part(progress, 0.0, 0.95))
-    makeSurface(phantom.segmentation, part(progress, 0.95, 1.0))
-    showInputs(phantom.browser, phantom.ct)
+    with addedTogether(slicer.mrmlScene):
+        phantom = loadPhantom(part(progress, 0.0, 0.9))
+        makeSurface(phantom.segmentation, part(progress, 0.9, 0.95))
+        showInputs(phantom.browser, phantom.ct, part(progress, 0.95, 1.0))
     return phantom

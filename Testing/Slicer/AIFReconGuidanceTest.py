@@ -321,6 +321,35 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.setBox()
         self.assertEqual(self.own(), [])
 
+    def test_a_cancel_while_colors_are_shown_takes_them_away(self):
+        from AIFReconGui.progressDialog import ProgressDialog
+
+        call, shown = ProgressDialog.__call__, []
+
+        def canceled(dialog, share, message):
+            shown.append(str(message) == "Showing the bone in colors" and self.colored())
+            return str(message) != "Showing the bone in colors"
+
+        self.addCleanup(setattr, ProgressDialog, "__call__", call)
+        ProgressDialog.__call__ = canceled
+        self.setToldBox()
+        self.assertTrue(any(shown))
+        self.assertEqual(self.own(), [])
+
+    def test_what_a_scan_has_not_shown_yet_is_shown_when_it_ends_and_not_after_it_was_forgotten(self):
+        self.setToldBox()
+        guidance, panel = self.widget._guidance._shown, self.widget._guidance
+        steps = panel._stepsTo(guidance, self.parameters.bone)
+        next(steps)
+        panel.forget()
+        list(steps)
+        self.assertEqual(self.own(), [])
+        panel._shown, panel._unfinished = guidance, (guidance, self.parameters.bone)
+        panel._showing.start()
+        panel.update()
+        self.assertTrue(self.colored())
+        self.assertIsNone(panel._unfinished)
+
     def test_the_ct_takes_its_colors_along(self):
         self.setToldBox()
         before = np.zeros(6)

@@ -160,7 +160,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
                 if not self.live.isRunning:
                     self.ui.liveStartButton.click()
                 # The node of the first frame is made before anything is paused
-                self.assertTrue(waitFor(lambda: self.live._live._frame.isUnderWay and paused.count(True) > paused.count(False)))
+                self.assertTrue(waitFor(lambda: self.live._live._inSteps.isUnderWay and paused.count(True) > paused.count(False)))
                 end()
                 self.assertEqual(paused.count(True), paused.count(False))
         finally:
@@ -215,6 +215,28 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         self.live._live.stop = lambda progress: stop(lambda fraction, message: False)
         self.ui.liveStopButton.click()
         self.assertIn("Canceled", self.ui.liveStatisticsLabel.text)
+
+    def test_a_start_that_is_canceled_while_the_scan_is_prepared_leaves_no_thread_and_no_recording(self):
+        from AIFReconLib.live.session.session import LiveSession
+
+        waited = []
+
+        def prepare(session, timeout=None):
+            waited.append(timeout)
+            self.live._work.cancel()
+            return False
+
+        tinyScene.requireLivePackages()
+        kept, LiveSession.prepare = LiveSession.prepare, prepare
+        try:
+            self.ui.liveStartButton.click()
+        finally:
+            LiveSession.prepare = kept
+        self.assertTrue(waited)
+        self.assertFalse(self.live.isRunning)
+        self.assertIn("Canceled", self.ui.liveStatisticsLabel.text)
+        self.assertTrue(waitFor(lambda: not self.scanThreads()))
+        self.assertEqual(list(pathlib.Path(slicer.mrmlScene.GetRootDirectory()).iterdir()), [])
 
     def test_a_canceled_start_is_told_though_no_sweep_is_chosen(self):
         from AIFReconLib.errors import OperationCanceled

@@ -119,7 +119,7 @@ class AIFReconReconstructionTest(unittest.TestCase):
         np.testing.assert_allclose(tinyScene.ijkToRAS(volume), expected.ijk_to_reference, atol=1e-6)
 
     def test_a_frame_that_was_not_tracked_is_left_out_and_named(self):
-        _nodes, _prepared, report = self.logic._reconstruct(self._inputs(), self._settings(), None, (), None)
+        _computed, _prepared, report = self.logic._computed(self._inputs(), self._settings(), (), None)
         self.assertIn("11 of 12 frames", report)
         self.assertIn("OUT_OF_VIEW", report)
 

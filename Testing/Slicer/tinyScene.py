@@ -40,6 +40,8 @@ def recordElsewhere(test) -> None:
     test.addCleanup(folder.cleanup)
     test.addCleanup(scene.SetRootDirectory, scene.GetRootDirectory())
     scene.SetRootDirectory(folder.name)
+    # The file of a scene that was saved or loaded before stays when the scene is closed, and its folder comes first
+    scene.SetURL("")
 
 
 def rotation(axis: int, degrees: float) -> np.ndarray:

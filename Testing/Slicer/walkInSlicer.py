@@ -134,6 +134,17 @@ class Walk:
             raise RuntimeError(f"{button.text} cannot be pressed: {button.toolTip} {self.ui.statusLabel.text}")
         button.click()
 
+    def open(self, paths) -> None:
+        """Press the button that opens files, and choose these."""
+        recorded = self.widget._recorded
+        recorded._ask = lambda: paths
+        try:
+            self.press(self.ui.openButton)
+        finally:
+            del recorded._ask
+        if self.ui.statusLabel.text[:6] != "Opened":
+            raise RuntimeError(f"the files were not opened: {self.ui.statusLabel.text}")
+
     def picture(self, name: str) -> None:
         """The window as it is."""
         self.settle()

@@ -34,7 +34,7 @@ def lights(walk) -> None:
     walk.settle()
     files = write_simulated_patient(walk.folder / "slow", path="single-angle", frames=SLOW_FRAMES)
     walk.heart.start()  # the windows were not asked while that was simulated
-    walk.widget.logic.openFiles(walk.parameters, [files.sequence, files.configuration, files.ct, files.labels, files.ct_to_reference])
+    walk.open([files.sequence, files.configuration, files.ct, files.labels, files.ct_to_reference])
     walk.settle()
     walk.press(walk.ui.applyButton)
     judged(walk, "thorough", tracking="good", registration="good")

@@ -70,7 +70,7 @@ def liveGuidance(walk) -> None:
     slicer.mrmlScene.Clear()
     walk.settle()
     files = write_simulated_patient(walk.folder / "patient", frames=GUIDED_FRAMES)
-    walk.widget.logic.openFiles(walk.parameters, [files.sequence, files.configuration, files.ct, files.labels, files.ct_to_reference])
+    walk.open([files.sequence, files.configuration, files.ct, files.labels, files.ct_to_reference])
     walk.parameters.guidance = True
     began = time.monotonic()
 

@@ -3,12 +3,15 @@
 from html import escape
 
 import qt
+import slicer
 from AIFReconScene.display import threeDViews
 from AIFReconScene.display.boneColors import BoneColors
 from AIFReconScene.display.ghostProbe import GhostProbe
 from AIFReconScene.inputs.boneNodes import boneNames, inNames
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
+
+from AIFReconLib.progress import report
 
 from .layout import say
 
@@ -34,7 +37,7 @@ class GuidancePanel:
         self._ui, self._work, self._live, self._logic, self._refresh = ui, work, live, logic, refresh
         self._parameterNode = None
         self._colors, self._ghost = BoneColors(), GhostProbe()
-        self._shown = self._about = None
+        self._shown = self._about = self._unfinished = None
         self._told = "", ""
         self._isTurned = False
         self._showing = qt.QTimer()
@@ -61,6 +64,8 @@ class GuidancePanel:
         button.toolTip = missing or _("Color the bone by what the chosen sweep has hit, and say where to scan next")
         if scanning != self._showing.isActive():
             (self._showing.start if scanning else self._showing.stop)()
+            if not scanning and self._unfinished is not None:
+                self._show(*self._unfinished)
         if scanning and (self._live.guidance is not None) != parameters.guidance:
             self._live.guide(parameters.guidance)
         self._ui.guidanceWords.visible = self._ui.liveGuidanceCheckBox.checked = parameters.guidance
@@ -74,7 +79,7 @@ class GuidancePanel:
 
     def forget(self) -> None:
         """Take everything out of the scene and the views, and the words with it."""
-        self._shown = self._about = None
+        self._shown = self._about = self._unfinished = None
         self._isTurned = False
         self._colors.clear()
         self._clearMove()
@@ -111,10 +116,16 @@ class GuidancePanel:
     def _ofSweep(self, parameters, progress) -> str:
         from AIFReconScene.live.liveGuidance import guidanceOfSweep
 
+        from AIFReconLib.errors import OperationCanceled
+
         guidance = guidanceOfSweep(parameters, progress)
         self._about = self._subject(parameters, ofScan=False)
         self._logic.verdicts.takeGuidance(parameters, guidance)
-        self._show(guidance, parameters.bone)
+        try:
+            self._show(guidance, parameters.bone, progress)
+        except OperationCanceled:
+            self.forget()
+            raise
         return ""
 
     # ---- what is shown
@@ -140,14 +151,29 @@ class GuidancePanel:
         guidance = live.state
         if guidance is not self._shown and (guidance.problem is not None or guidance.colored is not None):
             self._about = self._about if parameters is None else self._subject(parameters, ofScan=True)
-            self._show(guidance, live.bone)
+            self._shown, self._unfinished = guidance, (guidance, live.bone)
+            self._live.showToo("guidance", self._stepsTo(guidance, live.bone))
 
-    def _show(self, guidance, bone) -> None:
+    def _show(self, guidance, bone, progress=None) -> None:
         self._shown = guidance
+        with slicer.util.RenderBlocker():
+            for _step in self._stepsTo(guidance, bone):
+                report(progress, 1.0, "Showing the bone in colors")
+
+    def _stepsTo(self, guidance, bone):
+        """Steps that show this, an iterator; none are left once it is to be forgotten."""
+        if self._shown is None:
+            return
         if bone is None or bone.GetScene() is None or guidance.colored is None:
             self._colors.clear()
         else:
             self._colors.show(bone, guidance.colored, guidance.levels)
+            yield
+            if self._shown is not None and bone.GetScene() is not None:
+                self._colors.hideSegments(bone)
+        yield
+        if self._shown is None:
+            return
         names = {} if bone is None or bone.GetScene() is None else boneNames(bone, self._segments())
         if guidance.problem is not None or guidance.coverage is None:
             self._clearMove()
@@ -157,10 +183,12 @@ class GuidancePanel:
             self._ui.guidanceTableLabel.text = _table(guidance.coverage, names)
             self._showMove(guidance, names)
             self._turn(guidance.coverage.met.bone.patient_to_reference)
+        if guidance is self._shown:
+            self._unfinished = None
 
     def _turn(self, patientToWorld) -> None:
         """The first time, look at the bone as the probe does, from the back: the side that takes on color."""
-        if not self._isTurned:
+        if not self._isTurned and self._colors.node is not None:
             self._isTurned = True
             threeDViews.lookAlong(patientToWorld[:3, 1], patientToWorld[:3, 2], self._colors.node)
 

@@ -100,6 +100,10 @@ class LivePanel:
         if self._live is not None:
             self._live.guide(wanted)
 
+    def showToo(self, name: str, steps) -> None:
+        """Show something beside frames and volume, in steps that the scan takes in its turn; of one name the last."""
+        self._live.showToo(name, steps)
+
     def echoes(self):
         """The bone echoes of the scan under way, to place the CT by; a GeometryError where there are too few."""
         return self._live.echoes()
@@ -277,7 +281,7 @@ class LivePanel:
         if live.showsVolume and live.volumeNode.GetID() != self._shownID:
             # What follows what is on display, such as the outlines of bone, does so now
             self._shownID = live.volumeNode.GetID()
-            self._refresh()
+            self.showToo("followers", self._following())
         statistics = live.statistics
         failed, fit = statistics.phase == "failed", live.agreement
         scouting = live.session.grid is None or statistics.phase == "scouting"
@@ -306,6 +310,10 @@ class LivePanel:
         self._ui.liveUseBoxButton.enabled = scouting and live.session.scouted > 0
         if live.volumeNode is not None and self._parameterNode is not None and self._parameterNode.output is not live.volumeNode:
             self._parameterNode.output = live.volumeNode
+
+    def _following(self):
+        self._refresh()
+        yield
 
     def _nextMove(self, statistics, tracked: bool, scouting: bool, apart: bool) -> str:
         """What the person with the probe is to do now, in a few words."""

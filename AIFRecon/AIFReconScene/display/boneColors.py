@@ -57,8 +57,11 @@ class BoneColors:
         self._levels = levels
         if node.GetTransformNodeID() != bone.GetTransformNodeID():
             node.SetAndObserveTransformNodeID(bone.GetTransformNodeID())
-        _hideSegments(bone)
         return node
+
+    def hideSegments(self, bone) -> None:
+        """Do not draw the segments of this bone in 3D, nor of any other one any more; once: what the user shows again stays."""
+        _hideSegments(bone)
 
     def clear(self) -> None:
         """Remove everything, also what is left where somebody has deleted the model alone."""

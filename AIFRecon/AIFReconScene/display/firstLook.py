@@ -2,10 +2,12 @@
 
 import slicer
 
+from AIFReconLib.progress import report
+
 from . import sliceDisplay, threeDViews
 
 
-def showInputs(browserNode, ctNode=None) -> None:
+def showInputs(browserNode, ctNode=None, progress=None) -> None:
     """Show a sweep in the tool bar that replays it, its CT in the slice views, and the middle of what appears in 3D.
 
     Parameters
@@ -13,8 +15,11 @@ def showInputs(browserNode, ctNode=None) -> None:
     browserNode : vtkMRMLSequenceBrowserNode
     ctNode : vtkMRMLScalarVolumeNode or None
         Slice views that show it already stay where they are.
+    progress : callable or None
+        Has windows go on between tool bar and views.
     """
     slicer.modules.sequences.showSequenceBrowser(browserNode)
+    report(progress, 0.5, "Showing the sweep")
     with slicer.util.RenderBlocker():
         if ctNode is not None:
             sliceDisplay.showBackground(ctNode)

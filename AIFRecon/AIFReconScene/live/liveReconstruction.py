@@ -1,6 +1,7 @@
 """A live session in the scene: starts it from the panel's parameters and keeps the nodes it shows up to date."""
 
 import logging
+import threading
 from dataclasses import replace
 
 from AIFReconLib.errors import GeometryError, OperationCanceled, SettingsError
@@ -9,15 +10,17 @@ from AIFReconLib.live.session.agreement_watch import AgreementWatch, LiveState
 from AIFReconLib.live.session.session import SCOUTING, LiveSession
 from AIFReconLib.live.session.snapshots import SnapshotMaker
 from AIFReconLib.machine.threads import usable_cores
+from AIFReconLib.progress import report
 from AIFReconLib.provenance.record import with_settings
 from AIFReconLib.registration.echoes import FEWEST, SweepEchoes
 
-from ..background import inBackground
+from ..background import ALIVE_EVERY, inBackground
 from ..inputs.boneSource import BoneSource
 from ..inputs.inputs import Inputs
 from ..inputs.parameters import LiveSource, fileFrom, settingsFrom
 from ..transforms import matrixToWorld
 from ..volumes.volumeNodes import followIntensity, outputNodes, updateVolumeNode
+from .inSteps import InSteps
 from .liveBone import LiveBone
 from .liveGuidance import LiveGuidance
 from .liveViews import LiveViews
@@ -58,6 +61,8 @@ class LiveReconstruction:
         self.wasCanceled = False
         self._views = LiveViews(parameters.ctVolume, parameters.opacity)
         self._frame = ShownFrame(self._views)
+        self._inSteps, self._begun, self._waiting = InSteps(), "", {}
+        self._turns = [("volume", self._volumeSteps), ("frame", self._frameSteps), ("more", self._moreSteps)]
         empty = parameters.output is not None and parameters.output.GetImageData() is None
         self._outputs = {"intensity": parameters.output} if empty else {}
         inputs = Inputs.fromParameters(parameters)
@@ -81,7 +86,6 @@ class LiveReconstruction:
             record=record,
         )
         self._snapshots = SnapshotMaker(self.session)
-        self._volumeWasLast = False
         self._boneAt = None if field is None else matrixToWorld(parameters.bone)
         imaging = {"configuration": configuration, "region": region, "probe": inputs.probe}
         self._watch = None if field is None else AgreementWatch(self.session, field, self._boneAt, **imaging)
@@ -91,8 +95,13 @@ class LiveReconstruction:
             self.seen.begin(self.session, imaging)
         try:
             self.guide(parameters.guidance, progress)
+            # Beside the windows of a scan it takes many times as long
+            while progress is not None and not self.session.prepare(ALIVE_EVERY):
+                report(progress, 0.0, "Preparing the scan")
         except OperationCanceled:
             self._endThreads()
+            # It waits for what is being compiled
+            threading.Thread(target=self.session.stop, name="AIFRecon canceled scan", daemon=True).start()
             raise
         self.session.start()
 
@@ -161,8 +170,12 @@ class LiveReconstruction:
         """Take a new image from the scene, where that is the source, and the next step of what is being shown; to be called often."""
         if isinstance(self._source, NodeSource):
             self._source.collect()
-        if self._frame.isUnderWay:
-            self._attempt(self._showFrame)
+        if self._inSteps.isUnderWay:
+            self._attempt(self._inSteps.goOn, of=self._begun)
+
+    def showToo(self, name: str, steps) -> None:
+        """Show something else when its turn comes, in steps as `InSteps` takes them; what waits under the same name is dropped."""
+        self._waiting[name] = steps
 
     @property
     def showsVolume(self) -> bool:
@@ -170,24 +183,21 @@ class LiveReconstruction:
         return self.volumeNode is not None and self._views.shows(self.volumeNode)
 
     def refresh(self) -> None:
-        """Show the volume or the frame, in turns where both are ready; `displayProblem` says what failed.
-
-        Never both, nor a volume in the scene and in the views at once: what is drawn twice holds up the windows twice as long.
-        """
+        """Begin to show the volume, the frame or what else waits, in turns where several are ready; `displayProblem` says what failed."""
         self._attempt(self._followPlace)
         if self.guidance is not None:
             self._attempt(self.guidance.follow)
-        if self._frame.isUnderWay:
+        if self._inSteps.isUnderWay:
             return
-        if self.volumeNode is not None and not self.showsVolume:
-            self._attempt(self._views.showVolume, self.volumeNode)
-            return
-        result = None if self._volumeWasLast else self._snapshots.take()
-        self._volumeWasLast = result is not None
-        if result is None:
-            self._attempt(self._showFrame)
-        else:
-            self._attempt(self._fillVolume, result)
+        for turn in list(self._turns):
+            name, stepsOf = turn
+            steps = stepsOf()
+            if steps is not None:
+                self._turns.remove(turn)
+                self._turns.append(turn)
+                self._begun = name
+                self._attempt(self._inSteps.begin, steps, of=name)
+                break
         self._snapshots.request()
 
     def stop(self, progress=None):
@@ -201,12 +211,12 @@ class LiveReconstruction:
             self._endThreads()
             return self.session.finish(progress)
 
-        self._frame.interrupt()
+        self._inSteps.interrupt()
         try:
             result = inBackground(work, progress)
             if result is not None and result.frames_inserted:
                 self._fillVolume(result)
-                self._attempt(self._views.showVolume, self.volumeNode)
+                self._attempt(self._showVolume)
         except OperationCanceled:
             self.wasCanceled = True
         finally:
@@ -215,7 +225,7 @@ class LiveReconstruction:
 
     def abandon(self) -> None:
         """End the scan without a word to the scene, which is being closed."""
-        self._frame.interrupt()
+        self._inSteps.interrupt()
         self._endThreads()
         self.session.stop()
 
@@ -232,6 +242,7 @@ class LiveReconstruction:
 
     def removeFrame(self) -> None:
         """Take the frame out of the scene, and give the red view back as it was."""
+        self._inSteps.interrupt()
         self._frame.remove()
 
     @property
@@ -239,20 +250,21 @@ class LiveReconstruction:
         """The error that keeps something from being shown as it is now; None while all is. The scan goes on beside it."""
         return next(iter(self._displayProblems.values()), None)
 
-    def _attempt(self, show, *what) -> None:
+    def _attempt(self, show, *what, of: str = "") -> None:
         """Show something, or a step of it: True while more is to come.
 
         What goes wrong is kept until it has gone right again, for nothing on the screen is worth the scan.
         """
+        name = of or show.__name__
         try:
             unfinished = show(*what)
         except Exception as error:
-            if show.__name__ not in self._displayProblems:
+            if name not in self._displayProblems:
                 logging.exception("The scan goes on, but its display has failed.")
-            self._displayProblems[show.__name__] = error
+            self._displayProblems[name] = error
         else:
             if not unfinished:
-                self._displayProblems.pop(show.__name__, None)
+                self._displayProblems.pop(name, None)
 
     def _endThreads(self) -> None:
         self._snapshots.stop()
@@ -269,8 +281,25 @@ class LiveReconstruction:
             self._boneAt = place
             self._watch.place(place)
 
-    def _showFrame(self) -> bool:
-        return self._frame.goOn() if self._frame.isUnderWay else self._frame.show(self.session.latest)
+    def _volumeSteps(self):
+        if self.volumeNode is not None and not self.showsVolume:
+            return self._views.stepsTo(self.volumeNode)
+        result = self._snapshots.take()
+        return None if result is None else self._filling(result)
+
+    def _showVolume(self) -> None:
+        for _step in self._views.stepsTo(self.volumeNode):
+            pass
+
+    def _filling(self, result):
+        self._fillVolume(result)
+        yield
+
+    def _frameSteps(self):
+        return self._frame.stepsTo(self.session.latest)
+
+    def _moreSteps(self):
+        return self._waiting.pop(next(iter(self._waiting))) if self._waiting else None
 
     def _fillVolume(self, result) -> None:
         result = with_settings(result, self._inputs.boneSettings(self._method))

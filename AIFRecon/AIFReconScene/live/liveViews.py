@@ -78,12 +78,13 @@ class LiveViews:
         """Whether this is the growing volume that was shown last, in all of the other views."""
         return self._volume is volumeNode and not self._without
 
-    def showVolume(self, volumeNode) -> None:
-        """Show the growing volume over the CT in one more of the other views, once in each: windows stand still for one at a time."""
+    def stepsTo(self, volumeNode):
+        """Steps that show the growing volume over the CT in the other views, once in each."""
         if self._volume is not volumeNode:
             self._volume, self._without = volumeNode, list(OTHERS)
-        if self._without:
+        while self._without and volumeNode.GetScene() is not None:
             sliceDisplay.showOverCT(volumeNode, self._ct, self._opacity, views=(self._without.pop(),))
+            yield
 
     def restore(self) -> None:
         """The red slice as it was; where there is a volume now, it shows that as the others do."""

@@ -1,4 +1,4 @@
-"""The frame that is seen now, as a volume in its place that the red view follows: shown in steps, between which windows can breathe."""
+"""The frame that is seen now, as a volume in its place that the red view follows."""
 
 from typing import Any
 
@@ -6,7 +6,6 @@ import slicer
 
 from AIFReconLib.geometry.volume import Volume
 
-from ..display.viewByView import viewByView
 from ..sceneNodes import removeNodes
 from ..transforms import atRightAngles
 from ..volumes.volumeNodes import showGrayLevels, updateVolumeNode
@@ -35,7 +34,6 @@ class ShownFrame:
 
     def __init__(self, views: LiveViews):
         self._views = views
-        self._steps = None
         self._node: Any = None
         self.frame = None
 
@@ -44,35 +42,14 @@ class ShownFrame:
         """The volume of the frame that is seen; None before there is one."""
         return self._node if self.frame is not None else None
 
-    @property
-    def isUnderWay(self) -> bool:
-        """Whether steps are left."""
-        return self._steps is not None
-
-    def show(self, frame) -> bool:
-        """Begin to show a `LiveFrame`, unless it is shown already or has no place; True where `goOn` is to be called."""
+    def stepsTo(self, frame):
+        """Steps that show a `LiveFrame`, an iterator for `InSteps`; None where it is shown already or has no place."""
         if frame is None or frame is self.frame or frame.image_to_reference is None or frame.status != "OK":
-            return False
-        self._steps = self._stepsTo(frame)
-        return self.goOn()
-
-    def goOn(self) -> bool:
-        """Take the next step; True while more are left. What goes wrong ends them."""
-        steps, self._steps = self._steps, None
-        if steps is None or next(steps, self) is self:
-            return False
-        self._steps = steps
-        return True
-
-    def interrupt(self) -> None:
-        """Take no more steps; views are drawn again."""
-        if self._steps is not None:
-            self._steps.close()
-            self._steps = None
+            return None
+        return self._steps(frame)
 
     def remove(self) -> None:
         """Take the frame out of the scene, and give the red view back as it was."""
-        self.interrupt()
         self._views.restore()
         if self._isThere():
             removeNodes([self._node], self._node.GetScene())
@@ -81,7 +58,7 @@ class ShownFrame:
     def _isThere(self) -> bool:
         return bool(self._node and self._node.GetScene())
 
-    def _stepsTo(self, frame):
+    def _steps(self, frame):
         if not self._isThere():
             self.frame = None
             self._node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", FRAME_NAME)
@@ -90,17 +67,11 @@ class ShownFrame:
             showGrayLevels(self._node, frame.image.dtype)
             yield
         rows, columns = frame.image.shape
-        slicer.app.pauseRender()
-        try:
-            # What is inserted lies where the exact matrix puts it
-            updateVolumeNode(self._node, Volume(frame.image[None], atRightAngles(frame.image_to_reference, columns, rows)))
+        # What is inserted lies where the exact matrix puts it
+        updateVolumeNode(self._node, Volume(frame.image[None], atRightAngles(frame.image_to_reference, columns, rows)))
+        yield
+        while self._isThere() and self._views.prepareFor(self._node):
             yield
-            while self._isThere() and self._views.prepareFor(self._node):
-                yield
-            if self._isThere():
-                self._views.follow(self._node)
-        except BaseException:  # the end of a generator too
-            slicer.app.resumeRender()
-            raise
+        if self._isThere():
+            self._views.follow(self._node)
         self.frame = frame
-        yield from viewByView()

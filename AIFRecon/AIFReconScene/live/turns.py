@@ -2,7 +2,7 @@
 
 import time
 
-LEAST, LONGEST = 0.004, 0.02
+LEAST, LONGEST = 0.004, 0.012
 """s of one turn of the other threads: for so long no event is handled, which nobody notices."""
 
 MOST_OWED = 0.3
