@@ -282,11 +282,7 @@ class AIFReconPanelTest(unittest.TestCase):
         self.ui.applyButton.click()
         voxels = slicer.util.arrayFromVolume(self.parameters.output).copy()
         name = self.parameters.output.GetName()
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "scene.mrb"
-            self.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
-            slicer.mrmlScene.Clear()
-            self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
+        tinyScene.saveAndOpenAgain(self)
         parameters = self.widget.logic.getParameterNode()
         self.assertEqual(parameters.output.GetName(), name)
         self.assertAlmostEqual(parameters.alpha, 0.4)

@@ -164,11 +164,7 @@ class AIFReconPictureTest(unittest.TestCase):
         self.widget.exit()
         self.assertEqual(self.parameters.bone.GetDisplayNode().GetOpacity3D(), 0.9)
         self.widget.enter()
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "scene.mrb"
-            self.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
-            slicer.mrmlScene.Clear()
-            self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
+        tinyScene.saveAndOpenAgain(self)
         display = self.widget._parameterNode.bone.GetDisplayNode()
         self.assertLess(display.GetOpacity3D(), 0.5)
         self.widget.exit()

@@ -2,7 +2,6 @@
 
 import pathlib
 import sys
-import tempfile
 import unittest
 
 import numpy as np
@@ -95,11 +94,7 @@ class AIFReconSweepsTest(unittest.TestCase):
         tinyScene.addSweep("Second", BESIDE)
         tinyScene.addSweep("Third", FAR)
         self.check("Second")
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "scene.mrb"
-            self.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
-            slicer.mrmlScene.Clear()
-            self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
+        tinyScene.saveAndOpenAgain(self)
         self.assertEqual(self.checked(), ["Second"])
         self.assertIn("Second: 11 of 12", self.ui.sweepStatusLabel.text)
 

@@ -157,11 +157,7 @@ class AIFReconViewsTest(unittest.TestCase):
         self.addInputs()
         self.parameters.bone.GetDisplayNode().SetVisibility2DOutline(False)
         self.ui.applyButton.click()
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "scene.mrb"
-            self.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
-            slicer.mrmlScene.Clear()
-            self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
+        tinyScene.saveAndOpenAgain(self)
         display = self.widget._parameterNode.bone.GetDisplayNode()
         self.assertFalse(display.GetVisibility2DFill())
         self.widget.exit()

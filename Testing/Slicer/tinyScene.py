@@ -5,6 +5,7 @@ anisotropic pixels; one frame was not tracked. The CT holds the slab in coordina
 to where it belongs.
 """
 
+import pathlib
 import tempfile
 import unittest
 
@@ -42,6 +43,15 @@ def recordElsewhere(test) -> None:
     scene.SetRootDirectory(folder.name)
     # The file of a scene that was saved or loaded before stays when the scene is closed, and its folder comes first
     scene.SetURL("")
+
+
+def saveAndOpenAgain(test) -> None:
+    """Save the scene, close it, and load it from its file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "scene.mrb"
+        test.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
+        slicer.mrmlScene.Clear()
+        test.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
 
 
 def rotation(axis: int, degrees: float) -> np.ndarray:
