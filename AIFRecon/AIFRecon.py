@@ -77,7 +77,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         VTKObservationMixin.__init__(self)
         self._isSetUp = False
         self._parameterNode = None
-        self._parameterNodeGuiTag = None
+        self._parameterNodeTags = None
 
     # ---- life of the panel
 
@@ -163,14 +163,16 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         """Bind the panel to these parameters, or to none."""
         self._watch.stop()
         if self._parameterNode:
-            self._parameterNode.disconnectGui(self._parameterNodeGuiTag)
-            self.removeObserver(self._parameterNode, vtk.vtkCommand.ModifiedEvent, self._onParametersModified)
+            gui, observer = self._parameterNodeTags
+            self._parameterNode.disconnectGui(gui)
+            self._parameterNode.RemoveObserver(observer)
         self._parameterNode = parameterNode
         for each in (self._recorded, self._registration, self._guidance, self._live):
             each.setParameterNode(parameterNode)
         if self._parameterNode:
-            self._parameterNodeGuiTag = self._parameterNode.connectGui(self.ui)
-            self.addObserver(self._parameterNode, vtk.vtkCommand.ModifiedEvent, self._onParametersModified)
+            gui = self._parameterNode.connectGui(self.ui)
+            # Not by the mixin, which would keep all parameters that it was ever given, each of which follows every change of the node
+            self._parameterNodeTags = gui, self._parameterNode.AddObserver(vtk.vtkCommand.ModifiedEvent, self._onParametersModified)
             self._onParametersModified()
 
     # ---- what the panel shows

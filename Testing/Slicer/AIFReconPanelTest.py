@@ -1,5 +1,6 @@
 """Self tests of the panel: nodes to widgets and back, what can be pressed and why not, cancel, a scene that is closed or saved, reload."""
 
+import gc
 import logging
 import pathlib
 import sys
@@ -7,6 +8,7 @@ import tempfile
 import threading
 import time
 import unittest
+import weakref
 
 import numpy as np
 import slicer
@@ -289,6 +291,18 @@ class AIFReconPanelTest(unittest.TestCase):
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(parameters.output), voxels)
         again = self.widget.logic.reconstruct(parameters.sweep, parameters.bone, spacing=1.0, alpha=0.4)
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(again), voxels)
+
+    def test_parameters_that_are_put_away_are_let_go(self):
+        old, self.parameters = [], None
+        for _visit in range(3):
+            old.append(weakref.ref(self.widget._parameterNode))
+            self.widget.exit()
+            self.widget.enter()
+            old.append(weakref.ref(self.widget._parameterNode))
+            slicer.mrmlScene.Clear()
+        gc.collect()
+        # Each that is kept follows every change of its node: panels become slower with every visit
+        self.assertEqual([each() for each in old], [None] * len(old))
 
     def test_a_closed_scene_leaves_an_empty_panel(self):
         self.addInputs()
