@@ -5,6 +5,7 @@ import sys
 import tempfile
 import threading
 import unittest
+from unittest import mock
 
 import numpy as np
 import slicer
@@ -165,6 +166,57 @@ class AIFReconLiveSceneTest(unittest.TestCase):
                 self.assertEqual(paused.count(True), paused.count(False))
         finally:
             slicer.app.disconnect("renderPaused(bool)", paused.append)
+
+    def test_frame_and_whatever_else_has_changed_are_drawn_together(self):
+        from AIFReconScene.live import inSteps
+        from AIFReconScene.live.liveViews import LiveViews
+
+        self.begin()
+        done, follow = [], LiveViews.follow
+
+        def steps():
+            done.append("else")
+            yield
+
+        def drawn():
+            done.append(";")
+            return iter(())
+
+        def followed(views, node):
+            done.append("frame")
+            follow(views, node)
+
+        def together():
+            self.live.showToo("else", steps())
+            return any("else" in each and "frame" in each for each in "".join(done).split(";")[1:-1])
+
+        with mock.patch.object(inSteps, "viewByView", drawn), mock.patch.object(LiveViews, "follow", followed):
+            self.assertTrue(waitFor(together), done)
+
+    def test_what_cannot_be_shown_holds_nothing_else_back(self):
+        from AIFReconScene.live import liveReconstruction
+
+        with mock.patch.object(liveReconstruction, "outputNodes", side_effect=RuntimeError("no volume today")):
+            self.begin()
+            self.assertTrue(waitFor(lambda: "no volume today" in self.ui.liveStatisticsLabel.text))
+            seen = self.live._live._frame.frame
+            self.assertTrue(waitFor(lambda: self.live._live._frame.frame is not seen))
+        self.grow()
+        self.assertTrue(waitFor(lambda: "no volume today" not in self.ui.liveStatisticsLabel.text))
+
+    def test_windows_wait_for_a_step_or_for_the_threads_of_the_scan_and_never_for_both(self):
+        from AIFReconScene.live.liveReconstruction import LiveReconstruction
+        from AIFReconScene.live.turns import Turns
+
+        self.begin()
+        for timer in (self.live._collecting, self.live._showing):
+            timer.stop()
+        step = mock.Mock(return_value=True)
+        with mock.patch.object(LiveReconstruction, "goOn", step), mock.patch.object(Turns, "give") as turn:
+            for calls in range(1, 7):
+                self.live._collect()
+                self.assertEqual(step.call_count + turn.call_count, calls)
+        self.assertEqual(step.call_count, turn.call_count)
 
     # ---- without the panel
 

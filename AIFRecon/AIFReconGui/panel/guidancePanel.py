@@ -181,7 +181,13 @@ class GuidancePanel:
             self._say(inPanelWords(guidance.problem) if guidance.problem is not None else _("Scan the bone."))
         else:
             self._ui.guidanceTableLabel.text = _table(guidance.coverage, names)
+            yield
+            if self._shown is None:
+                return
             self._showMove(guidance, names)
+            yield
+            if self._shown is None:
+                return
             self._turn(guidance.coverage.met.bone.patient_to_reference)
         if guidance is self._shown:
             self._unfinished = None

@@ -57,7 +57,7 @@ class LivePanel:
         self._live = None
         self._missing = self._advised = ""
         self._record, self._sized, self._shownID = None, 0.0, None
-        self._turns = Turns()
+        self._turns, self._hasStepped = Turns(), False
         self._followers = (ofScan(ui), PathField(ui.liveBoneModelPathLineEdit, "boneModelPath"))
         self._collecting = self._timer(COLLECTED_EVERY, self._collect)
         self._showing = self._timer(SHOWN_EVERY, self._show)
@@ -240,6 +240,7 @@ class LivePanel:
         settings.setValue(SERVERS_SETTING, asText([(parameters.liveHost, parameters.livePort), *before]))
         self._ui.livePauseButton.checked = False
         self._turns.forget()
+        self._hasStepped = False
         self._collecting.start()
         self._showing.start()
         return ""
@@ -269,15 +270,19 @@ class LivePanel:
     # ---- timers
 
     def _collect(self) -> None:
+        """Take a step of what is shown or let the scan's threads work: windows would wait for both, and draw what has changed besides."""
         if self._live is not None:
             self._live.collect()
-            self._turns.give()
+            self._hasStepped = not self._hasStepped and self._live.goOn()
+            if not self._hasStepped:
+                self._turns.give()
 
     def _show(self) -> None:
         live = self._live
         if live is None or self.isBehind:
             return
         live.refresh()
+        self._hasStepped = True
         if live.showsVolume and live.volumeNode.GetID() != self._shownID:
             # What follows what is on display, such as the outlines of bone, does so now
             self._shownID = live.volumeNode.GetID()

@@ -16,7 +16,7 @@ def showInputs(browserNode, ctNode=None, progress=None) -> None:
     ctNode : vtkMRMLScalarVolumeNode or None
         Slice views that show it already stay where they are.
     progress : callable or None
-        Has windows go on between tool bar and views.
+        Has windows go on between tool bar and views, and after them.
     """
     slicer.modules.sequences.showSequenceBrowser(browserNode)
     report(progress, 0.5, "Showing the sweep")
@@ -24,3 +24,4 @@ def showInputs(browserNode, ctNode=None, progress=None) -> None:
         if ctNode is not None:
             sliceDisplay.showBackground(ctNode)
         threeDViews.center()
+    report(progress, 1.0, "Showing the sweep")

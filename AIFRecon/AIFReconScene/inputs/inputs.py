@@ -10,7 +10,7 @@ import numpy as np
 
 from AIFReconLib.errors import InsufficientMemoryError, SettingsError
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion, chosen_region
-from AIFReconLib.progress import part
+from AIFReconLib.progress import part, report
 
 from ..background import inBackground
 from ..sceneNodes import proxiesOf
@@ -150,7 +150,7 @@ class Inputs:
         if self.seesBone:
             bone = self._boneOf(sequence, region, progress)
             return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), boneFromSweep=not self._asksNetwork)
-        labels = self.labels()
+        labels = self.labels(progress)
         if labels is None:
             bone = self.boneMap(progress)
             return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance())
@@ -173,7 +173,7 @@ class Inputs:
     def _asksNetwork(self) -> bool:
         return self.boneFrames is not None or self.boneModel is not None
 
-    def labels(self):
+    def labels(self, progress=None):
         """The `Volume` of the chosen bone's labels in its own coordinates; None without bone, or where it is a probability."""
         from AIFReconLib.registration.agreement import LARGEST_WIDTH
 
@@ -181,6 +181,7 @@ class Inputs:
 
         if self.bone is None or not isLabeled(self.bone):
             return None
+        report(progress, 0.0, "Reading the CT's bone")
         widest = self.boneSigmaMm if self._hasWidth else LARGEST_WIDTH
         chosen = list(self.boneSegments) or None
         return ownLabels(self.bone, chosen, referenceVolumeNode=self.ct, sigmaVoxels=self.boneSigmaVoxels, sigmaMm=widest)

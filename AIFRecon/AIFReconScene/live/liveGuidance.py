@@ -137,6 +137,7 @@ def guidanceOfSweep(parameters, progress=None) -> Guidance:
     inputs = Inputs.fromParameters(parameters)
     for sweep in inputs.sweeps:
         checkRecorded(sweep)
-    place, sequence, labels = np.asarray(rigidPlace(inputs.bone)), inputs.sequence(), inputs.labels()
+    place, sequence = np.asarray(rigidPlace(inputs.bone)), inputs.sequence()
+    labels = inputs.labels(progress)
     more = {"grid": inputs.grid(settingsFrom(parameters)), "region": inputs.imageRegion(sequence.configuration), "probe": inputs.probe}
     return inBackground(lambda progress: guidance_of_sweep(sequence, labels, place, progress=progress, **more), progress)

@@ -1,5 +1,6 @@
 """A live session in the scene: starts it from the panel's parameters and keeps the nodes it shows up to date."""
 
+import contextlib
 import logging
 import threading
 from dataclasses import replace
@@ -19,7 +20,7 @@ from ..inputs.boneSource import BoneSource
 from ..inputs.inputs import Inputs
 from ..inputs.parameters import LiveSource, fileFrom, settingsFrom
 from ..transforms import matrixToWorld
-from ..volumes.volumeNodes import followIntensity, outputNodes, updateVolumeNode
+from ..volumes.volumeNodes import followIntensity, outputNodes, updateVolumeNode, windowOf
 from .inSteps import InSteps
 from .liveBone import LiveBone
 from .liveGuidance import LiveGuidance
@@ -61,8 +62,7 @@ class LiveReconstruction:
         self.wasCanceled = False
         self._views = LiveViews(parameters.ctVolume, parameters.opacity)
         self._frame = ShownFrame(self._views)
-        self._inSteps, self._begun, self._waiting = InSteps(), "", {}
-        self._turns = [("volume", self._volumeSteps), ("frame", self._frameSteps), ("more", self._moreSteps)]
+        self._inSteps, self._waiting = InSteps(), {}
         empty = parameters.output is not None and parameters.output.GetImageData() is None
         self._outputs = {"intensity": parameters.output} if empty else {}
         inputs = Inputs.fromParameters(parameters)
@@ -167,14 +167,19 @@ class LiveReconstruction:
         self.session.use_grid(self.session.grid_from_scout(margin=SCOUT_MARGIN))
 
     def collect(self) -> None:
-        """Take a new image from the scene, where that is the source, and the next step of what is being shown; to be called often."""
+        """Take a new image from the scene, where that is the source; to be called often."""
         if isinstance(self._source, NodeSource):
             self._source.collect()
-        if self._inSteps.isUnderWay:
-            self._attempt(self._inSteps.goOn, of=self._begun)
+
+    def goOn(self) -> bool:
+        """Take the next step of what is being shown; False where none is left. To be called often."""
+        if not self._inSteps.isUnderWay:
+            return False
+        self._attempt(self._inSteps.goOn)
+        return True
 
     def showToo(self, name: str, steps) -> None:
-        """Show something else when its turn comes, in steps as `InSteps` takes them; what waits under the same name is dropped."""
+        """Show something else with volume and frame, in steps as `InSteps` takes them; what waits under the same name is dropped."""
         self._waiting[name] = steps
 
     @property
@@ -183,21 +188,16 @@ class LiveReconstruction:
         return self.volumeNode is not None and self._views.shows(self.volumeNode)
 
     def refresh(self) -> None:
-        """Begin to show the volume, the frame or what else waits, in turns where several are ready; `displayProblem` says what failed."""
+        """Begin to show what has changed of volume, frame and what else waits, with the first step; `displayProblem` says what failed."""
         self._attempt(self._followPlace)
         if self.guidance is not None:
             self._attempt(self.guidance.follow)
         if self._inSteps.isUnderWay:
             return
-        for turn in list(self._turns):
-            name, stepsOf = turn
-            steps = stepsOf()
-            if steps is not None:
-                self._turns.remove(turn)
-                self._turns.append(turn)
-                self._begun = name
-                self._attempt(self._inSteps.begin, steps, of=name)
-                break
+        changed, self._waiting = {"volume": self._volumeSteps(), "frame": self._frameSteps(), **self._waiting}, {}
+        changed = {name: steps for name, steps in changed.items() if steps is not None}
+        if changed:
+            self._attempt(self._inSteps.begin, self._stepsOf(changed))
         self._snapshots.request()
 
     def stop(self, progress=None):
@@ -215,7 +215,8 @@ class LiveReconstruction:
         try:
             result = inBackground(work, progress)
             if result is not None and result.frames_inserted:
-                self._fillVolume(result)
+                for _step in self._filling(result):
+                    pass
                 self._attempt(self._showVolume)
         except OperationCanceled:
             self.wasCanceled = True
@@ -250,21 +251,27 @@ class LiveReconstruction:
         """The error that keeps something from being shown as it is now; None while all is. The scan goes on beside it."""
         return next(iter(self._displayProblems.values()), None)
 
-    def _attempt(self, show, *what, of: str = "") -> None:
-        """Show something, or a step of it: True while more is to come.
+    def _attempt(self, show, *what) -> None:
+        """Show something. What goes wrong is kept until it has gone right again, for nothing on the screen is worth the scan."""
+        with self._attempted(show.__name__):
+            show(*what)
 
-        What goes wrong is kept until it has gone right again, for nothing on the screen is worth the scan.
-        """
-        name = of or show.__name__
+    @contextlib.contextmanager
+    def _attempted(self, name: str):
         try:
-            unfinished = show(*what)
+            yield
         except Exception as error:
             if name not in self._displayProblems:
                 logging.exception("The scan goes on, but its display has failed.")
             self._displayProblems[name] = error
         else:
-            if not unfinished:
-                self._displayProblems.pop(name, None)
+            self._displayProblems.pop(name, None)
+
+    def _stepsOf(self, changed: dict):
+        """One after the other, to be drawn together: a view takes as long to draw whatever has changed in it."""
+        for name, steps in changed.items():
+            with self._attempted(name):
+                yield from steps
 
     def _endThreads(self) -> None:
         self._snapshots.stop()
@@ -291,25 +298,21 @@ class LiveReconstruction:
         for _step in self._views.stepsTo(self.volumeNode):
             pass
 
-    def _filling(self, result):
-        self._fillVolume(result)
-        yield
-
     def _frameSteps(self):
         return self._frame.stepsTo(self.session.latest)
 
-    def _moreSteps(self):
-        return self._waiting.pop(next(iter(self._waiting))) if self._waiting else None
-
-    def _fillVolume(self, result) -> None:
+    def _filling(self, result):
+        """Steps that put a volume into its node, which is made where there is none, and fit what is shown of its gray levels."""
         result = with_settings(result, self._inputs.boneSettings(self._method))
         known = self.volumeNode
         if known is not None and known.GetImageData() is not None:
             updateVolumeNode(known, result.intensity)
+            yield
             self._window = followIntensity(known, result, self._window)
         else:
             self._outputs = outputNodes(result, self._name, nodes={"intensity": known})
-            self._window = followIntensity(self.volumeNode, result)
+            self._window = windowOf(self.volumeNode)
+        yield
 
 
 def _fieldOf(labels):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from AIFReconLib.errors import GeometryError
-from AIFReconLib.progress import part, report
+from AIFReconLib.progress import part
 
 from ..background import inBackground
 from ..inputs.inputs import Inputs
@@ -100,8 +100,7 @@ class CTRegistration:
     def _boneOf(self, parameters, progress):
         from AIFReconLib.registration.bone_field import BoneField
 
-        report(progress, 0.0, "Reading the CT's bone")
-        labels = Inputs.fromParameters(parameters).labels()
+        labels = Inputs.fromParameters(parameters).labels(progress)
         return inBackground(lambda _progress: BoneField.from_labels(labels), part(progress, 0.5, 1.0))
 
     def _echoesOf(self, parameters, progress):

@@ -42,7 +42,7 @@ COMPARED_ROLE = "AIFRecon.ComparedSweep"
 BRIGHTEST_SHARE = 99.5
 """Percent of the measured voxels that the window reaches up to: single bright voxels must not darken the rest."""
 
-SAMPLED = 1_000_000
+SAMPLED = 250_000
 """Voxels that are looked at for the window, at most."""
 
 
@@ -267,12 +267,17 @@ def followIntensity(node, result, shown: tuple[float, float] | None = None) -> t
     window : (float, float)
         Darkest and brightest gray level that was meant to be shown.
     """
-    display = node.GetDisplayNode()
     window = ultrasoundWindow(result.intensity.array, result.mask.array)
-    if display is not None and shown in (None, (display.GetWindowLevelMin(), display.GetWindowLevelMax())):
+    if node.GetDisplayNode() is not None and shown in (None, windowOf(node)):
         _show(node, INTENSITY, window, node.GetScene())
         return window
     return shown or window
+
+
+def windowOf(node) -> tuple[float, float]:
+    """Darkest and brightest gray level that a volume node shows."""
+    display = node.GetDisplayNode()
+    return display.GetWindowLevelMin(), display.GetWindowLevelMax()
 
 
 def showGrayLevels(node, dtype: np.dtype) -> None:
