@@ -80,6 +80,34 @@ class AIFReconWindowTest(unittest.TestCase):
             with self.subTest(section=section.objectName):
                 self.assertGreaterEqual(section.height, section.minimumSizeHint.height())
 
+    def test_a_short_text_takes_less_room_than_a_long_one_before_it(self):
+        from AIFReconGui.panel.layout import say
+
+        label = self.ui.statusLabel
+        label.visible = True
+        say(label, LONG)
+        self.settle()
+        high = label.height
+        say(label, "x")
+        self.settle()
+        self.assertLess(label.height, high)
+
+    def test_large_letters_keep_their_room_when_the_panel_was_made_wider_or_narrower_before(self):
+        self.ui.tabWidget.currentIndex = 1
+        before, dock = self.width(), self.window.findChild(qt.QDockWidget, "PanelDockWidget")
+        self.addCleanup(self.window.resizeDocks, [dock], [before], qt.Qt.Horizontal)
+        where = self.ui.liveStopButton.y
+        self.ui.tabWidget.currentIndex = 0
+        for width in (before + 100, before + 50):
+            self.window.resizeDocks([dock], [width], qt.Qt.Horizontal)
+            self.settle()
+        self.ui.tabWidget.currentIndex = 1
+        for said in ("Probe seen", "Bring what is not seen into the tracker's view"):
+            with self.subTest(said=said):
+                self.widget._live._showMove(said)
+                self.settle()
+                self.assertEqual(self.ui.liveStopButton.y, where)
+
     def test_texts_have_room_for_all_of_their_lines_when_the_panel_gets_narrower(self):
         from AIFReconGui.panel.layout import say
 

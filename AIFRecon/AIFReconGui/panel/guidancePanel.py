@@ -235,10 +235,7 @@ class GuidancePanel:
     def _say(self, text: str) -> None:
         label = self._ui.guidanceLabel
         if label and label.text != text:
-            least = label.minimumHeight
-            say(label, text)
-            # Room that was needed once stays: what lies below would jump with every advice
-            label.minimumHeight = max(label.minimumHeight, least) if text else 0
+            say(label, text, keepsRoom=True)
 
 
 def _table(coverage, names: dict) -> str:

@@ -6,8 +6,15 @@ SETTLED = 100
 """ms until every layout around a widget that has changed has asked the next one for room."""
 
 
-def say(label, text: str) -> None:
+def say(label, text: str, keepsRoom: bool = False) -> None:
     """Show a text in a label that wraps its words, with room for all of its lines.
+
+    Parameters
+    ----------
+    label : QLabel
+    text : str
+    keepsRoom : bool
+        Room that was needed once stays until there is no text: what lies below would jump with every text.
 
     Notes
     -----
@@ -15,21 +22,26 @@ def say(label, text: str) -> None:
     height a text that grows squeezes the sections around it, in Slicer itself though not everywhere.
     """
     label.text = text
-    _fit(label)
+    least = label.minimumHeight if keepsRoom and text else 0
+    _fit(label, least)
     if text:
         # A label that is shown only now has not got its width yet
-        qt.QTimer.singleShot(0, lambda: _fit(label))
+        qt.QTimer.singleShot(0, lambda: _fit(label, least))
 
 
-def _fit(label) -> None:
+def _fit(label, least: int = 0) -> None:
     if label:  # destroyed: the application is being closed
-        label.minimumHeight = label.heightForWidth(label.width) if label.text and label.visible else 0
+        # A label asks for the least height that it has, however short its text is by now
+        label.minimumHeight = least
+        if label.text and label.visible:
+            label.minimumHeight = label.heightForWidth(label.width)
 
 
 class RoomForTexts(qt.QObject):
     """Gives every text that wraps its words room for all of its lines again, when the panel has got another width.
 
-    The user makes it narrower, or the scroll bar comes that a longer text has called for.
+    The user makes it narrower, or the scroll bar comes that a longer text has called for. Labels keep the room that the .ui file gives them
+    at least: below the large letters of a scan are its buttons, which must not jump from under the finger.
 
     Parameters
     ----------
@@ -39,7 +51,8 @@ class RoomForTexts(qt.QObject):
 
     def __init__(self, panel, ui):
         qt.QObject.__init__(self)
-        self._labels = [each for each in vars(ui).values() if isinstance(each, qt.QLabel) and each.wordWrap]
+        labels = (each for each in vars(ui).values() if isinstance(each, qt.QLabel) and each.wordWrap)
+        self._labels = [(label, label.minimumHeight) for label in labels]
         self._width = panel.width
         panel.installEventFilter(self)
 
@@ -51,8 +64,8 @@ class RoomForTexts(qt.QObject):
         return False
 
     def _fit(self) -> None:
-        for label in self._labels:
-            _fit(label)
+        for label, least in self._labels:
+            _fit(label, least)
 
 
 class Tabs:

@@ -354,7 +354,7 @@ class LivePanel:
 
     def _say(self, text: str) -> None:
         if self._ui.liveStatisticsLabel:  # false once it is destroyed: a scan that is being ended hears of the application's end last
-            say(self._ui.liveStatisticsLabel, text)
+            say(self._ui.liveStatisticsLabel, text, keepsRoom=True)
 
     def _showState(self, word: str, colors: tuple) -> None:
         if not self._ui.liveStateLabel:

@@ -6,7 +6,7 @@ from ..display.viewByView import viewByView
 
 
 class InSteps:
-    """One thing at a time: its steps change nodes while nothing is drawn, and then one view is drawn after the other.
+    """Steps change nodes while nothing is drawn, and then one view is drawn after the other.
 
     Notes
     -----
