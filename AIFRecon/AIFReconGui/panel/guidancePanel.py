@@ -162,18 +162,19 @@ class GuidancePanel:
 
     def _stepsTo(self, guidance, bone):
         """Steps that show this, an iterator; none are left once it is to be forgotten."""
-        if self._shown is None:
-            return
+        steps = self._everyStepTo(guidance, bone)
+        while self._shown is not None and next(steps, steps) is not steps:
+            yield
+
+    def _everyStepTo(self, guidance, bone):
         if bone is None or bone.GetScene() is None or guidance.colored is None:
             self._colors.clear()
         else:
             self._colors.show(bone, guidance.colored, guidance.levels)
             yield
-            if self._shown is not None and bone.GetScene() is not None:
+            if bone.GetScene() is not None:
                 self._colors.hideSegments(bone)
         yield
-        if self._shown is None:
-            return
         names = {} if bone is None or bone.GetScene() is None else boneNames(bone, self._segments())
         if guidance.problem is not None or guidance.coverage is None:
             self._clearMove()
@@ -182,12 +183,11 @@ class GuidancePanel:
         else:
             self._ui.guidanceTableLabel.text = _table(guidance.coverage, names)
             yield
-            if self._shown is None:
-                return
+            if guidance.advice is not None and guidance.advice.move is not None:
+                self._ghost.show(guidance.advice.move.image_to_reference, guidance.coverage.met.geometry.beams)
+                yield
             self._showMove(guidance, names)
             yield
-            if self._shown is None:
-                return
             self._turn(guidance.coverage.met.bone.patient_to_reference)
         if guidance is self._shown:
             self._unfinished = None
@@ -218,7 +218,6 @@ class GuidancePanel:
         where = inPanelWords(inNames(advice.over, names))
         adds = _("over {where}; shows {adds:.1f} cm² more bone").format(where=where, adds=advice.move.adds_cm2)
         self._say("\n".join([*(f"{step.arrow}  {inPanelWords(step.words)}" for step in listed), adds]))
-        self._ghost.show(advice.move.image_to_reference, guidance.coverage.met.geometry.beams)
 
     def _clearMove(self) -> None:
         self._ghost.clear()
