@@ -146,8 +146,10 @@ class Walk:
             raise RuntimeError(f"the files were not opened: {self.ui.statusLabel.text}")
 
     def picture(self, name: str) -> None:
-        """The window as it is."""
+        """The window as it is, with nothing of a scan half shown."""
         self.settle()
+        scan = self.widget._live._live
+        self.wait(lambda: scan is None or not scan._inSteps.isUnderWay, what="all of a scan in the views")
         for view in [*slicer.util.findChildren(className="qMRMLSliceView"), *slicer.util.findChildren(className="qMRMLThreeDView")]:
             view.forceRender()
         slicer.util.mainWindow().grab().save(str(self.folder / f"{name}.png"))

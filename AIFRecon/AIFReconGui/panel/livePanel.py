@@ -240,7 +240,6 @@ class LivePanel:
         settings.setValue(SERVERS_SETTING, asText([(parameters.liveHost, parameters.livePort), *before]))
         self._ui.livePauseButton.checked = False
         self._turns.forget()
-        self._hasStepped = False
         self._collecting.start()
         self._showing.start()
         return ""
@@ -357,10 +356,9 @@ class LivePanel:
             say(self._ui.liveStatisticsLabel, text, keepsRoom=True)
 
     def _showState(self, word: str, colors: tuple) -> None:
-        if not self._ui.liveStateLabel:
-            return
-        self._ui.liveStateLabel.text = word
-        self._ui.liveStateLabel.styleSheet = styleOf(colors, LARGE)
+        if self._ui.liveStateLabel:
+            self._ui.liveStateLabel.text = word
+            self._ui.liveStateLabel.styleSheet = styleOf(colors, LARGE)
 
     def _stopTimers(self) -> None:
         self._collecting.stop()
