@@ -26,6 +26,7 @@ except ImportError:
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
 from AIFReconScene.background import inBackground
+from AIFReconScene.display.viewByView import drawnViewByView
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.parameters import readingFrom, settingsFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
@@ -302,12 +303,15 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
     def loadRecording(self, parameters, progress=None) -> str:
         """Read the chosen recording and select it; the spacing follows a configuration that tells one."""
         from AIFReconScene.display.firstLook import showInputs
+        from AIFReconScene.volumes.opening import openedTogether
 
         configuration = parameters.configurationPath if parameters.configurationPath.is_file() else None
-        browser = self.readRecording(parameters.recordingPath, configuration, progress, **readingFrom(parameters))
-        parameters.sweep, parameters.imageSequence = browser, None
-        takeConfigured(parameters, browser)
-        showInputs(browser, parameters.ctVolume)
+        with openedTogether(parameters):
+            share = part(progress, 0.0, 0.95)
+            browser = self.readRecording(parameters.recordingPath, configuration, share, **readingFrom(parameters))
+            parameters.sweep, parameters.imageSequence = browser, None
+            takeConfigured(parameters, browser)
+            showInputs(browser, parameters.ctVolume, part(progress, 0.95, 1.0))
         return _("Loaded {name}.").format(name=browser.GetName())
 
     def apply(self, parameters, progress=None) -> str:
@@ -319,7 +323,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         inputs, settings = Inputs.fromParameters(parameters), settingsFrom(parameters)
         computed, prepared, said = self._computed(inputs, settings, keep, part(progress, 0.0, 0.85), True)
         # Drawn once, when all of it is shown
-        with slicer.util.RenderBlocker():
+        with drawnViewByView(part(progress, 0.9, 0.9)):
             node = self._kept(computed, inputs, parameters.output, keep)["intensity"]
             if progress is not None:
                 progress(0.85, Message("Showing the volume"))  # it is there: too late to cancel

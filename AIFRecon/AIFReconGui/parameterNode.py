@@ -3,6 +3,7 @@
 import pathlib
 from typing import Annotated
 
+import slicer
 from AIFReconScene.inputs.boneSource import BoneSource
 from AIFReconScene.inputs.parameters import (
     AUTOMATIC_NUMBER,
@@ -143,7 +144,9 @@ class AIFReconParameterNode:
 
 def parametersOf(node):
     """The typed parameters of a node; those of a panel that had no choice of the bone's source keep what they asked for."""
-    parameters = AIFReconParameterNode(node)
+    # Each value that is new to the node would have all of them read anew
+    with slicer.util.NodeModify(node):
+        parameters = AIFReconParameterNode(node)
     if wanted := node.GetParameter(FORMER_ECHOES):
         node.UnsetParameter(FORMER_ECHOES)
         if wanted == "True" and parameters.bone is None:

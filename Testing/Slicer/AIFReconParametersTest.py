@@ -1,8 +1,15 @@
 """Self tests of the parameters: names, ranges and defaults are the library's, and they come back from a saved scene."""
 
+import pathlib
+import sys
 import unittest
 
 import slicer
+import vtk
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import tinyScene
 
 
 class AIFReconParametersTest(unittest.TestCase):
@@ -77,6 +84,27 @@ class AIFReconParametersTest(unittest.TestCase):
     def test_a_choice_is_kept_in_the_scene_by_its_name(self):
         self.parameters.method = type(self.parameters.method)["AIF_COMPENSATED"]
         self.assertEqual(self.parameters.parameterNode.GetParameter("method"), "AIF_COMPENSATED")
+
+    def test_the_node_of_a_new_scene_changes_once(self):
+        from AIFReconGui.parameterNode import parametersOf
+
+        node, changes = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScriptedModuleNode"), []
+        node.AddObserver(vtk.vtkCommand.ModifiedEvent, lambda caller, event: changes.append(event))
+        parametersOf(node)
+        self.assertEqual(len(changes), 1)
+
+    def test_what_is_chosen_by_itself_is_chosen_at_once(self):
+        from AIFReconScene.inputs import readiness
+
+        tinyScene.addSweep()
+        tinyScene.addCT()
+        changes, node = [], self.parameters.parameterNode
+        tag = node.AddObserver(vtk.vtkCommand.ModifiedEvent, lambda caller, event: changes.append(event))
+        readiness.chooseDefaults(self.parameters)
+        node.RemoveObserver(tag)
+        self.assertIsNotNone(self.parameters.sweep)
+        self.assertIsNotNone(self.parameters.bone)
+        self.assertEqual(len(changes), 1)
 
     def test_there_is_one_set_of_parameters_in_a_scene(self):
         again = self.logic().getParameterNode()

@@ -94,6 +94,23 @@ class AIFReconPictureTest(unittest.TestCase):
 
     # ---- tint
 
+    def test_the_tint_is_there_when_the_run_ends(self):
+        recorded, shown = self.widget._recorded, []
+        refresh = recorded._refresh
+        recorded._refresh = lambda: (shown.append(self.composite().GetLabelVolumeID()), refresh())
+        self.addCleanup(lambda: setattr(recorded, "_refresh", refresh))
+        self.reconstruct()
+        self.assertEqual([bool(each) for each in shown], [True])
+
+    def test_a_user_who_leaves_while_a_volume_is_shown_sees_nothing_of_it_that_is_the_panel_s(self):
+        def leave(fraction, message):
+            slicer.util.selectModule("Welcome")
+            return True
+
+        self.reconstruct()
+        self.picture.show(leave)
+        self.assertFalse(self.composite().GetLabelVolumeID())
+
     def test_brightness_that_the_method_added_is_tinted_and_nothing_else_is(self):
         output = self.reconstruct()
         tint = slicer.mrmlScene.GetNodeByID(self.composite().GetLabelVolumeID())

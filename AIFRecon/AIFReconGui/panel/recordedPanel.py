@@ -51,6 +51,7 @@ class RecordedPanel(Follower):
         self._wasComplete = False
         ui.summaryLabel.visible = False
         self.lights = Lights(ui, logic.verdicts)
+        self._picture = PicturePanel(ui.picturePlace.layout(), ui.guidanceSweepButton, work, logic.trackingReport)
         self._followers = (
             SweepsChooser(ui.otherSweepsComboBox, ui.otherSweepsLabel, logic.offeredSweeps),
             SegmentsChooser(ui.segmentsComboBox, ui.segmentsLabel),
@@ -62,7 +63,7 @@ class RecordedPanel(Follower):
             BoneOutlines(),
             ReportPanel(ui, logic.trackingReport),
             self.lights,
-            PicturePanel(ui.picturePlace.layout(), ui.guidanceSweepButton, work, logic.trackingReport),
+            self._picture,
         )
         for button, slot in (
             (ui.openButton, self.onOpen),
@@ -156,7 +157,8 @@ class RecordedPanel(Follower):
 
     def _reconstruct(self, work, *more) -> None:
         def told(parameters, progress) -> str:
-            method, voxels, *notes = inPanelWords(work(parameters, progress=progress)).split("\n")
+            method, voxels, *notes = inPanelWords(work(parameters, progress=part(progress, 0.0, 0.99))).split("\n")
+            self._picture.show(part(progress, 0.99, 1.0))
             self._ui.summaryLabel.visible = True
             say(self._ui.summaryLabel, f"{method}\n{voxels}")
             return "\n".join((_("Done."), *notes, *more))

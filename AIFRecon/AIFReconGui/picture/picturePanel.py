@@ -4,6 +4,7 @@ import pathlib
 
 import qt
 import slicer
+from AIFReconScene.display.viewByView import drawnViewByView
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.picture import windows
 from AIFReconScene.picture.echoView import EchoView
@@ -12,6 +13,8 @@ from AIFReconScene.picture.probeUp import ProbeUp
 from AIFReconScene.picture.spineView import SpineView, spineOf
 from AIFReconScene.volumes.volumeNodes import measuredOf
 from slicer.i18n import tr as _
+
+from AIFReconLib.message import Message
 
 UI = pathlib.Path(__file__).resolve().parents[2] / "Resources" / "UI" / "Picture.ui"
 
@@ -79,6 +82,15 @@ class PicturePanel:
             widget.toolTip = missing or does
         for view in self._views:
             view.update(parameters)
+
+    def show(self, progress) -> None:
+        """Show what is chosen of a volume that is new, in a step for each choice; what `progress` answers is not regarded."""
+        with drawnViewByView(progress):
+            for view in self._views:
+                progress(0.0, Message(""))
+                # The user may have left the panel meanwhile
+                if self._parameterNode is not None:
+                    view.update(self._parameterNode)
 
     # ---- what is done
 

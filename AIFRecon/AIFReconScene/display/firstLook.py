@@ -5,6 +5,7 @@ import slicer
 from AIFReconLib.progress import report
 
 from . import sliceDisplay, threeDViews
+from .viewByView import drawnViewByView
 
 
 def showInputs(browserNode, ctNode=None, progress=None) -> None:
@@ -20,7 +21,7 @@ def showInputs(browserNode, ctNode=None, progress=None) -> None:
     """
     slicer.modules.sequences.showSequenceBrowser(browserNode)
     report(progress, 0.5, "Showing the sweep")
-    with slicer.util.RenderBlocker():
+    with drawnViewByView(progress):
         if ctNode is not None:
             sliceDisplay.showBackground(ctNode)
         threeDViews.center()

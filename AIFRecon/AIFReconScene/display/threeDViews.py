@@ -84,23 +84,32 @@ def makeSurface(segmentationNode, progress=None) -> None:
     ----------
     segmentationNode : vtkMRMLSegmentationNode
     progress : callable or None
-        Hears of every segment. That it may ask to cancel is not regarded: what the surface is for is done by then.
+        Hears of every segment, and again before Slicer gets its surface. That it may ask to cancel is not regarded: what the surface is
+        for is done by then.
     """
     surface = slicer.vtkSegmentationConverter.GetClosedSurfaceRepresentationName()
     segmentation = segmentationNode.GetSegmentation()
     if segmentation is None or segmentation.ContainsRepresentation(surface):
         return
     ids = [segmentation.GetNthSegmentID(number) for number in range(segmentation.GetNumberOfSegments())]
-    for number, segmentID in enumerate(ids):
+
+    def tell(made: float) -> None:
         if progress is not None:
-            progress(number / len(ids), Message("Making the surface of bone"))
-        if segmentID == ids[-1]:
-            break
-        # One at a time, so that the application stays alive between them
+            progress(made / len(ids), Message("Making the surface of bone"))
+
+    # All but the last one at a time, so that the application stays alive between them
+    for number, segmentID in enumerate(ids[:-1]):
+        tell(number)
         single = slicer.vtkSegmentation()
         single.SetSourceRepresentationName(segmentation.GetSourceRepresentationName())
         single.CopyConversionParameters(segmentation)
         single.CopySegmentFromSegmentation(segmentation, segmentID)
-        if single.CreateRepresentation(surface):
-            segmentation.GetSegment(segmentID).AddRepresentation(surface, single.GetNthSegment(0).GetRepresentation(surface))
+        isMade = single.CreateRepresentation(surface)
+        tell(number + 0.5)
+        segment = segmentation.GetSegment(segmentID)
+        # It may have gone meanwhile
+        if isMade and segment is not None:
+            segment.AddRepresentation(surface, single.GetNthSegment(0).GetRepresentation(surface))
+    tell(len(ids) - 1)
     segmentationNode.CreateClosedSurfaceRepresentation()
+    tell(len(ids))

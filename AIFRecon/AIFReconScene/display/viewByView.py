@@ -1,6 +1,28 @@
 """Drawing goes on after a pause, and the windows are alive between one view and the next."""
 
+import contextlib
+
 import slicer
+
+from AIFReconLib.message import Message
+
+
+@contextlib.contextmanager
+def drawnViewByView(progress=None):
+    """Nothing is drawn within; after it one view after the other is.
+
+    Parameters
+    ----------
+    progress : callable or None
+        Hears of each view, so that windows are alive in between. That it may ask to cancel is not regarded.
+    """
+    slicer.app.pauseRender()
+    try:
+        yield
+    finally:
+        for _step in viewByView():
+            if progress is not None:
+                progress(1.0, Message(""))
 
 
 def viewByView():

@@ -11,7 +11,7 @@ from vtk.util import numpy_support
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.message import Message, listed
-from AIFReconLib.progress import Progress
+from AIFReconLib.progress import Progress, part, report
 
 from ..background import inBackground
 from ..transforms import arrayOf, ijkToRAS, matrixToWorld
@@ -21,6 +21,9 @@ PADDING = 8
 
 SMOOTHING_REACH = 4.0
 """Sigmas."""
+
+CLOSEST = 1e-4
+"""mm and voxels: what lies so close lies in the same place."""
 
 
 def boneMapFromNode(
@@ -63,7 +66,9 @@ def boneMapFromNode(
             return BoneMap.from_probability(_volumeOf(node), _worldOrNone(node))
     sigma = SIGMA_VOXELS if sigmaVoxels is None else sigmaVoxels
     if labels is None:
-        labels = ownLabels(node, segmentIDs, sigmaVoxels=sigmaVoxels, sigmaMm=sigmaMm, referenceVolumeNode=referenceVolumeNode)
+        width = {"sigmaVoxels": sigmaVoxels, "sigmaMm": sigmaMm}
+        share, progress = part(progress, 0.0, 0.1), part(progress, 0.1, 1.0)
+        labels = ownLabels(node, segmentIDs, referenceVolumeNode=referenceVolumeNode, progress=share, **width)
     with named(node):
         world = _worldOrNone(node)
         return inBackground(lambda progress: BoneMap.from_labels(labels, sigma, sigmaMm, world, progress), progress)
@@ -81,16 +86,23 @@ def ownLabels(
     sigmaVoxels: float | None = None,
     sigmaMm: float | None = None,
     referenceVolumeNode=None,
+    progress: Progress | None = None,
 ) -> Volume:
     """The labels of a node in its own coordinates, with room for the bone map that is made of them; arguments as for `boneMapFromNode`."""
     from AIFReconLib.bone.map import SIGMA_VOXELS
 
     reach = _reach(SIGMA_VOXELS if sigmaVoxels is None else sigmaVoxels, sigmaMm)
-    return labelsFromNode(node, segmentIDs, referenceVolumeNode=referenceVolumeNode, world=False, reach=reach)
+    return labelsFromNode(node, segmentIDs, referenceVolumeNode=referenceVolumeNode, world=False, reach=reach, progress=progress)
 
 
 def labelsFromNode(
-    node, segmentIDs: list[str] | None = None, *, referenceVolumeNode=None, world: bool = True, reach=lambda spacing: 0
+    node,
+    segmentIDs: list[str] | None = None,
+    *,
+    referenceVolumeNode=None,
+    world: bool = True,
+    reach=lambda spacing: 0,
+    progress: Progress | None = None,
 ) -> Volume:
     """The labels of a segmentation or labelmap volume as a `Volume`.
 
@@ -103,13 +115,16 @@ def labelsFromNode(
         Placed in RAS world; else in the node's own coordinates, without its parent transforms.
     reach : function of (3,) spacing in mm to voxels
         By how many voxels to go around segments without a reference geometry.
+    progress : Progress or None
+        Hears of every segment.
 
     Returns
     -------
     labels : Volume of uint8 or uint16
         A label per segment, 1, 2, ... in their order, so that metrics can tell vertebrae apart; later ones win where they overlap.
     """
-    labels = _mergedSegments(node, segmentIDs, referenceVolumeNode, reach) if node.IsA("vtkMRMLSegmentationNode") else _volumeOf(node)
+    isSegmented = node.IsA("vtkMRMLSegmentationNode")
+    labels = _mergedSegments(node, segmentIDs, referenceVolumeNode, reach, progress) if isSegmented else _volumeOf(node)
     if not world:
         return labels
     with named(node):
@@ -170,7 +185,7 @@ def _volumeOf(node) -> Volume:
         return Volume(slicer.util.arrayFromVolume(node), ijkToRAS(node))
 
 
-def _mergedSegments(node, segmentIDs: list[str] | None, referenceVolumeNode, reach) -> Volume:
+def _mergedSegments(node, segmentIDs: list[str] | None, referenceVolumeNode, reach, progress) -> Volume:
     segmentation = node.GetSegmentation()
     present = [segmentation.GetNthSegmentID(index) for index in range(segmentation.GetNumberOfSegments())]
     chosen = present if segmentIDs is None else list(segmentIDs)
@@ -196,20 +211,21 @@ def _mergedSegments(node, segmentIDs: list[str] | None, referenceVolumeNode, rea
         extent += np.array([-1, 1]) * reach(geometry.GetSpacing())
     geometry.SetExtent(extent.ravel().tolist())
     labels = np.zeros((extent[:, 1] - extent[:, 0] + 1)[::-1], dtype=np.uint8 if len(chosen) < 256 else np.uint16)
-    for number, segmentID in enumerate(chosen, start=1):
-        _paint(labels, extent, geometry, segmentation.GetSegment(segmentID), number)
+    # As they are now: a segment may go while the progress function has windows go on
+    segments = [segmentation.GetSegment(segmentID) for segmentID in chosen]
+    images = [(segment.GetRepresentation(_labelmap()), segment.GetLabelValue()) for segment in segments]
+    for number, (image, value) in enumerate(images, start=1):
+        report(progress, number / len(images), "Reading the CT's bone")
+        _paint(labels, extent, geometry, image, value, number)
     shift = np.eye(4)
     shift[:3, 3] = extent[:, 0]
-    imageToWorld = vtk.vtkMatrix4x4()
-    geometry.GetImageToWorldMatrix(imageToWorld)
     with named(node):
-        return Volume(labels, arrayOf(imageToWorld) @ shift)
+        return Volume(labels, _imageToWorld(geometry) @ shift)
 
 
 def _withLabelmaps(segmentation, chosen: list[str], referenceVolumeNode, node):
     """The segmentation itself where it has labelmaps; else a copy of it that has, outside of any scene."""
-    labelmap = slicer.vtkSegmentationConverter.GetBinaryLabelmapRepresentationName()
-    if segmentation.ContainsRepresentation(labelmap):
+    if segmentation.ContainsRepresentation(_labelmap()):
         return segmentation
     copy = slicer.vtkSegmentation()
     copy.SetSourceRepresentationName(segmentation.GetSourceRepresentationName())
@@ -218,11 +234,15 @@ def _withLabelmaps(segmentation, chosen: list[str], referenceVolumeNode, node):
         copy.CopySegmentFromSegmentation(segmentation, segmentID)
     if not _hasReference(copy) and referenceVolumeNode is not None:
         _setReference(copy, referenceVolumeNode, node)
-    if not copy.CreateRepresentation(labelmap):
+    if not copy.CreateRepresentation(_labelmap()):
         raise GeometryError(
             "{node}: its segments cannot be made into voxels. Convert them to binary labelmaps in Slicer.", node=node.GetName()
         )
     return copy
+
+
+def _labelmap() -> str:
+    return slicer.vtkSegmentationConverter.GetBinaryLabelmapRepresentationName()
 
 
 def _hasReference(segmentation) -> bool:
@@ -240,36 +260,42 @@ def _setReference(segmentation, volumeNode, node) -> None:
     segmentation.SetConversionParameter(name, slicer.vtkSegmentationConverter.SerializeImageGeometry(geometry))
 
 
-def _paint(labels: np.ndarray, extent: np.ndarray, geometry, segment, number: int) -> None:
-    """Write `number` where a segment is, into labels [k, j, i] that start at `extent` of `geometry`."""
-    image = segment.GetRepresentation(slicer.vtkSegmentationConverter.GetBinaryLabelmapRepresentationName())
-    value = segment.GetLabelValue()
+def _paint(labels: np.ndarray, extent: np.ndarray, geometry, image, value: int, number: int) -> None:
+    """Write `number` where a segment's image is `value`, into labels [k, j, i] that start at `extent` of `geometry`."""
     if image is None or image.IsEmpty():
         return
-    if not slicer.vtkOrientedImageDataResample.DoGeometriesMatchIgnoreOrigin(image, geometry) or not _sameLattice(image, geometry):
+    shift = _shiftOf(image, geometry)
+    if shift is None:
         resampled = slicer.vtkOrientedImageData()
         single = slicer.vtkOrientedImageData()
         single.DeepCopy(image)
         voxels = numpy_support.vtk_to_numpy(single.GetPointData().GetScalars())
         voxels[:] = voxels == value
         slicer.vtkOrientedImageDataResample.ResampleOrientedImageToReferenceOrientedImage(single, geometry, resampled)
-        image, value = resampled, 1
+        image, value, shift = resampled, 1, np.zeros(3, dtype=int)
     own = np.array(image.GetExtent()).reshape(3, 2)
+    voxels = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars()).reshape((own[:, 1] - own[:, 0] + 1)[::-1])
+    own += shift[:, None]
     first, last = np.maximum(own[:, 0], extent[:, 0]), np.minimum(own[:, 1], extent[:, 1])
     if (first > last).any():
         return
-    voxels = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars()).reshape((own[:, 1] - own[:, 0] + 1)[::-1])
     source = tuple(slice(a, b) for a, b in zip((first - own[:, 0])[::-1], (last - own[:, 0] + 1)[::-1]))
     target = tuple(slice(a, b) for a, b in zip((first - extent[:, 0])[::-1], (last - extent[:, 0] + 1)[::-1]))
     # Several times as fast as an index of truth values
     np.copyto(labels[target], number, where=voxels[source] == value)
 
 
-def _sameLattice(image, geometry) -> bool:
-    """Whether voxel numbers of both mean the same places."""
-    matrices = []
-    for each in (image, geometry):
-        matrix = vtk.vtkMatrix4x4()
-        each.GetImageToWorldMatrix(matrix)
-        matrices.append(arrayOf(matrix))
-    return bool(np.allclose(matrices[0], matrices[1], atol=1e-4, rtol=0))
+def _shiftOf(image, geometry) -> np.ndarray | None:
+    """What makes of an image's voxel numbers those of `geometry` that mean the same places; None where voxels do not lie on voxels."""
+    own, other = _imageToWorld(image), _imageToWorld(geometry)
+    if not np.allclose(own[:3, :3], other[:3, :3], atol=CLOSEST, rtol=0):
+        return None
+    exact = np.linalg.solve(other[:3, :3], own[:3, 3] - other[:3, 3])
+    shift = np.rint(exact)
+    return shift.astype(int) if np.abs(exact - shift).max() < CLOSEST else None
+
+
+def _imageToWorld(image) -> np.ndarray:
+    matrix = vtk.vtkMatrix4x4()
+    image.GetImageToWorldMatrix(matrix)
+    return arrayOf(matrix)

@@ -150,7 +150,8 @@ class Inputs:
         if self.seesBone:
             bone = self._boneOf(sequence, region, progress)
             return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), boneFromSweep=not self._asksNetwork)
-        labels = self.labels(progress)
+        labels = self.labels(part(progress, 0.0, 0.1))
+        progress = part(progress, 0.1, 1.0)
         if labels is None:
             bone = self.boneMap(progress)
             return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance())
@@ -184,7 +185,8 @@ class Inputs:
         report(progress, 0.0, "Reading the CT's bone")
         widest = self.boneSigmaMm if self._hasWidth else LARGEST_WIDTH
         chosen = list(self.boneSegments) or None
-        return ownLabels(self.bone, chosen, referenceVolumeNode=self.ct, sigmaVoxels=self.boneSigmaVoxels, sigmaMm=widest)
+        width = {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": widest}
+        return ownLabels(self.bone, chosen, referenceVolumeNode=self.ct, progress=progress, **width)
 
     def boneMap(self, progress=None, labels=None, method: str = ""):
         """The `BoneMap` of the chosen bone in RAS, or None without; of its `labels()` where these are there already.

@@ -15,13 +15,15 @@ from .parameters import LiveSource, Region, fileFrom, methodOf, needsBone
 
 def chooseDefaults(parameters) -> None:
     """Choose the only sweep and segmentation there are, and the CT that this was drawn on, where nothing is chosen yet."""
-    for name, className in (("sweep", "vtkMRMLSequenceBrowserNode"), ("bone", "vtkMRMLSegmentationNode")):
-        nodes = slicer.util.getNodesByClass(className)
-        if getattr(parameters, name) is None and len(nodes) == 1:
-            setattr(parameters, name, nodes[0])
-    bone = parameters.bone
-    if parameters.ctVolume is None and bone is not None and bone.IsA("vtkMRMLSegmentationNode"):
-        parameters.ctVolume = bone.GetNodeReference(slicer.vtkMRMLSegmentationNode.GetReferenceImageGeometryReferenceRole())
+    # The panel follows once
+    with slicer.util.NodeModify(parameters):
+        for name, className in (("sweep", "vtkMRMLSequenceBrowserNode"), ("bone", "vtkMRMLSegmentationNode")):
+            nodes = slicer.util.getNodesByClass(className)
+            if getattr(parameters, name) is None and len(nodes) == 1:
+                setattr(parameters, name, nodes[0])
+        bone = parameters.bone
+        if parameters.ctVolume is None and bone is not None and bone.IsA("vtkMRMLSegmentationNode"):
+            parameters.ctVolume = bone.GetNodeReference(slicer.vtkMRMLSegmentationNode.GetReferenceImageGeometryReferenceRole())
 
 
 def whyNotLoad(parameters) -> str:

@@ -8,7 +8,7 @@ from AIFReconLib.errors import AIFReconError
 from AIFReconLib.guidance.guidance import Guidance
 from AIFReconLib.live.session.guidance_watch import GuidanceWatch
 from AIFReconLib.message import Message, said
-from AIFReconLib.progress import report
+from AIFReconLib.progress import part, report
 
 from ..inputs.boneNodes import isLabeled
 from ..inputs.inputs import Inputs
@@ -138,6 +138,6 @@ def guidanceOfSweep(parameters, progress=None) -> Guidance:
     for sweep in inputs.sweeps:
         checkRecorded(sweep)
     place, sequence = np.asarray(rigidPlace(inputs.bone)), inputs.sequence()
-    labels = inputs.labels(progress)
+    labels, progress = inputs.labels(part(progress, 0.0, 0.1)), part(progress, 0.1, 1.0)
     more = {"grid": inputs.grid(settingsFrom(parameters)), "region": inputs.imageRegion(sequence.configuration), "probe": inputs.probe}
     return inBackground(lambda progress: guidance_of_sweep(sequence, labels, place, progress=progress, **more), progress)

@@ -100,7 +100,7 @@ class CTRegistration:
     def _boneOf(self, parameters, progress):
         from AIFReconLib.registration.bone_field import BoneField
 
-        labels = Inputs.fromParameters(parameters).labels(progress)
+        labels = Inputs.fromParameters(parameters).labels(part(progress, 0.0, 0.5))
         return inBackground(lambda _progress: BoneField.from_labels(labels), part(progress, 0.5, 1.0))
 
     def _echoesOf(self, parameters, progress):

@@ -19,9 +19,10 @@ from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, chain_ends, sweep_poses
 
+from ..background import inBackground
 from ..sceneNodes import freeName, removeNodes
 from ..transforms import vtkMatrixOf
-from .sweepRecord import writeRecord
+from .sweepRecord import ATTRIBUTE, recordText
 
 IMAGE = "Image"
 STATUS_ATTRIBUTE = "TransformStatus"
@@ -93,18 +94,18 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
     names = [each for each in sequence.transform_names() if each not in sequence.transforms]
     for number, transformName in enumerate(names):
         node = _sequenceNode(f"{name}-{transformName}", str(transformName), unit)
-        share = part(progress, 0.9 + 0.1 * number / len(names), 0.9 + 0.1 * (number + 1) / len(names))
+        share = part(progress, 0.9 + 0.08 * number / len(names), 0.9 + 0.08 * (number + 1) / len(names))
         _fillTransforms(node, transformName, sequence.records, index, share)
         transforms[transformName] = node
     if poses is not None and poseName not in transforms:
         node = _sequenceNode(f"{name}-{poseName}", str(poseName), unit)
         _fillPoses(node, poseName, poses, index)
         transforms = {poseName: node, **transforms}
+    record = inBackground(lambda _progress: recordText(_record(sequence, poses, poseName, index)), part(progress, 0.98, 1.0))
     report(progress, 1.0, "Added the sweep")
-    browser = _addToScene(scene, name, images, transforms, transforms.get(poseName) if poses is not None else None)
+    browser = _addToScene(scene, name, images, transforms, transforms.get(poseName) if poses is not None else None, record)
     if unit and len(index) > 1:
         browser.SetPlaybackRateFps(min(max((len(index) - 1) / (float(index[-1]) - float(index[0])), 1.0), FASTEST_REPLAY))
-    writeRecord(browser, _record(sequence, poses, poseName, index))
     return browser
 
 
@@ -221,8 +222,8 @@ def _setTransform(node, indexValue: str, name: TransformName, matrix: np.ndarray
     return node.SetDataNodeAtValue(transform, indexValue)
 
 
-def _addToScene(scene, name: str, images, transforms: dict, pose):
-    """Sequences, browser and the nodes that it replays, the images under the pose; all or nothing."""
+def _addToScene(scene, name: str, images, transforms: dict, pose, record: str):
+    """Sequences, browser with its record and the nodes that it replays, the images under the pose; all or nothing."""
     added = []
     scene.SaveStateForUndo()
     try:
@@ -234,6 +235,7 @@ def _addToScene(scene, name: str, images, transforms: dict, pose):
         browser.SetAndObserveMasterSequenceNodeID(images.GetID())
         # At every change of a browser, Slicer looks through all that it replays
         with slicer.util.NodeModify(browser):
+            browser.SetAttribute(ATTRIBUTE, record)
             for node in transforms.values():
                 browser.AddSynchronizedSequenceNode(node)
         proxies = {}

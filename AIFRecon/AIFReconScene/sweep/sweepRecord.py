@@ -30,7 +30,12 @@ CLASSES = {made.__name__: made for made in _HELD}
 
 def writeRecord(browserNode, record: dict) -> None:
     """Keep `record` (of the types that `decode` gives) on a browser node."""
-    browserNode.SetAttribute(ATTRIBUTE, json.dumps(encode(record), separators=(",", ":")))
+    browserNode.SetAttribute(ATTRIBUTE, recordText(record))
+
+
+def recordText(record: dict) -> str:
+    """What is kept of `record`."""
+    return json.dumps(encode(record), separators=(",", ":"))
 
 
 def readRecord(browserNode) -> dict:

@@ -53,7 +53,7 @@ def compareMethods(inputs, settings, progress=None) -> Comparison:
     AIFReconError
         As a reconstruction; OperationCanceled after a cancel. The scene is as before.
     """
-    prepared, labels = inputs.prepared(settings, part(progress, 0.0, 0.05)), _labels(inputs)
+    prepared, labels = inputs.prepared(settings, part(progress, 0.0, 0.04)), _labels(inputs, part(progress, 0.04, 0.05))
     results = {}
     for number, method in enumerate(COMPARED):
         step = part(progress, 0.05 + 0.65 * number / len(COMPARED), 0.05 + 0.65 * (number + 1) / len(COMPARED))
@@ -67,7 +67,7 @@ def compareMethods(inputs, settings, progress=None) -> Comparison:
     return Comparison(volumes, table, listed(lines, "\n"))
 
 
-def _labels(inputs):
+def _labels(inputs, progress):
     """The labels of the bone as it is when the comparison begins; None where it has no surface."""
     from ..inputs.boneNodes import labelsFromNode
 
@@ -75,7 +75,7 @@ def _labels(inputs):
         return None
     if not inputs.bone.IsA("vtkMRMLSegmentationNode") and not inputs.bone.IsA("vtkMRMLLabelMapVolumeNode"):
         return None
-    return labelsFromNode(inputs.bone, list(inputs.boneSegments) or None, referenceVolumeNode=inputs.ct)
+    return labelsFromNode(inputs.bone, list(inputs.boneSegments) or None, referenceVolumeNode=inputs.ct, progress=progress)
 
 
 def _metrics(labels, prepared, results, progress) -> dict:

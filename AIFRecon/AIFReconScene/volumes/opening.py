@@ -51,7 +51,7 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> str:
     kinds = [(kindOf(path), path) for path in paths]
     ordered = [(kind, path) for wanted in ORDER for kind, path in kinds if kind == wanted]
     sweeps = []
-    with addedTogether(slicer.mrmlScene), _chosenTogether(parameters):
+    with openedTogether(parameters):
         for number, (kind, path) in enumerate(ordered):
             share = part(progress, number / len(ordered), (number + 1) / len(ordered))
             report(share, 0.0, Message("Opening {name}", name=path.name))
@@ -69,13 +69,14 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> str:
 
 
 @contextlib.contextmanager
-def _chosenTogether(parameters):
-    """What is chosen, and what CT and bone lie under, is as before where something raises."""
+def openedTogether(parameters):
+    """The scene, what is chosen of it, and what CT and bone lie under, is as before where something within raises, a cancel too."""
     chosen = {name: getattr(parameters, name) for name in CHOSEN}
     chosen["otherSweeps"] = list(chosen["otherSweeps"])
     above = [(node, node.GetTransformNodeID()) for node in (parameters.ctVolume, parameters.bone) if node is not None]
     try:
-        yield
+        with addedTogether(slicer.mrmlScene):
+            yield
     except BaseException:
         for node, transformID in above:
             if _isThere(node):

@@ -1,7 +1,8 @@
-"""How a scan's display is drawn: nothing until all steps are taken, and always in the end."""
+"""How a scan's display is drawn, and a run's: nothing until all steps are taken, and always in the end."""
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -9,7 +10,8 @@ slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "AIFRecon"))
 
-from AIFReconScene.live.inSteps import InSteps  # noqa: E402 - needs slicer
+from AIFReconScene.display.viewByView import drawnViewByView  # noqa: E402 - needs slicer
+from AIFReconScene.live.inSteps import InSteps  # noqa: E402
 
 
 class Views:
@@ -69,6 +71,42 @@ def test_a_step_that_fails_ends_them_and_leaves_views_drawn(views):
     with pytest.raises(ValueError):
         in_steps.goOn()
     assert not in_steps.isUnderWay
+    assert views.paused == 0
+
+
+class View:
+    """A view that notes when it is drawn."""
+
+    def __init__(self, name, noted):
+        self.name, self.noted = name, noted
+
+    def pauseRender(self):
+        """Draw nothing more."""
+
+    def resumeRender(self):
+        """Draw."""
+        self.noted.append(self.name)
+
+
+def test_what_a_run_shows_is_drawn_view_by_view_and_told_after_each(views, monkeypatch):
+    noted = []
+    layout = SimpleNamespace(
+        sliceViewNames=lambda: ["Red", "Green"],
+        sliceWidget=lambda name: View(name, noted),
+        threeDViewCount=1,
+        threeDWidget=lambda number: View("3D", noted),
+    )
+    monkeypatch.setattr(views, "layoutManager", lambda: layout)
+    with drawnViewByView(lambda fraction, message: noted.append("told")):
+        assert views.paused == 1
+        noted.append("shown")
+    assert noted == ["shown", "3D", "told", "Green", "told", "Red", "told"]
+    assert views.paused == 0
+
+
+def test_what_goes_wrong_while_a_run_shows_something_leaves_views_drawn(views):
+    with pytest.raises(ValueError), drawnViewByView():
+        raise ValueError
     assert views.paused == 0
 
 

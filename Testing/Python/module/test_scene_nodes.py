@@ -143,6 +143,65 @@ def test_every_segment_gets_a_label_of_its_own(scene):
     assert np.allclose(labels.ijk_to_reference, CT_MATRIX, atol=1e-9)
 
 
+def test_segments_with_images_of_their_own_lie_where_those_lie_and_are_not_resampled(scene, monkeypatch):
+    from AIFReconScene.inputs.boneNodes import labelsFromNode
+    from AIFReconScene.volumes.segments import addSegments
+
+    other = np.roll(ball_labels(radius=3.0), (-6, 8, 7), axis=(0, 1, 2))
+    both = Volume(np.where(other > 0, 2, ball_labels(radius=4.0)), CT_MATRIX)
+    node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode")
+    node.SetReferenceImageGeometryParameterFromVolumeNode(volume_node(scene, both.array.astype(np.int16), CT_MATRIX))
+    addSegments(node, both, {1: "L3", 2: "L4"})
+    monkeypatch.setattr(slicer, "vtkOrientedImageDataResample", None)
+    labels = labelsFromNode(node)
+    assert np.array_equal(labels.array, both.array)
+    assert np.allclose(labels.ijk_to_reference, CT_MATRIX, atol=1e-9)
+
+
+def test_a_segment_between_the_voxels_of_the_others_is_resampled(scene):
+    from AIFReconScene.inputs.boneNodes import labelsFromNode
+
+    node = segmentation_node(scene, {"L3": ball_labels()})
+    shift = np.eye(4)
+    shift[:3, 3] = 3.3, -2.2, 0.4
+    segment = segmentation_node(scene, {"L3": ball_labels()}, CT_MATRIX @ shift).GetSegmentation().GetNthSegment(0)
+    node.GetSegmentation().AddSegment(segment, "between")
+    labels = labelsFromNode(node, ["between"])
+    assert np.array_equal(np.argwhere(labels.array).mean(0), np.add(np.argwhere(ball_labels()).mean(0), [0, -2, 3]))
+
+
+def test_every_segment_that_is_read_is_reported_and_may_go_meanwhile(scene):
+    from AIFReconScene.inputs.boneNodes import labelsFromNode
+
+    far, told = np.roll(ball_labels(radius=3.0), 8, axis=1), []
+    node = segmentation_node(scene, {"L3": ball_labels(radius=4.0), "L4": far})
+
+    def progress(fraction, message):
+        told.append(fraction)
+        node.GetSegmentation().RemoveAllSegments()
+
+    labels = labelsFromNode(node, progress=progress)
+    assert told == [0.5, 1.0]
+    assert np.array_equal(labels.array, np.where(far > 0, 2, ball_labels(radius=4.0)))
+
+
+def test_a_segment_that_goes_while_surfaces_are_made_keeps_none_from_the_others(scene):
+    from AIFReconScene.display.threeDViews import makeSurface
+
+    surface = slicer.vtkSegmentationConverter.GetClosedSurfaceRepresentationName()
+    node, told = segmentation_node(scene, {name: ball_labels() for name in ("L3", "L4", "L5")}), []
+
+    def progress(fraction, message):
+        told.append(round(fraction * 6))
+        if told[-1] == 1:
+            node.GetSegmentation().RemoveSegment(ids(node, "L3")[0])
+
+    makeSurface(node, progress)
+    assert told == [0, 1, 2, 3, 4, 6]
+    assert node.GetSegmentation().GetNumberOfSegments() == 2
+    assert all(node.GetSegmentation().GetNthSegment(number).GetRepresentation(surface).GetNumberOfPolys() for number in range(2))
+
+
 def test_a_segmentation_without_reference_geometry_is_not_cut_off(scene):
     bone = bone_of(segmentation_node(scene, {"L3": ball_labels()}, reference=False), sigmaVoxels=1.5)
     roomy = np.pad(ball_labels(), 20)
