@@ -2,7 +2,9 @@
 
 import pathlib
 import sys
+import threading
 import unittest
+from unittest import mock
 
 import numpy as np
 import slicer
@@ -99,6 +101,21 @@ class AIFReconLiveRegistrationTest(unittest.TestCase):
         self.ui.undoPlaceButton.click()
         np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), self.true)
 
+    def test_windows_stay_alive_while_the_surface_of_bone_is_looked_for(self):
+        from AIFReconLib.registration.bone_field import BoneField
+
+        threads = []
+
+        def lookedFor(labels):
+            threads.append(threading.current_thread())
+            return fromLabels(labels)
+
+        fromLabels = BoneField.from_labels
+        with mock.patch.object(BoneField, "from_labels", lookedFor):
+            self.start()
+        self.assertTrue(threads)
+        self.assertNotIn(threading.main_thread(), threads)
+
     def test_too_little_bone_is_told_in_a_sentence(self):
         shown, display = [], slicer.util.infoDisplay
         slicer.util.infoDisplay = lambda text, **options: shown.append(text)
@@ -116,8 +133,6 @@ class AIFReconLiveRegistrationTest(unittest.TestCase):
         self.ui.liveStopButton.click()
 
     def test_no_thread_outlives_the_scan(self):
-        import threading
-
         self.start()
         self.ui.liveStopButton.click()
         names = [thread.name for thread in threading.enumerate() if thread.name.startswith("aifrecon live")]

@@ -154,6 +154,11 @@ class Walk:
             view.forceRender()
         slicer.util.mainWindow().grab().save(str(self.folder / f"{name}.png"))
 
+    def note(self, name: str) -> None:
+        """Keep the longest stall under a name, and begin a new measurement."""
+        self.stalls[name], self.worked[name] = round(self.heart.longest * 1000.0), round(self.heart.worked * 1000.0)
+        self.heart.start()
+
     def step(self, function) -> None:
         """Do one step, measured, and take its picture."""
         name = function.__name__
@@ -161,8 +166,7 @@ class Walk:
         try:
             function(self)
         finally:
-            self.stalls[name], self.worked[name] = round(self.heart.longest * 1000.0), round(self.heart.worked * 1000.0)
-            self.heart.start()
+            self.note(name)
             self.settle()
             self.drawn[name] = round(self.heart.longest * 1000.0)
         if self.dock.width != self.width:

@@ -1,6 +1,7 @@
 """Steps of `walkInSlicer.py`: scans of recordings that a process of its own replays over OpenIGTLink.
 
-Each takes the walk. The stalls of what goes on while a scan is under way are noted apart, by a name that begins with ``while``.
+Each takes the walk. The stalls of *Start* and of what goes on while a scan is under way are noted apart, by names that begin with
+``start`` and ``while``.
 """
 
 import contextlib
@@ -97,18 +98,20 @@ def scan(walk, name: str, source=None, rate: float = RATE, meanwhile=lambda runn
         walk.parameters.liveHost, walk.parameters.livePort = "127.0.0.1", port
         walk.ui.tabWidget.currentIndex = 1
         walk.settle()
+        walk.heart.start()
         walk.press(walk.ui.liveStartButton)
+        walk.settle(0.1)
+        walk.note(f"start{name}")
         running = walk.widget._live._live
         session = running.session
         walk.wait(lambda: session.scouted >= FRAMES_SCOUTED, what="a box")
         walk.wait(lambda: walk.ui.liveUseBoxButton.enabled, what="Use the scanned area")
-        walk.heart.start()
         walk.press(walk.ui.liveUseBoxButton)
         walk.wait(lambda: session.statistics.inserted > FRAMES_INSERTED, what="frames")
         walk.wait(lambda: shown("Green") is not None and shown("Green") is running.volumeNode, what="the growing volume in the green view")
         walk.wait(lambda: shown("Red") is running.frameNode, what="the frame in the red view")
         meanwhile(running)
-        walk.stalls[f"while{name}"], walk.worked[f"while{name}"] = round(walk.heart.longest * 1000.0), round(walk.heart.worked * 1000.0)
+        walk.note(f"while{name}")
         walk.picture(f"scan{name}")
         walk.heart.start()
         walk.press(walk.ui.liveStopButton)

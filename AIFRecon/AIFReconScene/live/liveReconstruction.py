@@ -11,7 +11,7 @@ from AIFReconLib.live.session.agreement_watch import AgreementWatch, LiveState
 from AIFReconLib.live.session.session import SCOUTING, LiveSession
 from AIFReconLib.live.session.snapshots import SnapshotMaker
 from AIFReconLib.machine.threads import usable_cores
-from AIFReconLib.progress import report
+from AIFReconLib.progress import part, report
 from AIFReconLib.provenance.record import with_settings
 from AIFReconLib.registration.echoes import FEWEST, SweepEchoes
 
@@ -67,12 +67,13 @@ class LiveReconstruction:
         self._outputs = {"intensity": parameters.output} if empty else {}
         inputs = Inputs.fromParameters(parameters)
         settings = settingsFrom(parameters)
-        labels, configuration = inputs.labels(), _configurationFrom(parameters)
+        labels, configuration = inputs.labels(part(progress, 0.0, 0.1)), _configurationFrom(parameters)
         grid, self._source = inputs.grid(settings), _sourceFrom(parameters)
-        self.seen = None if parameters.boneSource == BoneSource.CT else LiveBone(parameters, self._source, record, progress)
-        bone = inputs.boneMap(progress, labels, settings.method_for(True)) if self.seen is None else self.seen.bone
+        share = part(progress, 0.1, 0.5)
+        self.seen = None if parameters.boneSource == BoneSource.CT else LiveBone(parameters, self._source, record, share)
+        bone = inputs.boneMap(share, labels, settings.method_for(True)) if self.seen is None else self.seen.bone
         self._bone, self._inputs, self._method = parameters.bone, inputs, settings.method_for(True)
-        field, region = _fieldOf(labels), inputs.imageRegion(configuration)
+        field, region = _fieldOf(labels, part(progress, 0.5, 0.6)), inputs.imageRegion(configuration)
         self.session = LiveSession(
             self._source if self.seen is None else self.seen.source,
             settings,
@@ -94,10 +95,10 @@ class LiveReconstruction:
         if self.seen is not None:
             self.seen.begin(self.session, imaging)
         try:
-            self.guide(parameters.guidance, progress)
+            self.guide(parameters.guidance, part(progress, 0.6, 0.7))
             # Beside the windows of a scan it takes many times as long
             while progress is not None and not self.session.prepare(ALIVE_EVERY):
-                report(progress, 0.0, "Preparing the scan")
+                report(progress, 0.7, "Preparing the scan")
         except OperationCanceled:
             self._endThreads()
             # It waits for what is being compiled
@@ -315,12 +316,12 @@ class LiveReconstruction:
         yield
 
 
-def _fieldOf(labels):
+def _fieldOf(labels, progress):
     if labels is None:
         return None
     from AIFReconLib.registration.bone_field import BoneField
 
-    return BoneField.from_labels(labels)
+    return inBackground(lambda _progress: BoneField.from_labels(labels), progress)
 
 
 def _sourceFrom(parameters):
