@@ -9,6 +9,7 @@ from abc import ABC, abstractmethod
 
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
+from ...machine.threads import give_way
 from ...message import Message, said
 from ...resolve import Imaging, known_imaging, recognized_imaging
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
@@ -89,6 +90,7 @@ class Watch(ABC):
         """Say why nothing can be told."""
 
     def _run(self) -> None:
+        give_way()
         while self._breathe():
             self._attempt()
 
