@@ -4,6 +4,7 @@ import concurrent.futures
 import importlib
 import threading
 
+from AIFReconLib.machine.threads import give_way
 from AIFReconLib.message import Message
 from AIFReconLib.progress import report
 
@@ -37,7 +38,7 @@ def inBackground(work, progress=None):
     if progress is None:
         return work(None)
     relay = _Relay()
-    with concurrent.futures.ThreadPoolExecutor(1, "AIFRecon work") as worker:
+    with concurrent.futures.ThreadPoolExecutor(1, "AIFRecon work", initializer=give_way) as worker:
         future = worker.submit(work, relay)
         try:
             while not concurrent.futures.wait([future], ALIVE_EVERY).done:
@@ -65,7 +66,7 @@ class Beside:
         """Call ``work(progress)`` on a thread of its own; what was begun before is dropped."""
         self.cancel()
         self._relay = _Relay()
-        self._worker = concurrent.futures.ThreadPoolExecutor(1, "AIFRecon beside")
+        self._worker = concurrent.futures.ThreadPoolExecutor(1, "AIFRecon beside", initializer=give_way)
         self._future = self._worker.submit(work, self._relay)
 
     def take(self):

@@ -1,5 +1,7 @@
 """Self tests of the library's work beside the main thread."""
 
+import os
+import sys
 import threading
 import unittest
 
@@ -77,6 +79,17 @@ class AIFReconBackgroundTest(unittest.TestCase):
 
         with self.assertRaisesRegex(ZeroDivisionError, "in the work"):
             self.inBackground(work, lambda fraction, message: True)
+
+    @unittest.skipUnless(sys.platform == "linux", "threads have a priority of their own on Linux alone")
+    def test_windows_have_the_cores_before_the_work(self):
+        from AIFReconLib.machine.threads import NICE
+
+        def priority(_progress=None):
+            return os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
+
+        before = priority()
+        self.assertGreaterEqual(self.inBackground(priority, lambda fraction, message: True), NICE)
+        self.assertEqual(priority(), before)
 
     def test_work_that_nobody_watches_stays_on_the_caller_s_thread(self):
         self.assertEqual(self.inBackground(lambda progress: (progress, threading.get_ident())), (None, threading.get_ident()))

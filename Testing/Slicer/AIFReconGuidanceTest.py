@@ -279,6 +279,13 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertEqual(self.live._advised, "")
         self.assertFalse(self.annotation().GetText(2))
 
+    def test_what_it_takes_out_is_drawn_view_by_view_once_windows_have_their_turn(self):
+        self.setToldBox()
+        with tinyScene.drawingNoted() as drawn:
+            self.setBox(False)
+            self.assertIsNone(self.model())
+            self.assertTrue(waitFor(lambda: drawn == ["first", "second"]), drawn)
+
     def test_every_node_that_it_made_is_taken_out_once(self):
         self.setToldBox()
         scene, taken = slicer.mrmlScene, []

@@ -13,6 +13,7 @@ import slicer
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import tinyScene
+from AIFReconLiveTest import waitFor
 
 
 class AIFReconPictureTest(unittest.TestCase):
@@ -233,6 +234,16 @@ class AIFReconPictureTest(unittest.TestCase):
         np.testing.assert_allclose((right, up), [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=0.1)
         self.picture._ui.probeUpCheckBox.click()
         np.testing.assert_allclose(self.axes("Red"), before, atol=1e-6)
+
+    def test_what_is_turned_or_named_is_drawn_view_by_view_once_windows_have_their_turn(self):
+        self.parameters.sweep = tinyScene.addSweep()
+        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
+        for box in (self.picture._ui.probeUpCheckBox, self.picture._ui.showLevelsCheckBox):
+            for way in ("on", "off"):
+                with self.subTest(box=box.objectName, way=way), tinyScene.drawingNoted() as drawn:
+                    box.click()
+                    self.assertEqual(drawn, [])
+                    self.assertTrue(waitFor(lambda drawn=drawn: drawn == ["first", "second"]), drawn)
 
     def test_a_scene_saved_with_the_probe_s_side_up_can_be_opened_again(self):
         self.parameters.sweep = tinyScene.addSweep()

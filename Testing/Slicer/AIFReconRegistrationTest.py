@@ -2,7 +2,9 @@
 
 import pathlib
 import sys
+import threading
 import unittest
+from unittest import mock
 
 import numpy as np
 import slicer
@@ -10,6 +12,7 @@ import slicer
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import tinyScene
+from AIFReconLiveTest import waitFor
 from simulatedPatient import addPatient
 
 
@@ -81,6 +84,22 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.ui.placeButton.click()
         self.assertLess(self.error(), 1.0)
 
+    def test_windows_stay_alive_while_the_agreement_is_told(self):
+        from AIFReconLib.registration import agreement
+
+        threads, check = [], agreement.check
+
+        def checked(*arguments):
+            threads.append(threading.current_thread())
+            return check(*arguments)
+
+        with mock.patch.object(agreement, "check", checked):
+            self.ui.checkButton.click()
+            self.displace()
+            self.ui.placeButton.click()
+        self.assertGreater(len(threads), 1)
+        self.assertNotIn(threading.main_thread(), threads)
+
     def test_a_transform_is_made_where_there_is_none(self):
         tinyScene.setMatrix(self.transform, np.eye(4))
         true, motion = self.true, tinyScene.moved(4.0, -3.0, 2.0)
@@ -136,6 +155,14 @@ class AIFReconRegistrationTest(unittest.TestCase):
         np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)
         self.assertFalse(self.ui.undoPlaceButton.enabled)
         self.assertIn("do not agree", self.ui.registrationLabel.text)
+
+    def test_where_the_ct_has_gone_is_drawn_view_by_view_once_windows_have_their_turn(self):
+        self.displace()
+        with tinyScene.drawingNoted() as drawn:
+            for button in (self.ui.placeButton, self.ui.undoPlaceButton):
+                drawn.clear()
+                button.click()
+                self.assertTrue(waitFor(lambda: drawn == ["first", "second"]), drawn)
 
     def test_slicer_s_own_undo_brings_every_bit_back_where_it_is_on(self):
         before = self.displace()

@@ -5,9 +5,11 @@ anisotropic pixels; one frame was not tracked. The CT holds the slab in coordina
 to where it belongs.
 """
 
+import contextlib
 import pathlib
 import tempfile
 import unittest
+from unittest import mock
 
 import numpy as np
 import slicer
@@ -52,6 +54,21 @@ def saveAndOpenAgain(test) -> None:
         test.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
         slicer.mrmlScene.Clear()
         test.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
+
+
+@contextlib.contextmanager
+def drawingNoted():
+    """Within, what the panel draws in turns is noted instead, in a list: two views, "first" and "second"."""
+    noted = []
+
+    def viewByView():
+        slicer.app.resumeRender()
+        for view in ("first", "second"):
+            noted.append(view)
+            yield
+
+    with mock.patch("AIFReconGui.drawnInTurns.viewByView", viewByView):
+        yield noted
 
 
 def rotation(axis: int, degrees: float) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Guidance in the panel: bone in colors, what was met of each segment, and in large type where the probe must go next."""
 
+import contextlib
 from html import escape
 
 import qt
@@ -13,6 +14,7 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.progress import report
 
+from ..drawnInTurns import drawnInTurns
 from .layout import say
 
 SHOWN_EVERY = 150
@@ -79,10 +81,12 @@ class GuidancePanel:
 
     def forget(self) -> None:
         """Take everything out of the scene and the views, and the words with it."""
-        self._shown = self._about = self._unfinished = None
+        isShown, self._shown = self._shown is not None, None
+        self._about = self._unfinished = None
         self._isTurned = False
-        self._colors.clear()
-        self._clearMove()
+        with drawnInTurns() if isShown else contextlib.nullcontext():
+            self._colors.clear()
+            self._clearMove()
         self._say("")
         if self._ui.guidanceTableLabel:  # destroyed: the application is being closed
             self._ui.guidanceTableLabel.text = ""

@@ -10,6 +10,7 @@ from AIFReconScene.registration.ctPlacement import CTPlacement, transformAbove
 from AIFReconScene.registration.ctRegistration import CTRegistration, rigidPlace
 from slicer.i18n import tr as _
 
+from ..drawnInTurns import drawnInTurns
 from ..errorsShown import errorsShown
 from .layout import say
 
@@ -129,7 +130,9 @@ class RegistrationPanel:
     def onUndo(self) -> None:
         """Bring the CT back to where it was before it was moved last."""
         back = _("The CT is back where it was.")
-        if self._placement.undo():
+        with drawnInTurns():
+            undone = self._placement.undo()
+        if undone:
             self._offer([])
             self._say(back)
             self._judgeAgain(back)
@@ -179,8 +182,9 @@ class RegistrationPanel:
         return "\n".join(line for line in (said, followed) if line)
 
     def _moveTo(self, parameters, finding) -> None:
-        self._placement.place(parameters.bone, parameters.ctVolume, parameters.sweep, finding.labelsToWorld)
-        self._show(parameters, finding)
+        with drawnInTurns():
+            self._placement.place(parameters.bone, parameters.ctVolume, parameters.sweep, finding.labelsToWorld)
+            self._show(parameters, finding)
 
     # ---- what is shown
 

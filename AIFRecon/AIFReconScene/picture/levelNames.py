@@ -1,5 +1,7 @@
 """The names of levels in the slice views: those of the segments that a slice cuts near their middle."""
 
+import contextlib
+
 import numpy as np
 import slicer
 import vtk
@@ -9,6 +11,7 @@ from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transforms import transform_points
 
 from ..display import sliceDisplay
+from ..display.viewByView import drawnViewByView
 from ..sceneNodes import removeNodes
 from ..transforms import matrixToWorld
 
@@ -22,9 +25,16 @@ COLOR = (1.0, 0.95, 0.6)
 
 
 class LevelNames:
-    """A markups node for each of the red, yellow and green view, whose points follow the slice; drawn for orientation, and never saved."""
+    """A markups node for each of the red, yellow and green view, whose points follow the slice; drawn for orientation, and never saved.
 
-    def __init__(self):
+    Parameters
+    ----------
+    drawn : callable
+        Gives a context manager within which nothing is drawn.
+    """
+
+    def __init__(self, drawn=drawnViewByView):
+        self._drawn = drawn
         self._nodeIDs, self._observed, self._shown = {}, [], {}
         self._levels, self._key = [], None
 
@@ -43,15 +53,18 @@ class LevelNames:
             for logic in _logics():
                 node = logic.GetSliceNode()
                 self._observed.append((node, node.AddObserver(vtk.vtkCommand.ModifiedEvent, lambda caller, event: self._follow(caller))))
-        for node, _tag in self._observed:
-            self._follow(node)
+        # Each node of the names would draw all views
+        with self._drawn():
+            for node, _tag in self._observed:
+                self._follow(node)
 
     def clear(self) -> None:
         """Take the names out of the views and of the scene."""
         for node, tag in self._observed:
             node.RemoveObserver(tag)
         scene = slicer.mrmlScene
-        removeNodes([scene.GetNodeByID(each) for each in self._nodeIDs.values()], scene)
+        with self._drawn() if self._nodeIDs else contextlib.nullcontext():
+            removeNodes([scene.GetNodeByID(each) for each in self._nodeIDs.values()], scene)
         self._nodeIDs, self._observed, self._shown = {}, [], {}
         self._levels, self._key = [], None
 

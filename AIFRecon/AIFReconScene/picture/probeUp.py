@@ -6,6 +6,7 @@ import slicer
 from AIFReconLib.errors import AIFReconError
 
 from ..display import sliceDisplay
+from ..display.viewByView import drawnViewByView
 from ..sweep.sweepStatus import sweepKey
 from ..transforms import matrixToWorld
 
@@ -16,13 +17,19 @@ LEAST = 0.3
 class ProbeUp:
     """Turns the red, yellow and green view when the choice or the sweep changes, and leaves a view alone that the user turns after that.
 
+    Parameters
+    ----------
+    drawn : callable
+        Gives a context manager within which nothing is drawn.
+
     Notes
     -----
     Red lies as the frames do, yellow along the sweep with the head on the left, green across the beams as one looks along them. The
     turns are orientations of the views, by name in their bars; the center of each view stays.
     """
 
-    def __init__(self):
+    def __init__(self, drawn=drawnViewByView):
+        self._drawn = drawn
         self._turned = None
 
     def update(self, parameters) -> None:
@@ -33,26 +40,36 @@ class ProbeUp:
             wanted = sweepKey(parameters.sweep, parameters.imageSequence), bone
         if wanted == self._turned:
             return
-        before, self._turned = self._turned, wanted
+        self._turned = wanted
         if wanted is None:
-            for node in _views() if before is not None else ():
-                if node.GetOrientation() == orientationName(node):
-                    node.SetOrientationToDefault()
+            with self._drawn():
+                _turnBack()
             return
         try:
             axes = sweepAxes(parameters.sweep, parameters.imageSequence, _head(parameters.bone))
         except AIFReconError:
             return
-        for node, turn in zip(_views(), axes):
-            name, matrix = orientationName(node), slicer.util.vtkMatrixFromArray(turn)
-            if node.HasSliceOrientationPreset(name):
-                node.RemoveSliceOrientationPreset(name)
-            node.AddSliceOrientationPreset(name, matrix)
-            node.SetOrientation(name)
+        with self._drawn():
+            _turnTo(axes)
 
     def clear(self) -> None:
         """The user leaves, or the scene goes with its views: what is turned stays so."""
         self._turned = None
+
+
+def _turnBack() -> None:
+    for node in _views():
+        if node.GetOrientation() == orientationName(node):
+            node.SetOrientationToDefault()
+
+
+def _turnTo(axes) -> None:
+    for node, turn in zip(_views(), axes):
+        name, matrix = orientationName(node), slicer.util.vtkMatrixFromArray(turn)
+        if node.HasSliceOrientationPreset(name):
+            node.RemoveSliceOrientationPreset(name)
+        node.AddSliceOrientationPreset(name, matrix)
+        node.SetOrientation(name)
 
 
 def orientationName(sliceNode) -> str:

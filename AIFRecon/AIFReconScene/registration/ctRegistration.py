@@ -80,7 +80,7 @@ class CTRegistration:
         start = rigidPlace(parameters.bone)
         bone = self._boneOf(parameters, part(progress, 0.0, 0.2))
         echoes = self._echoesOf(parameters, part(progress, 0.2, 0.9)) if echoes is None else echoes
-        return _finding(echoes, bone, start)
+        return inBackground(lambda _progress: _finding(echoes, bone, start), part(progress, 0.9, 1.0))
 
     def register(self, parameters, progress=None, echoes=None) -> Finding:
         """Where the CT belongs, from where it is or from anywhere; arguments and errors as for `check`."""
@@ -92,10 +92,10 @@ class CTRegistration:
         anywhere = parameters.registrationStart == RegistrationStart.ANYWHERE
 
         def work(progress):
-            return register_echoes(echoes, bone, None if anywhere else start, progress=progress)
+            found = register_echoes(echoes, bone, None if anywhere else start, progress=progress)
+            return _finding(echoes, bone, found.transform, found)
 
-        found = inBackground(work, part(progress, 0.5, 1.0))
-        return _finding(echoes, bone, found.transform, found)
+        return inBackground(work, part(progress, 0.5, 1.0))
 
     def _boneOf(self, parameters, progress):
         from AIFReconLib.registration.bone_field import BoneField
