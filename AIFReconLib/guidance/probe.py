@@ -22,8 +22,8 @@ AIM_DEPTH = 30.0
 UNDER_SKIN = 15.0
 """mm of fat and fascia behind the tips of the spinous processes, where nothing tells the skin."""
 
-ON_SKIN = 1e-6
-"""mm from the skin at which a face lies on it."""
+FARTHEST = 300.0
+"""mm from a face to the point aimed at, at most: skin that a beam meets farther on, or never, bends more than a back does."""
 
 BEND = 30.0
 """mm to the side or along the spine over which the skin may bend; it says how far its shape is trusted beyond where it was felt."""
@@ -123,6 +123,20 @@ class Skin:
         y: Floats = one + x * (by_x + by_xx * x + by_xz * z) + z * (by_z + by_zz * z)
         return y
 
+    def ways_back(self, x: Floats, z: Floats, beams: Floats) -> Floats:
+        """mm (n,) back along beams (n, 3) from points `AIM_DEPTH` under the skin at x, z (n,) to where it is met first; `FARTHEST` at most.
+
+        On the way the depth under the skin is ``AIM_DEPTH - rate w - bend w^2``.
+        """
+        _one, by_x, by_z, by_xx, by_xz, by_zz = self.coefficients
+        (right, head), x, z = beams[:, ::2].T / BEND, x / BEND, z / BEND
+        rate = beams[:, 1] - right * (by_x + 2.0 * by_xx * x + by_xz * z) - head * (by_z + by_xz * x + 2.0 * by_zz * z)
+        bend = by_xx * right**2 + by_xz * right * head + by_zz * head**2
+        inside = rate**2 + 4.0 * bend * AIM_DEPTH
+        half = np.where(inside < 0.0, 0.0, rate + np.sqrt(np.maximum(inside, 0.0))) / 2.0
+        ways: Floats = AIM_DEPTH / np.maximum(half, AIM_DEPTH / FARTHEST)
+        return ways
+
 
 def _terms(x: Floats, z: Floats) -> Floats:
     x, z = x / BEND, z / BEND
@@ -187,13 +201,7 @@ class ProbeOnBack:
         turns = scipy.spatial.transform.Rotation.from_euler("YZX", np.stack(angles, axis=1), degrees=True).as_matrix()
         beams = turns[:, :, 1]
         targets = np.stack([x, self.skin.at(x, z) + AIM_DEPTH, z], axis=1)
-        ways = np.full(len(x), AIM_DEPTH)
-        (x, y, z), (right, ahead, head) = targets.T, beams.T
-        for _ in range(20):
-            off = (y - ways * ahead - self.skin.at(x - ways * right, z - ways * head)) / np.maximum(ahead, 0.3)
-            ways += off
-            if np.abs(off).max(initial=0.0) < ON_SKIN:
-                break
+        ways = self.skin.ways_back(x, z, beams)
         faces = np.tile(np.eye(4), (len(x), 1, 1))
         faces[:, :3, :3], faces[:, :3, 3] = turns, targets - ways[:, None] * beams
         poses: Matrix = self.patient_to_reference @ faces @ self._to_face

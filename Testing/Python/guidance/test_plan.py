@@ -19,7 +19,7 @@ from AIFReconLib.guidance.expectation import evidence_for, evidence_of, expected
 from AIFReconLib.guidance.hand import Hand
 from AIFReconLib.guidance.passes import WEARABLE_TILT_DEG, freehand_passes
 from AIFReconLib.guidance.plan import WEARABLE, plan_scan
-from AIFReconLib.guidance.probe import AIM_DEPTH, Placement, ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.guidance.probe import AIM_DEPTH, FARTHEST, Placement, ProbeImages, ProbeOnBack, Skin
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import contact_pose
 
@@ -69,6 +69,34 @@ def test_the_middle_beam_goes_from_the_skin_through_the_point_aimed_at(probe):
     target = np.array([placement.x, float(probe.skin.at(placement.x, placement.z)) + AIM_DEPTH, placement.z])
     way, beam = target - face, pose[:3, 1] / np.linalg.norm(pose[:3, 1])
     np.testing.assert_allclose(way / np.linalg.norm(way), beam, atol=1e-4)
+
+
+@pytest.mark.parametrize("bend", [0.0, 6.0, 60.0, -6.0, -60.0])
+@pytest.mark.parametrize("slope", [0.0, 15.0, -45.0])
+def test_faces_lie_where_their_beams_first_meet_the_skin_however_steep_it_is(slope, bend):
+    skin = Skin(np.array([-30.0, slope, 0.4 * slope, bend, -0.5 * bend, 0.8 * bend]))
+    back = ProbeOnBack(ProbeImages.simulated(), skin, np.eye(4))
+    placements = [
+        Placement(8.0, z, turn, tilt, across)
+        for z in (-20.0, 5.0)
+        for turn in (0.0, 90.0)
+        for tilt in (-40.0, 25.0)
+        for across in (-30.0, 40.0)
+    ]
+    poses = back.poses(placements)
+    faces = back.images.faces(poses)
+    targets = np.array([(one.x, float(skin.at(one.x, one.z)) + AIM_DEPTH, one.z) for one in placements])
+    ways = np.linalg.norm(targets - faces, axis=1)
+    assert (ways <= FARTHEST + 1e-6).all()
+    met = ways < FARTHEST - 1e-6
+    depths = faces[:, 1] - skin.at(faces[:, 0], faces[:, 2])
+    for number, part in enumerate(np.linspace(0.0, 0.999, 1000)):
+        along = targets + part * (faces - targets)
+        assert (along[:, 1] > skin.at(along[:, 0], along[:, 2])).all(), number
+    np.testing.assert_allclose(depths[met], 0.0, atol=1e-6)
+    # Skin that goes straight or toward the beam is always met, unless it is too steep
+    assert met.all() or bend < 0.0 or slope < 0.0
+    assert met.any()
 
 
 def test_a_placement_is_read_back_from_its_pose(probe):
