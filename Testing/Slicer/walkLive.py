@@ -21,6 +21,9 @@ FRAMES_SCOUTED, FRAMES_INSERTED = 60, 200
 RATE, GUIDED_RATE = 20.0, 30.0
 """Frames per second of a replayed recording."""
 
+HANDLED_EVERY = 2.0
+"""s between two things that a user does in a scan."""
+
 GUIDED_FRAMES, GUIDED_SECONDS = 270, 15.0
 """Frames of the simulated sweep, and s for which they are counted once advice has come."""
 
@@ -65,7 +68,7 @@ def liveNetwork(walk) -> None:
 
 
 def liveGuidance(walk) -> None:
-    """A simulated patient is scanned at 30 frames per second with *Guidance*: the bone takes on color, a next move is told."""
+    """A simulated patient is scanned at 30 frames/s with *Guidance*, which tells a next move; panel and CT are handled meanwhile."""
     from AIFReconLib.commands.simulate import write_simulated_patient
 
     slicer.mrmlScene.Clear()
@@ -83,8 +86,23 @@ def liveGuidance(walk) -> None:
         received = (after.frames_received - before.frames_received) / GUIDED_SECONDS
         inserted = (after.inserted - before.inserted) / GUIDED_SECONDS
         print(f"next move after {first:.1f} s; {received:.1f} frames/s received, {inserted:.1f} inserted", flush=True)
+        handle(walk)
 
     scan(walk, "LiveGuidance", (files.sequence, files.configuration), GUIDED_RATE, advised)
+
+
+def handle(walk) -> None:
+    """Do what a user may do in the middle of a scan."""
+    picture = slicer.util.childWidgetVariables(walk.widget.parent)
+    boxes = (picture.showLevelsCheckBox, picture.probeUpCheckBox, walk.ui.liveGuidanceCheckBox)
+    for button in (
+        walk.ui.livePlaceButton,
+        walk.ui.undoPlaceButton,
+        *(box for box in boxes for _way in ("to", "fro")),
+        walk.ui.liveMoreButton,
+    ):
+        walk.press(button)
+        walk.settle(HANDLED_EVERY)
 
 
 def scan(walk, name: str, source=None, rate: float = RATE, meanwhile=lambda running: None):
