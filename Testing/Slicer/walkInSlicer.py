@@ -155,8 +155,9 @@ class Walk:
         slicer.util.mainWindow().grab().save(str(self.folder / f"{name}.png"))
 
     def note(self, name: str) -> None:
-        """Keep the longest stall under a name, and begin a new measurement."""
-        self.stalls[name], self.worked[name] = round(self.heart.longest * 1000.0), round(self.heart.worked * 1000.0)
+        """Keep the longest stall under a name, where it is longer than what is kept there already, and begin a new measurement."""
+        for kept, seconds in ((self.stalls, self.heart.longest), (self.worked, self.heart.worked)):
+            kept[name] = max(kept.get(name, 0), round(seconds * 1000.0))
         self.heart.start()
 
     def step(self, function) -> None:

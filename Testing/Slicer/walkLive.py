@@ -92,7 +92,8 @@ def liveGuidance(walk) -> None:
 
 
 def handle(walk) -> None:
-    """Do what a user may do in the middle of a scan."""
+    """Do what a user may do in the middle of a scan; each is noted apart from the scan so far."""
+    walk.note("whileLiveGuidance")
     picture = slicer.util.childWidgetVariables(walk.widget.parent)
     boxes = (picture.showLevelsCheckBox, picture.probeUpCheckBox, walk.ui.liveGuidanceCheckBox)
     for button in (
@@ -103,6 +104,7 @@ def handle(walk) -> None:
     ):
         walk.press(button)
         walk.settle(HANDLED_EVERY)
+        walk.note(f"whileLiveGuidance, {button.text}")
 
 
 def scan(walk, name: str, source=None, rate: float = RATE, meanwhile=lambda running: None):
