@@ -357,7 +357,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         wished = ("score", "hits") if forViews else ()
         result, prepared, said = reconstructed(inputs, settings, part(progress, 0.0, 0.75), keep, wished)
         beside = besideOf(prepared, settings, result, part(progress, 0.75, 0.95)) if forViews else Beside()
-        self._tracking.remember(inputs, prepared.sequence, result)
+        self._tracking.remember(inputs, prepared.sequence, result, part(progress, 0.95, 1.0))
         return (result, beside), prepared, said if beside.problem is None else listed([said, beside.problem], "\n")
 
     def _kept(self, computed, inputs, output, keep) -> dict:

@@ -99,6 +99,7 @@ class AIFReconLiveRegistrationTest(unittest.TestCase):
         self.assertLess(self.off(motion @ self.true), 1.5)
         self.assertTrue(waitFor(lambda: "no longer fits" not in self.ui.liveStateLabel.text))
         self.ui.undoPlaceButton.click()
+        self.assertTrue(waitFor(lambda: not self.ui.undoPlaceButton.enabled))
         np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), self.true)
 
     def test_windows_stay_alive_while_the_surface_of_bone_is_looked_for(self):

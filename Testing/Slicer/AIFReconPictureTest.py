@@ -1,10 +1,13 @@
 """Self tests of the picture: measured or enhanced, the tint, bone in 3D, the probe's side up, names of levels, and the report."""
 
+import contextlib
 import pathlib
 import sys
 import tempfile
+import threading
 import unittest
 import xml.etree.ElementTree
+from unittest import mock
 
 import numpy as np
 import qt
@@ -148,6 +151,7 @@ class AIFReconPictureTest(unittest.TestCase):
     def showBone(self):
         """Reconstruct is pressed, and bone shows as a plate on the near face of the slab; the model that is kept beside the output."""
         from AIFReconScene.inputs.boneNodes import labelsFromNode
+        from AIFReconScene.picture.spineSurface import spineSurface
         from AIFReconScene.picture.spineView import keepSpine
 
         from AIFReconLib.geometry.volume import Volume
@@ -159,9 +163,31 @@ class AIFReconPictureTest(unittest.TestCase):
         plate[4:20, 3:6, 4:20] = 1.0
         bone = BoneField.from_labels(labelsFromNode(self.parameters.bone))
         field = Volume(plate, tinyScene.moved(-12.0, tinyScene.FACE - 4.0, -12.0))
-        model = keepSpine(self.parameters.output, ShownBone(field, 1, 0, bone, np.eye(4)), "Sweep")
+        model = keepSpine(self.parameters.output, spineSurface(ShownBone(field, 1, 0, bone, np.eye(4))), "Sweep")
         self.parameters.opacity = 0.5
         return model
+
+    def test_windows_stay_alive_while_sweep_and_shown_bone_are_looked_at(self):
+        from AIFReconScene.picture import kept
+
+        from AIFReconLib.inspection import tracking_report
+
+        threads = []
+
+        def noted(work):
+            def done(*arguments):
+                threads.append(threading.current_thread())
+                return work(*arguments)
+
+            return done
+
+        patched = ((module, name) for module, name in ((tracking_report, "tracking_report"), (kept, "spineSurface")))
+        with contextlib.ExitStack() as within:
+            for module, name in patched:
+                within.enter_context(mock.patch.object(module, name, noted(getattr(module, name))))
+            self.reconstruct()
+        self.assertEqual(len(threads), 2)
+        self.assertNotIn(threading.main_thread(), threads)
 
     def test_the_bone_that_shows_is_a_surface_in_3d_and_the_ct_s_bone_is_translucent_behind(self):
         model, bone = self.showBone(), self.parameters.bone.GetDisplayNode()
@@ -224,6 +250,7 @@ class AIFReconPictureTest(unittest.TestCase):
         self.parameters.sweep = tinyScene.addSweep()
         before = self.axes("Red")
         self.picture._ui.probeUpCheckBox.click()
+        self.assertTrue(waitFor(lambda: self.isTurned("Green")))
         right, up = self.axes("Red")
         # On the mean the frames' rows run along +y, and their columns along +x
         np.testing.assert_allclose(up, [0.0, -1.0, 0.0], atol=0.1)
@@ -233,7 +260,12 @@ class AIFReconPictureTest(unittest.TestCase):
         right, up = self.axes("Green")
         np.testing.assert_allclose((right, up), [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=0.1)
         self.picture._ui.probeUpCheckBox.click()
+        self.assertTrue(waitFor(lambda: not self.isTurned("Green")))
         np.testing.assert_allclose(self.axes("Red"), before, atol=1e-6)
+
+    def isTurned(self, name) -> bool:
+        """Whether the probe's side is up in a slice view, the last of which is the green one."""
+        return slicer.app.layoutManager().sliceWidget(name).mrmlSliceNode().GetOrientation().endswith("ProbeUp")
 
     def test_what_is_turned_or_named_is_drawn_view_by_view_once_windows_have_their_turn(self):
         self.parameters.sweep = tinyScene.addSweep()
@@ -245,9 +277,21 @@ class AIFReconPictureTest(unittest.TestCase):
                     self.assertEqual(drawn, [])
                     self.assertTrue(waitFor(lambda drawn=drawn: drawn == ["first", "second"]), drawn)
 
+    def test_what_is_chosen_and_taken_back_at_once_changes_nothing(self):
+        self.parameters.sweep = tinyScene.addSweep()
+        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
+        before = self.axes("Red")
+        for box in 2 * (self.picture._ui.probeUpCheckBox, self.picture._ui.showLevelsCheckBox):
+            box.click()
+        for _turn in range(20):
+            slicer.app.processEvents()
+        np.testing.assert_array_equal(self.axes("Red"), before)
+        self.assertEqual([name for name in ("Red", "Yellow", "Green") if slicer.mrmlScene.GetFirstNodeByName(f"Levels {name}")], [])
+
     def test_a_scene_saved_with_the_probe_s_side_up_can_be_opened_again(self):
         self.parameters.sweep = tinyScene.addSweep()
         self.picture._ui.probeUpCheckBox.click()
+        self.assertTrue(waitFor(lambda: self.isTurned("Green")))
         with tempfile.TemporaryDirectory() as folder:
             scene = pathlib.Path(folder) / "scene.mrml"
             slicer.mrmlScene.Commit(str(scene))
@@ -266,6 +310,11 @@ class AIFReconPictureTest(unittest.TestCase):
             self.assertAlmostEqual(node.GetDisplayNode().GetWindowLevelMin(), 0.2 * brightest)
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(output), voxels)
 
+    def showNames(self):
+        """Set the box; the green view is the last to get its names."""
+        self.picture._ui.showLevelsCheckBox.click()
+        self.assertTrue(waitFor(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is not None))
+
     def namesIn(self, name):
         """Names that are written into a slice view."""
         node = slicer.mrmlScene.GetFirstNodeByName(f"Levels {name}")
@@ -275,14 +324,14 @@ class AIFReconPictureTest(unittest.TestCase):
         self.parameters.ctVolume, bone, _registration = tinyScene.addCT()
         bone.GetSegmentation().GetNthSegment(0).SetName("L3")
         self.parameters.bone = bone
-        self.picture._ui.showLevelsCheckBox.click()
+        self.showNames()
         green = slicer.app.layoutManager().sliceWidget("Green").mrmlSliceNode()
         for away, names in ((0.0, ["L3"]), (60.0, [])):
             with self.subTest(away=away):
                 green.JumpSliceByCentering(0.0, tinyScene.FACE + 4.0 + away, 0.0)
                 self.assertEqual(self.namesIn("Green"), names)
         self.picture._ui.showLevelsCheckBox.click()
-        self.assertIsNone(slicer.mrmlScene.GetFirstNodeByName("Levels Green"))
+        self.assertTrue(waitFor(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is None))
 
     def test_levels_that_share_a_labelmap_are_named_each_in_its_own_place(self):
         ct, bone, registration = tinyScene.addCT()
@@ -296,7 +345,7 @@ class AIFReconPictureTest(unittest.TestCase):
         for number, name in enumerate(("L3", "L4")):
             bone.GetSegmentation().GetNthSegment(number).SetName(name)
         self.parameters.bone = bone
-        self.picture._ui.showLevelsCheckBox.click()
+        self.showNames()
         green = slicer.app.layoutManager().sliceWidget("Green").mrmlSliceNode()
         middles = [tinyScene.CT_TO_WORLD @ tinyScene.ijkToRAS(ct) @ [i + 2.5, 24.5, 19.5, 1.0] for i in (10, 30)]
         green.JumpSliceByCentering(*(middles[0] + middles[1])[:3] / 2)

@@ -118,7 +118,7 @@ class AIFReconRegistrationTest(unittest.TestCase):
         expected = np.linalg.inv(true) @ motion @ true
         off = np.linalg.norm((points @ (tinyScene.worldOf(bone) - expected).T)[:, :3], axis=1).mean()
         self.assertLess(off, 1.0)
-        self.ui.undoPlaceButton.click()
+        self.undo()
         self.assertIsNone(bone.GetParentTransformNode())
         self.assertIsNone(ct.GetParentTransformNode())
         self.assertEqual(slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLLinearTransformNode"), count)
@@ -146,15 +146,21 @@ class AIFReconRegistrationTest(unittest.TestCase):
 
     # ---- undo
 
+    def undo(self):
+        """Press Undo, of the only move there is, and wait until it is done."""
+        self.ui.undoPlaceButton.click()
+        self.assertTrue(waitFor(lambda: not self.ui.undoPlaceButton.enabled))
+
     def test_undo_brings_every_bit_back(self):
         before = self.displace()
         self.assertFalse(self.ui.undoPlaceButton.enabled)
         self.ui.placeButton.click()
         self.assertFalse((tinyScene.matrixOf(self.transform) == before).all())
-        self.ui.undoPlaceButton.click()
+        self.undo()
         np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)
         self.assertFalse(self.ui.undoPlaceButton.enabled)
         self.assertIn("do not agree", self.ui.registrationLabel.text)
+        self.assertIn("back where it was", self.ui.registrationLabel.text)
 
     def test_where_the_ct_has_gone_is_drawn_view_by_view_once_windows_have_their_turn(self):
         self.displace()
@@ -198,7 +204,7 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.assertGreaterEqual(self.ui.alternativesComboBox.count, 1)
         self.ui.takePlaceButton.click()
         self.assertFalse((tinyScene.matrixOf(stranger.ctToReference) == self.true).all())
-        self.ui.undoPlaceButton.click()
+        self.undo()
         np.testing.assert_array_equal(tinyScene.matrixOf(stranger.ctToReference), self.true)
 
     def test_different_transforms_above_ct_and_bone_are_refused_in_a_sentence(self):
@@ -262,8 +268,6 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.assertIn("do not agree", self.ui.registrationLabel.text)
 
     def test_the_gauge_follows_a_ct_that_is_moved_by_hand(self):
-        from AIFReconLiveTest import waitFor
-
         self.ui.checkButton.click()
         high = self.ui.agreementProgressBar.value
         self.displace(tinyScene.moved(0.0, 0.0, 12.0))

@@ -67,7 +67,8 @@ def drawingNoted():
             noted.append(view)
             yield
 
-    with mock.patch("AIFReconGui.drawnInTurns.viewByView", viewByView):
+    patched = (mock.patch(f"{module}.viewByView", viewByView) for module in ("AIFReconGui.inTurns", "AIFReconScene.display.viewByView"))
+    with next(patched), next(patched):
         yield noted
 
 

@@ -14,7 +14,7 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.progress import report
 
-from ..drawnInTurns import drawnInTurns
+from ..inTurns import drawnInTurns, inTurns
 from .layout import say
 
 SHOWN_EVERY = 150
@@ -72,7 +72,10 @@ class GuidancePanel:
             self._live.guide(parameters.guidance)
         self._ui.guidanceWords.visible = self._ui.liveGuidanceCheckBox.checked = parameters.guidance
         if not parameters.guidance or self._isOld(parameters):
-            self.forget()
+            if self._shown is None:
+                self.forget()
+            else:
+                inTurns(self._forgotten())
         elif not scanning and self._colors.node is None:
             # A scene that was saved with its bone in colors is loaded without them: segments come back in their place
             self._colors.clear()
@@ -81,15 +84,25 @@ class GuidancePanel:
 
     def forget(self) -> None:
         """Take everything out of the scene and the views, and the words with it."""
-        isShown, self._shown = self._shown is not None, None
-        self._about = self._unfinished = None
+        with drawnInTurns() if self._shown is not None else contextlib.nullcontext():
+            for _step in self._forgotten():
+                pass
+
+    def _forgotten(self):
+        """Words go at once, and with each step something of what is drawn."""
+        self._shown = self._about = self._unfinished = None
         self._isTurned = False
-        with drawnInTurns() if isShown else contextlib.nullcontext():
-            self._colors.clear()
-            self._clearMove()
         self._say("")
         if self._ui.guidanceTableLabel:  # destroyed: the application is being closed
             self._ui.guidanceTableLabel.text = ""
+        return self._cleared()
+
+    def _cleared(self):
+        for clear in (self._clearMove, self._colors.clear):
+            # By now something may be shown again
+            if self._shown is None:
+                clear()
+                yield
 
     def close(self) -> None:
         """The scene or the panel is being closed."""

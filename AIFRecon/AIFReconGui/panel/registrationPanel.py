@@ -10,8 +10,8 @@ from AIFReconScene.registration.ctPlacement import CTPlacement, transformAbove
 from AIFReconScene.registration.ctRegistration import CTRegistration, rigidPlace
 from slicer.i18n import tr as _
 
-from ..drawnInTurns import drawnInTurns
 from ..errorsShown import errorsShown
+from ..inTurns import drawnInTurns, inTurns
 from .layout import say
 
 LANDMARK_MODULES = ("LandmarkRegistration", "FiducialRegistration")
@@ -53,7 +53,7 @@ class RegistrationPanel:
         self._moved = qt.QTimer()
         self._moved.setSingleShot(True)
         self._moved.setInterval(JUDGED_AFTER)
-        self._moved.connect("timeout()", self._refresh)
+        self._moved.connect("timeout()", self.onMoved)
         ui.checkButton.connect("clicked(bool)", self.onCheck)
         ui.placeButton.connect("clicked(bool)", self.onPlace)
         ui.livePlaceButton.connect("clicked(bool)", self.onPlace)
@@ -88,7 +88,8 @@ class RegistrationPanel:
         ui.undoPlaceButton.enabled = self._placement.canUndo
         self._follow(parameters.bone)
         self._echoes.setVisible(parameters.showEchoes)
-        self._judgeAgain()
+        if not self._moved.isActive() and self._placeNow() is not None:
+            self._moved.start()
 
     def forget(self) -> None:
         """Take the echoes out of the scene, and the words with them."""
@@ -129,14 +130,12 @@ class RegistrationPanel:
 
     def onUndo(self) -> None:
         """Bring the CT back to where it was before it was moved last."""
-        back = _("The CT is back where it was.")
-        with drawnInTurns():
-            undone = self._placement.undo()
-        if undone:
-            self._offer([])
-            self._say(back)
-            self._judgeAgain(back)
-        self._refresh()
+        inTurns(self._undone())
+
+    def onMoved(self) -> None:
+        """Somebody has moved the CT: let gauge, colors and words follow it."""
+        if not self._work.isRunning:
+            inTurns(self._judged())
 
     def onLandmarks(self) -> None:
         """Open Slicer's own registration by landmarks."""
@@ -212,20 +211,40 @@ class RegistrationPanel:
             event = slicer.vtkMRMLTransformableNode.TransformModifiedEvent
             self._observed = bone, bone.AddObserver(event, lambda caller, event: self._moved.start())
 
-    def _judgeAgain(self, said: str = "") -> None:
-        """Let gauge, colors and words follow the CT, where it was moved since they were made."""
+    def _placeNow(self):
+        """Where the CT's bone is, (4, 4), if it is elsewhere than where the finding on display has it; None else."""
         from AIFReconLib.errors import AIFReconError
 
-        if self._finding is None or self._parameterNode is None or self._parameterNode.bone is None or self._work.isRunning:
-            return
+        if self._finding is None or self._parameterNode is None or self._parameterNode.bone is None:
+            return None
         try:
             place = rigidPlace(self._parameterNode.bone)
         except AIFReconError:
             self.forget()
-            return
-        if not np.allclose(place, self._finding.labelsToWorld, rtol=0.0, atol=1e-6):
-            self._show(self._parameterNode, self._finding.at(place))
-            self._say("\n".join(line for line in (said, self._words()) if line))
+            return None
+        return None if np.allclose(place, self._finding.labelsToWorld, rtol=0.0, atol=1e-6) else place
+
+    def _undone(self):
+        said = ""
+        if self._placement.undo():
+            said = _("The CT is back where it was.")
+            self._offer([])
+            self._say(said)
+            self._moved.stop()
+            yield
+        yield from self._judged(said)
+
+    def _judged(self, said: str = ""):
+        place, before = self._placeNow(), self._finding
+        if place is not None:
+            finding = before.at(place)
+            yield
+            # Another may have been found meanwhile, or none be wanted
+            if self._finding is before and self._parameterNode is not None:
+                self._show(self._parameterNode, finding)
+                self._say("\n".join(line for line in (said, self._words()) if line))
+                yield
+        self._refresh()
 
     def _words(self, *more: str, verdict: bool = True) -> str:
         agreement = self._finding.agreement

@@ -16,7 +16,7 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.message import Message
 
-from ..drawnInTurns import drawnInTurns
+from ..inTurns import inTurns
 
 UI = pathlib.Path(__file__).resolve().parents[2] / "Resources" / "UI" / "Picture.ui"
 
@@ -48,7 +48,7 @@ class PicturePanel:
             after = getattr(ui, name)
         self._work, self._trackingOf = work, trackingOf
         self._parameterNode = self._bound = None
-        self._views = EchoView(), SpineView(), ProbeUp(drawnInTurns), LevelNames(drawnInTurns)
+        self._views = EchoView(), SpineView(), ProbeUp(inTurns), LevelNames(inTurns)
         self._presets = windows.presets()
         for label in (_("as it is"), *(preset.label for preset in self._presets)):
             ui.windowComboBox.addItem(label)

@@ -40,6 +40,17 @@ def viewByView():
             _draw(view)
 
 
+def drawnInTheEnd(steps):
+    """These steps, an iterator, while nothing is drawn; then one view with every further step. Where one goes wrong all views are drawn."""
+    slicer.app.pauseRender()
+    try:
+        yield from steps
+    except BaseException:  # the end of a generator too
+        slicer.app.resumeRender()
+        raise
+    yield from viewByView()
+
+
 def _draw(view) -> None:
     if view:  # a destroyed one is false
         view.resumeRender()

@@ -1,8 +1,6 @@
 """What a scan shows is shown in steps, each in its own turn of the event loop, and drawn view by view: windows can breathe between them."""
 
-import slicer
-
-from ..display.viewByView import viewByView
+from ..display.viewByView import drawnInTheEnd
 
 
 class InSteps:
@@ -24,7 +22,7 @@ class InSteps:
 
     def begin(self, steps) -> bool:
         """Take the first of these steps, an iterator; True while more are left, for which `goOn` is to be called."""
-        self._steps = _drawnInTheEnd(steps)
+        self._steps = drawnInTheEnd(steps)
         return self.goOn()
 
     def goOn(self) -> bool:
@@ -40,13 +38,3 @@ class InSteps:
         if self._steps is not None:
             self._steps.close()
             self._steps = None
-
-
-def _drawnInTheEnd(steps):
-    slicer.app.pauseRender()
-    try:
-        yield from steps
-    except BaseException:  # the end of a generator too
-        slicer.app.resumeRender()
-        raise
-    yield from viewByView()

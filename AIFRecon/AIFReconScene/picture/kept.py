@@ -9,8 +9,10 @@ from AIFReconLib.errors import AIFReconError, OperationCanceled
 from AIFReconLib.message import Message
 from AIFReconLib.progress import part
 
+from ..background import inBackground
 from ..inputs.parameters import needsBone
 from ..volumes.volumeNodes import outputNodes
+from .spineSurface import spineSurface
 from .spineView import keepSpine
 
 
@@ -22,13 +24,14 @@ class Beside:
     ----------
     measured : Volume or None
         Its plain echo.
-    shown : ShownBone or None
+    surface : vtkPolyData or None
+        Of the bone that it shows.
     problem : Message or None
         Why there is none of them.
     """
 
     measured: Any = None
-    shown: Any = None
+    surface: Any = None
     problem: Any = None
 
 
@@ -37,8 +40,10 @@ def besideOf(prepared, settings, result, progress=None) -> Beside:
     if not needsBone(result.method):
         return Beside()
     try:
-        measured = prepared.measured(settings, result, part(progress, 0.0, 0.7))
-        return Beside(measured, prepared.shown(result, part(progress, 0.7, 1.0)))
+        measured = prepared.measured(settings, result, part(progress, 0.0, 0.6))
+        shown = prepared.shown(result, part(progress, 0.6, 0.9))
+        surface = None if shown is None else inBackground(lambda _progress: spineSurface(shown), part(progress, 0.9, 1.0))
+        return Beside(measured, surface)
     except OperationCanceled:
         raise
     except AIFReconError as error:
@@ -61,5 +66,5 @@ def keptNodes(result, beside: Beside, inputs, output, kinds) -> dict:
     volumes = {"intensity": output}
     with slicer.util.RenderBlocker():
         nodes = outputNodes(result, inputs.name, ("intensity", *kinds), volumes, inputs=inputs.nodes(), measured=beside.measured)
-        keepSpine(nodes["intensity"], beside.shown, inputs.name)
+        keepSpine(nodes["intensity"], beside.surface, inputs.name)
     return nodes

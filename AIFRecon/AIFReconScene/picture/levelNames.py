@@ -1,7 +1,5 @@
 """The names of levels in the slice views: those of the segments that a slice cuts near their middle."""
 
-import contextlib
-
 import numpy as np
 import slicer
 import vtk
@@ -11,7 +9,6 @@ from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transforms import transform_points
 
 from ..display import sliceDisplay
-from ..display.viewByView import drawnViewByView
 from ..sceneNodes import removeNodes
 from ..transforms import matrixToWorld
 
@@ -29,12 +26,12 @@ class LevelNames:
 
     Parameters
     ----------
-    drawn : callable
-        Gives a context manager within which nothing is drawn.
+    inTurns : callable
+        Is given an iterator of steps, one for each view, and takes them by and by.
     """
 
-    def __init__(self, drawn=drawnViewByView):
-        self._drawn = drawn
+    def __init__(self, inTurns):
+        self._inTurns = inTurns
         self._nodeIDs, self._observed, self._shown = {}, [], {}
         self._levels, self._key = [], None
 
@@ -43,30 +40,43 @@ class LevelNames:
         bone = parameters.bone
         wanted = parameters.showLevels and bone is not None and bone.IsA("vtkMRMLSegmentationNode")
         if not wanted:
-            self.clear()
+            if self._key is not None:
+                self._inTurns(self._forgotten())
             return
         key = _keyOf(bone)
         if key is None or key == self._key:
             return
-        self._key, self._levels = key, _levelsOf(bone)
+        self._key = key
         if not self._observed:
             for logic in _logics():
                 node = logic.GetSliceNode()
                 self._observed.append((node, node.AddObserver(vtk.vtkCommand.ModifiedEvent, lambda caller, event: self._follow(caller))))
-        # Each node of the names would draw all views
-        with self._drawn():
-            for node, _tag in self._observed:
-                self._follow(node)
+        # A node of names costs every view tens of milliseconds, whichever shows it
+        self._inTurns(self._named(bone, key))
 
     def clear(self) -> None:
         """Take the names out of the views and of the scene."""
+        for _step in self._forgotten():
+            pass
+
+    def _named(self, bone, key):
+        if key == self._key:
+            self._levels = _levelsOf(bone)
+            yield
+        for node, _tag in tuple(self._observed):
+            if key != self._key:
+                return
+            self._follow(node)
+            yield
+
+    def _forgotten(self):
+        """Forget at once; the names go with each step."""
         for node, tag in self._observed:
             node.RemoveObserver(tag)
-        scene = slicer.mrmlScene
-        with self._drawn() if self._nodeIDs else contextlib.nullcontext():
-            removeNodes([scene.GetNodeByID(each) for each in self._nodeIDs.values()], scene)
+        scene, names = slicer.mrmlScene, [slicer.mrmlScene.GetNodeByID(each) for each in self._nodeIDs.values()]
         self._nodeIDs, self._observed, self._shown = {}, [], {}
         self._levels, self._key = [], None
+        return _removed([node for node in names if node is not None], scene)
 
     def _follow(self, sliceNode) -> None:
         names = namesIn(slicer.util.arrayFromVTKMatrix(sliceNode.GetSliceToRAS()), self._levels)
@@ -104,6 +114,14 @@ class LevelNames:
         node.SetSelectable(False)
         self._nodeIDs[sliceNode.GetID()] = node.GetID()
         return node
+
+
+def _removed(nodes: list, scene):
+    for node in nodes:
+        # Another scene may have been opened since
+        if node.GetScene() is scene:
+            removeNodes([node], scene)
+            yield
 
 
 def namesIn(sliceToRAS: np.ndarray, levels: list) -> list:

@@ -6,7 +6,6 @@ import slicer
 from AIFReconLib.errors import AIFReconError
 
 from ..display import sliceDisplay
-from ..display.viewByView import drawnViewByView
 from ..sweep.sweepStatus import sweepKey
 from ..transforms import matrixToWorld
 
@@ -19,8 +18,8 @@ class ProbeUp:
 
     Parameters
     ----------
-    drawn : callable
-        Gives a context manager within which nothing is drawn.
+    inTurns : callable
+        Is given an iterator of steps, one for each view, and takes them by and by.
 
     Notes
     -----
@@ -28,8 +27,8 @@ class ProbeUp:
     turns are orientations of the views, by name in their bars; the center of each view stays.
     """
 
-    def __init__(self, drawn=drawnViewByView):
-        self._drawn = drawn
+    def __init__(self, inTurns):
+        self._inTurns = inTurns
         self._turned = None
 
     def update(self, parameters) -> None:
@@ -41,35 +40,38 @@ class ProbeUp:
         if wanted == self._turned:
             return
         self._turned = wanted
-        if wanted is None:
-            with self._drawn():
-                _turnBack()
-            return
-        try:
-            axes = sweepAxes(parameters.sweep, parameters.imageSequence, _head(parameters.bone))
-        except AIFReconError:
-            return
-        with self._drawn():
-            _turnTo(axes)
+        turns = _turnsBack() if wanted is None else _turnsTo(parameters.sweep, parameters.imageSequence, parameters.bone)
+        self._inTurns(self._while(wanted, turns))
+
+    def _while(self, wanted, turns):
+        while wanted == self._turned and next(turns, turns) is not turns:
+            yield
 
     def clear(self) -> None:
         """The user leaves, or the scene goes with its views: what is turned stays so."""
         self._turned = None
 
 
-def _turnBack() -> None:
+def _turnsBack():
     for node in _views():
         if node.GetOrientation() == orientationName(node):
             node.SetOrientationToDefault()
+            yield
 
 
-def _turnTo(axes) -> None:
+def _turnsTo(browser, imageSequence, bone):
+    try:
+        axes = sweepAxes(browser, imageSequence, _head(bone))
+    except AIFReconError:
+        return
+    yield
     for node, turn in zip(_views(), axes):
         name, matrix = orientationName(node), slicer.util.vtkMatrixFromArray(turn)
         if node.HasSliceOrientationPreset(name):
             node.RemoveSliceOrientationPreset(name)
         node.AddSliceOrientationPreset(name, matrix)
         node.SetOrientation(name)
+        yield
 
 
 def orientationName(sliceNode) -> str:

@@ -56,7 +56,9 @@ def spineSurface(shown) -> vtk.vtkPolyData:
     normals = vtk.vtkPolyDataNormals()
     normals.SetInputConnection(smooth.GetOutputPort())
     normals.SplittingOff()
-    normals.Update()
+    # VTK lets nothing else of Python run while it computes: other threads have their turn between two filters
+    for each in (placed, smooth, normals):
+        each.Update()
     surface = vtk.vtkPolyData()
     surface.ShallowCopy(normals.GetOutput())
     distances = shown.distances(numpy_support.vtk_to_numpy(surface.GetPoints().GetData()).astype(np.float64))

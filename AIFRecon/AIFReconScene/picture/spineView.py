@@ -6,13 +6,12 @@ import vtk
 
 from AIFReconLib.errors import AIFReconError
 
-from ..background import inBackground
 from ..display import threeDViews
 from ..display.borrowed import Borrowed
 from ..sceneNodes import removeNodes
 from ..transforms import matrixToWorld
 from ..volumes.volumeNodes import giveName, hasGivenName, intoFolder
-from .spineSurface import DISTANCE, FARTHEST, distanceColors, spineSurface
+from .spineSurface import DISTANCE, FARTHEST, distanceColors
 
 SPINE_ROLE = "AIFRecon.spine"
 """Of the reference from a volume to the model of the bone that it shows."""
@@ -23,10 +22,9 @@ TRANSLUCENT = Borrowed("Opacity3D", 0.2, "AIFRecon.OpacityBefore")
 _COLORS = "AIFRecon.SpineColors"
 
 
-def keepSpine(node, shown, sweepName: str, progress=None):
-    """The model of a `ShownBone`, made or brought up to date beside the volume `node`; where there is none, an earlier one goes."""
+def keepSpine(node, surface, sweepName: str):
+    """The model of a `spineSurface`, made or brought up to date beside the volume `node`; where there is none, an earlier one goes."""
     scene, model = node.GetScene(), spineOf(node)
-    surface = None if shown is None else inBackground(lambda _progress: spineSurface(shown), progress)
     if surface is None or not surface.GetNumberOfPolys():
         node.SetNodeReferenceID(SPINE_ROLE, None)
         if model is not None and hasGivenName(model):

@@ -1,5 +1,6 @@
 """How well a sweep was tracked: the library's report, kept from the last reconstruction or made when it is asked for."""
 
+from ..background import inBackground
 from .browserItems import checkRecorded
 from .sweepStatus import sweepKey
 
@@ -12,7 +13,7 @@ class SweepReport:
         self._report = None
         self._title = ""
 
-    def remember(self, inputs, sequence, result) -> None:
+    def remember(self, inputs, sequence, result, progress=None) -> None:
         """Keep the report of a reconstruction.
 
         Parameters
@@ -22,8 +23,10 @@ class SweepReport:
             What was reconstructed from them; of several sweeps the report is that of the first.
         result : Reconstruction
             Only numbers are kept of it.
+        progress : callable or None
+            A cancel leaves what was kept before.
         """
-        self._make(inputs.sweep, inputs.imageSequence, sequence.parts[0], result)
+        self._make(inputs.sweep, inputs.imageSequence, sequence.parts[0], result, progress)
 
     def of(self, parameters) -> tuple:
         """Title and `TrackingReport` of the chosen sweep; without a reconstruction of it, the coverage is not known.
@@ -41,10 +44,10 @@ class SweepReport:
             self._make(parameters.sweep, parameters.imageSequence, sequence)
         return self._title, self._report
 
-    def _make(self, sweep, imageSequence, sequence, result=None) -> None:
+    def _make(self, sweep, imageSequence, sequence, result=None, progress=None) -> None:
         from AIFReconLib.inspection.tracking_report import tracking_report
         from AIFReconLib.sweep.poses import sweep_poses
 
-        self._report = tracking_report(sequence, sweep_poses(sequence), result)
+        self._report = inBackground(lambda _progress: tracking_report(sequence, sweep_poses(sequence), result), progress)
         self._title = sweep.GetName() if result is None else f"{sweep.GetName()} {result.method}"
         self._key = sweepKey(sweep, imageSequence)

@@ -1,0 +1,33 @@
+"""What the user has just chosen is done in steps and drawn view by view, each in a turn of the event loop of its own."""
+
+import contextlib
+
+import qt
+import slicer
+from AIFReconScene.display.viewByView import drawnInTheEnd, viewByView
+
+
+def inTurns(steps) -> None:
+    """Take steps, an iterator, each in a turn of its own from the next one on; nothing is drawn before the last.
+
+    Windows are alive between them, and the user may have chosen otherwise by then: each step looks whether it is still wanted.
+    """
+    _takeNext(drawnInTheEnd(steps))
+
+
+@contextlib.contextmanager
+def drawnInTurns():
+    """Nothing is drawn within, however many nodes change; after it windows are alive between one view and the next."""
+    slicer.app.pauseRender()
+    try:
+        yield
+    finally:
+        _takeNext(viewByView())
+
+
+def _takeNext(steps) -> None:
+    def take() -> None:
+        if next(steps, steps) is not steps:
+            _takeNext(steps)
+
+    qt.QTimer.singleShot(0, take)
