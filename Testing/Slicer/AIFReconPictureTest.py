@@ -198,9 +198,10 @@ class AIFReconPictureTest(unittest.TestCase):
         distances = slicer.util.arrayFromModelPointData(model, model.GetDisplayNode().GetActiveScalarName())
         self.assertLess(distances.max(), 3.0)
         self.assertLess(bone.GetOpacity3D(), 0.5)
+        self.assertTrue(bone.GetBackfaceCulling())
         self.parameters.showSpine = False
         self.assertFalse(model.GetDisplayVisibility())
-        self.assertEqual(bone.GetOpacity3D(), 1.0)
+        self.assertEqual((bone.GetOpacity3D(), bone.GetBackfaceCulling()), (1.0, 0))
 
     def test_bone_of_a_scene_that_was_saved_translucent_is_opaque_again_when_the_user_leaves(self):
         self.showBone()
@@ -332,6 +333,14 @@ class AIFReconPictureTest(unittest.TestCase):
                 self.assertEqual(self.namesIn("Green"), names)
         self.picture._ui.showLevelsCheckBox.click()
         self.assertTrue(waitFor(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is None))
+
+    def test_the_list_into_which_the_user_places_points_stays_the_same(self):
+        _ct, self.parameters.bone, _registration = tinyScene.addCT()
+        own = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsFiducialNode", "Landmarks")
+        slicer.modules.markups.logic().SetActiveList(own)
+        self.showNames()
+        selection = slicer.app.applicationLogic().GetSelectionNode()
+        self.assertEqual((selection.GetActivePlaceNodeID(), selection.GetActivePlaceNodeClassName()), (own.GetID(), own.GetClassName()))
 
     def test_levels_that_share_a_labelmap_are_named_each_in_its_own_place(self):
         ct, bone, registration = tinyScene.addCT()

@@ -1,5 +1,7 @@
 """The names of levels in the slice views: those of the segments that a slice cuts near their middle."""
 
+import contextlib
+
 import numpy as np
 import slicer
 import vtk
@@ -99,7 +101,8 @@ class LevelNames:
         node = slicer.vtkMRMLMarkupsFiducialNode()
         node.SetName(f"Levels {sliceNode.GetLayoutName()}")
         node.SetHideFromEditors(True)
-        node = scene.AddNode(node)
+        with _placingKept():
+            node = scene.AddNode(node)
         node.CreateDefaultDisplayNodes()
         display = node.GetDisplayNode()
         with slicer.util.NodeModify(display):
@@ -122,6 +125,18 @@ def _removed(nodes: list, scene):
         if node.GetScene() is scene:
             removeNodes([node], scene)
             yield
+
+
+@contextlib.contextmanager
+def _placingKept():
+    """Slicer has the mouse place points into whatever list has just come: within, it stays with the one that the user has."""
+    selection = slicer.app.applicationLogic().GetSelectionNode()
+    className, nodeID = selection.GetActivePlaceNodeClassName(), selection.GetActivePlaceNodeID()
+    try:
+        yield
+    finally:
+        selection.SetReferenceActivePlaceNodeClassName(className)
+        selection.SetReferenceActivePlaceNodeID(nodeID)
 
 
 def namesIn(sliceToRAS: np.ndarray, levels: list) -> list:

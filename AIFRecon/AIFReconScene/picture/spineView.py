@@ -1,5 +1,7 @@
 """Bone in 3D: a model of what the reconstruction shows of it, kept with the volume, before the translucent bone of the CT, from behind."""
 
+import contextlib
+
 import numpy as np
 import slicer
 import vtk
@@ -16,8 +18,11 @@ from .spineSurface import DISTANCE, FARTHEST, distanceColors
 SPINE_ROLE = "AIFRecon.spine"
 """Of the reference from a volume to the model of the bone that it shows."""
 
-TRANSLUCENT = Borrowed("Opacity3D", 0.2, "AIFRecon.OpacityBefore")
+TRANSLUCENT = Borrowed("Opacity3D", 0.3, "AIFRecon.OpacityBefore")
 """Opacity of the CT's bone behind."""
+
+NEAR_SIDES = Borrowed("BackfaceCulling", True, "AIFRecon.CullingBefore")
+"""What is translucent is sorted by depth, layer by layer, and its far sides, seen through the near ones, tell nothing of where it lies."""
 
 _COLORS = "AIFRecon.SpineColors"
 
@@ -106,14 +111,14 @@ class SpineView:
             model.SetDisplayVisibility(visible)
         bone = parameters.bone
         isSegmented = bone is not None and bone.IsA("vtkMRMLSegmentationNode")
-        TRANSLUCENT.follow(bone.GetDisplayNode() if visible and isSegmented else None)
+        _seeThrough(bone.GetDisplayNode() if visible and isSegmented else None)
         if visible and self._seen != model.GetID():
             self._seen = model.GetID()
             _lookFromBehind(model, bone)
 
     def clear(self) -> None:
         """The user leaves: the CT's bone as it was."""
-        TRANSLUCENT.follow(None)
+        _seeThrough(None)
         self._seen = self._modelID = None
 
     def _hideOther(self, model) -> None:
@@ -121,6 +126,12 @@ class SpineView:
         if before is not None and before is not model:
             before.SetDisplayVisibility(False)
         self._modelID = model.GetID() if model is not None else None
+
+
+def _seeThrough(display) -> None:
+    with slicer.util.NodeModify(display) if display is not None else contextlib.nullcontext():
+        for each in (TRANSLUCENT, NEAR_SIDES):
+            each.follow(display)
 
 
 def _lookFromBehind(model, bone) -> None:
