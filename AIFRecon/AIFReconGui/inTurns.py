@@ -6,6 +6,13 @@ import qt
 import slicer
 from AIFReconScene.display.viewByView import drawnInTheEnd, viewByView
 
+_underWay = 0
+
+
+def isUnderWay() -> bool:
+    """Whether something is still being done or drawn: another's steps had better wait, for windows would wait for both."""
+    return _underWay > 0
+
 
 def inTurns(steps) -> None:
     """Take steps, an iterator, each in a turn of its own from the next one on; nothing is drawn before the last.
@@ -26,8 +33,13 @@ def drawnInTurns():
 
 
 def _takeNext(steps) -> None:
+    global _underWay
+
     def take() -> None:
+        global _underWay
+        _underWay -= 1
         if next(steps, steps) is not steps:
             _takeNext(steps)
 
+    _underWay += 1
     qt.QTimer.singleShot(0, take)

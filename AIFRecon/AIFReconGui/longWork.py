@@ -1,5 +1,6 @@
 """Long work of the panel: with progress and cancel, its errors shown in the panel's words."""
 
+from AIFReconScene import garbage
 from AIFReconScene.background import importLibrary
 from AIFReconScene.inputs.nodesAtWork import NodesAtWork
 from AIFReconScene.panelWords import inPanelWords
@@ -48,7 +49,7 @@ class LongWork:
 
         nodes = NodesAtWork(parameters, self.cancel)
         try:
-            with errorsShown(failure, waitCursor=True) as outcome, nodes, ProgressDialog(title) as self._progress:
+            with garbage.leftAlone(), errorsShown(failure, waitCursor=True) as outcome, nodes, ProgressDialog(title) as self._progress:
                 self._enable(False)
                 # A node may have gone while the dialog came up
                 report(self._progress, 0.0, title)

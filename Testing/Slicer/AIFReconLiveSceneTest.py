@@ -168,7 +168,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
             slicer.app.disconnect("renderPaused(bool)", paused.append)
 
     def test_frame_and_whatever_else_has_changed_are_drawn_together(self):
-        from AIFReconScene.live import inSteps
+        from AIFReconScene.display import viewByView
         from AIFReconScene.live.liveViews import LiveViews
 
         self.begin()
@@ -190,7 +190,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
             self.live.showToo("else", steps())
             return any("else" in each and "frame" in each for each in "".join(done).split(";")[1:-1])
 
-        with mock.patch.object(inSteps, "viewByView", drawn), mock.patch.object(LiveViews, "follow", followed):
+        with mock.patch.object(viewByView, "viewByView", drawn), mock.patch.object(LiveViews, "follow", followed):
             self.assertTrue(waitFor(together), done)
 
     def test_what_cannot_be_shown_holds_nothing_else_back(self):
@@ -217,6 +217,25 @@ class AIFReconLiveSceneTest(unittest.TestCase):
                 self.live._collect()
                 self.assertEqual(step.call_count + turn.call_count, calls)
         self.assertEqual(step.call_count, turn.call_count)
+
+    def test_a_scan_takes_no_step_before_what_the_user_has_chosen_is_done(self):
+        from AIFReconGui.inTurns import inTurns, isUnderWay
+        from AIFReconScene.live.liveReconstruction import LiveReconstruction
+
+        self.begin()
+        for timer in (self.live._collecting, self.live._showing):
+            timer.stop()
+        done, step = [], mock.Mock(return_value=True)
+        with mock.patch.object(LiveReconstruction, "goOn", step):
+            inTurns(iter(["first", "second"]))
+            while isUnderWay():
+                self.live._collect()
+                done.append(step.call_count)
+                slicer.app.processEvents()
+            for _turn in range(2):
+                self.live._collect()
+        self.assertGreater(len(done), 2)
+        self.assertEqual((set(done), step.call_count), ({0}, 1))
 
     # ---- without the panel
 

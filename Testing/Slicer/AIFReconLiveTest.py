@@ -1,5 +1,6 @@
 """Self tests of the Live section: from a server and from the scene's nodes, with what is lost, paused, and closed meanwhile."""
 
+import gc
 import pathlib
 import re
 import sys
@@ -88,6 +89,15 @@ class AIFReconLiveTest(unittest.TestCase):
         roi = self.chooseBox()
         self.scan()
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(self.parameters.output), self.offline(roi).array)
+
+    def test_old_garbage_is_left_alone_until_the_scan_ends_or_the_panel_goes(self):
+        self.serve(rate=60.0)
+        self.chooseBox()
+        for end in (self.ui.liveStopButton.click, self.live.close):
+            self.ui.liveStartButton.click()
+            self.assertTrue(gc.get_freeze_count())
+            end()
+            self.assertEqual(gc.get_freeze_count(), 0)
 
     def test_a_frame_whose_tool_is_not_seen_is_not_inserted(self):
         self.serve(rate=60.0)

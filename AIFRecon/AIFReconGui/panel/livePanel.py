@@ -13,6 +13,7 @@ from AIFReconScene.live.turns import Turns
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
+from .. import inTurns
 from ..errorsShown import errorsShown
 from ..fields.boneSource import ofScan
 from ..fields.pathField import PathField
@@ -272,7 +273,7 @@ class LivePanel:
         """Take a step of what is shown or let the scan's threads work: windows would wait for both, and draw what has changed besides."""
         if self._live is not None:
             self._live.collect()
-            self._hasStepped = not self._hasStepped and self._live.goOn()
+            self._hasStepped = not self._hasStepped and not inTurns.isUnderWay() and self._live.goOn()
             if not self._hasStepped:
                 self._turns.give()
 
@@ -281,7 +282,6 @@ class LivePanel:
         if live is None or self.isBehind:
             return
         live.refresh()
-        self._hasStepped = True
         if live.showsVolume and live.volumeNode.GetID() != self._shownID:
             # What follows what is on display, such as the outlines of bone, does so now
             self._shownID = live.volumeNode.GetID()

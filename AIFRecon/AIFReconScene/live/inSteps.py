@@ -20,10 +20,9 @@ class InSteps:
         """Whether steps are left."""
         return self._steps is not None
 
-    def begin(self, steps) -> bool:
-        """Take the first of these steps, an iterator; True while more are left, for which `goOn` is to be called."""
+    def begin(self, steps) -> None:
+        """These steps, an iterator, are to be taken: the first when `goOn` is called next."""
         self._steps = drawnInTheEnd(steps)
-        return self.goOn()
 
     def goOn(self) -> bool:
         """Take the next step; True while more are left. What goes wrong ends them."""

@@ -15,6 +15,7 @@ from AIFReconLib.progress import part, report
 from AIFReconLib.provenance.record import with_settings
 from AIFReconLib.registration.echoes import FEWEST, SweepEchoes
 
+from .. import garbage
 from ..background import ALIVE_EVERY, inBackground
 from ..inputs.boneSource import BoneSource
 from ..inputs.inputs import Inputs
@@ -105,6 +106,8 @@ class LiveReconstruction:
             threading.Thread(target=self.session.stop, name="AIFRecon canceled scan", daemon=True).start()
             raise
         self.session.start()
+        self._whileScanning = contextlib.ExitStack()
+        self._whileScanning.enter_context(garbage.leftAlone())
 
     @property
     def statistics(self):
@@ -189,7 +192,7 @@ class LiveReconstruction:
         return self.volumeNode is not None and self._views.shows(self.volumeNode)
 
     def refresh(self) -> None:
-        """Begin to show what has changed of volume, frame and what else waits, with the first step; `displayProblem` says what failed."""
+        """Have what has changed of volume, frame and what else waits shown as `goOn` is called; `displayProblem` says what failed."""
         self._attempt(self._followPlace)
         if self.guidance is not None:
             self._attempt(self.guidance.follow)
@@ -198,7 +201,7 @@ class LiveReconstruction:
         changed, self._waiting = {"volume": self._volumeSteps(), "frame": self._frameSteps(), **self._waiting}, {}
         changed = {name: steps for name, steps in changed.items() if steps is not None}
         if changed:
-            self._attempt(self._inSteps.begin, self._stepsOf(changed))
+            self._inSteps.begin(self._stepsOf(changed))
         self._snapshots.request()
 
     def stop(self, progress=None):
@@ -223,6 +226,7 @@ class LiveReconstruction:
             self.wasCanceled = True
         finally:
             self._attempt(self.removeFrame)
+            self._whileScanning.close()
         return self.volumeNode
 
     def abandon(self) -> None:
@@ -230,6 +234,7 @@ class LiveReconstruction:
         self._inSteps.interrupt()
         self._endThreads()
         self.session.stop()
+        self._whileScanning.close()
 
     @property
     def volumeNode(self):

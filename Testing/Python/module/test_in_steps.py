@@ -51,7 +51,8 @@ def views(monkeypatch):
 
 def test_nothing_is_drawn_until_all_steps_are_taken(views):
     in_steps = InSteps()
-    assert in_steps.begin(views.steps("first", "second"))
+    in_steps.begin(views.steps("first", "second"))
+    assert (in_steps.isUnderWay, views.did) == (True, [])
     while in_steps.isUnderWay:
         in_steps.goOn()
     assert (views.did, views.paused) == ([("first", 1), ("second", 1)], 0)
@@ -60,6 +61,7 @@ def test_nothing_is_drawn_until_all_steps_are_taken(views):
 def test_steps_that_are_interrupted_leave_views_drawn(views):
     in_steps = InSteps()
     in_steps.begin(views.steps("first", "second"))
+    assert in_steps.goOn()
     in_steps.interrupt()
     assert not in_steps.goOn()
     assert (views.did, views.paused) == ([("first", 1)], 0)
@@ -68,6 +70,7 @@ def test_steps_that_are_interrupted_leave_views_drawn(views):
 def test_a_step_that_fails_ends_them_and_leaves_views_drawn(views):
     in_steps = InSteps()
     in_steps.begin(views.steps("first", ValueError))
+    assert in_steps.goOn()
     with pytest.raises(ValueError):
         in_steps.goOn()
     assert not in_steps.isUnderWay
@@ -112,5 +115,7 @@ def test_what_goes_wrong_while_a_run_shows_something_leaves_views_drawn(views):
 
 def test_views_that_somebody_else_has_paused_stay_paused(views):
     views.pauseRender()
-    assert not InSteps().begin(views.steps())
+    in_steps = InSteps()
+    in_steps.begin(views.steps())
+    assert not in_steps.goOn()
     assert views.paused == 1
