@@ -7,6 +7,7 @@ import slicer
 
 from AIFReconLib.errors import SettingsError
 
+from ..sceneNodes import removeNodes
 from ..volumes.volumeNodes import KIND_ATTRIBUTE
 
 MAIN_VIEWS = ("Red", "Yellow", "Green")
@@ -122,7 +123,8 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
     tableNode : vtkMRMLTableNode or None
         Shown below them.
     fit : bool
-        Whether to turn the views to `orientation` and bring them to the first volume; else they stay where the user has brought them.
+        Whether to turn the views to `orientation` and bring them to the first volume, as new ones are; else they stay where the user has
+        brought them.
 
     Raises
     ------
@@ -137,12 +139,12 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
     number = FIRST_LAYOUT + len(volumes) + (WITH_TABLE if tableNode is not None else 0)
     if not _isOurs(layout.GetViewArrangement()):
         layout.SetAttribute(_PREVIOUS_LAYOUT, str(layout.GetViewArrangement()))
+    areThere = len(_sliceLogics(_viewNames(len(volumes)), applicationLogic)) == len(volumes)
     layout.SetViewArrangement(number)
     tableView = scene.GetSingletonNode(TABLE_VIEW_NAME, "vtkMRMLTableViewNode")
     if tableNode is not None and tableView is not None:
         tableView.SetTableNodeID(tableNode.GetID())
-    names = [VIEW_NAME.format(number=n) for n in range(1, len(volumes) + 1)]
-    logics = _sliceLogics(names, applicationLogic)
+    logics = _sliceLogics(_viewNames(len(volumes)), applicationLogic)
     if not logics:
         return  # an application without views
     for sliceLogic in logics:
@@ -153,7 +155,7 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
         sliceNode = sliceLogic.GetSliceNode()
         sliceNode.SetLayoutLabel(label)
         _showIn(sliceLogic, node, ctNode, 1.0)
-        if not fit:
+        if areThere and not fit:
             continue
         sliceNode.SetOrientation(orientation)
         _fit(sliceLogic, volumes[0][0])
@@ -178,12 +180,22 @@ def changing(composite) -> Iterator[None]:
         scene.SetUndoFlag(asked)
 
 
-def restoreLayout(scene=None) -> None:
-    """Back to the layout there was before `showSideBySide`; nothing happens while another layout is shown."""
+def restoreLayout(scene=None, applicationLogic=None) -> None:
+    """Back to the layout there was before `showSideBySide`; nothing happens while another layout is shown.
+
+    The views that were side by side go: Slicer keeps what it has once made, and a view that is not seen costs about as much as one that is.
+    """
     layout = _layoutNode(scene or slicer.mrmlScene)
     if _isOurs(layout.GetViewArrangement()):
         previous = layout.GetAttribute(_PREVIOUS_LAYOUT)
         layout.SetViewArrangement(int(previous) if previous else slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpView)
+        for logic in _sliceLogics(_viewNames(MOST_VIEWS), applicationLogic):
+            inSpace = logic.GetSliceModelDisplayNode(), logic.GetSliceModelTransformNode(), logic.GetSliceModelNode()
+            removeNodes([*inSpace, logic.GetSliceNode(), logic.GetSliceCompositeNode()], layout.GetScene())
+
+
+def _viewNames(count: int) -> list:
+    return [VIEW_NAME.format(number=number) for number in range(1, count + 1)]
 
 
 def registerLayouts(scene=None) -> None:

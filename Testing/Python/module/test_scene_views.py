@@ -148,8 +148,11 @@ def test_the_layout_of_before_comes_back(scene, logic, ct):
     side_by_side(scene, logic, ct)
     side_by_side(scene, logic, ct, 4)
     assert layout.GetViewArrangement() > 4200
-    restoreLayout(scene)
+    views = [composite(logic, f"AIFRecon{n}") for n in (1, 2, 3, 4)]
+    restoreLayout(scene, logic)
     assert layout.GetViewArrangement() == slicer.vtkMRMLLayoutNode.SlicerLayoutConventionalView
+    assert [view.GetScene() for view in views] == [None] * 4
+    assert composite(logic, "Red").GetScene() is scene
 
 
 def test_a_layout_that_the_user_chose_meanwhile_stays(scene, logic, ct):
