@@ -5,9 +5,9 @@
 The steps are those of docs/slicer.md: sample data, a reconstruction, the comparison, boxes, saving and loading, bone from echoes and from
 a network, a real recording, live scans of it, the lights in all colors. What cannot be done here is said and left out: without the Python
 package onnxruntime (Slicer's console: slicer.util.pip_install("onnxruntime")) a network in a file, without real recordings theirs. Into
-FOLDER go a picture of the window after each step and `walk.json`: the longest stall of each step in ms, what was left out, and what the
-application's log says that it should not. The exit status is 0 when every step succeeded, no stall was over the limits and the log holds
-no traceback.
+FOLDER go a picture of the window after each step and `walk.json`: the longest stall of each step in ms, how many times as slow as at best
+the machine itself was in it (`walkMachine.py`), what was left out, and what the application's log says that it should not. The exit
+status is 0 when every step succeeded, no stall was over the limits and the log holds no traceback.
 
     ... walkInSlicer.py FOLDER --only recording,live
     ... walkInSlicer.py FOLDER --only liveGuidance
@@ -37,6 +37,7 @@ import realData  # noqa: E402 - the folder must be known first
 from walkBone import echoes, network, recordedNetwork  # noqa: E402
 from walkLights import lights  # noqa: E402
 from walkLive import live, liveGuidance, liveNetwork  # noqa: E402
+from walkMachine import watchedMachine  # noqa: E402
 
 WINDOW = (1400, 900)
 PANEL_WIDTH = 400
@@ -67,17 +68,22 @@ class Heart:
 
     def start(self) -> None:
         """Begin a new measurement."""
-        self._last, self.longest = time.monotonic(), 0.0
+        self._last, self.longest, self.when = time.monotonic(), 0.0, (0.0, 0.0)
         self._lastWorked, self.worked = time.thread_time(), 0.0
 
     def _beat(self) -> None:
         now, worked = time.monotonic(), time.thread_time()
-        self.longest, self.worked = max(self.longest, now - self._last), max(self.worked, worked - self._lastWorked)
+        if now - self._last > self.longest:
+            self.longest, self.when = now - self._last, (self._last, now)
+        self.worked = max(self.worked, worked - self._lastWorked)
         self._last, self._lastWorked = now, worked
 
 
 class Walk:
     """The module in the application, with short ways to what the steps need."""
+
+    LOOK_EVERY = 20
+    """ms between two looks at what is waited for."""
 
     def __init__(self, folder: pathlib.Path):
         self.folder = folder
@@ -85,6 +91,8 @@ class Walk:
         self.stalls: dict[str, float] = {}
         self.worked: dict[str, float] = {}
         """ms of the stalls in which the GUI's thread computed."""
+        self.when: dict[str, tuple[float, float]] = {}
+        """Begin and end of the stalls."""
         self.drawn: dict[str, float] = {}
         """ms until Slicer had drawn what a step has changed; that is its own work."""
         slicer.util.mainWindow().resize(*WINDOW)
@@ -118,15 +126,31 @@ class Walk:
         self.wait(lambda: False, seconds, "")
 
     def wait(self, condition, seconds: float = 120.0, what: str = "what was waited for") -> None:
-        """Handle events until the condition holds; an error after so many seconds, unless nothing is said to be waited for."""
-        end = time.monotonic() + seconds
-        while not condition():
-            if time.monotonic() > end:
-                if what:
-                    raise RuntimeError(f"{what} did not come: {self.ui.statusLabel.text} {self.ui.liveStatisticsLabel.text}")
-                return
-            slicer.app.processEvents()
-            time.sleep(0.002)
+        """Let the event loop run until the condition holds; an error after so many seconds, unless nothing is said to be waited for.
+
+        The loop is Qt's own, as it is where a user waits: one in Python would wait for the threads of a scan between two events.
+        """
+        loop, timer, end = qt.QEventLoop(), qt.QTimer(), time.monotonic() + seconds
+        met, errors = False, []
+
+        def look() -> None:
+            nonlocal met
+            try:
+                met = bool(condition())
+            except Exception as error:  # out of a slot it would go to the log
+                errors.append(error)
+            if met or errors or time.monotonic() > end:
+                loop.quit()
+
+        timer.setInterval(self.LOOK_EVERY)
+        timer.connect("timeout()", look)
+        timer.start()
+        loop.exec_()
+        timer.stop()
+        if errors:
+            raise errors[0]
+        if not met and what:
+            raise RuntimeError(f"{what} did not come: {self.ui.statusLabel.text} {self.ui.liveStatisticsLabel.text}")
 
     def press(self, button) -> None:
         """Click a button that must be enabled."""
@@ -156,6 +180,8 @@ class Walk:
 
     def note(self, name: str) -> None:
         """Keep the longest stall under a name, where it is longer than what is kept there already, and begin a new measurement."""
+        if round(self.heart.longest * 1000.0) >= self.stalls.get(name, 0):
+            self.when[name] = self.heart.when
         for kept, seconds in ((self.stalls, self.heart.longest), (self.worked, self.heart.worked)):
             kept[name] = max(kept.get(name, 0), round(seconds * 1000.0))
         self.heart.start()
@@ -336,21 +362,23 @@ def main(arguments: list[str]) -> int:
         return 1  # the application should be gone
     failed, left = [], []
     chosen = arguments[arguments.index("--only") + 1].split(",") if "--only" in arguments else [step.__name__ for step in STEPS]
-    for step in [step for step in STEPS if step.__name__ in chosen]:
-        try:
-            walk.step(step)
-        except unittest.SkipTest as why:
-            left.append(f"{step.__name__}: {why}")
-            print(f"LEFT OUT {left[-1]}", flush=True)
-        except Exception as error:
-            failed.append(f"{step.__name__}: {type(error).__name__}: {error}")
-            print(f"FAILED {failed[-1]}", flush=True)
-            walk.picture(f"{step.__name__}-failed")
+    with watchedMachine(folder / "machine.txt") as machine:
+        for step in [step for step in STEPS if step.__name__ in chosen]:
+            try:
+                walk.step(step)
+            except unittest.SkipTest as why:
+                left.append(f"{step.__name__}: {why}")
+                print(f"LEFT OUT {left[-1]}", flush=True)
+            except Exception as error:
+                failed.append(f"{step.__name__}: {type(error).__name__}: {error}")
+                print(f"FAILED {failed[-1]}", flush=True)
+                walk.picture(f"{step.__name__}-failed")
     limits = {name: LONGEST_WHILE_LIVE if name.startswith("while") else LONGEST_IN_A_RUN for name in walk.stalls}
     slow = [name for name, stall in walk.stalls.items() if stall > 1000.0 * limits[name]]
     told = logged()
     trouble = {"failed": failed, "widened": walk.widened, "slow": slow, "log": told}
-    measured = {"stalls_ms": walk.stalls, "worked_ms": walk.worked, "drawn_ms": walk.drawn}
+    slowed = {name: round(machine.slowed(*when), 1) for name, when in walk.when.items()}
+    measured = {"stalls_ms": walk.stalls, "worked_ms": walk.worked, "machine_slowed": slowed, "drawn_ms": walk.drawn}
     found = {"version": slicer.app.applicationVersion, "left_out": left, **measured, **trouble}
     (folder / "walk.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
     print(json.dumps(found, indent=2), flush=True)
