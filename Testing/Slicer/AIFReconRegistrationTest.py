@@ -97,7 +97,9 @@ class AIFReconRegistrationTest(unittest.TestCase):
             self.ui.checkButton.click()
             self.displace()
             self.ui.placeButton.click()
-        self.assertGreater(len(threads), 1)
+            before = len(threads)
+            self.undo()
+        self.assertGreater(len(threads), before)
         self.assertNotIn(threading.main_thread(), threads)
 
     def test_a_transform_is_made_where_there_is_none(self):

@@ -3,6 +3,7 @@
 import numpy as np
 import qt
 import slicer
+from AIFReconScene.background import ALIVE_EVERY, Beside
 from AIFReconScene.display.echoPoints import EchoPoints
 from AIFReconScene.inputs.boneNodes import boneNames
 from AIFReconScene.panelWords import inPanelWords
@@ -54,6 +55,9 @@ class RegistrationPanel:
         self._moved.setSingleShot(True)
         self._moved.setInterval(JUDGED_AFTER)
         self._moved.connect("timeout()", self.onMoved)
+        self._beside, self._judging = Beside(), qt.QTimer()
+        self._judging.setInterval(int(1000 * ALIVE_EVERY))
+        self._judging.connect("timeout()", self._takeJudged)
         ui.checkButton.connect("clicked(bool)", self.onCheck)
         ui.placeButton.connect("clicked(bool)", self.onPlace)
         ui.livePlaceButton.connect("clicked(bool)", self.onPlace)
@@ -94,7 +98,9 @@ class RegistrationPanel:
     def forget(self) -> None:
         """Take the echoes out of the scene, and the words with them."""
         self._finding = self._about = None
-        self._moved.stop()
+        for timer in (self._moved, self._judging):
+            timer.stop()
+        self._beside.cancel()
         self._follow(None)
         self._echoes.clear()
         if not self._ui.registrationLabel:  # destroyed: the application is being closed
@@ -135,7 +141,7 @@ class RegistrationPanel:
     def onMoved(self) -> None:
         """Somebody has moved the CT: let gauge, colors and words follow it."""
         if not self._work.isRunning:
-            inTurns(self._judged())
+            self._judge()
 
     def onLandmarks(self) -> None:
         """Open Slicer's own registration by landmarks."""
@@ -232,18 +238,32 @@ class RegistrationPanel:
             self._say(said)
             self._moved.stop()
             yield
-        yield from self._judged(said)
+        self._judge(said)
 
-    def _judged(self, said: str = ""):
+    def _judge(self, said: str = "") -> None:
+        """Have the finding made anew for where the CT lies now, beside the windows: they would wait for the cores that a scan has."""
         place, before = self._placeNow(), self._finding
-        if place is not None:
-            finding = before.at(place)
+        if place is None:
+            self._refresh()
+            return
+        self._beside.begin(lambda _progress: (before, before.at(place), said))
+        self._judging.start()
+
+    def _takeJudged(self) -> None:
+        try:
+            judged = self._beside.take()
+        finally:
+            if not self._beside.isRunning:
+                self._judging.stop()
+        if judged is not None:
+            inTurns(self._judged(*judged))
+
+    def _judged(self, before, finding, said: str):
+        # Another may have been found meanwhile, or none be wanted
+        if self._finding is before and self._parameterNode is not None:
+            self._show(self._parameterNode, finding)
+            self._say("\n".join(line for line in (said, self._words()) if line))
             yield
-            # Another may have been found meanwhile, or none be wanted
-            if self._finding is before and self._parameterNode is not None:
-                self._show(self._parameterNode, finding)
-                self._say("\n".join(line for line in (said, self._words()) if line))
-                yield
         self._refresh()
 
     def _words(self, *more: str, verdict: bool = True) -> str:
