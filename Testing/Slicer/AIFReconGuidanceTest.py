@@ -343,7 +343,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
 
         def canceled(dialog, share, message):
             shown.append(str(message) == "Showing the bone in colors" and self.colored())
-            return str(message) != "Showing the bone in colors"
+            return not shown[-1]
 
         self.addCleanup(setattr, ProgressDialog, "__call__", call)
         ProgressDialog.__call__ = canceled
@@ -497,3 +497,18 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.widget._guidance._colors.show(self.nodes.segmentation, shown.colored, np.full_like(shown.levels, 4))
         self.assertIs(self.model().GetPolyData(), mesh)
         self.assertTrue((self.levels() == 4).all())
+
+    def test_what_is_half_drawn_goes_with_the_rest(self):
+        from AIFReconScene.display.boneColors import BoneColors
+
+        self.setToldBox()
+        shown, before, taken = self.widget._guidance._shown, slicer.mrmlScene.GetNumberOfNodes(), 0
+        while True:
+            colors = BoneColors()
+            steps, taken = colors.stepsTo(self.nodes.segmentation, shown.colored, shown.levels), taken + 1
+            done = len(list(itertools.islice(steps, taken)))
+            colors.clear()
+            self.assertEqual(slicer.mrmlScene.GetNumberOfNodes(), before)
+            if done < taken:
+                break
+        self.assertGreater(taken, 3)

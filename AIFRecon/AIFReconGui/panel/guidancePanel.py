@@ -98,11 +98,12 @@ class GuidancePanel:
         return self._cleared()
 
     def _cleared(self):
-        for clear in (self._clearMove, self._colors.clear):
-            # By now something may be shown again
-            if self._shown is None:
-                clear()
-                yield
+        # By now something may be shown again
+        if self._shown is None:
+            self._clearMove()
+            yield
+        if self._shown is None:
+            yield from self._colors.stepsAway()
 
     def close(self) -> None:
         """The scene or the panel is being closed."""
@@ -185,9 +186,9 @@ class GuidancePanel:
 
     def _everyStepTo(self, guidance, bone):
         if bone is None or bone.GetScene() is None or guidance.colored is None:
-            self._colors.clear()
+            yield from self._colors.stepsAway()
         else:
-            self._colors.show(bone, guidance.colored, guidance.levels)
+            yield from self._colors.stepsTo(bone, guidance.colored, guidance.levels)
             yield
             if bone.GetScene() is not None:
                 self._colors.hideSegments(bone)

@@ -6,7 +6,7 @@ import vtk
 from slicer.i18n import tr as _
 from vtk.util import numpy_support
 
-from ..sceneNodes import nodesOfClass, removeNodes
+from ..sceneNodes import nodesOfClass, stepsWithout
 from .borrowed import Borrowed
 
 MET = "Met"
@@ -44,9 +44,19 @@ class BoneColors:
 
     def show(self, bone, colored, levels: np.ndarray):
         """Draw a `ColoredBone` of a node of bone, with the level of each corner (n,); the model node."""
+        for _step in self.stepsTo(bone, colored, levels):
+            pass
+        return self.node
+
+    def stepsTo(self, bone, colored, levels: np.ndarray):
+        """Steps that draw as `show` does, an iterator: each node that is made takes as long as a picture."""
+        if self.node is None:
+            yield from self._made(colored, levels)
         node = self.node
-        if node is None or node.GetPolyData() is None or self._colored is not colored:
-            node = node or self._made()
+        # Somebody may have deleted it, or the bone, between two steps
+        if node is None or bone.GetScene() is None:
+            return
+        if node.GetPolyData() is None or self._colored is not colored:
             node.SetAndObservePolyData(_surface(colored.mesh, levels))
             self._colored = colored
         elif not np.array_equal(levels, self._levels):
@@ -57,7 +67,6 @@ class BoneColors:
         self._levels = levels
         if node.GetTransformNodeID() != bone.GetTransformNodeID():
             node.SetAndObserveTransformNodeID(bone.GetTransformNodeID())
-        return node
 
     def hideSegments(self, bone) -> None:
         """Do not draw the segments of this bone in 3D, nor of any other one any more; once: what the user shows again stays."""
@@ -65,33 +74,55 @@ class BoneColors:
 
     def clear(self) -> None:
         """Remove everything, also what is left where somebody has deleted the model alone."""
-        scene = slicer.mrmlScene
-        _hideSegments(None)
-        removeNodes([scene.GetNodeByID(each) for each in self._ownIDs], scene)
-        self._modelID, self._ownIDs, self._colored, self._levels = None, [], None, None
+        for _step in self.stepsAway():
+            pass
 
-    def _made(self):
-        self.clear()
-        colors, node = _colors(), slicer.mrmlScene.AddNewNodeByClass("vtkMRMLModelNode", "Bone met")
-        node.CreateDefaultDisplayNodes()
-        display = node.GetDisplayNode()
+    def stepsAway(self):
+        """Steps that remove everything as `clear` does, an iterator; it is forgotten with the first."""
+        scene = slicer.mrmlScene
+        own = [scene.GetNodeByID(each) for each in self._ownIDs]
+        self._modelID, self._ownIDs, self._colored, self._levels = None, [], None, None
+        _hideSegments(None)
+        yield
+        yield from stepsWithout(own, scene)
+
+    def _made(self, colored, levels):
+        yield from self.stepsAway()
+        scene = slicer.mrmlScene
+        self._own(_colors())
+        # With a display that is as it is to be, views look at the model once
+        display = scene.AddNewNodeByClass("vtkMRMLModelDisplayNode")
         with slicer.util.NodeModify(display):
-            display.SetAndObserveColorNodeID(colors.GetID())
+            display.SetAndObserveColorNodeID(self._ownIDs[0])
             display.SetActiveScalar(MET, vtk.vtkAssignAttribute.POINT_DATA)
             display.SetScalarRangeFlag(slicer.vtkMRMLDisplayNode.UseManualScalarRange)
             display.SetScalarRange(-0.5, len(COLORS) - 0.5)
             display.SetScalarVisibility(True)
             # Slices show bone already, and would have to cut this surface anew wherever the probe goes
             display.SetVisibility2D(False)
+        self._own(display)
+        yield
+        if display.GetScene() is None:
+            return
+        node = slicer.vtkMRMLModelNode()
+        node.SetName("Bone met")
+        node.SetSelectable(False)
+        node.SetAndObserveDisplayNodeID(display.GetID())
+        node.SetAndObservePolyData(_surface(colored.mesh, levels))
+        self._own(scene.AddNode(node))
+        yield
+        if node.GetScene() is None:
+            return
         legend = slicer.modules.colors.logic().AddDefaultColorLegendDisplayNode(node)
         if legend is not None:
             _arrange(legend)
-        own = (colors, *(node.GetNthDisplayNode(number) for number in range(node.GetNumberOfDisplayNodes())), node)
-        for each in own:
-            each.SetSaveWithScene(False)
-        node.SetSelectable(False)
-        self._modelID, self._ownIDs = node.GetID(), [each.GetID() for each in own]
-        return node
+            self._own(legend)
+        self._modelID, self._colored, self._levels = node.GetID(), colored, levels
+        yield
+
+    def _own(self, node) -> None:
+        node.SetSaveWithScene(False)
+        self._ownIDs.append(node.GetID())
 
 
 def _hideSegments(bone) -> None:

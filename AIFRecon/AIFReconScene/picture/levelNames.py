@@ -11,7 +11,7 @@ from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transforms import transform_points
 
 from ..display import sliceDisplay
-from ..sceneNodes import removeNodes
+from ..sceneNodes import stepsWithout
 from ..transforms import matrixToWorld
 
 REACH = 0.6
@@ -78,7 +78,7 @@ class LevelNames:
         scene, names = slicer.mrmlScene, [slicer.mrmlScene.GetNodeByID(each) for each in self._nodeIDs.values()]
         self._nodeIDs, self._observed, self._shown = {}, [], {}
         self._levels, self._key = [], None
-        return _removed([node for node in names if node is not None], scene)
+        return stepsWithout(names, scene)
 
     def _follow(self, sliceNode) -> None:
         names = namesIn(slicer.util.arrayFromVTKMatrix(sliceNode.GetSliceToRAS()), self._levels)
@@ -117,14 +117,6 @@ class LevelNames:
         node.SetSelectable(False)
         self._nodeIDs[sliceNode.GetID()] = node.GetID()
         return node
-
-
-def _removed(nodes: list, scene):
-    for node in nodes:
-        # Another scene may have been opened since
-        if node.GetScene() is scene:
-            removeNodes([node], scene)
-            yield
 
 
 @contextlib.contextmanager
