@@ -6,6 +6,8 @@ import qt
 import slicer
 from AIFReconScene.display.viewByView import drawnInTheEnd, viewByView
 
+from .breath import Breath
+
 _underWay = 0
 
 
@@ -34,9 +36,13 @@ def drawnInTurns():
 
 def _takeNext(steps) -> None:
     global _underWay
+    breath = Breath()
 
     def take() -> None:
         global _underWay
+        if breath.isNeeded():
+            qt.QTimer.singleShot(0, take)
+            return
         _underWay -= 1
         if next(steps, steps) is not steps:
             _takeNext(steps)

@@ -1,9 +1,12 @@
 """Self tests of a live scan beside a scene that changes: what is kept, what is given back, and what goes on without the panel."""
 
+import contextlib
+import math
 import pathlib
 import sys
 import tempfile
 import threading
+import time
 import unittest
 from unittest import mock
 
@@ -204,38 +207,73 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         self.grow()
         self.assertTrue(waitFor(lambda: "no volume today" not in self.ui.liveStatisticsLabel.text))
 
-    def test_windows_wait_for_a_step_or_for_the_threads_of_the_scan_and_never_for_both(self):
+    @contextlib.contextmanager
+    def turnsByHand(self, isBusy=False):
+        """No turn is taken but by hand, in an event loop that has much to do or nothing; how often words, a step and threads had one."""
+        from AIFReconGui.breath import Breath
         from AIFReconScene.live.liveReconstruction import LiveReconstruction
         from AIFReconScene.live.turns import Turns
 
+        self.live._turning.stop()
+        # Nothing is owed to the threads of the scan, and they had the last turn
+        self.live._turns.forget()
+        self.live._hasWorked = False
+        words, step, threads = mock.Mock(), mock.Mock(return_value=True), mock.Mock()
+        with contextlib.ExitStack() as patches:
+            for owner, name, what in (
+                *((type(self.live), "_show", words), (LiveReconstruction, "goOn", step), (Turns, "give", threads)),
+                (Breath, "isNeeded", lambda breath: isBusy),
+            ):
+                patches.enter_context(mock.patch.object(owner, name, what))
+            yield lambda: (words.call_count, step.call_count, threads.call_count)
+
+    def test_windows_wait_for_words_a_step_or_the_threads_of_the_scan_and_never_for_two_of_them(self):
         self.begin()
-        for timer in (self.live._collecting, self.live._showing):
-            timer.stop()
-        step = mock.Mock(return_value=True)
-        with mock.patch.object(LiveReconstruction, "goOn", step), mock.patch.object(Turns, "give") as turn:
-            for calls in range(1, 7):
-                self.live._collect()
-                self.assertEqual(step.call_count + turn.call_count, calls)
-        self.assertEqual(step.call_count, turn.call_count)
+        with self.turnsByHand() as had:
+            for calls in range(1, 13):
+                self.live._shown = -math.inf if calls % 4 == 1 else math.inf
+                self.live._takeTurn()
+                self.assertEqual(sum(had()), calls)
+        self.assertEqual(had(), (3, 3, 6))
+
+    def test_nothing_is_done_in_a_turn_in_which_windows_were_drawn(self):
+        self.begin()
+        with self.turnsByHand(isBusy=True) as had:
+            for self.live._shown in (-math.inf, math.inf):
+                self.live._takeTurn()
+        self.assertEqual(had(), (0, 0, 0))
 
     def test_a_scan_takes_no_step_before_what_the_user_has_chosen_is_done(self):
         from AIFReconGui.inTurns import inTurns, isUnderWay
-        from AIFReconScene.live.liveReconstruction import LiveReconstruction
 
         self.begin()
-        for timer in (self.live._collecting, self.live._showing):
-            timer.stop()
-        done, step = [], mock.Mock(return_value=True)
-        with mock.patch.object(LiveReconstruction, "goOn", step):
+        done = []
+        with self.turnsByHand() as had:
+            self.live._shown = math.inf
             inTurns(iter(["first", "second"]))
             while isUnderWay():
-                self.live._collect()
-                done.append(step.call_count)
+                self.live._takeTurn()
+                done.append(had()[1])
                 slicer.app.processEvents()
             for _turn in range(2):
-                self.live._collect()
+                self.live._takeTurn()
         self.assertGreater(len(done), 2)
-        self.assertEqual((set(done), step.call_count), ({0}, 1))
+        self.assertEqual((set(done), had()[1]), ({0}, 1))
+
+    def test_what_the_user_has_chosen_waits_for_turns_in_which_nothing_was_drawn(self):
+        from AIFReconGui.breath import Breath
+        from AIFReconGui.inTurns import inTurns, isUnderWay
+
+        done, asked = [], []
+
+        def isNeeded(breath):
+            asked.append(len(done))
+            return len(asked) % 3 != 0
+
+        with mock.patch.object(Breath, "isNeeded", isNeeded):
+            inTurns(done.append(each) for each in range(2))
+            self.assertTrue(waitFor(lambda: not isUnderWay()))
+        self.assertEqual(asked[:7], [0, 0, 0, 1, 1, 1, 2])
 
     # ---- without the panel
 
@@ -252,6 +290,45 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         self.assertTrue(waitFor(lambda: self.parameters.output is self.live._live.volumeNode))
 
     # ---- words
+
+    def test_what_is_counted_is_told_twice_a_second_and_at_once_where_something_else_is_to_be_said(self):
+        from AIFReconGui.panel import livePanel
+
+        self.begin()
+        self.live._turning.stop()
+        self.live._show()
+        said = self.ui.liveStatisticsLabel.text
+        with mock.patch.object(livePanel, "linesOf", return_value=["Many frames"]):
+            self.live._counted = time.monotonic()
+            self.live._show()
+            self.assertEqual(self.ui.liveStatisticsLabel.text, said)
+            self.live._counted -= livePanel.COUNTED_EVERY
+            self.live._show()
+            self.assertEqual(self.ui.liveStatisticsLabel.text, "Many frames")
+        with mock.patch.object(livePanel, "linesOf", return_value=["Paused"]):
+            self.ui.livePauseButton.click()
+            self.assertTrue(waitFor(lambda: self.live._live.statistics.phase == "paused"))
+            self.live._show()
+        self.assertEqual(self.ui.liveStatisticsLabel.text, "Paused")
+
+    def test_the_panel_is_not_laid_out_anew_for_a_style_that_its_large_letters_have(self):
+        class Label:
+            def __init__(self):
+                self.__dict__.update(text="", styles=[""])
+
+            def __setattr__(self, name, value):
+                if name == "styleSheet":
+                    self.styles.append(value)
+
+            @property
+            def styleSheet(self):
+                return self.styles[-1]
+
+        label = Label()
+        with mock.patch.object(self.live._ui, "liveStateLabel", label):
+            for colors in ("#000000", "#000000", "#111111"):
+                self.live._showState("Probe seen", (colors, "#ffffff"))
+        self.assertEqual(len(label.styles), 3)
 
     def test_a_failure_is_told_in_large_letters(self):
         self.begin()

@@ -14,16 +14,18 @@ from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
 from .. import inTurns
+from ..breath import Breath
 from ..errorsShown import errorsShown
 from ..fields.boneSource import ofScan
 from ..fields.pathField import PathField
 from ..packages import packagesAreThere
 from .layout import reveal, say
-from .signals import GRAY, GREEN, RED, styleOf
+from .liveWords import LiveWords, counts, linesOf, recordingProblems
+from .signals import GRAY, styleOf
 
-COLLECTED_EVERY, SHOWN_EVERY = 0, 100
-"""ms between two looks at the scene's image (0: whenever events were handled; the threads of the scan have a turn then), and between two
-updates of what is shown, unless drawing takes so long that those threads fall behind."""
+SHOWN_EVERY, COUNTED_EVERY = 0.1, 0.5
+"""s between two updates of what is shown, unless drawing takes so long that the threads of the scan fall behind, and of what is counted:
+each number that has changed has Qt lay out the whole panel anew."""
 
 REMEMBERED_ATTRIBUTE = "AIFRecon.LiveServer"
 """Of a parameter node that has been given the server of the last scan: once, for another that is entered must stay."""
@@ -57,11 +59,14 @@ class LivePanel:
         self._parameterNode = None
         self._live = None
         self._missing = self._advised = ""
-        self._record, self._sized, self._shownID = None, 0.0, None
-        self._turns, self._hasStepped = Turns(), False
+        self._record = self._shownID = self._words = None
+        self._turns, self._breath, self._hasWorked = Turns(), Breath(), False
+        self._sized = self._shown = self._counted = 0.0
         self._followers = (ofScan(ui), PathField(ui.liveBoneModelPathLineEdit, "boneModelPath"))
-        self._collecting = self._timer(COLLECTED_EVERY, self._collect)
-        self._showing = self._timer(SHOWN_EVERY, self._show)
+        # Without an interval: whenever events were handled
+        self._turning = qt.QTimer()
+        self._turning.setInterval(0)
+        self._turning.connect("timeout()", self._takeTurn)
         ui.liveStartButton.connect("clicked(bool)", self.onStart)
         ui.livePauseButton.connect("toggled(bool)", self.onPause)
         ui.liveResetButton.connect("clicked(bool)", self.onReset)
@@ -73,13 +78,6 @@ class LivePanel:
         ui.guidanceMoveLabel.toolTip = _("Arrows are for a patient seen from behind, with the head up; left and right are the patient's.")
         ui.liveStateLabel.toolTip = _("Whether the tracker sees the probe, and Reference, the marker on the patient")
         self._showState(_("not started"), GRAY)
-
-    @staticmethod
-    def _timer(interval: int, slot):
-        timer = qt.QTimer()
-        timer.setInterval(interval)
-        timer.connect("timeout()", slot)
-        return timer
 
     @property
     def isRunning(self) -> bool:
@@ -212,7 +210,7 @@ class LivePanel:
     def close(self, sceneStays: bool = False) -> None:
         """End the scan without showing anything more: the scene, the panel or the application is being closed."""
         live, self._live = self._live, None
-        self._stopTimers()
+        self._turning.stop()
         if live is not None:
             live.abandon()
             if sceneStays:
@@ -232,7 +230,8 @@ class LivePanel:
         inBackground(lambda _progress: importlib.import_module("AIFReconScene.live.liveReconstruction"), progress)
         from AIFReconScene.live.liveReconstruction import LiveReconstruction
 
-        self._record, self._sized, self._shownID = recordingPath(parameters), 0.0, None
+        self._record, self._shownID, self._words = recordingPath(parameters), None, None
+        self._sized = self._shown = self._counted = 0.0
         self._live = LiveReconstruction(parameters, progress, self._record)
         settings = slicer.app.userSettings()
         settings.setValue("AIFRecon/LiveHost", parameters.liveHost)
@@ -241,12 +240,11 @@ class LivePanel:
         settings.setValue(SERVERS_SETTING, asText([(parameters.liveHost, parameters.livePort), *before]))
         self._ui.livePauseButton.checked = False
         self._turns.forget()
-        self._collecting.start()
-        self._showing.start()
+        self._turning.start()
         return ""
 
     def _stop(self, parameters, progress) -> str:
-        self._stopTimers()
+        self._turning.stop()
         live, self._live = self._live, None
         try:
             node = live.stop(progress)
@@ -256,7 +254,7 @@ class LivePanel:
             self._showMove(_("Look at the picture, or press Start"))
         if node is not None:
             parameters.output = node
-        lines = [_counts(live.statistics)]
+        lines = [counts(live.statistics)]
         if live.wasCanceled:
             lines.append(_("Canceled: the volume is as it was shown last."))
         if live.session.recorded is not None:
@@ -264,75 +262,56 @@ class LivePanel:
             self._showSize(live.session.recorded)
         if live.seen is not None and live.seen.recorded is not None:
             lines.append(_("What the AI model said is in {path}.").format(path=live.seen.recorded))
-        lines += [inPanelWords(problem) for problem in _recordingProblems(live.session) if problem]
+        lines += [inPanelWords(problem) for problem in recordingProblems(live.session)]
         return "\n".join(lines)
 
-    # ---- timers
+    # ---- while a scan is under way
 
-    def _collect(self) -> None:
-        """Take a step of what is shown or let the scan's threads work: windows would wait for both, and draw what has changed besides."""
-        if self._live is not None:
-            self._live.collect()
-            self._hasStepped = not self._hasStepped and not inTurns.isUnderWay() and self._live.goOn()
-            if not self._hasStepped:
-                self._turns.give()
+    def _takeTurn(self) -> None:
+        """One thing in a turn of the event loop: words, a step of what is shown, or time for the scan's threads. Windows wait for each."""
+        live = self._live
+        if live is None:
+            return
+        live.collect()
+        if self._breath.isNeeded():
+            return
+        self._hasWorked = not self._hasWorked and (self._isShowing() or (not inTurns.isUnderWay() and live.goOn()))
+        if not self._hasWorked:
+            self._turns.give()
+        self._breath.isOver()
+
+    def _isShowing(self) -> bool:
+        """Show what is new, where that is due; whether it was."""
+        now = time.monotonic()
+        if self.isBehind or now - self._shown < SHOWN_EVERY:
+            return False
+        self._shown = now
+        self._show()
+        return True
 
     def _show(self) -> None:
-        live = self._live
-        if live is None or self.isBehind:
-            return
+        live, now = self._live, time.monotonic()
         live.refresh()
         if live.showsVolume and live.volumeNode.GetID() != self._shownID:
             # What follows what is on display, such as the outlines of bone, does so now
             self._shownID = live.volumeNode.GetID()
             self.showToo("followers", self._following())
-        statistics = live.statistics
-        failed, fit = statistics.phase == "failed", live.agreement
-        scouting = live.session.grid is None or statistics.phase == "scouting"
-        isSeen = statistics.tracking == "tracked"
-        tracking = _("Probe seen") if isSeen else inPanelWords(statistics.tracking)
-        tracked = isSeen and not failed
-        if failed:
-            word = _("Error: the picture no longer grows")
-        elif scouting:
-            word = _("Quick first scan") if tracked else tracking
-        else:
-            word = _("Paused") if statistics.phase == "paused" else tracking
-        apart = tracked and fit.has_fallen
-        word = _("The CT no longer fits") if apart else word
-        self._showState(word, GREEN if tracked and not apart else RED)
-        self._showMove(self._nextMove(statistics, tracked, scouting, apart))
-        if self._record is not None and time.monotonic() - self._sized > SIZE_EVERY:
-            self._sized = time.monotonic()
+        words = LiveWords.of(live, self._advised)
+        self._showState(words.state, words.colors)
+        self._showMove(words.move)
+        if self._record is not None and now - self._sized > SIZE_EVERY:
+            self._sized = now
             self._showSize(self._record)
-        problems = (statistics.trouble, live.snapshotProblem, live.displayProblem, *_recordingProblems(live.session))
-        lines = [_counts(statistics)] if failed else [_rate(statistics), _counts(statistics)]
-        lines += [inPanelWords(line) for line in ([] if live.seen is None else live.seen.lines(statistics.frames_received))]
-        lines += _agreementLines(fit)
-        lines += [inPanelWords(problem) for problem in problems if problem]
-        self._say("\n".join(dict.fromkeys(lines)))
-        self._ui.liveUseBoxButton.enabled = scouting and live.session.scouted > 0
+        if words != self._words or now - self._counted >= COUNTED_EVERY:
+            self._words, self._counted = words, now
+            self._say("\n".join(linesOf(live)))
+        self._ui.liveUseBoxButton.enabled = words.isScouting and live.session.scouted > 0
         if live.volumeNode is not None and self._parameterNode is not None and self._parameterNode.output is not live.volumeNode:
             self._parameterNode.output = live.volumeNode
 
     def _following(self):
         self._refresh()
         yield
-
-    def _nextMove(self, statistics, tracked: bool, scouting: bool, apart: bool) -> str:
-        """What the person with the probe is to do now, in a few words."""
-        if statistics.phase == "failed":
-            return _("Press “Start over...”, or Stop; why is under “More”")
-        if apart:
-            return _("Press “Place CT on sweep”")
-        if statistics.phase == "paused":
-            return _("Press Pause again to go on")
-        if not tracked:
-            waits = not statistics.frames_received
-            return _("Check Plus, and the connection below") if waits else _("Bring what is not seen into the tracker's view")
-        if scouting and not self._advised:
-            return _("Scan the area once, then press “Use the scanned area”")
-        return self._advised or _("Keep scanning")
 
     def advise(self, text: str) -> None:
         """What guidance says to do next; empty: nothing."""
@@ -356,44 +335,9 @@ class LivePanel:
             say(self._ui.liveStatisticsLabel, text, keepsRoom=True)
 
     def _showState(self, word: str, colors: tuple) -> None:
-        if self._ui.liveStateLabel:
-            self._ui.liveStateLabel.text = word
-            self._ui.liveStateLabel.styleSheet = styleOf(colors, LARGE)
-
-    def _stopTimers(self) -> None:
-        self._collecting.stop()
-        self._showing.stop()
-
-
-def _recordingProblems(session) -> tuple:
-    """What is wrong with the recording, if there is one; None where nothing is."""
-    return session.recording_failure, session.recorder.loss if session.recorder is not None else None
-
-
-def _rate(statistics) -> str:
-    """Rate and latency of what comes, and from where."""
-    unknown = statistics.latency_p50 != statistics.latency_p50
-    latency = _("no latency yet") if unknown else _("latency {latency:.0f} ms").format(latency=1000 * statistics.latency_p50)
-    return _("{rate:.0f} frames/s, {latency}; {connection}").format(
-        rate=statistics.frame_rate, latency=latency, connection=inPanelWords(statistics.connection)
-    )
-
-
-def _agreementLines(fit) -> list:
-    """How well the CT agrees with the last seconds of the scan; nothing while that cannot be told."""
-    if fit.problem is not None:
-        return [inPanelWords(fit.problem)]
-    if fit.agreement is None:
-        return []
-    from AIFReconLib.registration.live import SECONDS
-
-    return [_("Last {seconds:.0f} s: {sentence}").format(seconds=SECONDS, sentence=inPanelWords(fit.agreement.sentence()))]
-
-
-def _counts(statistics) -> str:
-    """Where the frames went."""
-    said = _("{inserted} of {received} frames added to the picture").format(
-        inserted=statistics.inserted, received=statistics.frames_received
-    )
-    reasons = "; ".join(f"{count} {inPanelWords(reason)}" for reason, count in statistics.skipped.items())
-    return said + (f" ({reasons})" if reasons else "")
+        label, style = self._ui.liveStateLabel, styleOf(colors, LARGE)
+        if label:
+            label.text = word
+            # A style that is set is worked out for the whole label anew, be it the one that it has
+            if label.styleSheet != style:
+                label.styleSheet = style

@@ -1,0 +1,111 @@
+"""What the tab Live says of a scan: in large letters whether the probe is seen and what to do next, and in small ones what is counted."""
+
+from dataclasses import dataclass
+
+from AIFReconScene.panelWords import inPanelWords
+from slicer.i18n import tr as _
+
+from .signals import GREEN, RED
+
+
+@dataclass(frozen=True)
+class LiveWords:
+    """What is said in large letters.
+
+    Parameters
+    ----------
+    state : str
+        Whether the probe is seen, or what is wrong.
+    colors : tuple
+        Of `signals`.
+    move : str
+        What the person with the probe is to do now.
+    isScouting : bool
+        Whether the box is still to be found.
+    """
+
+    state: str
+    colors: tuple
+    move: str
+    isScouting: bool
+
+    @classmethod
+    def of(cls, live, advised: str) -> "LiveWords":
+        """The words of a `LiveReconstruction`, with what guidance says to do next (empty: nothing)."""
+        statistics = live.statistics
+        failed, apart = statistics.phase == "failed", False
+        scouting = live.session.grid is None or statistics.phase == "scouting"
+        isSeen = statistics.tracking == "tracked"
+        tracking = _("Probe seen") if isSeen else inPanelWords(statistics.tracking)
+        tracked = isSeen and not failed
+        if failed:
+            state = _("Error: the picture no longer grows")
+        elif scouting:
+            state = _("Quick first scan") if tracked else tracking
+        else:
+            state = _("Paused") if statistics.phase == "paused" else tracking
+        if tracked and live.agreement.has_fallen:
+            state, apart = _("The CT no longer fits"), True
+        return cls(state, GREEN if tracked and not apart else RED, _nextMove(statistics, tracked, scouting, apart, advised), scouting)
+
+
+def linesOf(live) -> list:
+    """What is counted of a `LiveReconstruction`, and what is wrong, line by line; each line once."""
+    statistics = live.statistics
+    problems = (statistics.trouble, live.snapshotProblem, live.displayProblem, *recordingProblems(live.session))
+    lines = [] if statistics.phase == "failed" else [_rate(statistics)]
+    lines.append(counts(statistics))
+    lines += [inPanelWords(line) for line in ([] if live.seen is None else live.seen.lines(statistics.frames_received))]
+    lines += _agreementLines(live.agreement)
+    lines += [inPanelWords(problem) for problem in problems if problem]
+    return list(dict.fromkeys(lines))
+
+
+def counts(statistics) -> str:
+    """Where the frames went."""
+    said = _("{inserted} of {received} frames added to the picture").format(
+        inserted=statistics.inserted, received=statistics.frames_received
+    )
+    reasons = "; ".join(f"{count} {inPanelWords(reason)}" for reason, count in statistics.skipped.items())
+    return said + (f" ({reasons})" if reasons else "")
+
+
+def recordingProblems(session) -> list:
+    """What is wrong with the recording, if there is one."""
+    problems = (session.recording_failure, session.recorder.loss if session.recorder is not None else None)
+    return [problem for problem in problems if problem]
+
+
+def _nextMove(statistics, tracked: bool, scouting: bool, apart: bool, advised: str) -> str:
+    if statistics.phase == "failed":
+        return _("Press “Start over...”, or Stop; why is under “More”")
+    if apart:
+        return _("Press “Place CT on sweep”")
+    if statistics.phase == "paused":
+        return _("Press Pause again to go on")
+    if not tracked:
+        waits = not statistics.frames_received
+        return _("Check Plus, and the connection below") if waits else _("Bring what is not seen into the tracker's view")
+    if scouting and not advised:
+        return _("Scan the area once, then press “Use the scanned area”")
+    return advised or _("Keep scanning")
+
+
+def _rate(statistics) -> str:
+    """Rate and latency of what comes, and from where."""
+    unknown = statistics.latency_p50 != statistics.latency_p50
+    latency = _("no latency yet") if unknown else _("latency {latency:.0f} ms").format(latency=1000 * statistics.latency_p50)
+    return _("{rate:.0f} frames/s, {latency}; {connection}").format(
+        rate=statistics.frame_rate, latency=latency, connection=inPanelWords(statistics.connection)
+    )
+
+
+def _agreementLines(fit) -> list:
+    """How well the CT agrees with the last seconds of the scan; nothing while that cannot be told."""
+    if fit.problem is not None:
+        return [inPanelWords(fit.problem)]
+    if fit.agreement is None:
+        return []
+    from AIFReconLib.registration.live import SECONDS
+
+    return [_("Last {seconds:.0f} s: {sentence}").format(seconds=SECONDS, sentence=inPanelWords(fit.agreement.sentence()))]
