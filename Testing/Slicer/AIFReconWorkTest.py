@@ -285,10 +285,9 @@ class AIFReconWorkTest(unittest.TestCase):
     def test_views_stay_where_they_are_when_the_same_place_is_compared_again(self):
         self.addInputs()
         self.ui.compareButton.click()
+        slicer.app.processEvents()  # new views get their size
         view = slicer.app.layoutManager().sliceWidget("AIFRecon1").mrmlSliceNode()
-        # As wide as the view has room for: Slicer widens any other field when the view gets another size
-        width, height, _depth = view.GetDimensions()
-        view.SetFieldOfView(12.0 * width / height, 12.0, 1.0)
+        view.SetFieldOfView(12.0, 12.0, 1.0)
         view.SetSliceOffset(view.GetSliceOffset() + 3.0)
         scale, place = tinyScene.scaleOf(view), tinyScene.placeOf(view)
         self.parameters.alpha = 0.3
