@@ -3,6 +3,7 @@
 import pathlib
 import sys
 import threading
+import time
 import unittest
 from unittest import mock
 
@@ -162,6 +163,24 @@ class AIFReconRegistrationTest(unittest.TestCase):
         np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)
         self.assertFalse(self.ui.undoPlaceButton.enabled)
         self.assertIn("do not agree", self.ui.registrationLabel.text)
+        self.assertIn("back where it was", self.ui.registrationLabel.text)
+
+    def test_that_it_is_back_is_said_however_long_the_place_there_takes_to_be_judged(self):
+        from AIFReconGui.panel.registrationPanel import JUDGED_AFTER
+        from AIFReconScene.registration.ctRegistration import Finding
+
+        def judged(finding, place):
+            time.sleep(3 * JUDGED_AFTER / 1000)
+            return at(finding, place)
+
+        self.displace()
+        self.ui.placeButton.click()
+        at = Finding.at
+        with mock.patch.object(Finding, "at", judged):
+            self.ui.undoPlaceButton.click()
+            self.assertTrue(waitFor(self.widget._registration._judging.isActive))
+            self.widget._onParametersModified()
+            self.assertTrue(waitFor(lambda: "do not agree" in self.ui.registrationLabel.text))
         self.assertIn("back where it was", self.ui.registrationLabel.text)
 
     def test_where_the_ct_has_gone_is_drawn_view_by_view_once_windows_have_their_turn(self):

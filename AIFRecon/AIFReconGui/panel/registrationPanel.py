@@ -92,7 +92,7 @@ class RegistrationPanel:
         ui.undoPlaceButton.enabled = self._placement.canUndo
         self._follow(parameters.bone)
         self._echoes.setVisible(parameters.showEchoes)
-        if not self._moved.isActive() and self._placeNow() is not None:
+        if not (self._moved.isActive() or self._judging.isActive()) and self._placeNow() is not None:
             self._moved.start()
 
     def forget(self) -> None:
