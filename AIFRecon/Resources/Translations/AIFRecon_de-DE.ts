@@ -336,20 +336,8 @@
 <context>
     <name>panel.livePanel</name>
     <message>
-        <source>Bring what is not seen into the tracker's view</source>
-        <translation>Was nicht gesehen wird, in den Blick des Trackers bringen</translation>
-    </message>
-    <message>
-        <source>Keep scanning</source>
-        <translation>Weiter scannen</translation>
-    </message>
-    <message>
         <source>Press Start</source>
         <translation>Start drücken</translation>
-    </message>
-    <message>
-        <source>Probe seen</source>
-        <translation>Sonde gesehen</translation>
     </message>
     <message>
         <source>What the AI model said is in {path}.</source>
@@ -362,6 +350,21 @@
     <message>
         <source>stopped</source>
         <translation>beendet</translation>
+    </message>
+</context>
+<context>
+    <name>panel.liveWords</name>
+    <message>
+        <source>Bring what is not seen into the tracker's view</source>
+        <translation>Was nicht gesehen wird, in den Blick des Trackers bringen</translation>
+    </message>
+    <message>
+        <source>Keep scanning</source>
+        <translation>Weiter scannen</translation>
+    </message>
+    <message>
+        <source>Probe seen</source>
+        <translation>Sonde gesehen</translation>
     </message>
 </context>
 <context>

@@ -336,20 +336,8 @@
 <context>
     <name>panel.livePanel</name>
     <message>
-        <source>Bring what is not seen into the tracker's view</source>
-        <translation>Ponga a la vista del rastreador lo que no se ve</translation>
-    </message>
-    <message>
-        <source>Keep scanning</source>
-        <translation>Siga explorando</translation>
-    </message>
-    <message>
         <source>Press Start</source>
         <translation>Pulse Iniciar</translation>
-    </message>
-    <message>
-        <source>Probe seen</source>
-        <translation>Sonda vista</translation>
     </message>
     <message>
         <source>What the AI model said is in {path}.</source>
@@ -362,6 +350,21 @@
     <message>
         <source>stopped</source>
         <translation>detenido</translation>
+    </message>
+</context>
+<context>
+    <name>panel.liveWords</name>
+    <message>
+        <source>Bring what is not seen into the tracker's view</source>
+        <translation>Ponga a la vista del rastreador lo que no se ve</translation>
+    </message>
+    <message>
+        <source>Keep scanning</source>
+        <translation>Siga explorando</translation>
+    </message>
+    <message>
+        <source>Probe seen</source>
+        <translation>Sonda vista</translation>
     </message>
 </context>
 <context>

@@ -336,20 +336,8 @@
 <context>
     <name>panel.livePanel</name>
     <message>
-        <source>Bring what is not seen into the tracker's view</source>
-        <translation>Mettez dans le champ du traqueur ce qu'il ne voit pas</translation>
-    </message>
-    <message>
-        <source>Keep scanning</source>
-        <translation>Continuez à balayer</translation>
-    </message>
-    <message>
         <source>Press Start</source>
         <translation>Appuyez sur Démarrer</translation>
-    </message>
-    <message>
-        <source>Probe seen</source>
-        <translation>Sonde vue</translation>
     </message>
     <message>
         <source>What the AI model said is in {path}.</source>
@@ -362,6 +350,21 @@
     <message>
         <source>stopped</source>
         <translation>arrêté</translation>
+    </message>
+</context>
+<context>
+    <name>panel.liveWords</name>
+    <message>
+        <source>Bring what is not seen into the tracker's view</source>
+        <translation>Mettez dans le champ du traqueur ce qu'il ne voit pas</translation>
+    </message>
+    <message>
+        <source>Keep scanning</source>
+        <translation>Continuez à balayer</translation>
+    </message>
+    <message>
+        <source>Probe seen</source>
+        <translation>Sonde vue</translation>
     </message>
 </context>
 <context>

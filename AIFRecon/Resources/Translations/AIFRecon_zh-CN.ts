@@ -336,20 +336,8 @@
 <context>
     <name>panel.livePanel</name>
     <message>
-        <source>Bring what is not seen into the tracker's view</source>
-        <translation>请将未被看到的部分移入跟踪器视野</translation>
-    </message>
-    <message>
-        <source>Keep scanning</source>
-        <translation>继续扫查</translation>
-    </message>
-    <message>
         <source>Press Start</source>
         <translation>请按“开始”</translation>
-    </message>
-    <message>
-        <source>Probe seen</source>
-        <translation>已看到探头</translation>
     </message>
     <message>
         <source>What the AI model said is in {path}.</source>
@@ -362,6 +350,21 @@
     <message>
         <source>stopped</source>
         <translation>已停止</translation>
+    </message>
+</context>
+<context>
+    <name>panel.liveWords</name>
+    <message>
+        <source>Bring what is not seen into the tracker's view</source>
+        <translation>请将未被看到的部分移入跟踪器视野</translation>
+    </message>
+    <message>
+        <source>Keep scanning</source>
+        <translation>继续扫查</translation>
+    </message>
+    <message>
+        <source>Probe seen</source>
+        <translation>已看到探头</translation>
     </message>
 </context>
 <context>
