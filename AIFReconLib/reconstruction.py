@@ -40,13 +40,6 @@ from .sweep.poses import SweepPoses, describe_skipped, sweep_poses, time_order, 
 logger = logging.getLogger(__name__)
 
 
-def _reporting(frames: Iterable[TrackedFrame], count: int, progress: Progress | None) -> Iterable[TrackedFrame]:
-    """The same frames, with a report before each."""
-    for done, frame in enumerate(frames):
-        report(progress, done / count, "Reconstructing")
-        yield frame
-
-
 def _keeping(frames: Iterable[TrackedFrame], kept: dict[int, TrackedFrame]) -> Iterable[TrackedFrame]:
     """The same frames, each kept by its number."""
     for frame in frames:
@@ -200,11 +193,11 @@ def _worked(
         order = prepared.order if results is None else [n for n in prepared.order if n in reaching]
         tell = part(step, placing, 1.0)
         if kept:
-            reconstructor.insert(_reporting((kept[n] for n in order), len(order), tell))
+            reconstructor.insert((kept[n] for n in order), tell, len(order))
         else:
             with read_ahead(tracked_frames(sequence, prepared.poses, order)) as read:
                 frames = _keeping(read, kept) if keeps else read
-                reconstructor.insert(_reporting(frames, len(order), tell))
+                reconstructor.insert(frames, tell, len(order))
         if results is None:
             counts = reconstructor.counts
         else:

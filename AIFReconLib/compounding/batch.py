@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Mask, Matrix, Numbers, NumberType, Singles
+from ..progress import Progress
 
 BATCH_BYTES = 16 * 2**20
 """Most bytes of images that wait together."""
@@ -34,6 +35,8 @@ class FrameBatch:
         The frames' numbers in their recording.
     measured : dict of int to (rows, columns) bool array
         By position in the batch: which pixels of an image count, where not all do: those that are finite and were kept.
+    progress : Progress or None
+        Who hears of it while it is computed, and may cancel that.
     """
 
     def __init__(self, shape: tuple[int, int], dtype: NumberType, frames: int):
@@ -45,6 +48,7 @@ class FrameBatch:
         self.axes: Singles = np.empty((room, 6), np.float32)
         self.numbers: list[int] = []
         self.measured: dict[int, Mask] = {}
+        self.progress: Progress | None = None
 
     def __len__(self) -> int:
         return len(self.numbers)

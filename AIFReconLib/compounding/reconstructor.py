@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import Reals
 from ..bone.map import BoneMap
 from ..bone.placed.on_grid import PlacedBone
-from ..errors import BeamGeometryError, require_kind
+from ..errors import BeamGeometryError, OperationCanceled, require_kind
 from ..geometry.volume import VoxelGrid
 from ..holes.filling import HoleFilling
 from ..imaging.beams import SECTOR, ProbeGeometry
@@ -22,7 +22,7 @@ from ..imaging.region import ImageRegion
 from ..imaging.sound_speed import depth_factor
 from ..machine.memory import require_memory
 from ..message import Message
-from ..progress import Progress
+from ..progress import Progress, part, report
 from ..settings import ReconstructionSettings
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
@@ -202,14 +202,23 @@ class Reconstructor:
         self._most = 0.0
         self._work: _Work | None = None
 
-    def insert(self, frames: TrackedFrame | Iterable[TrackedFrame]) -> None:
+    def insert(self, frames: TrackedFrame | Iterable[TrackedFrame], progress: Progress | None = None, count: int = 1) -> None:
         """Put a frame, or several in their order, into the volume.
 
         Frames whose status is not OK are counted with their reason and change nothing. When this returns, all have entered: a frame
         that is given alone is in its voxels at once, while several are computed together as fast as the machine can.
 
+        Parameters
+        ----------
+        frames : TrackedFrame or several
+        progress : Progress or None
+        count : int
+            How many frames come, for the fraction that `progress` hears.
+
         Raises
         ------
+        OperationCanceled
+            When `progress` returns False. The volume is of no use any more: frames may have entered in part.
         InputTypeError
             When something is no `TrackedFrame`.
         GeometryError
@@ -220,10 +229,15 @@ class Reconstructor:
         if isinstance(frames, TrackedFrame):
             frames = (frames,)
         try:
-            for frame in frames:
-                self._add(frame)
+            for done, frame in enumerate(frames):
+                report(progress, done / count, "Reconstructing")
+                self._add(frame, part(progress, done / count, (done + 1) / count))
+        except OperationCanceled:
+            if self._work is not None:
+                self._work.batch.clear()
+            raise
         finally:
-            self._compute()
+            self._compute(part(progress, 1.0, 1.0))
 
     @property
     def engine(self) -> str:
@@ -295,7 +309,7 @@ class Reconstructor:
             self.notes.append(BESIDE_BONE)
         return placed
 
-    def _add(self, frame: TrackedFrame) -> None:
+    def _add(self, frame: TrackedFrame, progress: Progress | None) -> None:
         """Put a frame into the batch; what waits there is computed when it is full or the frame does not fit to it."""
         require_kind("frames", frame, TrackedFrame, "Make one: TrackedFrame(image, image_to_reference).")
         problem = self._intake.why_not(frame)
@@ -308,7 +322,7 @@ class Reconstructor:
         work = self._work
         work.images.check(image, frame.number)
         if not self._intake.fits(image, pose):
-            self._compute()
+            self._compute(progress)
             self._intake.lay_out(image, pose)
         layout, kept = self._intake.layout, self._intake.kept(image)
         if kept is not None and layout is not None and not layout.has_any(kept):
@@ -324,9 +338,9 @@ class Reconstructor:
         self._intake.put(work.batch, image, pose, image_to_ijk, frame.number, kept)
         self._most += most_in_a_voxel(image_to_ijk)
         if work.batch.full:
-            self._compute()
+            self._compute(progress)
 
-    def _compute(self) -> None:
+    def _compute(self, progress: Progress | None) -> None:
         """Bring what waits into the volume."""
         work, layout = self._work, self._intake.layout
         if work is None or layout is None or not work.batch:
@@ -334,6 +348,7 @@ class Reconstructor:
         batch = work.batch
         work.engine.state.expect(self._most)
         self._most = 0.0
+        batch.progress = progress
         try:
             entered = work.engine.insert(batch, layout, self._intake.scan_lines)
             for place, (number, pixels) in enumerate(zip(batch.numbers, entered, strict=True)):
@@ -353,11 +368,11 @@ class Reconstructor:
             self._state = self._empty_state(whole=False)
         state = self._unfinished()
         engine: NumpyEngine | NumbaEngine | SplatEngine | OwnMethodEngine
-        size, part, maximum = self.grid.size, self._part, images.maximum(self.settings)
+        size, planes, maximum = self.grid.size, self._part, images.maximum(self.settings)
         if self._own is not None:
-            engine = OwnMethodEngine(state, size, self._own, maximum, self._bone, part)
+            engine = OwnMethodEngine(state, size, self._own, maximum, self._bone, planes)
         elif self._shares:
-            engine = splat_engine(self.settings)(state, size, self.settings, self._importance, self._threads, part)
+            engine = splat_engine(self.settings)(state, size, self.settings, self._importance, self._threads, planes)
         else:
-            engine = self._engine_class(state, size, self.settings, maximum, self._bone, self._threads, part)
+            engine = self._engine_class(state, size, self.settings, maximum, self._bone, self._threads, planes)
         return _Work(images, engine, FrameBatch(images.shape, images.dtype, engine.frames_at_once))

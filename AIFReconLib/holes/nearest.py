@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import cast
 
@@ -80,8 +80,8 @@ def fill_holes(
     reach = np.abs(offsets).max(axis=0)
     compiled = None if engine == "numpy" or reach.max() > LONGEST_REACH else optional_module("AIFReconLib.holes.numba_nearest")
     if compiled is not None and values.flags.c_contiguous and mask.flags.c_contiguous:
-        fill_slab = partial(compiled.fill_slab, values, mask, offsets, *_by_rows(offsets, distances))
-        return _fill_compiled(fill_slab, mask, reach, threads, progress)
+        fill_plane = partial(compiled.fill_plane, values, mask, offsets, *_by_rows(offsets, distances))
+        return _fill_compiled(fill_plane, mask, reach, threads, progress)
     edge = np.maximum(BLOCK, 2 * reach)
     blocks = list(itertools.product(*(range(0, n, e) for n, e in zip(mask.shape, edge, strict=True))))
     filled = 0
@@ -133,25 +133,31 @@ def _nanometers(offset_kji: Sequence[Numbers], spacing_kji: Floats) -> Integers:
 
 
 def _fill_compiled(
-    fill_slab: Callable[[int, int, tuple[int, int, int, int]], int],
+    fill_plane: Callable[[int, tuple[int, int, int, int], int, Bytes, Mask, Integers], int],
     mask: Bytes,
     reach: Integers,
     threads: int | None,
     progress: Progress | None,
 ) -> int:
-    """Fill the whole volume with a compiled search that is told which planes to look at, a few at a time, and where in them."""
+    """Fill the whole volume plane by plane with a compiled search that is told where to look, and keeps notes for a few planes."""
     planes = mask.shape[0]
     starts = range(0, planes, PLANES_AT_ONCE)
     filled = np.zeros(len(starts), dtype=np.int64)
     boxes = [_box_of(plane) for plane in mask.view(bool)]
 
-    def fill(part: int) -> None:
+    def fill(part: int) -> Iterator[None]:
         stop = min(starts[part] + PLANES_AT_ONCE, planes)
-        near = [box for box in boxes[max(starts[part] - int(reach[0]), 0) : stop + int(reach[0])] if box is not None]
+        low, high = max(starts[part] - int(reach[0]), 0), min(stop + int(reach[0]), planes)
+        near = [box for box in boxes[low:high] if box is not None]
         if near:
             (j, i), (last_j, last_i) = np.min(near, axis=0)[[0, 2]] - reach[1:], np.max(near, axis=0)[[1, 3]] + reach[1:]
             box = max(int(j), 0), min(int(last_j), mask.shape[1]), max(int(i), 0), min(int(last_i), mask.shape[2])
-            filled[part] = fill_slab(starts[part], stop, box)
+            # Empty pages cost nothing where no notes are taken
+            size = high - low, *mask.shape[1:]
+            notes = np.empty(size, np.uint8), np.empty(size, bool), np.zeros(1, np.int64)
+            for k in range(starts[part], stop):
+                filled[part] += fill_plane(k, box, low, *notes)
+                yield
 
     in_parts(fill, len(starts), threads or usable_cores(), progress, "Filling gaps")
     report(progress, 1.0, "Filled holes")

@@ -10,24 +10,27 @@ from ..machine.numba_compile import compiled
 EMPTY, MEASURED, FILLED = 0, 1, 2
 
 PATIENCE = 64
-"""Holes of a slab that may ask all their neighbors in vain; then how far measured voxels are is noted for all."""
+"""Holes of a few planes that may ask all their neighbors in vain; then how far measured voxels are is noted for all."""
 
 FEW = 6
 """Neighbors that a hole asks before it turns to the rows."""
 
 
 @compiled
-def fill_slab(
+def fill_plane(
     values: Numbers,
     mask: Bytes,
     offsets: Integers,
     rows_kj: Integers,
     lengths: Integers,
-    first: int,
-    stop: int,
+    k: int,
     box: tuple[int, int, int, int],
+    low: int,
+    steps: Bytes,
+    near: Mask,
+    vain: Integers,
 ) -> int:
-    """Fill the holes of the planes [first, stop) of a volume [k, j, i]; returns how many.
+    """Fill the holes of a plane of a volume [k, j, i]; returns how many.
 
     Parameters
     ----------
@@ -39,9 +42,14 @@ def fill_slab(
         Offsets of the rows within reach, nearest first, equally near ones by rising [k, j].
     lengths : (rows, reach + 2) int64 array
         How far the voxel is that lies so many steps along i in each of these rows; as much as in the last column: out of reach.
-    first, stop : int
+    k : int
     box : tuple of 4 int
         Rows [j] from the first to before the second, and columns [i] likewise, beside which nothing is within reach.
+    low : int
+    steps, near : (planes, j, i) uint8 and bool arrays
+        Room for notes on the planes from `low` on: those that are filled one after the other with it, and those within reach of them.
+    vain : (1,) int64 array
+        How many holes of these planes asked in vain, 0 before the first; the notes are there from PATIENCE on.
 
     Notes
     -----
@@ -54,58 +62,56 @@ def fill_slab(
     reach_k, reach_j = 0, 0
     for n in range(len(rows_kj)):
         reach_k, reach_j = max(reach_k, rows_kj[n, 0]), max(reach_j, rows_kj[n, 1])
-    low, high = max(first - reach_k, 0), min(stop + reach_k, planes)
+    high = low + steps.shape[0]
     flat_steps = np.empty(count, np.int64)
     for n in range(count):
         flat_steps[n] = (offsets[n, 0] * rows + offsets[n, 1]) * columns + offsets[n, 2]
     flat_values, flat_mask = values.ravel(), mask.ravel()
-    steps, near = np.empty((0, 0, 0), np.uint8), np.empty((0, 0, 0), np.bool_)
     asked = np.empty(columns, np.bool_)
-    noted, tried, vain, filled = False, count, 0, 0
-    for k in range(first, stop):
-        for j in range(box[0], box[1]):
-            inner_row = reach_k <= k < planes - reach_k and reach_j <= j < rows - reach_j
-            start = (k * rows + j) * columns
-            if noted:
-                _look_around(asked, near, j, max(k - reach_k, low) - low, min(k + reach_k + 1, high) - low)
-            for i in range(box[2], box[3]):
-                here = start + i
-                if flat_mask[np.uint64(here)] != EMPTY or (noted and not asked[i]):
-                    continue
-                found = -1
-                if inner_row and reach <= i < columns - reach:
-                    for n in range(tried):
-                        if flat_mask[np.uint64(here + flat_steps[n])] == MEASURED:
-                            found = here + flat_steps[n]
-                            break
-                else:
-                    for n in range(tried):
-                        at_k, at_j, at_i = k + offsets[n, 0], j + offsets[n, 1], i + offsets[n, 2]
-                        inside = 0 <= at_k < planes and 0 <= at_j < rows and 0 <= at_i < columns
-                        if inside and mask[at_k, at_j, at_i] == MEASURED:
-                            found = here + flat_steps[n]
-                            break
-                if found < 0 and noted:
-                    found = _nearest_in_rows(mask, steps, rows_kj, lengths, k, j, i, low)
-                if found >= 0:
-                    flat_values[np.uint64(here)] = flat_values[np.uint64(found)]
-                    flat_mask[np.uint64(here)] = FILLED
-                    filled += 1
-                elif not noted:
-                    vain += 1
-                    if vain == PATIENCE:
-                        noted, tried = True, min(FEW, count)
-                        steps = _steps_along_rows(mask[low:high], reach)
-                        near = _near_rows(steps, reach, reach_j)
-                        _look_around(asked, near, j, max(k - reach_k, low) - low, min(k + reach_k + 1, high) - low)
+    filled, noted = 0, vain[0] >= PATIENCE
+    tried = min(FEW, count) if noted else count
+    for j in range(box[0], box[1]):
+        inner_row = reach_k <= k < planes - reach_k and reach_j <= j < rows - reach_j
+        start = (k * rows + j) * columns
+        if noted:
+            _look_around(asked, near, j, max(k - reach_k, low) - low, min(k + reach_k + 1, high) - low)
+        for i in range(box[2], box[3]):
+            here = start + i
+            if flat_mask[np.uint64(here)] != EMPTY or (noted and not asked[i]):
+                continue
+            found = -1
+            if inner_row and reach <= i < columns - reach:
+                for n in range(tried):
+                    if flat_mask[np.uint64(here + flat_steps[n])] == MEASURED:
+                        found = here + flat_steps[n]
+                        break
+            else:
+                for n in range(tried):
+                    at_k, at_j, at_i = k + offsets[n, 0], j + offsets[n, 1], i + offsets[n, 2]
+                    inside = 0 <= at_k < planes and 0 <= at_j < rows and 0 <= at_i < columns
+                    if inside and mask[at_k, at_j, at_i] == MEASURED:
+                        found = here + flat_steps[n]
+                        break
+            if found < 0 and noted:
+                found = _nearest_in_rows(mask, steps, rows_kj, lengths, k, j, i, low)
+            if found >= 0:
+                flat_values[np.uint64(here)] = flat_values[np.uint64(found)]
+                flat_mask[np.uint64(here)] = FILLED
+                filled += 1
+            elif not noted:
+                vain[0] += 1
+                if vain[0] == PATIENCE:
+                    noted, tried = True, min(FEW, count)
+                    _note_steps_along_rows(mask[low:high], reach, steps)
+                    _note_near_rows(steps, reach, reach_j, near)
+                    _look_around(asked, near, j, max(k - reach_k, low) - low, min(k + reach_k + 1, high) - low)
     return filled
 
 
 @compiled
-def _steps_along_rows(mask: Bytes, reach: int) -> Bytes:
-    """How many steps along i the nearest measured voxel is from every voxel of `mask` [k, j, i]; reach + 1 where it is farther."""
+def _note_steps_along_rows(mask: Bytes, reach: int, steps: Bytes) -> None:
+    """Note how many steps along i the nearest measured voxel is from every voxel of `mask` [k, j, i]; reach + 1 where it is farther."""
     planes, rows, columns = mask.shape
-    steps = np.empty(mask.shape, np.uint8)
     for k in range(planes):
         for j in range(rows):
             step = reach + 1
@@ -117,14 +123,12 @@ def _steps_along_rows(mask: Bytes, reach: int) -> Bytes:
                 step = 0 if mask[k, j, i] == MEASURED else min(step + 1, reach + 1)
                 if step < steps[k, j, i]:
                     steps[k, j, i] = step
-    return steps
 
 
 @compiled
-def _near_rows(steps: Bytes, reach: int, reach_j: int) -> Mask:
-    """Whether something within reach was measured in the rows of the same plane around every voxel [k, j, i]."""
+def _note_near_rows(steps: Bytes, reach: int, reach_j: int, near: Mask) -> None:
+    """Note in `near` whether something within reach was measured in the rows of the same plane around every voxel [k, j, i]."""
     planes, rows, columns = steps.shape
-    near = np.empty(steps.shape, np.bool_)
     for k in range(planes):
         for j in range(rows):
             for i in range(columns):
@@ -132,7 +136,6 @@ def _near_rows(steps: Bytes, reach: int, reach_j: int) -> Mask:
             for there in range(max(j - reach_j, 0), min(j + reach_j + 1, rows)):
                 for i in range(columns):
                     near[k, j, i] |= steps[k, there, i] <= reach
-    return near
 
 
 @compiled

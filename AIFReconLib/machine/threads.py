@@ -10,7 +10,7 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from importlib.util import find_spec
 from types import ModuleType
 
@@ -22,13 +22,19 @@ logger = logging.getLogger(__name__)
 NICE = 10
 """Of 0, as every thread begins, to 19: where all cores are wanted, such a thread has about a tenth of what others have."""
 
+STEP = 0.05
+"""s of a step of work; after each a cancel can be heard."""
 
-def in_parts(work: Callable[[int], None], parts: int, threads: int, progress: Progress | None = None, step: str = "") -> None:
+
+def in_parts(
+    work: Callable[[int], Iterable[None] | None], parts: int, threads: int, progress: Progress | None = None, step: str = ""
+) -> None:
     """Call `work` with 0 to `parts` - 1, each once, on up to `threads` threads of which the caller's is one.
 
     Each thread takes the next part when it is done with one, so that parts may differ in size. All threads have ended when this
     returns or raises; the first error stops the rest, and is raised here. Where the system allows fewer threads, it is done on fewer.
-    `progress` hears of `step` on the caller's thread before every part of its own, and may cancel the rest.
+    `progress` hears of `step` on the caller's thread before every part of its own, and may cancel the rest. Where a part takes long,
+    `work` yields between its steps: there it may be stopped too.
     """
     numbers = itertools.count()
     errors: list[BaseException] = []
@@ -37,7 +43,10 @@ def in_parts(work: Callable[[int], None], parts: int, threads: int, progress: Pr
         try:
             while not errors and (part := next(numbers)) < parts:
                 report(progress, part / parts, step)
-                work(part)
+                for _ in work(part) or ():
+                    if errors:
+                        return
+                    report(progress, part / parts, step)
         except BaseException as error:
             errors.append(error)
 
@@ -48,6 +57,23 @@ def in_parts(work: Callable[[int], None], parts: int, threads: int, progress: Pr
         helper.join()
     if errors:
         raise errors[0]
+
+
+class Pace:
+    """How many items of a kind are worked on in one step: as many as take `STEP`, by the time that the last ones took; one at first."""
+
+    def __init__(self) -> None:
+        self._items = 1
+
+    def steps(self, items: int) -> Iterator[slice]:
+        """So many items in steps; each is worked on before the next one is asked for."""
+        first = 0
+        while first < items:
+            some = slice(first, min(first + self._items, items))
+            began = time.perf_counter()
+            yield some
+            self._items = max(int((some.stop - first) * STEP / max(time.perf_counter() - began, 1e-6)), 1)
+            first = some.stop
 
 
 def start(thread: threading.Thread) -> bool:

@@ -11,7 +11,7 @@ from ..geometry.volume import Volume
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..message import Message
-from ..progress import Progress
+from ..progress import Progress, report
 from ..sweep.frames import TrackedSequence
 from .agreement import Agreement, check
 from .bone_field import BoneField
@@ -76,7 +76,9 @@ def compared(
             most_frames=COMPARED_FRAMES,
             progress=progress,
         )
-        agreement = check(echoes, BoneField.from_labels(labels), labels_to_reference)
+        bone = BoneField.from_labels(labels)
+        report(progress, 1.0, "Looking for bone in the sweep")
+        agreement = check(echoes, bone, labels_to_reference)
     except OperationCanceled:
         raise
     except AIFReconError as error:

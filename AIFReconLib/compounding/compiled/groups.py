@@ -42,6 +42,13 @@ reach, begins, onset, expected, cosine : (frames, n) arrays, the reach at the pi
 onset, the probability of bone and the cosine of incidence; onsets : (frames,), how many pixels have one.
 """
 
+
+def evidence_of(evidence: Evidence, frames: slice) -> Evidence:
+    """That of some of the frames."""
+    reach, begins, onset, expected, cosine, onsets = evidence
+    return reach[frames], begins[frames], onset[frames], expected[frames], cosine[frames], onsets[frames]
+
+
 SplatFrames = tuple[Numbers, Matrix, Integers, Integers, Integers]
 """What is spread.
 

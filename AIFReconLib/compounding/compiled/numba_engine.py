@@ -6,18 +6,21 @@ a slab the frames follow each other in time, so that what they have in common is
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ...arrays import Floats, Integers, Numbers, Singles
 from ...bone.placed.on_grid import PlacedBone, everywhere
-from ...machine.threads import checked_threads, in_parts
+from ...machine.threads import Pace, checked_threads, in_parts
+from ...progress import Progress
 from ...settings import ReconstructionSettings
 from ..batch import BATCH_FRAMES, FrameBatch
 from ..evidence import ScanLines
 from ..layout import PixelLayout
 from ..numpy_engine import FrameBeams, cosine_of
 from ..state import VoxelState
-from .groups import Evidence
+from .groups import Evidence, evidence_of
 from .numba_evidence import FrameJudge
 from .numba_kernels import AVERAGE, LATEST, MAXIMUM, PACKED, clip_to_volume, insert_aif, insert_cosine, insert_plain, insert_weighted
 from .slabs import SLABS, SLABS_WITH_BONE, cut_into_slabs, slabs_for
@@ -64,6 +67,7 @@ class NumbaEngine:
     ):
         self.state = state
         self.threads = checked_threads(threads)
+        self._pace = Pace()
         first, stop = (0, grid_size[2]) if planes is None else planes
         self._ends = (0, 0, first), (*grid_size[:2], stop)
         self._bounds = np.array([(0, 0, first), (*grid_size[:2], stop)], dtype=np.float64)
@@ -108,28 +112,38 @@ class NumbaEngine:
         spans = np.empty((len(images), len(pieces), 4), np.int32)
         clip_to_volume(matrices, pieces, self._bounds, axis, spans)
         entered = np.zeros((len(edges) - 1, len(images)), np.int64)
-        where = images, matrices, pieces, spans, self._bounds
         state, method = self.state, self.state.method
         voxels = state.value, state.hits, NOTHING if state.weight is None else state.weight
         beam_x, beam_y = NOTHING if layout.beam_x is None else layout.beam_x, NOTHING if layout.beam_y is None else layout.beam_y
-        bone = self._probability, self._directions, axes, beam_x, beam_y
-        evidence = self._judged(scan_lines, images, matrices, axes, layout) if method == "weighted" else None
+        evidence = self._judged(scan_lines, images, matrices, axes, layout, batch.progress) if method == "weighted" else None
 
-        def put(part: int) -> None:
+        def put(part: int) -> Iterator[None]:
             slab = axis, int(edges[part]), int(edges[part + 1])
-            if state.cosine is not None:
-                insert_cosine(where, slab, state.cosine, bone)
-            if evidence is not None:
-                insert_weighted(where, slab, voxels, self._weighted_factors, evidence, entered[part])
-            elif method in PLAIN_RULES:
-                insert_plain(PACKED if state.packed else PLAIN_RULES[method], where, slab, voxels, entered[part])
-            else:
-                insert_aif(where, slab, voxels, bone, self._aif_factors, entered[part])
+            for some in self._pace.steps(len(images)):
+                where, pixels = (images[some], matrices[some], pieces, spans[some], self._bounds), entered[part, some]
+                bone = self._probability, self._directions, axes[some], beam_x, beam_y
+                if state.cosine is not None:
+                    insert_cosine(where, slab, state.cosine, bone)
+                if evidence is not None:
+                    insert_weighted(where, slab, voxels, self._weighted_factors, evidence_of(evidence, some), pixels)
+                elif method in PLAIN_RULES:
+                    insert_plain(PACKED if state.packed else PLAIN_RULES[method], where, slab, voxels, pixels)
+                else:
+                    insert_aif(where, slab, voxels, bone, self._aif_factors, pixels)
+                yield
 
-        in_parts(put, len(edges) - 1, self.threads)
+        in_parts(put, len(edges) - 1, self.threads, batch.progress, "Reconstructing")
         return [int(n) for n in entered.sum(axis=0)]
 
-    def _judged(self, scan_lines: ScanLines | None, images: Numbers, matrices: Floats, axes: Singles, layout: PixelLayout) -> Evidence:
+    def _judged(
+        self,
+        scan_lines: ScanLines | None,
+        images: Numbers,
+        matrices: Floats,
+        axes: Singles,
+        layout: PixelLayout,
+        progress: Progress | None,
+    ) -> Evidence:
         """What the frames themselves tell, of what the CT expects in them, and the CT where they show bone."""
         bone = self._bone
         if scan_lines is None or bone is None:
@@ -146,7 +160,7 @@ class NumbaEngine:
             beams = FrameBeams.of(layout, begins[entered], axes[frame])
             judge.keep(frame, entered, probability, cosine_of(directions, beams))
 
-        in_parts(judge_frame, len(images), self.threads)
+        in_parts(judge_frame, len(images), self.threads, progress, "Reconstructing")
         return judge.evidence(len(images))
 
     def _frame_judge(self, scan_lines: ScanLines, images: Numbers) -> FrameJudge:

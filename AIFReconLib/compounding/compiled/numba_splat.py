@@ -6,11 +6,13 @@ is met in both, and gives each its own.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ...arrays import Floats, Integers, Mask, Reals, Singles
 from ...machine.numba_compile import compiled, inlined
-from ...machine.threads import checked_threads, in_parts
+from ...machine.threads import Pace, checked_threads, in_parts
 from ...settings import LINEAR_METHODS, ReconstructionSettings
 from ..batch import BATCH_FRAMES, FrameBatch
 from ..evidence import ScanLines
@@ -170,6 +172,7 @@ class NumbaSplatEngine(SplatEngine):
     ):
         super().__init__(state, grid_size, settings, importance, planes=planes)
         self.threads = checked_threads(threads)
+        self._pace = Pace()
         first, stop = self._planes
         self._size = np.array([*grid_size, first, stop], dtype=np.int64)
         # A corner of a pixel beside these planes may lie in them
@@ -205,7 +208,7 @@ class NumbaSplatEngine(SplatEngine):
         coordinates = np.empty((2, 0)) if layout.moved is None else layout.moved
         voxels = state.value, state.hits, np.empty(0) if state.weight is None else state.weight
 
-        def put(part: int) -> None:
+        def put(part: int) -> Iterator[None]:
             slab = axis, int(edges[part]), int(edges[part + 1])
             columns = np.empty((len(images), len(pieces), 2), np.int32)
             if layout.moved is None:
@@ -213,9 +216,11 @@ class NumbaSplatEngine(SplatEngine):
                 clip_to_slab(matrices, pieces, spans, (axis, slab[1] - 1, slab[2] + 1), columns)
             else:
                 columns[:] = pieces[:, [START, STOP]]
-            where = images, matrices, pieces, columns, self._size
             rule = LINEAR_METHODS.index(state.method)
-            spread(rule, where, slab, (coordinates, importance), CENTER_TOLERANCE, LEAST_SHARE, voxels, entered[part])
+            for some in self._pace.steps(len(images)):
+                where = images[some], matrices[some], pieces, columns[some], self._size
+                spread(rule, where, slab, (coordinates, importance), CENTER_TOLERANCE, LEAST_SHARE, voxels, entered[part, some])
+                yield
 
-        in_parts(put, len(edges) - 1, self.threads)
+        in_parts(put, len(edges) - 1, self.threads, batch.progress, "Reconstructing")
         return [int(n) for n in entered.sum(axis=0)]

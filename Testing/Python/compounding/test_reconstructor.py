@@ -15,7 +15,7 @@ from sweeps import image_pose, oblique_frames, rigid, sphere_bone, turned_grid
 from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.compounding.reconstructor import FrameCounts, Reconstructor
-from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMemoryError, SettingsError
+from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMemoryError, OperationCanceled, SettingsError
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
@@ -375,3 +375,26 @@ def test_frames_that_are_skipped_for_hours_take_little_memory():
     size, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert size < 10 * 50_000
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_frames_that_wait_are_dropped_by_a_cancel(method):
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method=method), sphere_bone(), probe=SECTOR)
+    heard = []
+    with pytest.raises(OperationCanceled):
+        reconstructor.insert(oblique_frames(count=5), lambda fraction, _: heard.append(fraction) or len(heard) != 4, 5)
+    at_once = {"numpy": 3, "numba": 0}
+    assert reconstructor.counts.inserted == at_once[reconstructor.engine]
+    assert heard[:3] == [0.0, 0.2, 0.4]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_frames_that_are_computed_together_can_be_canceled_meanwhile(method):
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method=method), sphere_bone(), probe=SECTOR, threads=1)
+    if reconstructor.engine != "numba":
+        pytest.skip("without numba frames are computed one by one")
+    heard = []
+    with pytest.raises(OperationCanceled):
+        reconstructor.insert(oblique_frames(count=5), lambda fraction, _: heard.append(fraction) or len(heard) < 6, 5)
+    assert reconstructor.counts.inserted == 0
+    assert heard == [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]

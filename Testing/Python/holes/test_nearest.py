@@ -207,6 +207,18 @@ def test_filling_can_be_stopped():
         fill_holes(values, mask, CUBE, 2.0, lambda fraction, message: False)
 
 
+def test_compiled_filling_is_stopped_between_two_planes():
+    if ENGINE["name"] != "numba":
+        pytest.skip("in numpy whole blocks are filled at once")
+    values, mask = scattered((12, 20, 20), 0.02, 1)
+    heard = iter([True] * 3)
+    with pytest.raises(OperationCanceled):
+        holes.fill_holes(values, mask, CUBE, 3.0, lambda *_: next(heard, False), engine="numba", threads=1)
+    filled = (mask == FILLED).any(axis=(1, 2))
+    assert filled[:3].all()
+    assert not filled[3:].any()
+
+
 def test_the_memory_that_is_needed_beside_the_volume_is_bounded():
     values, mask = np.zeros((150, 150, 150), np.float32), np.zeros((150, 150, 150), np.uint8)
     mask[:, ::5, :] = MEASURED

@@ -11,7 +11,7 @@ import pytest
 
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.machine.read_ahead import read_ahead
-from AIFReconLib.machine.threads import NICE, give_way, in_parts, optional_module, usable_cores
+from AIFReconLib.machine.threads import NICE, Pace, give_way, in_parts, optional_module, usable_cores
 
 
 @pytest.mark.parametrize("threads", [1, 2, 7])
@@ -52,6 +52,60 @@ def test_work_in_parts_is_canceled_between_two_of_them():
         in_parts(done.append, 1000, 1, lambda fraction, _step: fraction < 0.1, "Working")
     assert done == list(range(100))
     assert threading.active_count() == before
+
+
+def test_a_part_that_takes_long_is_canceled_between_its_steps():
+    done = []
+
+    def work(part):
+        for step in range(1000):
+            done.append((part, step))
+            yield
+
+    heard = iter([True] * 4)
+    with pytest.raises(OperationCanceled):
+        in_parts(work, 3, 1, lambda *_: next(heard, False), "Working")
+    # Once before the part, and after each of its steps
+    assert done == [(0, 0), (0, 1), (0, 2), (0, 3)]
+
+
+def test_an_error_stops_the_parts_of_other_threads_between_their_steps():
+    failed, done = threading.Event(), []
+
+    def work(part):
+        if part == 0:
+            while not done:
+                time.sleep(0.001)
+            failed.set()
+            raise ValueError("part 0")
+        while True:
+            done.append(part)
+            if failed.is_set():
+                time.sleep(0.001)
+            yield
+
+    before = threading.active_count()
+    with pytest.raises(ValueError, match="part 0"):
+        in_parts(work, 2, 2)
+    assert threading.active_count() == before
+
+
+@pytest.mark.parametrize("items", [0, 1, 7, 100])
+def test_steps_cover_every_item_once_and_in_order(items):
+    covered = [n for some in Pace().steps(items) for n in range(some.start, some.stop)]
+    assert covered == list(range(items))
+
+
+def test_a_step_holds_what_fits_into_its_time(monkeypatch):
+    clock = [0.0]
+    monkeypatch.setattr("AIFReconLib.machine.threads.time.perf_counter", lambda: clock[0])
+    pace, sizes = Pace(), []
+    for seconds_each in (0.02, 0.02, 0.001):
+        for some in pace.steps(8):
+            clock[0] += (some.stop - some.start) * seconds_each
+            sizes.append(some.stop - some.start)
+    # One to begin with, then two of 0.02 s; after the first of 0.001 s all at once
+    assert sizes == [1, 2, 2, 2, 1, 2, 2, 2, 2, 2, 6]
 
 
 def test_there_is_at_least_one_core():
