@@ -334,6 +334,14 @@ class AIFReconPictureTest(unittest.TestCase):
         self.picture._ui.showLevelsCheckBox.click()
         self.assertTrue(waitFor(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is None))
 
+    def test_a_slice_that_moves_before_the_names_are_looked_up_is_named_in_its_turn(self):
+        _ct, self.parameters.bone, _registration = tinyScene.addCT()
+        self.picture._ui.showLevelsCheckBox.click()
+        green = slicer.app.layoutManager().sliceWidget("Green").mrmlSliceNode()
+        green.JumpSliceByCentering(0.0, tinyScene.FACE + 4.0, 0.0)
+        self.assertIsNone(slicer.mrmlScene.GetFirstNodeByName("Levels Green"))
+        self.assertTrue(waitFor(lambda: self.namesIn("Green")))
+
     def test_the_list_into_which_the_user_places_points_stays_the_same(self):
         _ct, self.parameters.bone, _registration = tinyScene.addCT()
         own = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsFiducialNode", "Landmarks")

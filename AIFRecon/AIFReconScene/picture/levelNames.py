@@ -35,7 +35,8 @@ class LevelNames:
     def __init__(self, inTurns):
         self._inTurns = inTurns
         self._nodeIDs, self._observed, self._shown = {}, [], {}
-        self._levels, self._key = [], None
+        # None: not looked up yet
+        self._levels, self._key = None, None
 
     def update(self, parameters) -> None:
         """Follow the box and the bone."""
@@ -77,10 +78,12 @@ class LevelNames:
             node.RemoveObserver(tag)
         scene, names = slicer.mrmlScene, [slicer.mrmlScene.GetNodeByID(each) for each in self._nodeIDs.values()]
         self._nodeIDs, self._observed, self._shown = {}, [], {}
-        self._levels, self._key = [], None
+        self._levels, self._key = None, None
         return stepsWithout(names, scene)
 
     def _follow(self, sliceNode) -> None:
+        if self._levels is None:
+            return
         names = namesIn(slicer.util.arrayFromVTKMatrix(sliceNode.GetSliceToRAS()), self._levels)
         shown = [(name, tuple(np.round(place, 2))) for name, place in names]
         if self._shown.get(sliceNode.GetID()) == shown:
