@@ -230,8 +230,9 @@ class Reconstructor:
             frames = (frames,)
         try:
             for done, frame in enumerate(frames):
-                report(progress, done / count, "Reconstructing")
-                self._add(frame, part(progress, done / count, (done + 1) / count))
+                share = part(progress, min(done / count, 1.0), min((done + 1) / count, 1.0))
+                report(share, 0.0, "Reconstructing")
+                self._add(frame, share)
         except OperationCanceled:
             if self._work is not None:
                 self._work.batch.clear()

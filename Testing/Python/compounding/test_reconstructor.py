@@ -398,3 +398,12 @@ def test_frames_that_are_computed_together_can_be_canceled_meanwhile(method):
         reconstructor.insert(oblique_frames(count=5), lambda fraction, _: heard.append(fraction) or len(heard) < 6, 5)
     assert reconstructor.counts.inserted == 0
     assert heard == [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
+
+
+def test_more_frames_than_were_told_of_leave_the_fraction_at_1():
+    heard = []
+    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method="average"))
+    reconstructor.insert(oblique_frames(count=20), lambda fraction, _: heard.append(fraction), 2)
+    assert heard[:3] == [0.0, 0.5, 1.0]
+    assert heard == sorted(heard)
+    assert heard[-1] == 1.0
