@@ -6,8 +6,9 @@ The steps are those of docs/slicer.md: sample data, a reconstruction, the compar
 a network, a real recording, live scans of it, the lights in all colors. What cannot be done here is said and left out: without the Python
 package onnxruntime (Slicer's console: slicer.util.pip_install("onnxruntime")) a network in a file, without real recordings theirs. Into
 FOLDER go a picture of the window after each step and `walk.json`: the longest stall of each step in ms, how many times as slow as at best
-the machine itself was in it (`walkMachine.py`), what was left out, and what the application's log says that it should not. The exit
-status is 0 when every step succeeded, no stall was over the limits and the log holds no traceback.
+the machine itself was in it (`walkMachine.py`), what was left out, and what the application's log says that it should not. Every stall over
+the limits is told: as `slow`, or as `disturbed` where the machine itself was more than twice as slow as at best just then. The exit status
+is 0 when every step succeeded, nothing was slow and the log holds no traceback; what was disturbed is to be measured again.
 
     ... walkInSlicer.py FOLDER --only recording,live
     ... walkInSlicer.py FOLDER --only liveGuidance
@@ -37,7 +38,7 @@ import realData  # noqa: E402 - the folder must be known first
 from walkBone import echoes, network, recordedNetwork  # noqa: E402
 from walkLights import lights  # noqa: E402
 from walkLive import live, liveGuidance, liveNetwork  # noqa: E402
-from walkMachine import watchedMachine  # noqa: E402
+from walkMachine import DISTURBED, watchedMachine  # noqa: E402
 
 WINDOW = (1400, 900)
 PANEL_WIDTH = 400
@@ -69,12 +70,16 @@ class Heart:
     def start(self) -> None:
         """Begin a new measurement."""
         self._last, self.longest, self.when = time.monotonic(), 0.0, (0.0, 0.0)
+        self.long: list[tuple[float, float]] = []
+        """Begin and end of each stall that is over a limit."""
         self._lastWorked, self.worked = time.thread_time(), 0.0
 
     def _beat(self) -> None:
         now, worked = time.monotonic(), time.thread_time()
         if now - self._last > self.longest:
             self.longest, self.when = now - self._last, (self._last, now)
+        if now - self._last > min(LONGEST_IN_A_RUN, LONGEST_WHILE_LIVE):
+            self.long.append((self._last, now))
         self.worked = max(self.worked, worked - self._lastWorked)
         self._last, self._lastWorked = now, worked
 
@@ -93,6 +98,8 @@ class Walk:
         """ms of the stalls in which the GUI's thread computed."""
         self.when: dict[str, tuple[float, float]] = {}
         """Begin and end of the stalls."""
+        self.long: list[tuple[str, float, float]] = []
+        """Step, begin and end of each stall that is over its limit."""
         self.drawn: dict[str, float] = {}
         """ms until Slicer had drawn what a step has changed; that is its own work."""
         slicer.util.mainWindow().resize(*WINDOW)
@@ -184,6 +191,8 @@ class Walk:
             self.when[name] = self.heart.when
         for kept, seconds in ((self.stalls, self.heart.longest), (self.worked, self.heart.worked)):
             kept[name] = max(kept.get(name, 0), round(seconds * 1000.0))
+        limit = LONGEST_WHILE_LIVE if name.startswith("while") else LONGEST_IN_A_RUN
+        self.long += [(name, begin, end) for begin, end in self.heart.long if end - begin > limit]
         self.heart.start()
 
     def step(self, function) -> None:
@@ -373,13 +382,14 @@ def main(arguments: list[str]) -> int:
                 failed.append(f"{step.__name__}: {type(error).__name__}: {error}")
                 print(f"FAILED {failed[-1]}", flush=True)
                 walk.picture(f"{step.__name__}-failed")
-    limits = {name: LONGEST_WHILE_LIVE if name.startswith("while") else LONGEST_IN_A_RUN for name in walk.stalls}
-    slow = [name for name, stall in walk.stalls.items() if stall > 1000.0 * limits[name]]
-    told = logged()
-    trouble = {"failed": failed, "widened": walk.widened, "slow": slow, "log": told}
+    slow, disturbed = [], []
+    for name, begin, end in walk.long:
+        times = machine.slowed(begin, end)
+        (disturbed if times > DISTURBED else slow).append(f"{name}: {1000.0 * (end - begin):.0f} ms, the machine {times:.1f} times as slow")
+    trouble = {"failed": failed, "widened": walk.widened, "slow": slow, "log": logged()}
     slowed = {name: round(machine.slowed(*when), 1) for name, when in walk.when.items()}
     measured = {"stalls_ms": walk.stalls, "worked_ms": walk.worked, "machine_slowed": slowed, "drawn_ms": walk.drawn}
-    found = {"version": slicer.app.applicationVersion, "left_out": left, **measured, **trouble}
+    found = {"version": slicer.app.applicationVersion, "left_out": left, **measured, **trouble, "disturbed": disturbed}
     (folder / "walk.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
     print(json.dumps(found, indent=2), flush=True)
     return 1 if any(trouble.values()) else 0
