@@ -382,7 +382,8 @@ def main(arguments: list[str]) -> int:
                 failed.append(f"{step.__name__}: {type(error).__name__}: {error}")
                 print(f"FAILED {failed[-1]}", flush=True)
                 walk.picture(f"{step.__name__}-failed")
-    slow, disturbed = [], []
+    slow: list[str] = []
+    disturbed: list[str] = []
     for name, begin, end in walk.long:
         times = machine.slowed(begin, end)
         (disturbed if times > DISTURBED else slow).append(f"{name}: {1000.0 * (end - begin):.0f} ms, the machine {times:.1f} times as slow")
