@@ -1,8 +1,8 @@
 """Long work of the panel: with progress and cancel, its errors shown in the panel's words."""
 
 from AIFReconScene import garbage
-from AIFReconScene.background import importLibrary
 from AIFReconScene.inputs.nodesAtWork import NodesAtWork
+from AIFReconScene.loading import importLibrary
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 

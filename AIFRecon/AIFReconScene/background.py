@@ -1,18 +1,11 @@
 """Windows stay alive: the library's work goes on a thread of its own, and between steps of the main thread they get their turn."""
 
 import concurrent.futures
-import importlib
 import threading
 
 from AIFReconLib.machine.threads import give_way
 from AIFReconLib.message import Message
 from AIFReconLib.progress import report
-
-HEAVY = (
-    *("AIFReconLib.reconstruction", "AIFReconLib.evaluation.metrics"),
-    *("scipy.fft", "scipy.ndimage", "scipy.optimize", "scipy.sparse", "scipy.spatial", "scipy.special"),
-)
-"""All that the library computes with. It would load the parts of SciPy where it first names them, be that while windows stand still."""
 
 ALIVE_EVERY = 0.02
 """s between two looks of the main thread at its events."""
@@ -83,11 +76,6 @@ class Beside:
             self._relay.canceled.set()
             self._worker.shutdown(wait=False)
             self._future = None
-
-
-def importLibrary(progress=None) -> None:
-    """Load what the library computes with, which takes a while the first time."""
-    inBackground(lambda _progress: [importlib.import_module(name) for name in HEAVY], progress)
 
 
 class _Relay:
