@@ -3,6 +3,7 @@
 from typing import Any
 
 import slicer
+from AIFReconScene import garbage
 from AIFReconScene.panelWords import inPanelWords
 
 
@@ -52,6 +53,7 @@ class ProgressDialog:
             self._dialog.labelText = inPanelWords(message) or self._dialog.labelText
             self._dialog.value = int(fraction * self.STEPS)
             slicer.app.processEvents()
+            garbage.lookInTime()
         # The events may have been the end of the application, with the dialog
         self._canceled = self._canceled or not self._dialog or self._dialog.wasCanceled
         return not self._canceled

@@ -3,6 +3,9 @@
 import contextlib
 import gc
 
+MANY = 3
+"""Rounds of young objects, some 20,000 each, that a run makes before it looks at all that it has made."""
+
 _within = 0
 
 
@@ -25,3 +28,13 @@ def leftAlone():
         _within -= 1
         if not _within:
             gc.unfreeze()
+
+
+def lookInTime() -> None:
+    """Look for garbage among what came within, before it is too much for one look; in the middle of a scan nothing is done.
+
+    Python by itself waits until what came is a quarter of all, and what numba makes in a first run, to compile it, is then looked at for
+    0.3 s.
+    """
+    if _within == 1 and gc.get_count()[2] > MANY:
+        gc.collect()

@@ -5,6 +5,7 @@ import pathlib
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 import numpy as np
 import slicer
@@ -99,6 +100,31 @@ class AIFReconWorkTest(unittest.TestCase):
         self.widget._work.run("Work", "It failed.", work, self.parameters)
         self.assertTrue(all(seen) and len(seen) == 2, seen)
         self.assertEqual(gc.get_freeze_count(), 0)
+
+    @unittest.skipUnless(gc.get_threshold()[2], "this Python looks at a few objects at a time")
+    def test_what_a_run_makes_is_looked_at_in_time_and_not_in_a_scan(self):
+        from AIFReconScene import garbage
+
+        def looks(progress) -> int:
+            made = []
+            looked.reset_mock()
+            while not looked.called and gc.get_count()[2] <= garbage.MANY:
+                made += [[] for _ in range(1000)]
+                progress(0.5, "")
+            progress(0.6, "")
+            return looked.call_count
+
+        seen = []
+
+        def work(parameters, progress):
+            seen.append(looks(progress))
+            with garbage.leftAlone():  # as a scan has it
+                seen.append(looks(progress))
+            return ""
+
+        with mock.patch.object(gc, "collect") as looked:
+            self.widget._work.run("Work", "It failed.", work, self.parameters)
+        self.assertEqual(seen, [1, 0])
 
     # ---- cancel
 
