@@ -100,7 +100,7 @@ class SceneSoak:
     def look(self, frames: int) -> Look:
         """What the scene and this process hold, once nothing is under way."""
         live = self.live._live
-        self.wait(lambda: live.frameNode is not None and live.volumeNode is not None)
+        self.wait(lambda: live.frameNode is not None and live.volumeNode is not None and not live._inSteps.isUnderWay)
         gc.collect()
         scene = slicer.mrmlScene
         nodes = [scene.GetNthNode(number) for number in range(scene.GetNumberOfNodes())]
