@@ -152,7 +152,8 @@ class AIFReconLiveSceneTest(unittest.TestCase):
     def test_a_frame_that_is_deleted_is_shown_again(self):
         self.begin()
         slicer.mrmlScene.RemoveNode(self.live._live.frameNode)
-        self.assertTrue(waitFor(lambda: self.live._live.frameNode is not None and self.live._live.frameNode.GetScene() is not None))
+        self.assertIsNone(self.live._live.frameNode)
+        self.assertTrue(waitFor(lambda: self.live._live.frameNode is not None))
         self.assertEqual(self.red().GetBackgroundVolumeID(), self.live._live.frameNode.GetID())
 
     def test_views_are_drawn_again_however_the_scan_ends(self):

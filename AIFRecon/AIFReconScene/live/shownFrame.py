@@ -39,8 +39,8 @@ class ShownFrame:
 
     @property
     def node(self):
-        """The volume of the frame that is seen; None before there is one."""
-        return self._node if self.frame is not None else None
+        """The volume of the frame that is seen; None before there is one, and when somebody has deleted it."""
+        return self._node if self.frame is not None and self._isThere() else None
 
     def stepsTo(self, frame):
         """Steps that show a `LiveFrame`, an iterator for `InSteps`; None where it is shown already or has no place."""
