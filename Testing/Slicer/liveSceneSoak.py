@@ -100,7 +100,15 @@ class SceneSoak:
     def look(self, frames: int) -> Look:
         """What the scene and this process hold, once nothing is under way."""
         live = self.live._live
-        self.wait(lambda: live.frameNode is not None and live.volumeNode is not None and not live._inSteps.isUnderWay)
+
+        def shown() -> bool:
+            return live.frameNode is not None and live.volumeNode is not None
+
+        # What was deleted comes back with the images that follow
+        end = time.monotonic() + PATIENCE
+        while not shown() and time.monotonic() < end:
+            self.update()
+        self.wait(lambda: shown() and not live._inSteps.isUnderWay)
         gc.collect()
         scene = slicer.mrmlScene
         nodes = [scene.GetNthNode(number) for number in range(scene.GetNumberOfNodes())]
