@@ -53,7 +53,8 @@ class ProgressDialog:
             self._dialog.labelText = inPanelWords(message) or self._dialog.labelText
             self._dialog.value = int(fraction * self.STEPS)
             slicer.app.processEvents()
-            garbage.lookInTime()
+            if garbage.lookInTime():
+                slicer.app.processEvents()
         # The events may have been the end of the application, with the dialog
         self._canceled = self._canceled or not self._dialog or self._dialog.wasCanceled
         return not self._canceled

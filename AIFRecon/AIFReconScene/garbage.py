@@ -30,11 +30,13 @@ def leftAlone():
             gc.unfreeze()
 
 
-def lookInTime() -> None:
-    """Look for garbage among what came within, before it is too much for one look; in the middle of a scan nothing is done.
+def lookInTime() -> bool:
+    """Look for garbage among what came within, before it is too much for one look; True where that was done, never in a scan.
 
     Python by itself waits until what came is a quarter of all, and what numba makes in a first run, to compile it, is then looked at for
     0.3 s.
     """
-    if _within == 1 and gc.get_count()[2] > MANY:
+    due = _within == 1 and gc.get_count()[2] > MANY
+    if due:
         gc.collect()
+    return due
