@@ -105,14 +105,14 @@ class AIFReconWorkTest(unittest.TestCase):
     def test_what_a_run_makes_is_looked_at_in_time_and_not_in_a_scan(self):
         from AIFReconScene import garbage
 
-        def looks(progress) -> int:
-            made = []
+        def looks(progress) -> bool:
+            made: list[list] = []
             looked.reset_mock()
             while not looked.called and gc.get_count()[2] <= garbage.MANY:
                 made += [[] for _ in range(1000)]
                 progress(0.5, "")
             progress(0.6, "")
-            return looked.call_count
+            return looked.called
 
         seen = []
 
@@ -124,7 +124,7 @@ class AIFReconWorkTest(unittest.TestCase):
 
         with mock.patch.object(gc, "collect") as looked:
             self.widget._work.run("Work", "It failed.", work, self.parameters)
-        self.assertEqual(seen, [1, 0])
+        self.assertEqual(seen, [True, False])
 
     # ---- cancel
 
