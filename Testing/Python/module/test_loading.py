@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from AIFReconLib.errors import OperationCanceled
+
 MODULE = Path(__file__).resolve().parents[3] / "AIFRecon"
 sys.path.insert(0, str(MODULE))
 
@@ -16,7 +18,7 @@ import sys
 from AIFReconScene import loading
 
 read = []
-loading.readCompiled = lambda package: read.append((package, package in sys.modules))
+loading.readCompiled = lambda package, progress: read.append((package, package in sys.modules))
 loading.importLibrary()
 assert read == [(package, False) for package in loading.LARGE], read
 assert "SimpleITK" in sys.modules and "scipy.ndimage" in sys.modules
@@ -69,6 +71,14 @@ def test_what_cannot_be_read_is_left_to_the_import(package, tmp_path, opened):
     (tmp_path / package / "folder.so").mkdir()
     loading.readCompiled(package)
     assert "libcore.so.1.32.0" in opened
+
+
+def test_a_cancel_ends_the_reading_which_is_done_anew_later(package, opened):
+    with pytest.raises(OperationCanceled):
+        loading.readCompiled(package, lambda fraction, message: False)
+    assert len(opened) == 1
+    loading.readCompiled(package, lambda fraction, message: True)
+    assert len(opened) == 6
 
 
 def test_libraries_are_read_before_anything_is_imported():
