@@ -24,7 +24,6 @@ COMPILED = {".so", ".pyd", ".dll", ".dylib"}
 AT_ONCE = 1 << 20
 """Bytes of a read."""
 
-
 _read: set[str] = set()
 
 
