@@ -22,6 +22,7 @@ from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels, read_volume
 from ..message import columns
 from ..progress import part
+from ..provenance.settings_files import made_with
 from ..sweep.joined import joined
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, add_beam_option, add_imaging_options, imaging_from, real_path, refuse_to_overwrite
@@ -180,6 +181,7 @@ def _report(
         frames=frames,
         inputs=file_sizes(inputs),
         facts=facts,
+        settings={name: made for name, path in unique_names(arguments.volumes).items() if (made := made_with(path)) is not None},
         versions=software_versions(),
         figure_png=figure,
         figure_caption="Cuts through a spinous process: the CT with its segmentation outlined, and the volumes."

@@ -179,12 +179,12 @@ class PixelLayout:
         whole = np.rint(ijk)
         return np.where(np.abs(ijk - whole) < CENTER_TOLERANCE, whole, ijk)
 
-    def planes_reached(self, image_to_ijk: Matrix) -> tuple[int, int]:
-        """The lowest and the highest plane [k] in which a pixel may have a voxel, or a corner of the eight around it."""
+    def planes_reached(self, image_to_ijk: Matrix, axis: int = 2) -> tuple[int, int]:
+        """The lowest and the highest plane along an axis in which a pixel may have a voxel, or a corner of the eight around it."""
         left, right, top, bottom = self.bounds
-        _, _, along, _ = np.asarray(image_to_ijk)
+        along = np.asarray(image_to_ijk)[axis].tolist()
         ends = [along[0] * x + along[1] * y + along[3] for x in (left, right) for y in (top, bottom)]
-        return int(np.floor(min(ends))) - 1, int(np.ceil(max(ends))) + 1
+        return math.floor(min(ends)) - 1, math.ceil(max(ends)) + 1
 
     def voxels(
         self, image_to_ijk: Matrix, grid_size: tuple[int, int, int], planes: tuple[int, int] | None = None
@@ -282,20 +282,6 @@ def _floors_along_one(along_rows: Floats, along_columns: Floats) -> Floats | Non
         return ends[:, :1]
     ends = np.floor(along_rows[[0, -1]] + along_columns)
     return ends[:1] if np.array_equal(ends[0], ends[1]) else None
-
-
-def most_in_a_voxel(image_to_ijk: Matrix) -> float:
-    """A number of pixels that one voxel cannot get more of from an image at this place, (4, 4).
-
-    Notes
-    -----
-    A plane meets a cube of edge 1 in a convex figure of an area up to sqrt(2) (Ball 1986) and, being no wider than the cube's diagonal, a
-    perimeter up to pi sqrt(3). A convex figure holds at most area + perimeter / 2 + 1 points of a square lattice (Nosarzewska 1948).
-    """
-    (xx, xy), (_, yy) = (image_to_ijk[:3, :2].T @ image_to_ijk[:3, :2]).tolist()
-    middle, area = (xx + yy) / 2, math.sqrt(max(xx * yy - xy * xy, 0.0))
-    narrowest = math.sqrt(max(middle - math.hypot((xx - yy) / 2, xy), 0.0))
-    return math.sqrt(2) / area + math.pi * math.sqrt(3) / 2 / narrowest + 1 if area and narrowest else math.inf
 
 
 def in_fixed_point(image_to_ijk: Matrix) -> Matrix:

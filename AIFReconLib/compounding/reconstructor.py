@@ -31,13 +31,13 @@ from .finishing.parts import Planes
 from .finishing.results import Results
 from .image_format import ImageKind
 from .intake import OUTSIDE, Intake, require_kinds
-from .layout import most_in_a_voxel
+from .most_hits import MostHits, most_in_a_voxel
 from .needs import bone_on_grid, judges_shadows, needs_beams, require_bone
 from .numpy_engine import NumpyEngine
 from .own.engine import OwnMethodEngine
 from .own.method import own_method
 from .splat_engine import SplatEngine, check_shares, splat_engine, uses_shares
-from .state import BESIDE, Reconstruction, VoxelState, bytes_per_voxel, counts_hits, part_bytes
+from .state import BESIDE, MOST_IN_SINGLE, Reconstruction, VoxelState, bytes_per_voxel, counts_hits, part_bytes
 
 if TYPE_CHECKING:
     from .compiled.numba_engine import NumbaEngine
@@ -200,6 +200,7 @@ class Reconstructor:
         self._state: VoxelState | None = self._empty_state(whole=True)
         self._images: ImageKind | None = None
         self._most = 0.0
+        self._hits = MostHits(grid.size) if self.method == "weighted" else None
         self._work: _Work | None = None
 
     def insert(self, frames: TrackedFrame | Iterable[TrackedFrame], progress: Progress | None = None, count: int = 1) -> None:
@@ -331,6 +332,11 @@ class Reconstructor:
             return
         self.counts.poses.extend(pose[:3].ravel())
         image_to_ijk = self._intake.image_to_ijk(pose)
+        if self._hits is not None and layout is not None and self._hits.after(image_to_ijk, layout) > MOST_IN_SINGLE:
+            # What waits adds up as it would have one by one
+            self._compute(progress)
+            self._unfinished().widen()
+            self._hits = None
         if self._part is not None and layout is not None:
             low, high = self.counts.reached[frame.number] = layout.planes_reached(image_to_ijk)
             if high < self._part[0] or low >= self._part[1]:

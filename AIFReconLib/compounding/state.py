@@ -31,6 +31,9 @@ HIT = 2**HIT_BITS
 MOST_HITS = 2**12 - 1
 """Pixels that a packed voxel counts; their sum, if all are as bright as 8 bits can be, still leaves the hits alone."""
 
+MOST_IN_SINGLE = 2.0**16
+"""Pixels of a voxel whose weights and values add up in float32: the mean is then off by a third of a gray level at worst."""
+
 AT_ONCE = 2**20
 """Voxels that are looked through at a time: little memory beside them."""
 
@@ -72,10 +75,10 @@ class VoxelState:
         uint32: pixels that entered, times `HIT`, and their sum (average of 8-bit images, whose mean is exact).
         uint8: the last (latest) or the largest (maximum) value of 8-bit images; float32: of others, and the running average (aif), the sum
         of w v (weighted).
-        float64: the sum (average), so that its mean is exact; the sum of w v (a method of one's own).
+        float64: the sum (average), so that its mean is exact; the sum of w v (a method of one's own, and weighted once it is `widened`).
     weight : (voxels,) array or None
         float32: the paper's V_count (aif), the sum of w (weighted). float64: the sum of shares (average of pixels that count unequally),
-        the sum of w (a method of one's own).
+        the sum of w where that of w v is float64.
     cosine : (voxels,) float32 array or None
         Best cosine of incidence so far.
     """
@@ -125,9 +128,9 @@ class VoxelState:
         return self.value.dtype == np.uint32
 
     @property
-    def met(self) -> NDArray[np.uint32]:
+    def met(self) -> NDArray[np.unsignedinteger]:
         """(voxels,), 0 where no pixel entered and nowhere else: hits, or the bits of weights, which are above 0 wherever one did."""
-        return self.hits if self.hits.size or self.weight is None else self.weight.view(np.uint32)
+        return self.hits if self.hits.size or self.weight is None else self.weight.view(f"u{self.weight.itemsize}")
 
     @property
     def weights(self) -> Reals:
@@ -141,6 +144,10 @@ class VoxelState:
         if self.weight is None:
             raise ValueError(f"Input state must be one that keeps weights; method {self.method} has none here.")
         return self.weight
+
+    def widen(self) -> None:
+        """Let sums go on in float64: in float32 they would stop growing where a probe rests. Memory that is empty stays so."""
+        self.value, self.weight = _widened(self.value), _widened(self.weights)
 
     def expect(self, pixels: float) -> None:
         """Prepare for up to so many more pixels in one voxel: packed ones that could run over are emptied, or sums and hits go on apart."""
@@ -205,6 +212,14 @@ class VoxelState:
         if whole is not None:
             sums[whole.voxels] = whole.sums
         return sums
+
+
+def _widened(sums: Numbers) -> Floats:
+    wide = np.zeros(sums.size)
+    for start in range(0, sums.size, AT_ONCE):
+        some = sums[start : start + AT_ONCE]
+        np.copyto(wide[start : start + AT_ONCE], some, where=some != 0)
+    return wide
 
 
 def counts_hits(method: str, beside: Collection[str]) -> bool:

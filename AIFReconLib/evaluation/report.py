@@ -315,7 +315,7 @@ def _provenance(report: Report) -> list[str]:
     lines = ["<section>", "<h2>Where this comes from</h2>", '<dl class="facts">']
     lines += [f"<div><dt>{escape(name)}</dt><dd>{escape(text)}</dd></div>" for name, text in facts.items()]
     lines += ["</dl>", '<div class="pair">']
-    lines += ["<div>", "<h3>Settings</h3>", *_settings(report.settings), "</div>"]
+    lines += ["<div>", "<h3>Settings</h3>", *_settings(report.settings, report.metrics), "</div>"]
     if files:
         lines += [
             "<div>",
@@ -328,10 +328,12 @@ def _provenance(report: Report) -> list[str]:
     return [*lines, "</div>", "</section>"]
 
 
-def _settings(settings: dict[str, ReconstructionSettings]) -> list[str]:
-    """Each parameter once where all methods share its value, else by method."""
+def _settings(settings: dict[str, ReconstructionSettings], volumes: Iterable[str]) -> list[str]:
+    """Each parameter once where all methods share its value, else by method; and the volumes whose settings are not known."""
+    unknown = [name for name in volumes if name not in settings]
+    notes = [f"<p>Not known of {escape(', '.join(unknown))}: a volume that AIFRecon did not write does not say it.</p>"] if unknown else []
     if not settings:
-        return ["<p>Not known: volume files do not record how they were reconstructed.</p>"]
+        return notes
     rows = []
     for spec in fields(ReconstructionSettings):
         if spec.name == "method":
@@ -346,6 +348,7 @@ def _settings(settings: dict[str, ReconstructionSettings]) -> list[str]:
         f"<tr><td>method</td><td>{methods}</td></tr>",
         *rows,
         "</tbody></table></div>",
+        *notes,
     ]
 
 

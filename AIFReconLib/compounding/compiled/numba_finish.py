@@ -26,9 +26,9 @@ def rounded(value: np.float32, to_8_bit: bool) -> np.float32:
 
 
 @inlined
-def any_of(numbers: NDArray[np.uint32]) -> bool:
+def any_of(numbers: NDArray[np.unsignedinteger]) -> bool:
     """Whether any is not 0."""
-    together = np.uint32(0)
+    together = numbers.dtype.type(0)
     for n in range(numbers.size):
         together |= numbers[n]
     entered: bool = together != 0

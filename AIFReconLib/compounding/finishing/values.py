@@ -72,7 +72,7 @@ def divisor_of(state: VoxelState) -> Numbers | None:
 def _finish(state: VoxelState, start: int, stop: int, intensity: Numbers, mask: Bytes, to_8_bit: bool) -> None:
     part = slice(start, stop)
     sums: Numbers
-    hits: NDArray[np.uint32]
+    hits: NDArray[np.unsignedinteger]
     sums, hits = state.value[part], state.met[part]
     divisor = divisor_of(state)
     if state.packed:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from files import write_patient
 
+from AIFReconLib import __version__
 from AIFReconLib.commands.evaluate import unique_names
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.transform.files import read_transform
-from AIFReconLib.io.volume.files import read_labels
+from AIFReconLib.io.volume.files import read_labels, read_volume
+from AIFReconLib.provenance.record import SETTINGS, VERSION
 
 
 @pytest.fixture
@@ -168,6 +171,23 @@ def test_the_report_holds_the_volumes_and_where_they_come_from(case, tmp_path, c
     html = page.read_text("utf-8")
     for name in ("shell.nrrd", "noise.nrrd", case.sweep.name, case.config.name, case.labels.name, case.transform.name, "6 frames"):
         assert name in html
+
+
+def test_the_report_says_how_a_volume_was_made_and_of_which_it_is_not_known(case, tmp_path):
+    page, shell = tmp_path / "report.html", tmp_path / "shell.nrrd"
+    made = replace(read_volume(shell), fields={SETTINGS: '{"method": "aif", "alpha": 0.37}', VERSION: __version__})
+    made.write(shell)
+    assert main(command(case, "shell", "noise", extra=["--report", page])) == 0
+    html = page.read_text("utf-8")
+    assert "<td>0.37</td>" in html
+    assert "Not known of noise.nrrd" in html
+
+
+def test_a_volume_with_damaged_settings_is_measured_all_the_same(case, tmp_path):
+    page, shell = tmp_path / "report.html", tmp_path / "shell.nrrd"
+    replace(read_volume(shell), fields={SETTINGS: '{"alpha": "many"'}).write(shell)
+    assert main(command(case, "shell", extra=["--report", page])) == 0
+    assert "Not known of shell.nrrd" in page.read_text("utf-8")
 
 
 def test_the_report_names_no_place_on_this_machine(case, tmp_path):
