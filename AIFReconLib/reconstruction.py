@@ -15,8 +15,8 @@ from .compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_o
 from .compounding.finishing.results import Results, bytes_of_results
 from .compounding.image_format import ImageKind
 from .compounding.intake import require_kinds
+from .compounding.methods.table import method_named
 from .compounding.needs import bone_on_grid, needs_beams, needs_bone
-from .compounding.own.method import own_method
 from .compounding.reconstructor import BESIDE_BONE, FrameCounts, Reconstructor
 from .compounding.splat_engine import uses_shares
 from .compounding.state import BESIDE, Reconstruction, bytes_per_voxel, part_bytes
@@ -108,8 +108,8 @@ def _costs(settings: ReconstructionSettings, method: str, parts: ReconstructorPa
     asked = method, bone_on_grid(method, settings), settings.best_cosine, uses_shares(settings, parts.importance), whole
     results = bytes_of_results(settings, parts.holes, kind.output_type(settings), beside)
     output = results - 1 - 4 * len({*beside} & {*BESIDE})
-    own = own_method(method)
-    return Costs(bytes_per_voxel(*asked, beside, output), results, part_bytes(*asked, beside), own is None or not own.needs_bone)
+    works_in_parts = method_named(method).works_in_parts
+    return Costs(bytes_per_voxel(*asked, beside, output), results, part_bytes(*asked, beside), works_in_parts)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from .arrays import Reals
+from .compounding.methods.table import LINEAR_METHODS, method_named
 from .errors import BeamGeometryError, SettingsError
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
@@ -18,7 +19,7 @@ from .imaging.images import ImageStack
 from .imaging.region import ImageRegion
 from .io.plus.importance_mask import configured_importance
 from .message import Message
-from .settings import LINEAR_METHODS, ReconstructionSettings
+from .settings import DEFAULT_METHOD_WITHOUT_BONE, ReconstructionSettings
 from .sweep.frames import TrackedSequence
 from .sweep.joined import names_of
 from .sweep.poses import SweepPoses
@@ -81,10 +82,10 @@ def resolve_settings(
 
     method = settings.method
     if method is None and not has_bone:
-        method = "average" if has_importance else configuration.method
+        method = DEFAULT_METHOD_WITHOUT_BONE if has_importance else configuration.method
     method = method or settings.method_for(has_bone)
     interpolation = settings.interpolation
-    if interpolation is None and method in LINEAR_METHODS and not settings.best_cosine:
+    if interpolation is None and method_named(method).spread is not None and not settings.best_cosine:
         interpolation = configuration.interpolation
     return replace(
         settings,
@@ -121,18 +122,19 @@ def reconstructor_parts(
         When the configuration's importance mask cannot be read.
     """
     notes = []
+    method = method_named(resolved.method or DEFAULT_METHOD_WITHOUT_BONE)
     if importance is None and configuration.uses_importance_mask:
-        if asked.method is None and resolved.method == "average":
+        if asked.method is None and method.weighs_pixels:
             importance = configured_importance(configuration)
         else:
             notes.append(
                 Message(
                     "The configuration's importance mask is not used: it is for an average, and the method is {method}.",
-                    method=resolved.method,
+                    method=method.name,
                 )
             )
     if asked.interpolation is None and configuration.interpolation == "linear" and resolved.interpolation != "linear":
-        this = Message("{method} with cosines", method=resolved.method) if resolved.best_cosine else resolved.method
+        this = Message("{method} with cosines", method=method.name) if resolved.best_cosine else method.name
         notes.append(
             Message(
                 "The configuration's Interpolation=LINEAR is not used: it is for methods {methods}, and this is {method}.",
@@ -145,7 +147,7 @@ def reconstructor_parts(
         configuration.holes,
         configuration.threads,
         # Methods that weight by incidence are not Plus's
-        configuration.fixed_point and resolved.method in LINEAR_METHODS,
+        configuration.fixed_point and method.spread is not None,
         configuration.fits_spacing and asked.spacing is None,
         configuration.grid(resolved.spacing_xyz()),
         tuple(notes),

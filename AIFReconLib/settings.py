@@ -6,20 +6,13 @@ The command line, the Slicer module and the documentation take them from here.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from numbers import Integral, Real
 from typing import TypedDict, TypeVar, cast
 
+from .compounding.methods.table import BUILT_IN, METHODS, OWN_METHOD, is_own_method
 from .errors import SettingsError
-
-METHODS = ("average", "latest", "maximum", "aif", "aif-compensated", "weighted")
-BONE_METHODS = ("aif", "aif-compensated", "weighted")
-"""Methods that need a bone map and the direction of the beams."""
-
-OWN_METHOD = "module:function"
-"""How a method of the user's own is called: the function, and the module that holds it."""
 
 ENGINES = ("auto", "numpy", "numba")
 INTERPOLATIONS = ("nearest", "linear")
@@ -82,7 +75,7 @@ class ReconstructionSettings:
 
     method: str | None = parameter(
         None,
-        "how pixels of a voxel are combined; the last: a method of your own "
+        f"how pixels of a voxel are combined: {', '.join(f'{method.name}: {method.words}' for method in BUILT_IN)}; {OWN_METHOD}: your own "
         f"(default: {DEFAULT_METHOD_WITH_BONE} with bone, else the configuration's, else {DEFAULT_METHOD_WITHOUT_BONE})",
         choices=METHODS,
         own=True,
@@ -188,11 +181,6 @@ class ReconstructionSettings:
         return spacing if isinstance(spacing, tuple) else (float(spacing),) * 3
 
 
-def is_own_method(name: str) -> bool:
-    """Whether a name is that of a method of the user's own, `OWN_METHOD`; whether there is one is not asked."""
-    return re.fullmatch(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*", name) is not None
-
-
 def rule_of(metadata: Mapping[str, object]) -> Rule:
     """The metadata of a settings' field as what it is."""
     return cast("Rule", metadata)
@@ -230,7 +218,3 @@ def check_value(name: str, value: object, rule: Rule) -> None:
         raise SettingsError(
             "Input {name} must be at most {maximum:g}{unit}; got {value!r}.", name=name, maximum=rule["maximum"], unit=unit, value=value
         )
-
-
-LINEAR_METHODS = ("average", "latest", "maximum")
-"""In the order of the rules' numbers in `numba_splat`."""

@@ -18,6 +18,7 @@ from typing import Any
 from .. import __version__
 from ..arrays import Matrix
 from ..bone.map import BoneMap
+from ..compounding.methods.table import is_own_method
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError, RegistrationRefused
 from ..evaluation.figures import require_matplotlib
@@ -36,7 +37,6 @@ from ..reconstruction import reconstruct
 from ..registration.labeled_bone import LabeledBone
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
-from ..settings import is_own_method
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses

@@ -10,10 +10,9 @@ import re
 from pathlib import Path
 from typing import NoReturn
 
-from ..compounding.own.method import own_method
+from ..compounding.methods.table import is_own_method, method_named
 from ..errors import MethodError, SettingsError
 from ..message import Message
-from ..settings import is_own_method
 from ..terminal.one_line_parser import OneLineParser
 from ..terminal.options import (
     add_beam_option,
@@ -138,7 +137,7 @@ class Columns:
         """A method. One of the user's own is known already, or refused: a table, as any file, has no module imported."""
         if is_own_method(name):
             try:
-                own_method(name)
+                method_named(name)
             except MethodError:
                 raise MethodError(
                     "{method} is a method of your own, which a table alone cannot bring in. Give {option} too.",

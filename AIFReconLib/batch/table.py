@@ -14,13 +14,13 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
+from ..compounding.methods.table import is_own_method
 from ..compounding.needs import require_bone
 from ..errors import AIFReconError, FileFormatError, SettingsError
 from ..io.disk.regular_files import require_regular_file
 from ..io.disk.small_files import read_bytes
 from ..io.metafile.opening import data_files
 from ..message import Message, said
-from ..settings import is_own_method
 from ..terminal.options import PARAMETERS, check_bone_options, settings_from
 from ..terminal.seen_bone_options import seen_source
 from ..terminal.sequence_options import of_each

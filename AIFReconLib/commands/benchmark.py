@@ -17,6 +17,7 @@ import numpy as np
 from .. import __version__
 from ..bone.map import BoneMap
 from ..compounding.engines import INSTALL_NUMBA, choose_engine
+from ..compounding.methods.table import BONE_METHODS, METHODS
 from ..compounding.numpy_engine import NumpyEngine
 from ..compounding.reconstructor import Reconstructor
 from ..errors import SettingsError
@@ -31,7 +32,7 @@ from ..live.wire.framing import Frame, Framer
 from ..machine.threads import optional_module, usable_cores
 from ..message import columns
 from ..progress import Progress, part, report
-from ..settings import BONE_METHODS, DEFAULT_SPACING, METHODS, ReconstructionSettings
+from ..settings import DEFAULT_SPACING, ReconstructionSettings
 from ..sweep.frames import TrackedFrame
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands

@@ -9,6 +9,7 @@ from datetime import date
 from pathlib import Path
 
 from ..bone.map import BoneMap
+from ..compounding.methods.table import COMPARED_METHODS, METHODS
 from ..evaluation.figures import compare_figure, require_matplotlib
 from ..evaluation.metrics import BoneMetrics, evaluate
 from ..evaluation.quantities import metrics_csv, table
@@ -24,7 +25,7 @@ from ..message import columns
 from ..progress import part
 from ..reconstruction import reconstruct
 from ..resolve import resolve_settings
-from ..settings import METHODS, ReconstructionSettings
+from ..settings import ReconstructionSettings
 from ..terminal.console import ProgressBar, program
 from ..terminal.options import Commands
 from .simulate import SimulatedFiles, write_simulated_patient
@@ -41,7 +42,6 @@ BONE_SIGMA = 4.0
 
 PATH = "multi-angle"
 
-SHOWN = ("average", "aif", "aif-compensated", "weighted")
 
 PRINTED = (
     "bone_cnr",
@@ -93,7 +93,7 @@ def run(arguments: argparse.Namespace) -> None:
             result = reconstruct(sequence, settings[method], bone, beside=(), progress=part(step, 0.0, 0.8))
             result.intensity.write(folder / f"reconstruction-{method}.nrrd")
             metrics[method] = evaluate(result.intensity, truth, result.mask)
-            if method in SHOWN:
+            if method in COMPARED_METHODS:
                 shown[method] = result.intensity
         progress(0.95, "Drawing")
         figure = folder / "comparison.png"

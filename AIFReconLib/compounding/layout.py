@@ -14,6 +14,7 @@ from ..arrays import Array, Floats, Integers, Mask, Matrix, Numbers, Singles
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..imaging.sound_speed import DepthScale
+from .methods.method import Beams
 
 SPACING_TOLERANCE = 1e-3
 """Relative change of pixel spacing at which beam directions are computed anew; recorded matrices jitter in the sixth digit."""
@@ -26,6 +27,8 @@ CENTER_TOLERANCE = 1e-6
 
 FIXED_POINT_ONE = 2**14
 """What stands for 1 where pixels are placed as by Plus's Optimization=FULL."""
+
+NO_BEAMS: Singles = np.empty(0, np.float32)
 
 
 Value = TypeVar("Value", bound=np.generic)
@@ -127,6 +130,12 @@ class PixelLayout:
     def fits(self, size: tuple[int, int], spacing: tuple[float, float]) -> bool:
         """Whether it serves a frame of this size and pixel spacing."""
         return self.size == size and all(abs(new - old) <= SPACING_TOLERANCE * old for new, old in zip(spacing, self.spacing, strict=True))
+
+    def beams(self, pixels: Integers | slice, axes: Singles) -> Beams:
+        """The beams through `pixels` of a frame whose image axes are `axes` (6,); without components where the layout has none."""
+        if self.beam_x is None or self.beam_y is None:
+            return Beams(NO_BEAMS, NO_BEAMS, axes[:3], axes[3:])
+        return Beams(self.beam_x[pixels], self.beam_y[pixels], axes[:3], axes[3:])
 
     @cached_property
     def _numbers(self) -> Integers:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..errors import SettingsError
 from ..message import Message
-from ..settings import BONE_METHODS, ReconstructionSettings
-from .own.method import own_method
+from ..settings import ReconstructionSettings
+from .methods.table import method_named
 
 
 def method_needs_bone(name: str) -> bool:
@@ -14,10 +14,9 @@ def method_needs_bone(name: str) -> bool:
     Raises
     ------
     MethodError
-        When it is one of the user's own and is not registered; so do the others here.
+        When there is no such method; so do the others here.
     """
-    method = own_method(name)
-    return name in BONE_METHODS if method is None else method.needs_bone
+    return method_named(name).needs_bone
 
 
 def needs_bone(name: str, settings: ReconstructionSettings) -> bool:
@@ -27,13 +26,12 @@ def needs_bone(name: str, settings: ReconstructionSettings) -> bool:
 
 def bone_on_grid(name: str, settings: ReconstructionSettings, grows: bool = False) -> bool:
     """Whether the bone map is kept on every voxel: read wherever a pixel enters, not just where frames show bone, or one that `grows`."""
-    return needs_bone(name, settings) and (grows or settings.best_cosine or name != "weighted")
+    return needs_bone(name, settings) and (grows or settings.best_cosine or method_named(name).reads_bone == "everywhere")
 
 
 def judges_shadows(name: str) -> bool:
     """Whether a method looks for shadows in each frame."""
-    method = own_method(name)
-    return name == "weighted" if method is None else method.needs_shadows
+    return method_named(name).needs_shadows
 
 
 def needs_beams(name: str, settings: ReconstructionSettings) -> bool:

@@ -31,11 +31,12 @@ from .finishing.parts import Planes
 from .finishing.results import Results
 from .image_format import ImageKind
 from .intake import OUTSIDE, Intake, require_kinds
+from .methods.table import method_named
 from .most_hits import MostHits, most_in_a_voxel
 from .needs import bone_on_grid, judges_shadows, needs_beams, require_bone
 from .numpy_engine import NumpyEngine
 from .own.engine import OwnMethodEngine
-from .own.method import own_method
+from .own.method import Method
 from .splat_engine import SplatEngine, check_shares, splat_engine, uses_shares
 from .state import BESIDE, MOST_IN_SINGLE, Reconstruction, VoxelState, bytes_per_voxel, counts_hits, part_bytes
 
@@ -160,7 +161,8 @@ class Reconstructor:
         self.counts = FrameCounts()
         self._region = region or ImageRegion()
         self.notes: list[str] = []
-        self._own = own_method(self.method)
+        method = method_named(self.method)
+        self._own = method if isinstance(method, Method) else None
         uses_bone = require_bone(self.method, self.settings, bone is not None)
         uses_beams = needs_beams(self.method, self.settings)
         if uses_beams and probe is None:
@@ -187,6 +189,8 @@ class Reconstructor:
         if note is not None:
             self.notes.append(note)
         curves_rows = moves_pixels and probe is not None and probe.kind == SECTOR
+        if self._own is None and self.method not in self._engine_class.methods:
+            self._engine_class = NumpyEngine
         if curves_rows and not self._shares and self._own is None and self._engine_class is not NumpyEngine:
             # The other engine wants rows of pixels to be straight lines
             self._engine_class = NumpyEngine
@@ -200,7 +204,7 @@ class Reconstructor:
         self._state: VoxelState | None = self._empty_state(whole=True)
         self._images: ImageKind | None = None
         self._most = 0.0
-        self._hits = MostHits(grid.size) if self.method == "weighted" else None
+        self._hits = MostHits(grid.size) if method.widens else None
         self._work: _Work | None = None
 
     def insert(self, frames: TrackedFrame | Iterable[TrackedFrame], progress: Progress | None = None, count: int = 1) -> None:
@@ -246,7 +250,7 @@ class Reconstructor:
         """Name of the engine that does the arithmetic: "numpy" or "numba"."""
         if self._own is not None:
             return OwnMethodEngine.name
-        return (splat_engine(self.settings) if self._shares else self._engine_class).name
+        return (splat_engine(self.method, self.settings) if self._shares else self._engine_class).name
 
     def reconstruction(self, progress: Progress | None = None) -> Reconstruction:
         """The volume as it is now, holes filled; more frames may follow."""
@@ -379,7 +383,7 @@ class Reconstructor:
         if self._own is not None:
             engine = OwnMethodEngine(state, size, self._own, maximum, self._bone, planes)
         elif self._shares:
-            engine = splat_engine(self.settings)(state, size, self.settings, self._importance, self._threads, planes)
+            engine = splat_engine(self.method, self.settings)(state, size, self.settings, self._importance, self._threads, planes)
         else:
             engine = self._engine_class(state, size, self.settings, maximum, self._bone, self._threads, planes)
         return _Work(images, engine, FrameBatch(images.shape, images.dtype, engine.frames_at_once))

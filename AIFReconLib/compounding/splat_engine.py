@@ -11,14 +11,12 @@ from ..arrays import Floats, Integers, Mask, Matrix, Reals, Singles
 from ..errors import SettingsError
 from ..machine.threads import optional_module
 from ..message import Message, listed
-from ..settings import LINEAR_METHODS, ReconstructionSettings
+from ..settings import ReconstructionSettings
 from .batch import FrameBatch
 from .evidence import ScanLines
 from .layout import PixelLayout
+from .methods.table import LINEAR_METHODS, method_named
 from .state import VoxelState
-
-LEAST_SHARE = 0.125
-"""Latest and maximum: a pixel acts on the corners that get at least this much of it, as all eight do from the middle."""
 
 CORNERS = np.array([(k, j, i) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 """The voxels [k, j, i] around a place, from its lower one."""
@@ -34,15 +32,16 @@ def uses_shares(settings: ReconstructionSettings, importance: Reals | None) -> b
 
 def check_shares(method: str, settings: ReconstructionSettings, importance: Reals | None) -> None:
     """Raise `SettingsError` where linear interpolation or an importance mask does not fit the method."""
-    if settings.interpolation == "linear" and (method not in LINEAR_METHODS or settings.best_cosine):
-        wish = Message("method {method}", method=method) if method not in LINEAR_METHODS else Message("the cosine of incidence")
+    chosen = method_named(method)
+    if settings.interpolation == "linear" and (chosen.spread is None or settings.best_cosine):
+        wish = Message("method {method}", method=method) if chosen.spread is None else Message("the cosine of incidence")
         raise SettingsError(
             "Input interpolation must be nearest for {wish}; got 'linear'. Leave it out, or choose method {methods}.",
             wish=wish,
             methods=listed(LINEAR_METHODS, " or "),
         )
-    if importance is not None and (method != "average" or settings.best_cosine):
-        wish = Message("method {method}", method=method) if method != "average" else Message("the cosine of incidence")
+    if importance is not None and (not chosen.weighs_pixels or settings.best_cosine):
+        wish = Message("the cosine of incidence") if chosen.weighs_pixels else Message("method {method}", method=method)
         raise SettingsError(
             "An importance mask weights an average, and does not fit {wish}. Leave it out, or choose method average.", wish=wish
         )
@@ -83,6 +82,10 @@ class SplatEngine:
         self._planes = (0, grid_size[2]) if planes is None else planes
         self._linear = settings.interpolation == "linear"
         self._importance = importance
+        self._method = method_named(state.method)
+        if self._method.spread is None:
+            raise ValueError(f"Input state must be of a method whose pixels can spread; got {state.method}.")
+        self._spread_rule = self._method.spread
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None = None) -> list[int]:
         """Put frames into the volume; returns how many pixels entered of each. `scan_lines` is not looked at.
@@ -145,7 +148,8 @@ class SplatEngine:
         i, j, k = (np.stack([1 - along, along]) for along in fraction)
         # In the order of CORNERS, so that a pixel's corners stand side by side and pixels keep their order
         share = (i[:, None, None] * j[None, :, None] * k[None, None]).reshape(8, -1).T
-        enough = share >= LEAST_SHARE if self.state.method != "average" else share > 0
+        least = self._method.least_share
+        enough = share >= least if least > 0 else share > 0
         enough &= (voxels >= stored) & (voxels < stop)
         pixel = np.nonzero(enough)[0]
         share = share[enough]
@@ -158,14 +162,7 @@ class SplatEngine:
         """Contributions (n,), in order."""
         state = self.state
         np.add.at(state.hits, voxels, np.uint32(1))
-        if state.method == "latest":
-            state.value[voxels] = values
-        elif state.method == "maximum":
-            np.maximum.at(state.value, voxels, values)
-        else:
-            weights = np.ones(len(values)) if weights is None else weights.astype(np.float64)
-            np.add.at(state.value, voxels, weights * values)
-            np.add.at(state.weights, voxels, weights)
+        self._spread_rule(state, voxels, values, np.ones(len(values)) if weights is None else weights)
 
     def _weights(self, layout: PixelLayout) -> Singles | None:
         """The importance of the pixels that count, (n,) float32; None where all count alike."""
@@ -183,9 +180,9 @@ class SplatEngine:
         return layout.values(self._importance)
 
 
-def splat_engine(settings: ReconstructionSettings) -> type[SplatEngine]:
-    """The compiled engine where pixels spread and numba is there and not ruled out; else `SplatEngine`."""
+def splat_engine(method: str, settings: ReconstructionSettings) -> type[SplatEngine]:
+    """The compiled engine where pixels spread, the method has a kernel, and numba is there and not ruled out; else `SplatEngine`."""
     wanted = settings.interpolation == "linear" and settings.engine != "numpy"
     module = optional_module("AIFReconLib.compounding.compiled.numba_splat") if wanted else None
-    engine: type[SplatEngine] = SplatEngine if module is None else module.NumbaSplatEngine
+    engine: type[SplatEngine] = SplatEngine if module is None or method not in module.SPREAD_RULES else module.NumbaSplatEngine
     return engine

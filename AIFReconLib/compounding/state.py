@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..arrays import Floats, Integers, Numbers, Reals, Singles
 from ..geometry.volume import Volume, VoxelGrid
 from ..message import Described, in_python_words, translated
-from ..settings import BONE_METHODS, is_own_method
+from .methods.table import method_named
 
 if TYPE_CHECKING:
     from ..sweep.joined import SweepShare
@@ -81,6 +81,8 @@ class VoxelState:
         the sum of w where that of w v is float64.
     cosine : (voxels,) float32 array or None
         Best cosine of incidence so far.
+    start : float
+        The value before the first pixel.
     """
 
     method: str
@@ -88,6 +90,7 @@ class VoxelState:
     value: Numbers
     weight: Reals | None
     cosine: Singles | None
+    start: float = 0.0
     overfull: Overfull | None = None
     _most: float = 0.0
 
@@ -109,17 +112,17 @@ class VoxelState:
         counted : bool
             Whether somebody asks how many entered a voxel; where weights say that any did, hits are kept for nothing else.
         """
-        value: Numbers = np.zeros(voxels, value_type(method, shares, whole))
-        if method == "maximum" and value.dtype.kind == "f":
-            value.fill(-np.inf)
-        weighs_in = np.float64 if _weighs_in_double(method, shares) else np.float32
-        has_weight = method in BONE_METHODS or _weighs_in_double(method, shares)
+        kinds = method_named(method).kept(whole, shares)
+        value: Numbers = np.zeros(voxels, kinds.value)
+        if kinds.start:
+            value.fill(kinds.start)
         return cls(
             method=method,
             hits=NO_HITS if value.dtype == np.uint32 or not counted else np.zeros(voxels, dtype=np.uint32),
             value=value,
-            weight=np.zeros(voxels, weighs_in) if has_weight else None,
+            weight=None if kinds.weight is None else np.zeros(voxels, kinds.weight),
             cosine=np.zeros(voxels, dtype=np.float32) if best_cosine else None,
+            start=kinds.start,
         )
 
     @property
@@ -224,7 +227,7 @@ def _widened(sums: Numbers) -> Floats:
 
 def counts_hits(method: str, beside: Collection[str]) -> bool:
     """Whether a method's state counts pixels, for one who wants these volumes beside the intensity."""
-    return method != "weighted" or "hits" in beside
+    return not method_named(method).always_weighs or "hits" in beside
 
 
 def unpacked(packed: Numbers) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
@@ -233,26 +236,21 @@ def unpacked(packed: Numbers) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
     return both & np.uint32(HIT - 1), both >> np.uint32(HIT_BITS)
 
 
-def value_type(method: str, shares: bool, whole: bool) -> type[np.generic]:
-    """The type of `VoxelState.value`; arguments as in `VoxelState.empty`."""
-    eight_bit = whole and not shares
-    if method in ("latest", "maximum"):
-        return np.uint8 if eight_bit else np.float32
-    if method in BONE_METHODS:
-        return np.float32
-    return np.uint32 if eight_bit and method == "average" else np.float64
-
-
-def _weighs_in_double(method: str, shares: bool) -> bool:
-    return (shares and method == "average") or is_own_method(method)
-
-
 def state_bytes(method: str, best_cosine: bool, shares: bool = False, whole: bool = False, counted: bool = True) -> int:
     """Bytes per voxel of a `VoxelState`."""
-    value = np.dtype(value_type(method, shares, whole))
-    hits = 0 if value == np.uint32 or not counted else 4
-    weight = 8 if _weighs_in_double(method, shares) else 4 if method in BONE_METHODS else 0
-    return value.itemsize + hits + weight + (4 if best_cosine else 0)
+    value, weight = _bytes_kept(method, shares, whole)
+    hits = 4 if counted and not _is_packed(method, shares, whole) else 0
+    return value + weight + hits + (4 if best_cosine else 0)
+
+
+def _bytes_kept(method: str, shares: bool, whole: bool) -> tuple[int, int]:
+    """Of value and weight."""
+    kinds = method_named(method).kept(whole, shares)
+    return np.dtype(kinds.value).itemsize, 0 if kinds.weight is None else np.dtype(kinds.weight).itemsize
+
+
+def _is_packed(method: str, shares: bool, whole: bool) -> bool:
+    return method_named(method).kept(whole, shares).value is np.uint32
 
 
 def part_bytes(
@@ -289,13 +287,13 @@ def bytes_per_voxel(
     The bone map is released before the results are made when a whole sequence is reconstructed at once. A snapshot of a live
     reconstruction has results, state and map at the same time, and copies of those results that are the state's own.
     """
-    value = np.dtype(value_type(method, shares, whole))
+    value, weight = _bytes_kept(method, shares, whole)
     part = part_bytes(method, map_on_grid, best_cosine, shares, whole, beside)
     state, results = part - (MAP_BYTES if map_on_grid else 0), output + 1
-    kept_apart = 4 if value == np.uint32 and len(beside) else 0
-    has_weight = method in BONE_METHODS or _weighs_in_double(method, shares)
-    score = 4 if "score" in beside and (not has_weight or _weighs_in_double(method, shares)) else 0
-    after = state - value.itemsize + results + kept_apart + score
+    kept_apart = 4 if _is_packed(method, shares, whole) and len(beside) else 0
+    # A weight of 4 bytes is handed over as the score
+    score = 4 if "score" in beside and weight != 4 else 0
+    after = state - value + results + kept_apart + score
     return max(part, state + results + kept_apart, after)
 
 

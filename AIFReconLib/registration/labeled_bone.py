@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arrays import Matrix
 from ..bone.map import SIGMA_VOXELS, BoneMap
+from ..compounding.methods.table import method_named
 from ..errors import SettingsError
 from ..geometry.volume import Volume
 from ..imaging.beams import ProbeGeometry
@@ -76,7 +77,7 @@ class LabeledBone:
         """Whether the width follows from how well CT and sweep agree."""
         if self._sigma_mm is not None or self._sigma_voxels is not None:
             return self._sigma_mm == AUTOMATIC
-        return method == "weighted"
+        return method_named(method).follows_agreement
 
     def settings(self, method: str, progress: Progress | None = None) -> dict[str, float]:
         """Width of the map for a method and, where it is not 1, its belief, by the names of the options that repeat it."""

@@ -13,6 +13,7 @@ from typing import TypeAlias
 from ..arrays import Singles
 from ..bone.from_sweep import bone_from_sweep
 from ..bone.map import SIGMA_VOXELS, BoneMap
+from ..compounding.methods.table import OWN_METHOD, is_own_method
 from ..compounding.own.method import load_method
 from ..errors import MethodError, OutputError, SettingsError
 from ..evaluation.visibility import BEAM_THICKNESS
@@ -29,7 +30,7 @@ from ..progress import Progress
 from ..provenance.kept import KeptSettings
 from ..registration.labeled_bone import LabeledBone
 from ..resolve import resolve_imaging
-from ..settings import AUTOMATIC, OWN_METHOD, ReconstructionSettings, is_own_method, rule_of
+from ..settings import AUTOMATIC, ReconstructionSettings, rule_of
 from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses

@@ -8,8 +8,9 @@ from dataclasses import FrozenInstanceError, fields, replace
 import numpy as np
 import pytest
 
+from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 
 FIELDS = {spec.name: spec for spec in fields(ReconstructionSettings)}
 BOUNDED = [(name, spec.metadata) for name, spec in FIELDS.items() if spec.metadata["minimum"] is not None]

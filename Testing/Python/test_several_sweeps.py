@@ -12,6 +12,7 @@ from files import CONFIGURATION, IMAGE_TO_PROBE, refused, tracked_sequence
 from sweeps import rigid, sphere_bone
 
 from AIFReconLib.commands.parser import main
+from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.errors import BeamGeometryError, GeometryError, NoUsableFramesError
 from AIFReconLib.evaluation.visibility import SweepBeams
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
@@ -23,7 +24,7 @@ from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.reconstruction import plan, reconstruct
 from AIFReconLib.registration.echoes import sweep_echoes
-from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.joined import joined

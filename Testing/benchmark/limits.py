@@ -23,6 +23,7 @@ from AIFReconLib.commands.benchmark import busy_share, busy_warning, fan_sweep, 
 from AIFReconLib.compounding.batch import BATCH_FRAMES
 from AIFReconLib.compounding.compiled.slabs import cut_into_slabs
 from AIFReconLib.compounding.layout import PixelLayout
+from AIFReconLib.compounding.methods.table import BONE_METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
@@ -31,7 +32,7 @@ from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.message import columns
 from AIFReconLib.progress import report
-from AIFReconLib.settings import BONE_METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 from AIFReconLib.terminal.console import ProgressBar
 

@@ -25,6 +25,7 @@ from AIFReconLib.bone.estimators import EchoEstimator
 from AIFReconLib.bone.growing import GrowingBone
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.bone.model import OnnxModel
+from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
@@ -38,7 +39,7 @@ from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.session.watch import Watch
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.registration.bone_field import BoneField
-from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.simulation.anatomy import make_lumbar_phantom
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 

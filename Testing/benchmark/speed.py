@@ -22,6 +22,7 @@ import numpy as np
 from AIFReconLib import __version__
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.commands.benchmark import busy_share, fan_sweep, machine, slab_of_bone
+from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.compounding.needs import bone_on_grid
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import bytes_per_voxel
@@ -36,7 +37,7 @@ from AIFReconLib.machine.threads import optional_module, usable_cores
 from AIFReconLib.message import columns
 from AIFReconLib.progress import Progress, report
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 from AIFReconLib.terminal.console import ProgressBar
 

@@ -25,10 +25,10 @@ from pathlib import Path
 
 import numpy as np
 
+from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.io.sequence.writer import write_sequence
-from AIFReconLib.settings import BONE_METHODS, METHODS
 from AIFReconLib.sweep.frames import TrackedSequence
 
 BOX = (400.0, 300.0, 150.0)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.compounding.methods.table import BONE_METHODS
 from AIFReconLib.compounding.needs import method_needs_bone
 from AIFReconLib.compounding.own.method import load_method
 from AIFReconLib.compounding.state import Reconstruction
@@ -17,7 +18,7 @@ from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import BONE_METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import ProbePath, TrackingErrors, ct_misregistration, multi_angle_sweep, simulate_sweep, single_angle_sweep

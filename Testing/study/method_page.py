@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from AIFReconLib.settings import is_own_method
+from AIFReconLib.compounding.methods.table import is_own_method
 
 from .method_cases import (
     BOTH,

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.compounding.methods.table import BONE_METHODS
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.evaluation.metrics import evaluate
@@ -23,7 +24,7 @@ from AIFReconLib.io.volume.files import read_labels
 from AIFReconLib.progress import Progress
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
-from AIFReconLib.settings import BONE_METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses

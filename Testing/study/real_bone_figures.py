@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import ndimage
 
+from AIFReconLib.compounding.methods.table import BONE_METHODS
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.disk.atomic import atomic_output
-from AIFReconLib.settings import BONE_METHODS
 
 from .method_figure import COLORS
 from .real_bone_cases import ALL, CONTRAST, SIGMA, Case, RealBone, Row

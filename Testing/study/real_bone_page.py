@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from AIFReconLib.settings import BONE_METHODS
+from AIFReconLib.compounding.methods.table import BONE_METHODS
 
 from .real_bone_cases import ALL, HOLE_LIMIT, SHIFTS, SIGMA, SPACING, TURNS, WIDTHS, Row
 from .real_bone_measures import BRIGHT, ELSEWHERE, INCIDENCES

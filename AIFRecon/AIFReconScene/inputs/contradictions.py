@@ -2,7 +2,8 @@
 
 from slicer.i18n import tr as _
 
-from AIFReconLib.settings import DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE, LINEAR_METHODS
+from AIFReconLib.compounding.methods.table import method_named
+from AIFReconLib.settings import DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE
 
 from .boneSource import BoneSource
 from .parameters import PARAMETERS, HoleFilling, Interpolation, fileFrom, methodOf, ownMethods
@@ -74,14 +75,15 @@ def _ofFan(parameters) -> str:
 
 
 def _ofPixels(parameters, method: str) -> str:
-    if parameters.interpolation == Interpolation.LINEAR and (method not in LINEAR_METHODS or parameters.bestCosine):
-        wish = method if method not in LINEAR_METHODS else _("the best cosine")
+    chosen = method_named(method)
+    if parameters.interpolation == Interpolation.LINEAR and (chosen.spread is None or parameters.bestCosine):
+        wish = method if chosen.spread is None else _("the best cosine")
         return _("Linear interpolation does not go with {wish}: choose nearest, or another method.").format(wish=wish)
     mask = fileFrom(parameters.importanceMaskPath)
     if mask is None:
         return ""
     if not mask.is_file():
         return _("There is no file {path}.").format(path=mask)
-    if method != "average" or parameters.bestCosine:
+    if not chosen.weighs_pixels or parameters.bestCosine:
         return _("An importance mask weights an average: choose method average, or no mask.")
     return ""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from AIFReconLib.compounding.methods.table import method_named
 from AIFReconLib.errors import InsufficientMemoryError, SettingsError
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion, chosen_region
 from AIFReconLib.progress import part, report
@@ -211,7 +212,7 @@ class Inputs:
         from AIFReconLib.registration.labeled_bone import UNKNOWN_WIDTH
 
         if not self._hasWidth:
-            return {"bone_sigma_mm": UNKNOWN_WIDTH} if method == "weighted" else {}
+            return {"bone_sigma_mm": UNKNOWN_WIDTH} if method_named(method).follows_agreement else {}
         return {"bone_sigma_voxels": self.boneSigmaVoxels} if self.boneSigmaMm is None else {"bone_sigma_mm": self.boneSigmaMm}
 
     @property

@@ -7,6 +7,7 @@ from typing import Any
 
 from slicer.i18n import tr as _
 
+from AIFReconLib.compounding.methods.table import is_own_method, method_named, registered_methods
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle
 from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
@@ -129,8 +130,6 @@ class SigmaUnit(enum.Enum):
 
 def ownMethods() -> tuple:
     """The names of the methods that somebody has registered: the library's list, which imports of modules fill."""
-    from AIFReconLib.compounding.own.method import registered_methods
-
     return registered_methods()
 
 
@@ -141,10 +140,7 @@ def methodOf(parameterNode) -> str:
 
 def needsBone(method: str) -> bool:
     """Whether a method weights by where bone is; of one that is not known nothing is asked yet."""
-    from AIFReconLib.compounding.needs import method_needs_bone
-    from AIFReconLib.settings import is_own_method
-
-    return (not is_own_method(method) or method in ownMethods()) and method_needs_bone(method)
+    return (not is_own_method(method) or method in ownMethods()) and method_named(method).needs_bone
 
 
 def fileFrom(path: Path) -> Path | None:

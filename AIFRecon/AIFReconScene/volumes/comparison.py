@@ -4,14 +4,12 @@ from dataclasses import dataclass, replace
 
 import slicer
 
+from AIFReconLib.compounding.methods.table import COMPARED_METHODS
 from AIFReconLib.inspection.summary import summary_lines
 from AIFReconLib.message import Message, listed
 from AIFReconLib.progress import part, report
 
 from ..sceneNodes import nodesOfClass, removeNodes
-
-COMPARED = ("average", "aif", "aif-compensated", "weighted")
-"""The baseline, the paper's two methods, and the recommended one."""
 
 
 @dataclass(frozen=True)
@@ -55,8 +53,8 @@ def compareMethods(inputs, settings, progress=None) -> Comparison:
     """
     prepared, labels = inputs.prepared(settings, part(progress, 0.0, 0.04)), _labels(inputs, part(progress, 0.04, 0.05))
     results = {}
-    for number, method in enumerate(COMPARED):
-        step = part(progress, 0.05 + 0.65 * number / len(COMPARED), 0.05 + 0.65 * (number + 1) / len(COMPARED))
+    for number, method in enumerate(COMPARED_METHODS):
+        step = part(progress, 0.05 + 0.65 * number / len(COMPARED_METHODS), 0.05 + 0.65 * (number + 1) / len(COMPARED_METHODS))
         results[method] = prepared.reconstruct(replace(settings, method=method), step)
     metrics = _metrics(labels, prepared, results, part(progress, 0.7, 0.98))
     report(progress, 0.98, "Showing the volumes")

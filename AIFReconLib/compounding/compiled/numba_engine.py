@@ -18,7 +18,8 @@ from ...settings import ReconstructionSettings
 from ..batch import BATCH_FRAMES, FrameBatch
 from ..evidence import ScanLines
 from ..layout import PixelLayout
-from ..numpy_engine import FrameBeams, cosine_of
+from ..methods import aif, average, latest, maximum, weighted
+from ..methods.table import method_named
 from ..state import VoxelState
 from .groups import Evidence, evidence_of
 from .numba_evidence import FrameJudge
@@ -27,7 +28,9 @@ from .slabs import SLABS, SLABS_WITH_BONE, cut_into_slabs, slabs_for
 
 NOTHING: Singles = np.empty(0, np.float32)
 
-PLAIN_RULES = {"average": AVERAGE, "latest": LATEST, "maximum": MAXIMUM}
+PLAIN_RULES = {average.AVERAGE.name: AVERAGE, latest.LATEST.name: LATEST, maximum.MAXIMUM.name: MAXIMUM}
+PAPER_RULES = {aif.AIF.name: False, aif.AIF_COMPENSATED.name: True}
+"""Whether oblique beams are compensated."""
 
 
 class NumbaEngine:
@@ -53,6 +56,8 @@ class NumbaEngine:
     """
 
     name = "numba"
+    methods = (*PLAIN_RULES, *PAPER_RULES, weighted.WEIGHTED.name)
+    """Those that have a kernel."""
     frames_at_once = BATCH_FRAMES
 
     def __init__(
@@ -72,7 +77,8 @@ class NumbaEngine:
         self._ends = (0, 0, first), (*grid_size[:2], stop)
         self._bounds = np.array([(0, 0, first), (*grid_size[:2], stop)], dtype=np.float64)
         self._maximum = float(maximum)
-        compensated = state.method == "aif-compensated"
+        self._method = method_named(state.method)
+        compensated = PAPER_RULES.get(state.method, False)
         self._aif_factors = (np.float32(settings.alpha), np.float32(settings.beta), np.float32(maximum), compensated)
         floor, gain = np.float32(settings.weight_floor), np.float32(settings.bone_gain)
         self._weighted_factors = (floor, gain, np.float32(settings.beta), np.float32(maximum))
@@ -112,10 +118,10 @@ class NumbaEngine:
         spans = np.empty((len(images), len(pieces), 4), np.int32)
         clip_to_volume(matrices, pieces, self._bounds, axis, spans)
         entered = np.zeros((len(edges) - 1, len(images)), np.int64)
-        state, method = self.state, self.state.method
+        state, method = self.state, self._method
         voxels = state.value, state.hits, NOTHING if state.weight is None else state.weight
         beam_x, beam_y = NOTHING if layout.beam_x is None else layout.beam_x, NOTHING if layout.beam_y is None else layout.beam_y
-        evidence = self._judged(scan_lines, images, matrices, axes, layout, batch.progress) if method == "weighted" else None
+        evidence = self._judged(scan_lines, images, matrices, axes, layout, batch.progress) if method.needs_shadows else None
 
         def put(part: int) -> Iterator[None]:
             slab = axis, int(edges[part]), int(edges[part + 1])
@@ -126,8 +132,8 @@ class NumbaEngine:
                     insert_cosine(where, slab, state.cosine, bone)
                 if evidence is not None:
                     insert_weighted(where, slab, voxels, self._weighted_factors, evidence_of(evidence, some), pixels)
-                elif method in PLAIN_RULES:
-                    insert_plain(PACKED if state.packed else PLAIN_RULES[method], where, slab, voxels, pixels)
+                elif method.name in PLAIN_RULES:
+                    insert_plain(PACKED if state.packed else PLAIN_RULES[method.name], where, slab, voxels, pixels)
                 else:
                     insert_aif(where, slab, voxels, bone, self._aif_factors, pixels)
                 yield
@@ -157,8 +163,7 @@ class NumbaEngine:
                 return
             entered, voxels = judge.voxels_of(begins, matrix, *self._ends)
             probability, directions = bone.at(voxels)
-            beams = FrameBeams.of(layout, begins[entered], axes[frame])
-            judge.keep(frame, entered, probability, cosine_of(directions, beams))
+            judge.keep(frame, entered, probability, layout.beams(begins[entered], axes[frame]).cosine(directions))
 
         in_parts(judge_frame, len(images), self.threads, progress, "Reconstructing")
         return judge.evidence(len(images))

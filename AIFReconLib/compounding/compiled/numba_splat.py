@@ -13,17 +13,19 @@ import numpy as np
 from ...arrays import Floats, Integers, Mask, Reals, Singles
 from ...machine.numba_compile import compiled, inlined
 from ...machine.threads import Pace, checked_threads, in_parts
-from ...settings import LINEAR_METHODS, ReconstructionSettings
+from ...settings import ReconstructionSettings
 from ..batch import BATCH_FRAMES, FrameBatch
 from ..evidence import ScanLines
 from ..layout import CENTER_TOLERANCE, PixelLayout
-from ..splat_engine import LEAST_SHARE, SplatEngine
+from ..methods import average, latest, maximum
+from ..splat_engine import SplatEngine
 from ..state import VoxelState
 from .groups import Pixels, Slab, SplatFrames, Voxels
 from .numba_kernels import OFFSET, ROW, START, STOP, clip_to_slab, clip_to_volume
 from .slabs import cut_into_slabs
 
-AVERAGE, LATEST, MAXIMUM = range(len(LINEAR_METHODS))
+AVERAGE, LATEST, MAXIMUM = range(3)
+SPREAD_RULES = {average.AVERAGE.name: AVERAGE, latest.LATEST.name: LATEST, maximum.MAXIMUM.name: MAXIMUM}
 ONCE, NEXT = np.uint32(1), np.uint64(1)
 
 
@@ -216,10 +218,10 @@ class NumbaSplatEngine(SplatEngine):
                 clip_to_slab(matrices, pieces, spans, (axis, slab[1] - 1, slab[2] + 1), columns)
             else:
                 columns[:] = pieces[:, [START, STOP]]
-            rule = LINEAR_METHODS.index(state.method)
+            rule, least = SPREAD_RULES[state.method], self._method.least_share
             for some in self._pace.steps(len(images)):
                 where = images[some], matrices[some], pieces, columns[some], self._size
-                spread(rule, where, slab, (coordinates, importance), CENTER_TOLERANCE, LEAST_SHARE, voxels, entered[part, some])
+                spread(rule, where, slab, (coordinates, importance), CENTER_TOLERANCE, least, voxels, entered[part, some])
                 yield
 
         in_parts(put, len(edges) - 1, self.threads, batch.progress, "Reconstructing")

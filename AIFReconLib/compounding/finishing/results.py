@@ -68,7 +68,7 @@ class Results:
         """
         first, stop = planes
         whole = release and stop - first == self.grid.size[2]
-        if whole and state.value.dtype == self._first_type == np.float32 and state.method != "maximum":
+        if whole and state.value.dtype == self._first_type == np.float32 and not state.start:
             self._made["intensity"] = state.value.reshape(self.grid.shape)
         intensity = self._room("intensity", self._first_type)[first:stop]
         mask = self._mask[first:stop]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Bytes, Numbers, Singles
 from ...machine.threads import in_parts, optional_module, usable_cores
+from ..methods.table import method_named
 from ..state import VoxelState, unpacked
 
 AT_ONCE = 2**16
@@ -64,7 +65,7 @@ def _finish_compiled(compiled: ModuleType, state: VoxelState, intensity: Numbers
 
 def divisor_of(state: VoxelState) -> Numbers | None:
     """What the values of a state are divided by; None where they stand as they are, or are packed with it."""
-    if state.packed or (state.method != "weighted" and state.value.dtype != np.float64):
+    if state.packed or not method_named(state.method).is_mean:
         return None
     return state.hits if state.weight is None else state.weight
 

@@ -9,7 +9,6 @@ from ...bone.placed.on_grid import PlacedBone
 from ..batch import FrameBatch
 from ..evidence import FrameEvidence, ScanLines
 from ..layout import PixelLayout
-from ..numpy_engine import FrameBeams, cosine_of
 from ..state import VoxelState
 from .method import Method
 
@@ -135,7 +134,7 @@ class _Frame:
     def cosine(self) -> Singles:
         """Cosine of incidence of the pixels in the volume, (m,)."""
         directions = self._bone_map.at(self._voxels)[1]
-        return cosine_of(directions, FrameBeams.of(self._layout, self._pixels, self._axes))
+        return self._layout.beams(self._pixels, self._axes).cosine(directions)
 
     @property
     def _bone_map(self) -> PlacedBone:

@@ -1,8 +1,4 @@
-"""A method of one's own: one function that says what each pixel of a frame weighs, and the list of those that are known.
-
-The list is the one thing here that outlives a call. It is filled by whoever imports the module that holds a method; a name that comes
-from elsewhere, such as from the header of a volume, finds a method in it or nothing: no module is imported because a file names it.
-"""
+"""A method of one's own: one function that says what each pixel of a frame weighs, and how it comes into the table of methods."""
 
 from __future__ import annotations
 
@@ -17,7 +13,9 @@ from numpy.typing import ArrayLike
 from ...arrays import Reals, Singles
 from ...errors import MethodError
 from ...message import Message, listed
-from ...settings import METHODS, is_own_method
+from ..methods.method import Kinds
+from ..methods.method import Method as AnyMethod
+from ..methods.table import enter, is_own_method, method_named, registered_methods
 
 Answer = tuple[ArrayLike, ArrayLike]
 """Weight and value of every pixel: arrays as large as those that were given, or one number for all."""
@@ -32,37 +30,26 @@ ARRAYS = ("intensity", *OF_BONE, *OF_SHADOWS)
 """What a method may ask for."""
 
 
-@dataclass(frozen=True, eq=False)
-class Method:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Method(AnyMethod):
     """A method of one's own, as `register_method` makes it. It can still be called like the function.
+
+    Its `name`, ``module:function``, is what settings, command line and the header of a volume call it.
 
     Parameters
     ----------
-    name : str
-        ``module:function``: what settings, command line and the header of a volume call it.
     function : callable
     arrays : tuple of str
         Which of `ARRAYS` it takes.
     """
 
-    name: str
     function: Callable[..., Answer]
     arrays: tuple[str, ...]
-
-    @property
-    def needs_bone(self) -> bool:
-        """Whether it looks at a bone map."""
-        return not set(self.arrays).isdisjoint(OF_BONE)
-
-    @property
-    def needs_shadows(self) -> bool:
-        """Whether it looks at what a frame itself tells of bone."""
-        return not set(self.arrays).isdisjoint(OF_SHADOWS)
 
     def __call__(self, *arguments: object, **named: object) -> Answer:
         return self.function(*arguments, **named)
 
-    def __reduce__(self) -> tuple[Callable[[str], Method], tuple[str]]:
+    def __reduce__(self) -> tuple[Callable[[str], AnyMethod], tuple[str]]:
         # By its name, as functions are; the function's own name leads to this
         return load_method, (self.name,)
 
@@ -153,7 +140,8 @@ class Method:
             )
 
 
-_KNOWN: dict[str, Method] = {}
+def _kept(whole: bool, shares: bool) -> Kinds:
+    return Kinds(np.float64, np.float64)
 
 
 def register_method(function: Callable[..., Answer]) -> Method:
@@ -221,37 +209,23 @@ def register_method(function: Callable[..., Answer]) -> Method:
             )
     if not arrays:
         raise MethodError("Method {method} must take at least one of {arrays}.", method=name, arrays=listed(ARRAYS))
-    _KNOWN[name] = method = Method(name, function, tuple(arrays))
+    sees_bone = not set(arrays).isdisjoint(OF_BONE)
+    method = Method(
+        name=name,
+        words="a mean of your own",
+        kept=_kept,
+        reads_bone="everywhere" if sees_bone else "nowhere",
+        works_in_parts=not sees_bone,
+        needs_shadows=not set(arrays).isdisjoint(OF_SHADOWS),
+        is_mean=True,
+        function=function,
+        arrays=tuple(arrays),
+    )
+    enter(method)
     return method
 
 
-def registered_methods() -> tuple[str, ...]:
-    """The names of all methods of one's own that are known, in the order in which they were registered."""
-    return tuple(_KNOWN)
-
-
-def own_method(name: str) -> Method | None:
-    """The method of one's own of that name; None for a built-in one.
-
-    Raises
-    ------
-    MethodError
-        When it is not registered.
-    """
-    if not is_own_method(name):
-        return None
-    if name not in _KNOWN:
-        raise MethodError(
-            "Method {method} is not known: no module that registers it was imported. Import {module} first, or name it with --method; "
-            "or choose one of {methods}.",
-            method=name,
-            module=name.partition(":")[0],
-            methods=listed((*METHODS, *_KNOWN)),
-        )
-    return _KNOWN[name]
-
-
-def load_method(name: str) -> Method:
+def load_method(name: str) -> AnyMethod:
     """The method ``module:function``, its module imported if need be. For names that the user gave, never for those of a file.
 
     Raises
@@ -261,20 +235,20 @@ def load_method(name: str) -> Method:
     """
     if not is_own_method(name):
         raise MethodError("Input name must be module:function; got {name!r}.", name=name)
-    if name in _KNOWN:
-        return _KNOWN[name]
+    if name in registered_methods():
+        return method_named(name)
     module, _, word = name.partition(":")
     try:
         import_module(module)
     except (Exception, SystemExit) as error:  # importing runs the user's code, which fails in whatever way it likes
         raise _why_not_imported(name, module, error) from error
-    if name not in _KNOWN:
-        registered = [known for known in _KNOWN if known.startswith(f"{module}:")]
+    if name not in registered_methods():
+        registered = [known for known in registered_methods() if known.startswith(f"{module}:")]
         has = Message("It registers {methods}.", methods=listed(registered)) if registered else Message("It registers no method.")
         raise MethodError(
             "There is no method {word} in {module}. {has} Write @register_method above def {word}.", word=word, module=module, has=has
         )
-    return _KNOWN[name]
+    return method_named(name)
 
 
 def _why_not_imported(name: str, module: str, error: BaseException) -> MethodError:

@@ -14,6 +14,7 @@ from sweeps import oblique_frames, sphere_bone, turned_grid
 from AIFReconLib.commands import benchmark as command
 from AIFReconLib.commands.benchmark import JUST_KEEPS_UP, KEEPS_UP, TOO_SLOW, answer, fan_sweep, verdict
 from AIFReconLib.commands.parser import main
+from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import unpacked
 from AIFReconLib.geometry.transforms import image_plane_axes
@@ -21,7 +22,7 @@ from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 

@@ -14,13 +14,14 @@ from sweeps import rigid
 
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.commands.parser import main
+from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.files import read_labels, read_volume
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 
 
 def test_reconstruct_writes_the_volume_that_the_library_gives(patient, results):

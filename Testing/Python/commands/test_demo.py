@@ -15,12 +15,12 @@ from sweeps import rigid
 
 from AIFReconLib.commands import demo
 from AIFReconLib.commands.parser import main
+from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.evaluation.quantities import HEADINGS
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, SAGITTAL, cut
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.files import read_labels, read_volume
-from AIFReconLib.settings import METHODS
 
 
 @pytest.fixture(scope="module")

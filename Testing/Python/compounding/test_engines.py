@@ -15,13 +15,14 @@ from hypothesis import strategies as st
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.compounding import batch, engines
+from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 
 HAS_NUMBA = optional_module("AIFReconLib.compounding.compiled.numba_engine") is not None
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="numba is not installed")

@@ -11,7 +11,8 @@ from files import refused, tracked_sequence, write_patient
 from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.compounding.own.method import own_method, register_method, registered_methods
+from AIFReconLib.compounding.methods.table import method_named, registered_methods
+from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.errors import BeamGeometryError, MethodError, SettingsError
@@ -284,7 +285,7 @@ def test_a_method_registered_again_takes_the_place_of_the_first():
         return 1, 2 * intensity
 
     first, second = register_method(again), register_method(again)
-    assert own_method(first.name) is second
+    assert method_named(first.name) is second
     assert registered_methods().count(first.name) == 1
 
 

@@ -14,13 +14,14 @@ from sweeps import oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib import reconstruction
 from AIFReconLib.compounding.finishing.parts import Costs, cut_into_parts
+from AIFReconLib.compounding.methods.table import LINEAR_METHODS, METHODS
 from AIFReconLib.errors import InsufficientMemoryError
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.holes.filling import KINDS, HoleFilling
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.settings import LINEAR_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedSequence
 
 ENGINES = ("numpy", "numba") if optional_module("AIFReconLib.compounding.compiled.numba_engine") else ("numpy",)

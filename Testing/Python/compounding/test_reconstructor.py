@@ -14,13 +14,14 @@ from sweeps import image_pose, oblique_frames, rigid, sphere_bone, turned_grid
 
 from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
+from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.compounding.reconstructor import FrameCounts, Reconstructor
 from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMemoryError, OperationCanceled, SettingsError
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
-from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
 SECTOR = ProbeGeometry("sector", (16.0, -6.0))

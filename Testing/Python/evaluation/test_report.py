@@ -12,6 +12,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.errors import OutputError
 from AIFReconLib.evaluation import figures
 from AIFReconLib.evaluation.figures import comparison_png, require_matplotlib, within_spinous_process
@@ -20,7 +21,7 @@ from AIFReconLib.evaluation.quantities import HEADINGS, PARTS, QUANTITIES, best_
 from AIFReconLib.evaluation.report import Report, Section, file_sizes, report_html, software_versions, write_report
 from AIFReconLib.evaluation.surface import BoneSurface
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
-from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 
 PNG = b"\x89PNG\r\n\x1a\nnot really"
 VOID = {"meta", "img", "br", "link", "input", "hr", "source"}

@@ -25,7 +25,7 @@ ROOMS = (
     *("evaluation", "simulation", "reconstruction", "inspection", "provenance", "compounding", "registration", "bone", "resolve"),
     *("io/foreign", "io/sequence", "io/plus", "io/volume", "io/transform", "io/metafile", "io/disk"),
     *("sweep", "imaging", "holes", "geometry", "machine"),
-    *("settings", "progress", "errors", "message", "arrays"),
+    *("settings", "compounding/methods", "progress", "errors", "message", "arrays"),
 )
 """From the top to the bottom: a room may import those that come after it. Folders, and the files that lie beside them."""
 
@@ -35,6 +35,9 @@ MOST_MODULES = 12
 FILES = sorted([*LIBRARY.rglob("*.py"), *MODULE.rglob("*.py")])
 SPLIT_ROOMS = ("io", "live")
 """Rooms whose own rooms stand in the order too."""
+
+LOW_ROOMS = (("compounding", "methods"),)
+"""Rooms that stand far below the one in which they lie: the settings ask the table of methods for its names."""
 
 
 def name_of(path: Path) -> str:
@@ -50,6 +53,8 @@ def room_of(path: Path) -> str | None:
     parts = path.relative_to(LIBRARY).with_suffix("").parts
     if parts == ("__main__",):
         return "commands"
+    if parts[:2] in LOW_ROOMS:
+        return "/".join(parts[:2])
     if parts[0] in SPLIT_ROOMS:
         return "/".join(parts[:2]) if len(parts) > 2 else None
     return None if parts == ("__init__",) else parts[0]

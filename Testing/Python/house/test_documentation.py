@@ -17,7 +17,7 @@ from doc_pages import PAGES, REPOSITORY, ROOTS, SOURCES, Block, anchors, blocks,
 from doc_workplace import make_workplace, serve
 
 from AIFReconLib.commands.parser import build_parser, main
-from AIFReconLib.settings import METHODS
+from AIFReconLib.compounding.methods.table import METHODS
 
 LONG_RUNNING = {
     "demo": "commands/test_demo.py",

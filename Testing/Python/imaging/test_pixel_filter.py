@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
+from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion, PixelFilter
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 
 FAN = Fan((100, 0), (-45, 45), (20, 150))
 DETECTION = FanDetection(30, 10)

@@ -11,6 +11,7 @@ from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.commands.parser import main
+from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
@@ -20,7 +21,7 @@ from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.imaging.sound_speed import DepthScale, depth_factor
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedFrame
 

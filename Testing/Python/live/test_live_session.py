@@ -16,6 +16,7 @@ from igtl_streams import recorded
 from live_messages import image, streamed, tracked
 from sweeps import sphere_bone
 
+from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.compounding.needs import method_needs_bone
 from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.compounding.reconstructor import Reconstructor
@@ -40,7 +41,7 @@ from AIFReconLib.live.wire.framing import Frame, Framer
 from AIFReconLib.live.wire.messages import StreamEvent
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import FrameRecord
 from AIFReconLib.sweep.poses import sweep_poses
 

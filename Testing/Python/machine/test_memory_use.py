@@ -10,12 +10,13 @@ import pytest
 from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import sphere_bone
 
+from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.compounding.state import bytes_per_voxel
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import BONE_METHODS, METHODS, ReconstructionSettings
+from AIFReconLib.settings import ReconstructionSettings
 
 GRID = VoxelGrid.from_spacing((-24, -24, -24), (160, 160, 160), 0.3)
 PROMISED = {"average": 6, "latest": 7, "maximum": 7}

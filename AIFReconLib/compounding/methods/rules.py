@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Singles
+from ...arrays import Singles
 
 ONE = np.float32(1.0)
 ZERO = np.float32(0.0)

@@ -1,0 +1,37 @@
+"""The exact mean of all pixels of a voxel."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...arrays import Integers, Reals, Singles
+from .method import BuiltInMethod, Kept, Kinds, Pixels
+
+
+def _kept(whole: bool, shares: bool) -> Kinds:
+    if shares:
+        return Kinds(np.float64, np.float64)
+    # Whole numbers are packed with their hits
+    return Kinds(np.uint32 if whole else np.float64)
+
+
+def _insert(kept: Kept, pixels: Pixels) -> None:
+    np.add.at(kept.value, pixels.voxels, pixels.values.astype(np.float64))
+
+
+def _spread(kept: Kept, voxels: Integers, values: Singles, shares: Reals) -> None:
+    shares = shares.astype(np.float64, copy=False)
+    np.add.at(kept.value, voxels, shares * values)
+    np.add.at(kept.weights, voxels, shares)
+
+
+AVERAGE = BuiltInMethod(
+    name="average",
+    words="their mean",
+    kept=_kept,
+    insert=_insert,
+    spread=_spread,
+    weighs_pixels=True,
+    is_mean=True,
+    compared=True,
+)

@@ -1,0 +1,25 @@
+"""The brightest pixel of a voxel."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...arrays import Integers, Reals, Singles
+from .method import BuiltInMethod, Kept, Kinds, Pixels
+
+
+def _kept(whole: bool, shares: bool) -> Kinds:
+    return Kinds(np.uint8) if whole and not shares else Kinds(np.float32, start=-math.inf)
+
+
+def _insert(kept: Kept, pixels: Pixels) -> None:
+    np.maximum.at(kept.value, pixels.voxels, pixels.values.astype(kept.value.dtype, copy=False))
+
+
+def _spread(kept: Kept, voxels: Integers, values: Singles, _: Reals) -> None:
+    np.maximum.at(kept.value, voxels, values)
+
+
+MAXIMUM = BuiltInMethod(name="maximum", words="the brightest", kept=_kept, insert=_insert, spread=_spread, least_share=0.125)

@@ -1,0 +1,44 @@
+"""The mean of what frames show, bone that a frame shows and the map expects above all: sum(w v) / sum(w), whatever the order."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import rules
+from .method import BuiltInMethod, Kept, Kinds, Pixels
+
+
+def _kept(whole: bool, shares: bool) -> Kinds:
+    return Kinds(np.float32, np.float32)
+
+
+def _insert(kept: Kept, pixels: Pixels) -> None:
+    """Where no shadow begins, as nearly everywhere, the gate is closed: the bone map is not looked at."""
+    if pixels.bone_at is None:
+        raise ValueError("Input bone must be given for method weighted; got None.")
+    factors = pixels.factors
+    weight, value = factors.floor * pixels.reach, np.minimum(pixels.values, factors.maximum)
+    begins = np.flatnonzero(pixels.onset > 0)
+    probability, directions = pixels.bone_at(pixels.voxels[begins])
+    gate = rules.weighted_gate(pixels.onset[begins], probability)
+    cosine = pixels.beams.of_pixels(begins).cosine(directions)
+    weight[begins] = rules.weighted_weight(gate, pixels.reach[begins], factors.floor)
+    value[begins] = rules.weighted_value(pixels.values[begins], gate, cosine, factors.gain, factors.beta, factors.maximum)
+    value *= weight
+    np.add.at(kept.value, pixels.voxels, value)
+    np.add.at(kept.weights, pixels.voxels, weight)
+
+
+WEIGHTED = BuiltInMethod(
+    name="weighted",
+    words="a mean in which bone that frame and map agree on counts most",
+    kept=_kept,
+    insert=_insert,
+    reads_bone="at onsets",
+    needs_shadows=True,
+    is_mean=True,
+    always_weighs=True,
+    widens=True,
+    follows_agreement=True,
+    compared=True,
+)

@@ -1,0 +1,58 @@
+"""The table of methods: what is not in it gets nowhere, and what has no kernel is computed all the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from sweeps import oblique_frames, sphere_bone, turned_grid
+
+from AIFReconLib.compounding.methods.table import BONE_METHODS, BUILT_IN, METHODS, built_in, method_named
+from AIFReconLib.compounding.numpy_engine import NumpyEngine
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.compounding.state import VoxelState, bytes_per_voxel
+from AIFReconLib.errors import MethodError
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.settings import ReconstructionSettings
+
+UNKNOWN = "brightest"
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        method_named,
+        built_in,
+        lambda name: VoxelState.empty(8, name, best_cosine=False),
+        lambda name: bytes_per_voxel(name, map_on_grid=False, best_cosine=False),
+    ],
+    ids=["table", "built in", "state", "memory"],
+)
+def test_a_name_that_is_not_in_the_table_is_refused_wherever_it_comes_in(ask):
+    with pytest.raises(MethodError, match=r"Method brightest is not known. Choose one of average, latest"):
+        ask(UNKNOWN)
+
+
+def test_no_engine_computes_for_a_name_that_is_not_in_the_table():
+    state = VoxelState.empty(8, "average", best_cosine=False)
+    state.method = UNKNOWN
+    with pytest.raises(MethodError, match="brightest is not known"):
+        NumpyEngine(state, (2, 2, 2), ReconstructionSettings(), 255.0, None)
+
+
+def test_the_table_has_each_name_once():
+    assert len(set(METHODS)) == len(BUILT_IN)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_method_without_a_kernel_is_computed_by_numpy(method, monkeypatch):
+    compiled = pytest.importorskip("AIFReconLib.compounding.compiled.numba_engine").NumbaEngine
+    bone, probe = sphere_bone() if method in BONE_METHODS else None, ProbeGeometry("linear")
+    wanted = ReconstructionSettings(method=method)
+    made = []
+    for kernels in (compiled.methods, ()):
+        monkeypatch.setattr(compiled, "methods", kernels)
+        reconstructor = Reconstructor(turned_grid(), wanted, bone, probe=probe)
+        reconstructor.insert(oblique_frames())
+        made.append((reconstructor.engine, reconstructor.reconstruction().intensity.array))
+    assert [engine for engine, _ in made] == ["numba", "numpy"]
+    np.testing.assert_array_equal(made[0][1], made[1][1])
