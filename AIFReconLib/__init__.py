@@ -42,8 +42,6 @@ if TYPE_CHECKING:
     from .sweep.frames import TrackedFrame, TrackedSequence
     from .sweep.time_offset import with_time_offset
 
-from .machine.moved import find_moved_modules
-
 __version__ = "0.1.0"
 
 _PUBLIC = {
@@ -119,8 +117,6 @@ __all__ = [
     "write_sequence",
     "write_volume",
 ]
-
-find_moved_modules()
 
 # What is worth knowing afterwards is logged under this name; nothing is shown unless a program wants it
 logging.getLogger(__name__).addHandler(logging.NullHandler())
