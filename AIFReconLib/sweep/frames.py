@@ -1,7 +1,7 @@
 """Tracked ultrasound frames: one frame for the reconstructor, and whole recorded sequences.
 
-Pixels are (column, row) with centers at integers. In memory every B-mode image has the marked side of the probe at column 0 and the
-transducer at row 0 (Plus calls this orientation MF).
+Pixels are (column, row) with centers at integers. In memory every B-mode image is MF, as Plus calls it: the marked side of the probe
+is at the last column (on the right), the transducer at row 0.
 """
 
 from __future__ import annotations
@@ -127,8 +127,8 @@ class TrackedSequence(Described):
         Parameters
         ----------
         images : (frames, rows, columns) array_like of numbers
-            Gray; the transducer at row 0, the marked side of the probe at column 0. Whatever has `shape`, `dtype` and an image for each
-            number is read when an image is needed: an array that is mapped from a file, an HDF5 data set.
+            Gray, MF: the marked side of the probe at the last column (on the right), the transducer at row 0. Whatever has `shape`, `dtype`
+            and an image for each number is read when an image is needed: an array that is mapped from a file, an HDF5 data set.
         image_to_reference : (frames, 4, 4) array_like
             Pixel (column, row, 0, 1) to mm in Reference; with `spacing`, mm in the image plane to mm in Reference. A frame whose matrix
             is not finite has no pose: it is skipped and counted.

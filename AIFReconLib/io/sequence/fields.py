@@ -1,7 +1,7 @@
 """Fields of a sequence header as frame records, and back.
 
-Per frame, ``Seq_Frame0012_`` and a name: Timestamp, UnfilteredTimestamp, ImageStatus, ProbeToTrackerTransform (16 numbers),
-ProbeToTrackerTransformStatus, and whatever a recorder adds. The number of digits is not fixed. Names of coordinate frames begin
+Per frame, ``Seq_Frame0012_`` and a name: Timestamp, UnfilteredTimestamp, ImageStatus (in NRRD: Status), ProbeToTrackerTransform
+(16 numbers), ProbeToTrackerTransformStatus, and whatever a recorder adds. The number of digits is not fixed. Names of coordinate frames begin
 with a capital: Plus reads ``probeToTracker`` as ``ProbeToTracker``, and so does this library.
 """
 
@@ -19,13 +19,15 @@ from ...geometry.transform_graph import TransformName, TransformSample, Transfor
 from ...message import Message, one_line, shorten
 from ...sweep.frames import FrameRecord
 from ..metafile.metafile import Metafile
+from ..metafile.opening import NRRD_SUFFIXES
 from ..metafile.text_values import NotANumberError, format_number, parse_number, parse_numbers
 
 FRAME_KEY = re.compile(r"Seq_Frame([0-9]+)_(.+)", re.DOTALL)
 MOST_DIGITS = 12
 """In the number of a frame; recorders write four."""
 _TIMES = ("Timestamp", "UnfilteredTimestamp")
-_IMAGE_STATUS = "ImageStatus"
+IMAGE_STATUS, IMAGE_STATUS_IN_NRRD = "ImageStatus", "Status"
+"""NRRD files may have either: older ones of this library have the first."""
 _MATRIX_SUFFIX = "Transform"
 _STATUS_SUFFIX = "TransformStatus"
 
@@ -71,8 +73,8 @@ def split_fields(metafile: Metafile, frames: int) -> tuple[list[FrameRecord], di
     return records, fields, transforms
 
 
-def frame_entries(records: Iterable[FrameRecord]) -> Iterator[tuple[str, str]]:
-    """Header keys and values of all frames, frame by frame.
+def frame_entries(records: Iterable[FrameRecord], image_status: str = IMAGE_STATUS) -> Iterator[tuple[str, str]]:
+    """Header keys and values of all frames, frame by frame; `image_status` is what the format calls the image's status.
 
     Raises
     ------
@@ -90,9 +92,11 @@ def frame_entries(records: Iterable[FrameRecord]) -> Iterator[tuple[str, str]]:
                         "Input {name} of frame {number} must be a finite number; got {time!r}.", name=name, number=number, time=time
                     )
                 yield prefix + name, format_number(time)
-        yield prefix + _IMAGE_STATUS, record.image_status.value
+        yield prefix + image_status, record.image_status.value
         for name, value in record.fields.items():
-            if not name or name in _TIMES or name == _IMAGE_STATUS or _transform_name(name) is not None:
+            if name == image_status != IMAGE_STATUS:
+                name = name.lower()  # somebody's own, which must not become the image's; Plus tells the two apart as well
+            if not name or name in (*_TIMES, IMAGE_STATUS) or _transform_name(name) is not None:
                 raise SettingsError(
                     "Input field {name!r} of frame {number} must have a name, and not that of a time, status or transform. "
                     "Set those in the record.",
@@ -124,7 +128,18 @@ def _record(metafile: Metafile, where: str, fields: dict[str, str]) -> FrameReco
     """One frame's fields, with those of known meaning parsed."""
     transforms, others = _take_transforms(metafile, where, fields)
     times = [_time(metafile, where, name, others.pop(name, None)) for name in _TIMES]
-    status = TransformStatus.parse(others.pop(_IMAGE_STATUS, "OK"))
+    statuses = [IMAGE_STATUS, IMAGE_STATUS_IN_NRRD] if metafile.path.suffix.lower() in NRRD_SUFFIXES else [IMAGE_STATUS]
+    said = {name: TransformStatus.parse(others.pop(name)) for name in statuses if name in others}
+    if len(set(said.values())) > 1:
+        raise metafile.failure(
+            "{where}{one} is {first} and {other} is {second}, which are two names of one thing. Remove one of them from the header.",
+            where=where,
+            one=IMAGE_STATUS,
+            first=said[IMAGE_STATUS].value,
+            other=IMAGE_STATUS_IN_NRRD,
+            second=said[IMAGE_STATUS_IN_NRRD].value,
+        )
+    status = next(iter(said.values()), TransformStatus.OK)
     return FrameRecord(times[0], times[1], status, transforms, others)
 
 
