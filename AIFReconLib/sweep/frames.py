@@ -23,6 +23,10 @@ from ..message import Described
 from .configuration import NO_CONFIGURATION, PlusConfiguration
 
 
+CROPPED = TransformName("Image", "CroppedImage")
+"""How Plus says that it cropped a recording: pixels of the whole image, which transforms of Image take, to those that it kept."""
+
+
 @dataclass(frozen=True, eq=False)
 class TrackedFrame:
     """What a reconstructor takes: one image and where it is.
@@ -70,6 +74,8 @@ class FrameRecord:
         As recorded. Matrices may hold NaN; `sweep_poses` judges them.
     fields : dict of str to str
         Every other field of the frame, by its name without the ``Seq_Frame0000_`` prefix.
+    stated_spacing : (x, y) or None, mm
+        Size of a pixel, where the file states one. The poses place pixels, as in Plus; this can only contradict them.
     """
 
     timestamp: float | None = None
@@ -77,6 +83,7 @@ class FrameRecord:
     image_status: TransformStatus = TransformStatus.OK
     transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
     fields: dict[str, str] = field(default_factory=dict)
+    stated_spacing: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

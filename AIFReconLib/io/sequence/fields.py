@@ -1,8 +1,8 @@
 """Fields of a sequence header as frame records, and back.
 
 Per frame, ``Seq_Frame0012_`` and a name: Timestamp, UnfilteredTimestamp, ImageStatus (in NRRD: Status), ProbeToTrackerTransform
-(16 numbers), ProbeToTrackerTransformStatus, and whatever a recorder adds. The number of digits is not fixed. Names of coordinate frames begin
-with a capital: Plus reads ``probeToTracker`` as ``ProbeToTracker``, and so does this library.
+(16 numbers), ProbeToTrackerTransformStatus, and whatever a recorder adds. The number of digits is not fixed. Names of coordinate frames
+begin with a capital: Plus reads ``probeToTracker`` as ``ProbeToTracker``, and so does this library.
 """
 
 from __future__ import annotations
@@ -32,8 +32,17 @@ _MATRIX_SUFFIX = "Transform"
 _STATUS_SUFFIX = "TransformStatus"
 
 
-def split_fields(metafile: Metafile, frames: int) -> tuple[list[FrameRecord], dict[str, str], dict[TransformName, TransformSample]]:
+def split_fields(
+    metafile: Metafile, frames: int, spacing: tuple[float, float] | None = None
+) -> tuple[list[FrameRecord], dict[str, str], dict[TransformName, TransformSample]]:
     """The records of all frames, and the header's own fields and transforms.
+
+    Parameters
+    ----------
+    metafile : Metafile
+    frames : int
+    spacing : (x, y) or None, mm
+        Size of a pixel that the header states, for frames that state none.
 
     Raises
     ------
@@ -68,7 +77,9 @@ def split_fields(metafile: Metafile, frames: int) -> tuple[list[FrameRecord], di
                 second=key,
             )
         per_frame.setdefault(number, {})[name] = value
-    records = [_record(metafile, Message("frame {number}, ", number=number), per_frame.get(number, {})) for number in range(frames)]
+    records = [
+        _record(metafile, Message("frame {number}, ", number=number), per_frame.get(number, {}), spacing) for number in range(frames)
+    ]
     transforms, fields = _take_transforms(metafile, "", header)
     return records, fields, transforms
 
@@ -124,7 +135,16 @@ def header_entries(fields: Mapping[str, str], transforms: Mapping[TransformName,
         yield name, value
 
 
-def _record(metafile: Metafile, where: str, fields: dict[str, str]) -> FrameRecord:
+def stated_spacing(text: str | None, unit: float = 1.0) -> tuple[float, float] | None:
+    """Size of a pixel in mm that a header gives, in `unit` mm; None where it gives none: 1 x 1 is what Plus writes for all."""
+    try:
+        x, y = (unit * length for length in parse_numbers(text or "")[:2])
+    except ValueError:
+        return None
+    return (x, y) if 0 < min(x, y) and max(x, y) < math.inf and (x, y) != (1, 1) else None
+
+
+def _record(metafile: Metafile, where: str, fields: dict[str, str], spacing: tuple[float, float] | None) -> FrameRecord:
     """One frame's fields, with those of known meaning parsed."""
     transforms, others = _take_transforms(metafile, where, fields)
     times = [_time(metafile, where, name, others.pop(name, None)) for name in _TIMES]
@@ -140,7 +160,9 @@ def _record(metafile: Metafile, where: str, fields: dict[str, str]) -> FrameReco
             second=said[IMAGE_STATUS_IN_NRRD].value,
         )
     status = next(iter(said.values()), TransformStatus.OK)
-    return FrameRecord(times[0], times[1], status, transforms, others)
+    microns = others.get("micronsPerPixel", "")
+    spacing = stated_spacing(others.get("ElementSpacing")) or stated_spacing(f"{microns} {microns}", 1e-3) or spacing
+    return FrameRecord(times[0], times[1], status, transforms, others, spacing)
 
 
 def _take_transforms(metafile: Metafile, where: str, fields: dict[str, str]) -> tuple[dict[TransformName, TransformSample], dict[str, str]]:
