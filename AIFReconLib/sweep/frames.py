@@ -22,7 +22,6 @@ from ..imaging.images import ImageStack
 from ..message import Described
 from .configuration import NO_CONFIGURATION, PlusConfiguration
 
-
 CROPPED = TransformName("Image", "CroppedImage")
 """How Plus says that it cropped a recording: pixels of the whole image, which transforms of Image take, to those that it kept."""
 

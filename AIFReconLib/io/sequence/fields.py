@@ -141,7 +141,7 @@ def stated_spacing(text: str | None, unit: float = 1.0) -> tuple[float, float] |
         x, y = (unit * length for length in parse_numbers(text or "")[:2])
     except ValueError:
         return None
-    return (x, y) if 0 < min(x, y) and max(x, y) < math.inf and (x, y) != (1, 1) else None
+    return (x, y) if min(x, y) > 0 and max(x, y) < math.inf and (x, y) != (1, 1) else None
 
 
 def _record(metafile: Metafile, where: str, fields: dict[str, str], spacing: tuple[float, float] | None) -> FrameRecord:
