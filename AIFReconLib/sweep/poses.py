@@ -116,8 +116,8 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         path = (CROPPED.inverse, *path)
         notes.append(
             Message(
-                "The recording says that its images were cropped ({transform}), and is placed so. A configuration's clip rectangle, fan and "
-                "transducer center are taken as those of the images as they are.",
+                "The recording says that its images were cropped ({transform}), and is placed so. A configuration's clip rectangle, fan "
+                "and transducer center are taken as those of the images as they are.",
                 transform=CROPPED,
             )
         )
