@@ -245,36 +245,28 @@ def _about_pixel_size(sequence: TrackedSequence, wanted: TransformName, image_to
         contradicted = np.flatnonzero((np.abs(found / stated - 1) > SIZES_DIFFER).any(axis=1))
     if not contradicted.size:
         return []
+    first = contradicted[0]
     known = np.flatnonzero(np.isfinite(found + stated).all(axis=1))
     changed = known[(np.abs(stated[known] / stated[known[0]] - 1) > SIZES_DIFFER).any(axis=1)]
-    values = {"transform": wanted, "found": _size(found[contradicted[0]]), "stated": _size(stated[contradicted[0]])}
+    why = Message("is the calibration that of another depth?")
     if changed.size:
-        before, after = _size(stated[known[0]]), _size(stated[changed[0]])
-        return [
-            Message(
-                "The size of a pixel changes in frame {number} from {before} to {after} mm, and {transform} places pixels of frame {first} "
-                "{found} mm apart: the depth was changed, and a calibration holds for one. Frames are placed by {transform}, as in Plus.",
-                **values,
-                number=changed[0],
-                first=contradicted[0],
-                before=before,
-                after=after,
-            )
-        ]
-    if np.allclose(found[contradicted[0]], 1.0, rtol=0.0, atol=1e-3):
-        return [
-            Message(
-                "The recording says that a pixel is {stated} mm, and {transform} places pixels {found} mm apart, as it says: it is rigid, "
-                "so it may lack the size of a pixel, which belongs into the calibration.",
-                **values,
-            )
-        ]
+        sizes = {"before": _size(stated[known[0]]), "after": _size(stated[changed[0]])}
+        why = Message(
+            "the size changes in frame {number} from {before} to {after} mm, and a calibration holds for one depth.",
+            number=changed[0],
+            **sizes,
+        )
+    elif np.allclose(found[first], 1.0, rtol=0.0, atol=1e-3):
+        why = Message("it is rigid, so it may lack the size of a pixel, which belongs into the calibration.")
     return [
         Message(
-            "The recording says that a pixel is {stated} mm, and {transform} places pixels of frame {first} {found} mm apart, as in Plus: "
-            "is the calibration that of another depth?",
-            **values,
-            first=contradicted[0],
+            "The recording says that a pixel of frame {number} is {stated} mm, but {transform} places pixels {found} mm apart, and so they are "
+            "placed, as in Plus: {why}",
+            number=first,
+            stated=_size(stated[first]),
+            transform=wanted,
+            found=_size(found[first]),
+            why=why,
         )
     ]
 

@@ -168,20 +168,16 @@ def _spacing(header: Dataset) -> tuple[tuple[float, float] | None, Message | Non
     if not boxes:
         return sizes[0], None
     left, top, right, bottom = (edge(box[n] for box in boxes) for n, edge in enumerate((min, min, max, max)))
-    which = Message("columns {left} to {right} and rows {top} to {bottom}", left=left, right=right, top=top, bottom=bottom)
     # Some count the last pixel in, some do not
-    if left < 0 or top < 0 or right > columns or bottom > rows:
+    if abs(left) > 1 or abs(top) > 1 or not columns - 2 <= right <= columns or not rows - 2 <= bottom <= rows:
         return None, Message(
-            "the region ({which}) lies outside the image of {columns} x {rows} pixels, so the size of a pixel is not that of this image",
-            which=which,
-            columns=columns,
-            rows=rows,
-        )
-    if left > 1 or top > 1 or right < columns - 2 or bottom < rows - 2:
-        return None, Message(
-            "pixels of {size} are those of a region ({which}), which does not cover the image of {columns} x {rows} pixels",
+            "{size} is the size of pixels in columns {left} to {right} and rows {top} to {bottom}, which are not those of the image, "
+            "of {columns} x {rows} pixels",
             size=_words(sizes[0]),
-            which=which,
+            left=left,
+            right=right,
+            top=top,
+            bottom=bottom,
             columns=columns,
             rows=rows,
         )
@@ -196,4 +192,4 @@ def _in_centimeters(region: Dataset) -> bool:
 def _box(region: Dataset) -> tuple[int, ...] | None:
     """First column and row, last column and row of a region; None where it does not say."""
     values = [getattr(region, f"RegionLocation{edge}", None) for edge in ("MinX0", "MinY0", "MaxX1", "MaxY1")]
-    return None if None in values else tuple(map(int, values))
+    return None if None in values else tuple(int(value) for value in values if value is not None)

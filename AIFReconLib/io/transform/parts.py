@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import SimpleITK as sitk
 
 from ...arrays import Matrix
@@ -66,13 +67,10 @@ class TransformPart:
     fixed: tuple[float, ...] = ()
 
 
-def _turned(x: float, y: float, z: float, w: float) -> _Numbers:
+def _turned(*quaternion: float) -> _Numbers:
     """The nine numbers of a quaternion's matrix, row by row; its length scales it, as in ITK."""
-    return (
-        *(w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        *(2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)),
-        *(2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z),
-    )
+    rotation = scipy.spatial.transform.Rotation.from_quat(quaternion).as_matrix()
+    return tuple((rotation * np.dot(quaternion, quaternion)).ravel().tolist())
 
 
 def composed(parts: list[TransformPart]) -> Matrix:
@@ -126,15 +124,17 @@ def _matrix(part: TransformPart) -> Matrix:
             others=len(part.fixed),
         )
     transform = make()
-    parameters, fixed = _PUT_OTHERWISE.get(name, lambda *both: both)(part.parameters, part.fixed)
+    parameters, fixed = part.parameters, part.fixed
     try:
+        if name in _PUT_OTHERWISE:
+            parameters, fixed = _PUT_OTHERWISE[name](parameters, fixed)
         if fixed:
             transform.SetFixedParameters(fixed)
         if parameters:
             transform.SetParameters(parameters)
         # An affine map is known from the images of the origin and a point on each axis; this holds for every linear kind
         origin, *ends = (transform.TransformPoint(point) for point in ((0.0, 0.0, 0.0), *(_FAR * np.eye(3)).tolist()))
-    except RuntimeError:
+    except (RuntimeError, ValueError):
         raise TransformPartError(
             "of kind {kind} has numbers that ITK does not take. Save the transform from Slicer again.", kind=name
         ) from None

@@ -7,6 +7,7 @@ import struct
 from pathlib import Path
 
 import numpy as np
+import scipy
 
 from ...arrays import Matrix
 from ...errors import FileFormatError
@@ -69,14 +70,9 @@ def nifti_forms(head: bytes) -> dict[str, Matrix]:
     if qform_code > 0:
         handed, *sizes = struct.unpack_from(order + pixels, head, pixels_at)[:4]
         b, c, d, *offset = struct.unpack_from(order + turn, head, turn_at)
-        a = math.sqrt(max(1 - b * b - c * c - d * d, 0.0))
-        rotation = [
-            [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],
-            [2 * (b * c + a * d), a * a + c * c - b * b - d * d, 2 * (c * d - a * b)],
-            [2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c],
-        ]
+        rotation = scipy.spatial.transform.Rotation.from_quat((b, c, d, math.sqrt(max(1 - b * b - c * c - d * d, 0.0))))
         sizes[2] *= -1 if handed < 0 else 1
-        forms["qform"] = np.column_stack([np.array(rotation) * sizes, offset])
+        forms["qform"] = np.column_stack([rotation.as_matrix() * sizes, offset])
     if sform_code > 0:
         forms["sform"] = np.reshape(struct.unpack_from(order + rows, head, rows_at), (3, 4))
     scale = _UNIT_MM.get(struct.unpack_from(order + unit, head, unit_at)[0] & 7, 1.0)

@@ -120,6 +120,13 @@ def test_every_linear_kind_of_itk_moves_points_as_itk_does(tmp_path, kind, last)
     np.testing.assert_allclose(read_transform(tmp_path / "one.tfm"), flip @ np.linalg.inv(oracle) @ flip, atol=1e-9)
 
 
+@pytest.mark.parametrize("numbers", ["0 0 0 0", "1e200 0 0 1e200"])
+def test_a_quaternion_that_turns_nothing_is_refused(tmp_path, numbers):
+    text = "#Insight Transform File V1.0\n" + itk_text("QuaternionRigidTransform", [*numbers.split(), 4, 5, 6], [0, 0, 0])
+    (tmp_path / "one.tfm").write_text(text)
+    assert "transform" in refusal(tmp_path / "one.tfm", read_transform, TransformFileError)
+
+
 @pytest.mark.parametrize("content", [OLDER_HDF5, COMPRESSED_HDF5], ids=["older", "compressed"])
 def test_hdf5_of_other_programs_is_read_as_simpleitk_reads_it(tmp_path, content):
     path = tmp_path / "move.h5"

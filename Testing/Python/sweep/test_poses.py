@@ -373,23 +373,20 @@ def test_a_stated_size_of_a_pixel_that_poses_agree_with_needs_no_word(size):
 @pytest.mark.parametrize("size", [(0.2, 0.5), (0.25, 0.7), (0.5, 0.25)])
 def test_a_stated_size_of_a_pixel_that_is_not_that_of_the_poses_is_named(size):
     (note,) = notes_on_size(size, size)
-    assert note.endswith(
-        "ImageToReference places pixels of frame 0 0.25 x 0.5 mm apart, as in Plus: is the calibration that of another depth?"
-    )
+    assert note.startswith("The recording says that a pixel of frame 0 is ")
+    assert note.endswith("places pixels 0.25 x 0.5 mm apart, and so they are placed, as in Plus: is the calibration that of another depth?")
 
 
 def test_rigid_poses_of_images_whose_pixels_have_a_size_are_said_to_lack_it():
     poses = sweep_poses(sweep(FrameRecord(transforms=samples({"ImageToReference": np.eye(4)}), stated_spacing=SIZE), calibration=False))
-    assert poses.notes[0].startswith("The recording says that a pixel is 0.25 x 0.5 mm, and ImageToReference places pixels 1 x 1 mm apart")
-    assert "it is rigid, so it may lack the size of a pixel" in poses.notes[0]
+    assert "is 0.25 x 0.5 mm, but ImageToReference places pixels 1 x 1 mm apart" in poses.notes[0]
+    assert poses.notes[0].endswith("it is rigid, so it may lack the size of a pixel, which belongs into the calibration.")
     np.testing.assert_array_equal(poses.image_to_reference[0], np.eye(4))
 
 
 def test_a_size_that_changes_while_the_poses_stay_is_one_note_with_frame_and_sizes():
     (note,) = notes_on_size(SIZE, SIZE, (0.5, 1.0), (0.5, 1.0))
-    assert note.startswith(
-        "The size of a pixel changes in frame 2 from 0.25 x 0.5 to 0.5 x 1 mm, and ImageToReference places pixels of frame 2"
-    )
+    assert note.endswith("the size changes in frame 2 from 0.25 x 0.5 to 0.5 x 1 mm, and a calibration holds for one depth.")
 
 
 def test_poses_that_follow_the_depth_need_no_word():
@@ -397,4 +394,5 @@ def test_poses_that_follow_the_depth_need_no_word():
 
 
 def test_poses_that_change_while_the_stated_size_stays_are_named():
-    assert "pixels of frame 1 0.5 x 1 mm apart" in notes_on_size(SIZE, SIZE, scales=(1.0, 2.0))[0]
+    (note,) = notes_on_size(SIZE, SIZE, scales=(1.0, 2.0))
+    assert "a pixel of frame 1 is 0.25 x 0.5 mm, but ImageToReference places pixels 0.5 x 1 mm apart" in note
