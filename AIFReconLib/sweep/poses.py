@@ -250,18 +250,18 @@ def _about_pixel_size(sequence: TrackedSequence, wanted: TransformName, image_to
     changed = known[(np.abs(stated[known] / stated[known[0]] - 1) > SIZES_DIFFER).any(axis=1)]
     why = Message("is the calibration that of another depth?")
     if changed.size:
-        sizes = {"before": _size(stated[known[0]]), "after": _size(stated[changed[0]])}
         why = Message(
             "the size changes in frame {number} from {before} to {after} mm, and a calibration holds for one depth.",
             number=changed[0],
-            **sizes,
+            before=_size(stated[known[0]]),
+            after=_size(stated[changed[0]]),
         )
     elif np.allclose(found[first], 1.0, rtol=0.0, atol=1e-3):
         why = Message("it is rigid, so it may lack the size of a pixel, which belongs into the calibration.")
     return [
         Message(
-            "The recording says that a pixel of frame {number} is {stated} mm, but {transform} places pixels {found} mm apart, and so they are "
-            "placed, as in Plus: {why}",
+            "The recording says that a pixel of frame {number} is {stated} mm, but {transform} places pixels {found} mm apart, and so they "
+            "are placed, as in Plus: {why}",
             number=first,
             stated=_size(stated[first]),
             transform=wanted,
