@@ -31,6 +31,12 @@ VERTICAL_SLOPE = 0.03
 LINE_TOLERANCE_PX = 2.0
 """How far a side may be from its straight line."""
 
+EDGE_PARTS, FEWEST_PARTS = 16, 5
+"""Parts of an upper or lower edge, whose median rows are looked at."""
+
+SMALLEST_BEND_PX, SMOOTH_PX, SMOOTH_UPPER, SMOOTH_LOWER = 1.2, 0.4, 0.5, 0.06
+"""How far the middle of an edge must be from its ends to be bent, and how near, in pixels or as a part of that, the edge to its arc."""
+
 DIRECTIONS = 64
 """Directions in which the outer radius of a sector is looked for."""
 
@@ -149,12 +155,35 @@ def _rectangle(lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int
     within = box[:, left : right + 1]
     if right <= left or within.mean() < 0.7 or within.sum() < 0.9 * box.sum():
         raise _unrecognized(Message("its outline is neither a rectangle nor a sector"))
+    if _is_bent(within.argmax(axis=0)) or _is_bent(-within[::-1].argmax(axis=0), lower=True):
+        raise _unrecognized(Message("its sides are upright and its upper or lower edge is bent, as of a sector whose sides were cut off"))
     left, right, top, bottom = left + corner[0], right + corner[0], corner[1], corner[1] + height - 1
     if left < BORDER_PX and right >= lit.shape[1] - BORDER_PX:
         raise _unrecognized(Message("they are lit from side to side, with no black surround that would show an outline"))
     clip = ClipRectangle((float(left), float(top)), (float(right - left), float(bottom - top)))
     words = Message("a linear probe, columns {left} to {right}, rows {top} to {bottom}", left=left, right=right, top=top, bottom=bottom)
     return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
+
+
+def _is_bent(edge: Integers, lower: bool = False) -> bool:
+    """Whether the rows of an upper or lower edge, one a column, follow an arc or an angle, over their whole width or its middle half.
+
+    The upper edge of a linear image is the skin, straight. A lower one may be ragged where the image fades, and shadows pull its middle up;
+    so it is bent only where its middle lies lower, as that of an arc, and along a smooth line.
+    """
+    smooth = SMOOTH_LOWER if lower else SMOOTH_UPPER
+    for columns in (edge, edge[edge.size // 4 : edge.size - edge.size // 4]):
+        parts = np.array_split(columns, min(columns.size // 4 + 1, EDGE_PARTS))
+        if len(parts) <= FEWEST_PARTS:
+            return False
+        rows = np.array([np.median(part) for part in parts])
+        x = np.linspace(-1.0, 1.0, len(parts))
+        parabola = np.polyfit(x, rows, 2)
+        rest = np.sqrt(np.mean((rows - np.polyval(parabola, x)) ** 2))
+        depth = -parabola[0] if lower else abs(parabola[0])
+        if depth > SMALLEST_BEND_PX and rest < max(SMOOTH_PX, smooth * depth):
+            return True
+    return False
 
 
 def _sector(lit: Mask, sides: Sides, corner: tuple[int, int], spacing: tuple[float, float]) -> DetectedImaging:

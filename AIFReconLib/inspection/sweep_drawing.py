@@ -34,7 +34,7 @@ def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: s
 
     Notes
     -----
-    The red line is the image's columns axis (+x, away from the marked side), the green one its rows axis (+y, away from the transducer),
+    The red line is the image's columns axis (+x, toward the marked side), the green one its rows axis (+y, away from the transducer),
     both of the first frame. Both panels have one scale.
     """
     poses = np.asarray(image_to_reference, dtype=np.float64)

@@ -17,7 +17,7 @@ from ..geometry.transform_graph import TransformName, TransformSample, Transform
 from ..geometry.transforms import as_matrix, invert
 from ..imaging.images import ImageStack
 from ..message import Message
-from .frames import TrackedSequence
+from .frames import CROPPED, TrackedSequence
 
 Transforms = dict[TransformName, TransformSample]
 
@@ -103,7 +103,9 @@ def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, ima
             width=width,
             height=height,
         )
-    if not any(image_frame in (name.source, name.target) for name in sequence.transform_names()):
+    names = sequence.transform_names()
+    was_cropped = bool({CROPPED, CROPPED.inverse} & set(names))
+    if not any(image_frame in (name.source, name.target) for name in names):
         raise SettingsError(
             "{sequence}: cropping moves the first pixel, so the calibration must move along, and the recording has none of "
             "{image_frame}. Give it with --config PlusDeviceSet.xml or --calibration FILE.",
@@ -120,7 +122,7 @@ def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, ima
         y=y,
         last_y=y + height - 1,
     )
-    sequence = _with_images_moved(sequence, moved, image_frame)
+    sequence = _with_images_moved(sequence, moved, CROPPED.target if image_frame == CROPPED.source and was_cropped else image_frame)
     return replace(sequence, images=ImageView(sequence.images, None, (x, width), (y, height)), notes=(*sequence.notes, note))
 
 
@@ -180,9 +182,8 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, 
     header.
     """
     matrix = as_matrix(matrix, f"calibration {name}")
-    others = [
-        other for other in sequence.transform_names() if name.source in (other.source, other.target) and other not in (name, name.inverse)
-    ]
+    apart = (name, name.inverse, CROPPED, CROPPED.inverse)
+    others = [other for other in sequence.transform_names() if name.source in (other.source, other.target) and other not in apart]
     if wrong is None and others:
         wrong = _recorded(sequence, name)
         if wrong is None:
@@ -219,7 +220,9 @@ def _with_images_moved(sequence: TrackedSequence, new_to_old: Matrix, image_fram
         changed = {}
         with np.errstate(all="ignore"):  # a pose that is recorded as infinite is judged later, like any other
             for name, sample in transforms.items():
-                if name.source == image_frame:
+                if image_frame == CROPPED.source and name in (CROPPED, CROPPED.inverse):
+                    pass  # pixels alone
+                elif name.source == image_frame:
                     sample = replace(sample, matrix=sample.matrix @ new_to_old)
                 elif name.target == image_frame:
                     sample = replace(sample, matrix=old_to_new @ sample.matrix)

@@ -1,7 +1,7 @@
 """Tracked ultrasound frames: one frame for the reconstructor, and whole recorded sequences.
 
-Pixels are (column, row) with centers at integers. In memory every B-mode image has the marked side of the probe at column 0 and the
-transducer at row 0 (Plus calls this orientation MF).
+Pixels are (column, row) with centers at integers. In memory every B-mode image is MF, as Plus calls it: the marked side of the probe
+is at the last column (on the right), the transducer at row 0.
 """
 
 from __future__ import annotations
@@ -21,6 +21,9 @@ from ..geometry.transforms import why_not_affine, why_not_rigid
 from ..imaging.images import ImageStack
 from ..message import Described
 from .configuration import NO_CONFIGURATION, PlusConfiguration
+
+CROPPED = TransformName("Image", "CroppedImage")
+"""How Plus says that it cropped a recording: pixels of the whole image, which transforms of Image take, to those that it kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +73,8 @@ class FrameRecord:
         As recorded. Matrices may hold NaN; `sweep_poses` judges them.
     fields : dict of str to str
         Every other field of the frame, by its name without the ``Seq_Frame0000_`` prefix.
+    stated_spacing : (x, y) or None, mm
+        Size of a pixel, where the file states one. The poses place pixels, as in Plus; this can only contradict them.
     """
 
     timestamp: float | None = None
@@ -77,6 +82,7 @@ class FrameRecord:
     image_status: TransformStatus = TransformStatus.OK
     transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
     fields: dict[str, str] = field(default_factory=dict)
+    stated_spacing: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -127,8 +133,8 @@ class TrackedSequence(Described):
         Parameters
         ----------
         images : (frames, rows, columns) array_like of numbers
-            Gray; the transducer at row 0, the marked side of the probe at column 0. Whatever has `shape`, `dtype` and an image for each
-            number is read when an image is needed: an array that is mapped from a file, an HDF5 data set.
+            Gray, MF: the marked side of the probe at the last column (on the right), the transducer at row 0. Whatever has `shape`, `dtype`
+            and an image for each number is read when an image is needed: an array that is mapped from a file, an HDF5 data set.
         image_to_reference : (frames, 4, 4) array_like
             Pixel (column, row, 0, 1) to mm in Reference; with `spacing`, mm in the image plane to mm in Reference. A frame whose matrix
             is not finite has no pose: it is skipped and counted.

@@ -11,17 +11,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Integers, Matrix
+from ..arrays import Floats, Integers, Matrix
 from ..errors import GeometryError, NoUsableFramesError, TransformError
 from ..geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
 from ..geometry.transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
 from ..message import Message, listed
 from .configuration import PlusConfiguration
-from .frames import TrackedFrame, TrackedSequence
+from .frames import CROPPED, TrackedFrame, TrackedSequence
 from .joined import JoinedSequence, names_of
 
 FARTHEST_APART = 1000.0
 """mm between two sweeps that no patient's spine spans."""
+
+SIZES_DIFFER = 0.05
+"""Part by which the size of a pixel that a recording states differs from that of its poses: calibrations find it more exactly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +112,15 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     twice = [name for name in recorded if name in configured]
     notes += [Message("{name} is in the recording and in the configuration; the recording's is used.", name=name) for name in twice]
     path = (wanted,) if named and wanted in recorded else _find_chain(sequence, wanted, recorded, configured)
+    if wanted.source == CROPPED.source and {CROPPED, CROPPED.inverse} & set(recorded):
+        path = (CROPPED.inverse, *path)
+        notes.append(
+            Message(
+                "The recording says that its images were cropped ({transform}), and is placed so. A configuration's clip rectangle, fan "
+                "and transducer center are taken as those of the images as they are.",
+                transform=CROPPED,
+            )
+        )
     # A frame that lacks a recorded transform is a frame without a pose: the configuration's must not stand in for it
     static = {**{name: sample for name, sample in configured.items() if name not in recorded}, **sequence.transforms}
     known = {*recorded, *configured}
@@ -123,7 +135,7 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         problems.append(problem)
         if problem is None:
             matrices[number] = matrix
-    return SweepPoses(matrices, tuple(problems), path, tuple(notes))
+    return SweepPoses(matrices, tuple(problems), path, (*notes, *_about_pixel_size(sequence, wanted, matrices)))
 
 
 def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str | None, reference: str | None) -> list[SweepPoses]:
@@ -225,6 +237,44 @@ def describe_skipped(skipped: Mapping[str, Sequence[int]]) -> Message:
     return listed(words, "; ")
 
 
+def _about_pixel_size(sequence: TrackedSequence, wanted: TransformName, image_to_reference: Matrix) -> list[Message]:
+    """A sentence where the size of a pixel that the recording states, for all frames or for each, is not that of the poses (n, 4, 4)."""
+    found = np.linalg.norm(image_to_reference[:, :3, :2], axis=1)
+    stated = np.array([record.stated_spacing or (np.nan, np.nan) for record in sequence.records]).reshape(-1, 2)
+    with np.errstate(all="ignore"):  # whatever numbers a header holds
+        contradicted = np.flatnonzero((np.abs(found / stated - 1) > SIZES_DIFFER).any(axis=1))
+    if not contradicted.size:
+        return []
+    first = contradicted[0]
+    known = np.flatnonzero(np.isfinite(found + stated).all(axis=1))
+    changed = known[(np.abs(stated[known] / stated[known[0]] - 1) > SIZES_DIFFER).any(axis=1)]
+    why = Message("is the calibration that of another depth?")
+    if changed.size:
+        why = Message(
+            "the size changes in frame {number} from {before} to {after} mm, and a calibration holds for one depth.",
+            number=changed[0],
+            before=_size(stated[known[0]]),
+            after=_size(stated[changed[0]]),
+        )
+    elif np.allclose(found[first], 1.0, rtol=0.0, atol=1e-3):
+        why = Message("it is rigid, so it may lack the size of a pixel, which belongs into the calibration.")
+    return [
+        Message(
+            "The recording says that a pixel of frame {number} is {stated} mm, but {transform} places pixels {found} mm apart, and so they "
+            "are placed, as in Plus: {why}",
+            number=first,
+            stated=_size(stated[first]),
+            transform=wanted,
+            found=_size(found[first]),
+            why=why,
+        )
+    ]
+
+
+def _size(spacing: Floats) -> str:
+    return f"{spacing[0]:.4g} x {spacing[1]:.4g}"
+
+
 def _find_chain(
     sequence: TrackedSequence, wanted: TransformName, recorded: Iterable[TransformName], configured: Iterable[TransformName]
 ) -> tuple[TransformName, ...]:
@@ -283,7 +333,7 @@ def _follow(
             return matrix, Message("{transform} not recorded", transform=stored)
         if sample.status is not TransformStatus.OK:
             return matrix, f"{stored} {sample.status.value}"
-        scales_pixels = image_frame in (name.source, name.target)
+        scales_pixels = bool({image_frame, CROPPED.source} & {name.source, name.target})
         problem = why_not_rigid(sample.matrix) if is_recorded and not scales_pixels else why_not_affine(sample.matrix)
         if problem:
             return matrix, Message("{transform} {problem}", transform=stored, problem=problem)

@@ -67,6 +67,8 @@ def logging_as_asked(arguments: argparse.Namespace, words: list[str]) -> Iterato
     if arguments.log is not None:
         others = [path for name, value in vars(arguments).items() if name != "log" for path in _paths(value)]
         handlers.append(_log_file(arguments.log, others))
+    # What files contradict themselves in concerns everybody
+    of_files = None if arguments.verbose else _Terminal(logging.WARNING)
     if arguments.verbose:
         handlers.append(_Terminal(logging.INFO))
     logger = logging.getLogger(__package__.partition(".")[0])
@@ -77,6 +79,8 @@ def logging_as_asked(arguments: argparse.Namespace, words: list[str]) -> Iterato
         logger.propagate = False
     for handler in handlers:
         logger.addHandler(handler)
+    if of_files is not None:
+        logger.getChild("io").addHandler(of_files)
     try:
         logger.debug("AIFRecon %s: aifrecon %s", __version__, one_line(shlex.join(words)))
         yield
@@ -85,6 +89,8 @@ def logging_as_asked(arguments: argparse.Namespace, words: list[str]) -> Iterato
         logger.debug("ended by %s", type(error).__name__, exc_info=True)
         raise
     finally:
+        if of_files is not None:
+            logger.getChild("io").removeHandler(of_files)
         logger.setLevel(level)
         logger.propagate = propagate
         for handler in handlers:

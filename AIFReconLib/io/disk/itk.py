@@ -1,10 +1,14 @@
-"""What SimpleITK takes and says: paths in its encoding, and its many-line exceptions in a few words."""
+"""What SimpleITK takes and says: paths in its encoding, its many-line exceptions in a few words, and its warnings nowhere."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
+
+import SimpleITK as sitk
 
 from ...errors import FileFormatError, OutputError
 from ...message import shorten
@@ -34,3 +38,14 @@ def short_cause(error: Exception) -> str:
     text = re.sub(r"^.*?ERROR:\s*", "", text)
     text = re.sub(r"\(0x[0-9a-f]+\)", "", text)
     return shorten(text.rstrip(" .:"), 160)
+
+
+@contextlib.contextmanager
+def without_warnings() -> Iterator[None]:
+    """Within the block ITK prints none of its warnings, which name lines of its own code."""
+    shown = sitk.ProcessObject.GetGlobalWarningDisplay()
+    sitk.ProcessObject.SetGlobalWarningDisplay(False)
+    try:
+        yield
+    finally:
+        sitk.ProcessObject.SetGlobalWarningDisplay(shown)

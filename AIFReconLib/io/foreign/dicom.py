@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
@@ -22,7 +23,7 @@ _CENTIMETERS = 3
 
 
 def open_dicom(files: list[Path]) -> ImportedImages:
-    """The frames of these files; files of one frame in order of their InstanceNumber where all have one.
+    """The frames of these files, in order of their InstanceNumber where that tells it.
 
     Raises
     ------
@@ -32,9 +33,9 @@ def open_dicom(files: list[Path]) -> ImportedImages:
     pydicom = library("pydicom", Message("DICOM files"))
     pixels = library("pydicom.pixels", Message("DICOM files"))
     headers = [(path, _header(pydicom, path)) for path in files]
-    numbers = [getattr(header, "InstanceNumber", None) for _, header in headers]
-    if len(headers) > 1 and None not in numbers and len(set(numbers)) == len(numbers):
-        headers = [headers[n] for n in np.argsort(np.array(numbers, dtype=np.int64), kind="stable")]
+    unknown_order = _why_not_in_order([header for _, header in headers])
+    if unknown_order is None:
+        headers.sort(key=lambda pair: _number(pair[1]) or 0)
     frames = [(path, frame) for path, header in headers for frame in range(_frame_count(header))]
     single = len(frames) == len(headers)
     header_of = dict(headers)
@@ -46,14 +47,53 @@ def open_dicom(files: list[Path]) -> ImportedImages:
             return _as_shown(pixels, header_of[path], pixels.pixel_array(path, index=frame))
 
     stack = DecodedImages(len(frames), decode, lambda n: Message("{path}, frame {number}", path=frames[n][0], number=frames[n][1]))
-    first = headers[0][1]
+    spacing, unknown_spacing = _common_spacing(headers)
     return ImportedImages(
         stack,
         describe_stack(len(frames), "DICOM frames", stack.shape[1:], stack.dtype),
         tuple(path.name for path, _ in frames) if single else None,
-        None if single and len(frames) > 1 else _times(first, len(frames)),
-        _spacing(first),
+        # What lies between two files is not known
+        _times(headers[0][1], len(frames)) if len(headers) == 1 else None,
+        spacing,
+        unknown_spacing,
+        unknown_order,
     )
+
+
+def _why_not_in_order(headers: list[Dataset]) -> Message | None:
+    """What keeps InstanceNumber from telling the order of several files; None where it does."""
+    numbers = [_number(header) for header in headers]
+    series = {getattr(header, "SeriesInstanceUID", None) for header in headers}
+    if len(headers) == 1:
+        return None
+    if None in numbers:
+        return Message("InstanceNumber is missing in {count} of {files} files", count=numbers.count(None), files=len(headers))
+    if len(series) > 1:
+        return Message("the files are of {count} series, each with an order of its own", count=len(series))
+    twice = next((number for number, count in Counter(numbers).items() if count > 1), None)
+    return None if twice is None else Message("InstanceNumber {number} occurs more than once", number=twice)
+
+
+def _common_spacing(headers: list[tuple[Path, Dataset]]) -> tuple[tuple[float, float] | None, Message | None]:
+    """Size of a pixel that all files state, and why there is none, where they state several."""
+    found = [_spacing(header) for _, header in headers]
+    for (path, _), (spacing, problem) in zip(headers, found):
+        if problem is not None:
+            return None, Message("{path}: {problem}", path=path, problem=problem)
+        first = found[0][0]
+        if (spacing is None) != (first is None) or (spacing and first and not np.allclose(spacing, first, rtol=1e-3, atol=0.0)):
+            return None, Message(
+                "{first} says {one}, {path} says {other}",
+                first=headers[0][0].name,
+                one=_words(first),
+                path=path.name,
+                other=_words(spacing),
+            )
+    return found[0]
+
+
+def _words(spacing: tuple[float, float] | None) -> Message:
+    return Message("nothing") if spacing is None else Message("{x:g} x {y:g} mm", x=spacing[0], y=spacing[1])
 
 
 def _as_shown(pixels: ModuleType, header: Dataset, image: Numbers) -> Numbers:
@@ -75,7 +115,7 @@ def _header(pydicom: ModuleType, path: Path) -> Dataset:
         header = pydicom.dcmread(path, stop_before_pixels=True)
         # Values are decoded when first asked for, so what is wrong with one shows here
         count = _frame_count(header)
-        _ = _times(header, min(count, MAXIMUM_FRAMES)), _spacing(header), getattr(header, "InstanceNumber", None)
+        _ = _times(header, min(count, MAXIMUM_FRAMES)), _spacing(header), _number(header)
     if count > MAXIMUM_FRAMES:
         raise FileFormatError(
             "{path}: NumberOfFrames must be at most {maximum}; got {count}. Export it again.",
@@ -86,6 +126,11 @@ def _header(pydicom: ModuleType, path: Path) -> Dataset:
     if "Rows" not in header or "Columns" not in header:
         raise FileFormatError("{path}: this DICOM file holds no image. Give the images of the sweep.", path=path)
     return header
+
+
+def _number(header: Dataset) -> int | None:
+    value = getattr(header, "InstanceNumber", None)
+    return None if value in (None, "") else int(value)
 
 
 def _frame_count(header: Dataset) -> int:
@@ -101,16 +146,50 @@ def _times(header: Dataset, count: int) -> Floats | None:
     return np.arange(count, dtype=np.float64) * float(step) / 1000.0 if step and count > 1 else None
 
 
-def _spacing(header: Dataset) -> tuple[float, float] | None:
-    """Size of a pixel in mm: of the first ultrasound region, else PixelSpacing (which lists rows first); None where neither is positive."""
-    found = _stated_spacing(header)
-    return found if found is not None and np.isfinite(found).all() and min(found) > 0 else None
+def _spacing(header: Dataset) -> tuple[tuple[float, float] | None, Message | None]:
+    """Size of a pixel in mm: of the ultrasound regions, else PixelSpacing (which lists rows first); None where neither is positive.
 
-
-def _stated_spacing(header: Dataset) -> tuple[float, float] | None:
-    for region in getattr(header, "SequenceOfUltrasoundRegions", None) or ():
-        units = (getattr(region, "PhysicalUnitsXDirection", 0), getattr(region, "PhysicalUnitsYDirection", 0))
-        if units == (_CENTIMETERS, _CENTIMETERS):
-            return abs(10.0 * float(region.PhysicalDeltaX)), abs(10.0 * float(region.PhysicalDeltaY))
+    Beside it, why what regions say is not that of the whole image, where it is not.
+    """
+    regions = [region for region in getattr(header, "SequenceOfUltrasoundRegions", None) or () if _in_centimeters(region)]
     spacing = getattr(header, "PixelSpacing", None)
-    return (float(spacing[1]), float(spacing[0])) if spacing else None
+    sizes = [(abs(10.0 * float(region.PhysicalDeltaX)), abs(10.0 * float(region.PhysicalDeltaY))) for region in regions]
+    sizes = sizes or ([(float(spacing[1]), float(spacing[0]))] if spacing else [])
+    sizes = [size for size in sizes if np.isfinite(size).all() and min(size) > 0]
+    if not sizes:
+        return None, None
+    other = next((size for size in sizes if not np.allclose(size, sizes[0], rtol=1e-3, atol=0.0)), None)
+    if other is not None:
+        return None, Message(
+            "the image has regions of different pixel sizes ({one} and {other})", one=_words(sizes[0]), other=_words(other)
+        )
+    columns, rows = int(getattr(header, "Columns", 0)), int(getattr(header, "Rows", 0))
+    boxes = [box for region in regions if (box := _box(region)) is not None]
+    if not boxes:
+        return sizes[0], None
+    left, top, right, bottom = (edge(box[n] for box in boxes) for n, edge in enumerate((min, min, max, max)))
+    # Some count the last pixel in, some do not
+    if abs(left) > 1 or abs(top) > 1 or not columns - 2 <= right <= columns or not rows - 2 <= bottom <= rows:
+        return None, Message(
+            "{size} is the size of pixels in columns {left} to {right} and rows {top} to {bottom}, which are not those of the image, "
+            "of {columns} x {rows} pixels",
+            size=_words(sizes[0]),
+            left=left,
+            right=right,
+            top=top,
+            bottom=bottom,
+            columns=columns,
+            rows=rows,
+        )
+    return sizes[0], None
+
+
+def _in_centimeters(region: Dataset) -> bool:
+    units = (getattr(region, "PhysicalUnitsXDirection", 0), getattr(region, "PhysicalUnitsYDirection", 0))
+    return units == (_CENTIMETERS, _CENTIMETERS)
+
+
+def _box(region: Dataset) -> tuple[int, ...] | None:
+    """First column and row, last column and row of a region; None where it does not say."""
+    values = [getattr(region, f"RegionLocation{edge}", None) for edge in ("MinX0", "MinY0", "MaxX1", "MaxY1")]
+    return None if None in values else tuple(int(value) for value in values if value is not None)

@@ -36,6 +36,8 @@ class ImportedImages:
     times : (frames,) array or None, s
     spacing : (x, y) or None, mm
         Size of a pixel.
+    unknown_spacing, unknown_order : str or None
+        Why the size of a pixel, or the order of the images, is not known though files speak of it: half a sentence.
     """
 
     stack: ImageStack
@@ -43,6 +45,8 @@ class ImportedImages:
     names: tuple[str, ...] | None = None
     times: Floats | None = None
     spacing: tuple[float, float] | None = None
+    unknown_spacing: str | None = None
+    unknown_order: str | None = None
 
 
 class DecodedImages(ImagesOnDemand):

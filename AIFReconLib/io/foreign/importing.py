@@ -131,6 +131,8 @@ def _placed(matrices: Matrix, rigid: bool, places_image: bool, images: ImportedI
     spacing = settings.spacing or images.spacing
     origin = settings.origin_px or (0.0, 0.0)
     if not places_image:
+        if settings.origin_px:
+            _require_known_spacing(images, spacing)
         return _placed_by_probe(matrices, spacing, settings)
     if settings.calibration:
         raise SettingsError("{name} places the image itself, so there is no calibration to apply. Leave out --calibration.", name=name)
@@ -140,6 +142,7 @@ def _placed(matrices: Matrix, rigid: bool, places_image: bool, images: ImportedI
                 "The matrices of {name} hold the size of a pixel already. Leave out --spacing and --image-origin-px.", name=name
             )
         return matrices, {}, f"{name} takes pixels (its axes are not of length 1)"
+    _require_known_spacing(images, spacing)
     if spacing is None:
         raise SettingsError(
             "The poses of {name} are rigid, so they take millimeters, and the size of a pixel is not known. Give --spacing X Y in mm.",
@@ -149,6 +152,14 @@ def _placed(matrices: Matrix, rigid: bool, places_image: bool, images: ImportedI
     matrices = matrices @ pixel_to_image if name.source == IMAGE_FRAME else invert(pixel_to_image) @ matrices
     source = "" if settings.spacing else " (from the image files)"
     return matrices, {}, f"pixels of {spacing[0]:g} x {spacing[1]:g} mm{source}, {name} places pixel {origin[0]:g} {origin[1]:g}"
+
+
+def _require_known_spacing(images: ImportedImages, spacing: tuple[float, float] | None) -> None:
+    if spacing is None and images.unknown_spacing:
+        raise SettingsError(
+            "The size of a pixel is not known: {problem}. Give --spacing X Y in mm, or import images of one depth at a time.",
+            problem=images.unknown_spacing,
+        )
 
 
 def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, settings: ImportSettings) -> _Place:
@@ -209,6 +220,11 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
     missing = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
     if poses.images is not None:
         return _paired_by_name(images, poses.images, poses.times, samples, missing)
+    if images.unknown_order:
+        raise SettingsError(
+            "The order of the images is not known: {problem}. Name the image of each pose in a column 'image', or import one series.",
+            problem=images.unknown_order,
+        )
     if len(samples) == count:
         times = poses.times if poses.times is not None else images.times
         return samples, times, "image by image, in order"

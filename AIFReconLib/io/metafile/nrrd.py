@@ -28,8 +28,16 @@ TYPES = {name: code for code, names in _TYPE_NAMES.items() for name in names.spl
 RAW_ENCODINGS = ("raw",)
 GZIP_ENCODINGS = ("gzip", "gz")
 
-SPELLINGS = {name.replace(" ", ""): name for name in ("data file", "line skip", "byte skip", "axis mins", "axis maxs")}
-"""Fields that may also be written as one word."""
+_FORMAT_FIELDS = """
+dimension, type, encoding, endian, sizes, kinds, block size, content, min, max, old min, old max, data file, line skip, byte skip, number,
+spacings, thicknesses, axis mins, axis maxs, centers, centerings, labels, units, sample units, space, space dimension, space units,
+space origin, space directions, measurement frame
+"""
+SPELLINGS = {spelled: name for name in _FORMAT_FIELDS.replace("\n", " ").strip().split(", ") for spelled in (name, name.replace(" ", ""))}
+"""Fields that the format defines, which may also be written as one word; every other ``name: value`` is somebody's own, as Plus writes."""
+
+_WRITTEN_TWICE = ("ultrasound image orientation", "ultrasound image type")
+"""Plus writes these as key/value pairs, beside the ``name: value`` of the file that it edited: the pair is that of the pixels."""
 
 CHANNEL_KINDS = frozenset(
     ["vector", "rgb-color", "rgba-color", "hsv-color", "xyz-color", "2-vector", "3-vector", "4-vector", "3-color", "4-color"]
@@ -84,12 +92,13 @@ def escape(text: str) -> str:
 
 
 def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
-    """The format's own entries, and the key/value pairs."""
+    """The format's own entries, and all others: key/value pairs, and fields of other names."""
     magic = lines.next() or ""
     if not re.fullmatch(r"NRRD000[1-5]\s*", magic):
         raise lines.failure("this is not an NRRD file: it does not begin with NRRD0001 to NRRD0005. Give a MetaImage or NRRD file.")
     entries: dict[str, str] = {}
     fields: dict[str, str] = {}
+    others: dict[str, str] = {}
     while line := lines.next():
         if line.startswith("#"):
             continue
@@ -99,13 +108,15 @@ def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str
         if value.startswith("="):
             store(lines, fields, unescape(key.strip()), unescape(value[1:]).strip())
         else:
-            name = key.strip().lower()
-            name = SPELLINGS.get(name, name)
-            store(lines, entries, name, value.strip())
+            name = SPELLINGS.get(key.strip().lower(), "")
+            store(lines, entries if name else others, name or key.strip(), value.strip())
             if name == "data file" and value.split()[:1] == ["LIST"]:
                 break
     if line is None and "data file" not in entries:
         raise lines.failure("the header ends without the empty line before the data: the file is cut short. Copy it again.")
+    for key, value in others.items():
+        if key not in fields or key not in _WRITTEN_TWICE:
+            store(lines, fields, key, value)
     return entries, fields
 
 

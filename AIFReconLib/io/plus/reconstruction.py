@@ -91,7 +91,7 @@ def _read_extent(attributes: Attributes) -> tuple[int, int, int, int, int, int] 
 def _read_clip(attributes: Attributes) -> ClipRectangle | None:
     size = attributes.pair("ClipRectangleSize") or (0.0, 0.0)
     origin = attributes.pair("ClipRectangleOrigin") or (0.0, 0.0)
-    if 0 in size:
+    if any(length <= 0 for length in size):  # as in IGSIO, which calls -1 no clipping
         return None
     return build(attributes, "ClipRectangleSize", lambda: ClipRectangle(origin, size))
 

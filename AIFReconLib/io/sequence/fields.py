@@ -1,8 +1,8 @@
 """Fields of a sequence header as frame records, and back.
 
-Per frame, ``Seq_Frame0012_`` and a name: Timestamp, UnfilteredTimestamp, ImageStatus, ProbeToTrackerTransform (16 numbers),
-ProbeToTrackerTransformStatus, and whatever a recorder adds. The number of digits is not fixed. Names of coordinate frames begin
-with a capital: Plus reads ``probeToTracker`` as ``ProbeToTracker``, and so does this library.
+Per frame, ``Seq_Frame0012_`` and a name: Timestamp, UnfilteredTimestamp, ImageStatus (in NRRD: Status), ProbeToTrackerTransform
+(16 numbers), ProbeToTrackerTransformStatus, and whatever a recorder adds. The number of digits is not fixed. Names of coordinate frames
+begin with a capital: Plus reads ``probeToTracker`` as ``ProbeToTracker``, and so does this library.
 """
 
 from __future__ import annotations
@@ -19,19 +19,30 @@ from ...geometry.transform_graph import TransformName, TransformSample, Transfor
 from ...message import Message, one_line, shorten
 from ...sweep.frames import FrameRecord
 from ..metafile.metafile import Metafile
+from ..metafile.opening import NRRD_SUFFIXES
 from ..metafile.text_values import NotANumberError, format_number, parse_number, parse_numbers
 
 FRAME_KEY = re.compile(r"Seq_Frame([0-9]+)_(.+)", re.DOTALL)
 MOST_DIGITS = 12
 """In the number of a frame; recorders write four."""
 _TIMES = ("Timestamp", "UnfilteredTimestamp")
-_IMAGE_STATUS = "ImageStatus"
+IMAGE_STATUS, IMAGE_STATUS_IN_NRRD = "ImageStatus", "Status"
+"""NRRD files may have either: older ones of this library have the first."""
 _MATRIX_SUFFIX = "Transform"
 _STATUS_SUFFIX = "TransformStatus"
 
 
-def split_fields(metafile: Metafile, frames: int) -> tuple[list[FrameRecord], dict[str, str], dict[TransformName, TransformSample]]:
+def split_fields(
+    metafile: Metafile, frames: int, spacing: tuple[float, float] | None = None
+) -> tuple[list[FrameRecord], dict[str, str], dict[TransformName, TransformSample]]:
     """The records of all frames, and the header's own fields and transforms.
+
+    Parameters
+    ----------
+    metafile : Metafile
+    frames : int
+    spacing : (x, y) or None, mm
+        Size of a pixel that the header states, for frames that state none.
 
     Raises
     ------
@@ -66,13 +77,15 @@ def split_fields(metafile: Metafile, frames: int) -> tuple[list[FrameRecord], di
                 second=key,
             )
         per_frame.setdefault(number, {})[name] = value
-    records = [_record(metafile, Message("frame {number}, ", number=number), per_frame.get(number, {})) for number in range(frames)]
+    records = [
+        _record(metafile, Message("frame {number}, ", number=number), per_frame.get(number, {}), spacing) for number in range(frames)
+    ]
     transforms, fields = _take_transforms(metafile, "", header)
     return records, fields, transforms
 
 
-def frame_entries(records: Iterable[FrameRecord]) -> Iterator[tuple[str, str]]:
-    """Header keys and values of all frames, frame by frame.
+def frame_entries(records: Iterable[FrameRecord], image_status: str = IMAGE_STATUS) -> Iterator[tuple[str, str]]:
+    """Header keys and values of all frames, frame by frame; `image_status` is what the format calls the image's status.
 
     Raises
     ------
@@ -90,9 +103,11 @@ def frame_entries(records: Iterable[FrameRecord]) -> Iterator[tuple[str, str]]:
                         "Input {name} of frame {number} must be a finite number; got {time!r}.", name=name, number=number, time=time
                     )
                 yield prefix + name, format_number(time)
-        yield prefix + _IMAGE_STATUS, record.image_status.value
+        yield prefix + image_status, record.image_status.value
         for name, value in record.fields.items():
-            if not name or name in _TIMES or name == _IMAGE_STATUS or _transform_name(name) is not None:
+            if name == image_status != IMAGE_STATUS:
+                name = name.lower()  # somebody's own, which must not become the image's; Plus tells the two apart as well
+            if not name or name in (*_TIMES, IMAGE_STATUS) or _transform_name(name) is not None:
                 raise SettingsError(
                     "Input field {name!r} of frame {number} must have a name, and not that of a time, status or transform. "
                     "Set those in the record.",
@@ -120,12 +135,34 @@ def header_entries(fields: Mapping[str, str], transforms: Mapping[TransformName,
         yield name, value
 
 
-def _record(metafile: Metafile, where: str, fields: dict[str, str]) -> FrameRecord:
+def stated_spacing(text: str | None, unit: float = 1.0) -> tuple[float, float] | None:
+    """Size of a pixel in mm that a header gives, in `unit` mm; None where it gives none: 1 x 1 is what Plus writes for all."""
+    try:
+        x, y = (unit * length for length in parse_numbers(text or "")[:2])
+    except ValueError:
+        return None
+    return (x, y) if min(x, y) > 0 and max(x, y) < math.inf and (x, y) != (1, 1) else None
+
+
+def _record(metafile: Metafile, where: str, fields: dict[str, str], spacing: tuple[float, float] | None) -> FrameRecord:
     """One frame's fields, with those of known meaning parsed."""
     transforms, others = _take_transforms(metafile, where, fields)
     times = [_time(metafile, where, name, others.pop(name, None)) for name in _TIMES]
-    status = TransformStatus.parse(others.pop(_IMAGE_STATUS, "OK"))
-    return FrameRecord(times[0], times[1], status, transforms, others)
+    statuses = [IMAGE_STATUS, IMAGE_STATUS_IN_NRRD] if metafile.path.suffix.lower() in NRRD_SUFFIXES else [IMAGE_STATUS]
+    said = {name: TransformStatus.parse(others.pop(name)) for name in statuses if name in others}
+    if len(set(said.values())) > 1:
+        raise metafile.failure(
+            "{where}{one} is {first} and {other} is {second}, which are two names of one thing. Remove one of them from the header.",
+            where=where,
+            one=IMAGE_STATUS,
+            first=said[IMAGE_STATUS].value,
+            other=IMAGE_STATUS_IN_NRRD,
+            second=said[IMAGE_STATUS_IN_NRRD].value,
+        )
+    status = next(iter(said.values()), TransformStatus.OK)
+    microns = others.get("micronsPerPixel", "")
+    spacing = stated_spacing(others.get("ElementSpacing")) or stated_spacing(f"{microns} {microns}", 1e-3) or spacing
+    return FrameRecord(times[0], times[1], status, transforms, others, spacing)
 
 
 def _take_transforms(metafile: Metafile, where: str, fields: dict[str, str]) -> tuple[dict[TransformName, TransformSample], dict[str, str]]:

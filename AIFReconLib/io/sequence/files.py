@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import math
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -12,9 +15,11 @@ from ...message import Message
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.pose_tracks import LONGEST_GAP
+from ..metafile.metafile import Metafile
 from ..metafile.opening import read_metafile
+from ..metafile.text_values import parse_numbers
 from ..plus.configuration import read_plus_configuration
-from .fields import split_fields
+from .fields import split_fields, stated_spacing
 from .file_images import FileImages
 from .interleaved_images import InterleavedImages
 from .orientation import is_image_key, parse_orientation, required_flips
@@ -79,9 +84,9 @@ def read_sequence(
     flip_columns, flip_rows = required_flips(metafile, parse_orientation(orientation) if orientation else None)
     kind = InterleavedImages if is_interleaved(metafile) else FileImages
     images: ImageStack = kind(metafile, flip_columns=flip_columns, flip_rows=flip_rows)
-    records, fields, transforms = split_fields(metafile, len(images))
-    notes: tuple[str, ...] = ()
     from_slicer = is_slicer_sequence(metafile)
+    records, fields, transforms = split_fields(metafile, len(images), None if from_slicer else _header_spacing(metafile))
+    notes: tuple[str, ...] = ()
     if from_slicer:
         records, fields, notes = slicer_records(metafile, records, fields)
     if transform_sequences:
@@ -102,6 +107,19 @@ def read_sequence(
         path=Path(path),
         notes=notes,
     )
+
+
+def _header_spacing(metafile: Metafile) -> tuple[float, float] | None:
+    """Size of a pixel by the header, mm. (Slicer's is part of the place of its volume nodes.)"""
+    entries = metafile.entries
+    words = next((text.split() for key in ("ElementSpacing", "ElementSize", "spacings") if (text := entries.get(key))), [])
+    if not words:
+        vectors = re.findall(r"\(([^)]*)\)", entries.get("space directions", ""))
+        with contextlib.suppress(ValueError):
+            words = [str(math.hypot(*parse_numbers(vector.replace(",", " ")))) for vector in vectors]
+    elif metafile.channels > 1 and len(words) > len(metafile.size):
+        words = words[1:]
+    return stated_spacing(" ".join(words))
 
 
 def _placed(records: list[FrameRecord], image_frame: str, geometry: Matrix) -> tuple[list[FrameRecord], Message]:

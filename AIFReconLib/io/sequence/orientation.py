@@ -15,9 +15,10 @@ import re
 from ...errors import SettingsError
 from ...message import shorten
 from ..metafile.metafile import Metafile
+from ..metafile.opening import NRRD_SUFFIXES
 
 IN_MEMORY = "MFA"
-"""How frames are kept and written: marked side at column 0, transducer at row 0."""
+"""How frames are kept and written: marked side at the last column (on the right), transducer at row 0."""
 
 BRIGHTNESS = "BRIGHTNESS"
 _DISPLAYABLE_TYPES = (BRIGHTNESS, "RGB_COLOR")
@@ -64,7 +65,10 @@ def required_flips(metafile: Metafile, stated: str | None = None) -> tuple[bool,
     SequenceFormatError
         For radio-frequency data and for a code that is none.
     """
-    values = {_plain(key): value for key, value in metafile.fields.items() if is_image_key(key)}
+    with_blanks = metafile.path.suffix.lower() in NRRD_SUFFIXES
+    # Plus keeps the other format's key of a file that it converts, and means its own
+    keys = sorted(filter(is_image_key, metafile.fields), key=lambda key: ((" " in key) == with_blanks, "." not in key))
+    values = {_plain(key): metafile.fields[key] for key in keys}
     image_type = values.get(_TYPE_KEY, "").upper().replace(BRIGHTNESS * 2, BRIGHTNESS) or BRIGHTNESS
     code = stated or values.get(_ORIENTATION_KEY, "").upper() or IN_MEMORY
     if image_type.startswith("RF_") or re.fullmatch("[FN][MU][AD]?", code):

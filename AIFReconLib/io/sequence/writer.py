@@ -19,7 +19,7 @@ from ..disk.header_pairs import check_pair_name
 from ..metafile.header import MAXIMUM_LINE
 from ..metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS
 from ..metafile.nrrd import escape
-from .fields import frame_entries, header_entries
+from .fields import IMAGE_STATUS, IMAGE_STATUS_IN_NRRD, frame_entries, header_entries
 from .orientation import BRIGHTNESS, IN_MEMORY, is_image_key
 
 SUFFIXES = (".mha", ".mhd", ".nrrd")
@@ -88,7 +88,7 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
     code = _pixel_code(sequence.images)
     entries = [
         *_checked(header_entries(sequence.fields, sequence.transforms), reserved=suffix != ".nrrd"),
-        *_checked(frame_entries(sequence.records), reserved=False),
+        *_checked(frame_entries(sequence.records, IMAGE_STATUS_IN_NRRD if suffix == ".nrrd" else IMAGE_STATUS), reserved=False),
     ]
 
     def write_pixels(file: BinaryIO, encoder: Encoder | None) -> None:

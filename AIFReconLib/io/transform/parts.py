@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import SimpleITK as sitk
 
 from ...arrays import Matrix
@@ -28,8 +29,26 @@ _KINDS: dict[str, tuple[Callable[[], sitk.Transform], int, tuple[int, ...]]] = {
     "ComposeScaleSkewVersor3DTransform": (sitk.ComposeScaleSkewVersor3DTransform, 12, (3,)),
     "TranslationTransform": (lambda: sitk.TranslationTransform(3), 3, (0,)),
     "IdentityTransform": (lambda: sitk.Transform(3, sitk.sitkIdentity), 0, (0,)),
+    "FixedCenterOfRotationAffineTransform": (lambda: sitk.AffineTransform(3), 12, (3,)),
+    "ScalableAffineTransform": (lambda: sitk.AffineTransform(3), 12, (3,)),
+    "CenteredAffineTransform": (lambda: sitk.AffineTransform(3), 15, (3,)),
+    "CenteredEuler3DTransform": (sitk.Euler3DTransform, 9, (3, 4)),
+    "QuaternionRigidTransform": (lambda: sitk.AffineTransform(3), 7, (3,)),
+    "ScaleLogarithmicTransform": (lambda: sitk.ScaleTransform(3), 3, (3,)),
 }
-"""By ITK's name: an object of that kind, how many parameters it has, and how many fixed ones."""
+"""By ITK's name: an object of that kind, or of one that it can be put as; how many parameters it has, and how many fixed ones."""
+
+_Numbers = tuple[float, ...]
+
+_PUT_OTHERWISE: dict[str, Callable[[_Numbers, _Numbers], tuple[_Numbers, _Numbers]]] = {
+    "CenteredAffineTransform": lambda numbers, fixed: (numbers[:9] + numbers[12:], numbers[9:12]),
+    # Older files do not say whether the turns are about z, y, x
+    "Euler3DTransform": lambda numbers, fixed: (numbers, (*fixed, 0.0)[:4]),
+    "CenteredEuler3DTransform": lambda numbers, fixed: (numbers[:3] + numbers[6:], (*numbers[3:6], *fixed[3:], 0.0)[:4]),
+    "QuaternionRigidTransform": lambda numbers, fixed: (_turned(*numbers[:4]) + numbers[4:], fixed),
+    "ScaleLogarithmicTransform": lambda numbers, fixed: (tuple(np.exp(numbers).tolist()), fixed),
+}
+"""By ITK's name, for kinds that SimpleITK has no object of, or takes with all numbers alone: parameters and fixed ones for the object."""
 
 _FAR = 2.0**20
 """mm from the origin to the points whose images are asked for: not much less than any translation, which would cost digits."""
@@ -46,6 +65,12 @@ class TransformPart:
     kind: str
     parameters: tuple[float, ...] = ()
     fixed: tuple[float, ...] = ()
+
+
+def _turned(*quaternion: float) -> _Numbers:
+    """The nine numbers of a quaternion's matrix, row by row; its length scales it, as in ITK."""
+    rotation = scipy.spatial.transform.Rotation.from_quat(quaternion).as_matrix()
+    return tuple((rotation * np.dot(quaternion, quaternion)).ravel().tolist())
 
 
 def composed(parts: list[TransformPart]) -> Matrix:
@@ -99,14 +124,17 @@ def _matrix(part: TransformPart) -> Matrix:
             others=len(part.fixed),
         )
     transform = make()
+    parameters, fixed = part.parameters, part.fixed
     try:
-        if part.fixed:
-            transform.SetFixedParameters(part.fixed)
-        if part.parameters:
-            transform.SetParameters(part.parameters)
+        if name in _PUT_OTHERWISE:
+            parameters, fixed = _PUT_OTHERWISE[name](parameters, fixed)
+        if fixed:
+            transform.SetFixedParameters(fixed)
+        if parameters:
+            transform.SetParameters(parameters)
         # An affine map is known from the images of the origin and a point on each axis; this holds for every linear kind
         origin, *ends = (transform.TransformPoint(point) for point in ((0.0, 0.0, 0.0), *(_FAR * np.eye(3)).tolist()))
-    except RuntimeError:
+    except (RuntimeError, ValueError):
         raise TransformPartError(
             "of kind {kind} has numbers that ITK does not take. Save the transform from Slicer again.", kind=name
         ) from None

@@ -1,4 +1,4 @@
-"""Whether a NIfTI file (.nii, .nii.gz) holds all the voxels that its header promises."""
+"""Whether a NIfTI file (.nii, .nii.gz) holds all the voxels that its header promises, and where its two forms place them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,10 @@ import math
 import struct
 from pathlib import Path
 
+import numpy as np
+import scipy
+
+from ...arrays import Matrix
 from ...errors import FileFormatError
 from ..disk.regular_files import require_regular_file
 from ..metafile.payload import Inflater, PayloadError
@@ -17,8 +21,15 @@ _BITS = {2: 8, 4: 16, 8: 32, 16: 32, 32: 64, 64: 64, 128: 24, 256: 8, 512: 16, 7
 """By NIfTI's number of a type: bits of a voxel. SimpleITK's reader prints its own complaint about others."""
 
 
-def check_nifti(path: Path, error: type[FileFormatError]) -> None:
-    """Return if the file is complete, its checksum included if it is compressed. Keeps nothing in memory.
+_PLACES = {348: (76, "8f", 123, "B", 252, "2h", 256, "6f", 280, "12f"), 540: (104, "8d", 500, "i", 344, "2i", 352, "6d", 400, "12d")}
+"""By length of the header: pixdim, units, codes of qform and sform, quaternion and offset, and the rows of the sform."""
+
+_UNIT_MM = {1: 1e3, 3: 1e-3}
+"""By NIfTI's number of a unit: meters and microns; all others are taken as mm."""
+
+
+def check_nifti(path: Path, error: type[FileFormatError]) -> bytes:
+    """The header of the file, if it is complete, its checksum included if it is compressed. Keeps nothing else in memory.
 
     Raises
     ------
@@ -30,22 +41,42 @@ def check_nifti(path: Path, error: type[FileFormatError]) -> None:
         with open(path, "rb") as file:
             length = path.stat().st_size
             if path.suffix.lower() != ".gz":
-                needed = _needed_bytes(file.read(max(_HEADERS)))
+                head = file.read(max(_HEADERS))
+                needed = _needed_bytes(head)
                 if length < needed:
                     raise PayloadError(
                         "are cut short: the header promises {needed} bytes, there are {length}", needed=needed, length=length
                     )
-                return
+                return head
             stream = Inflater(0, length)
             head = stream.read(file, min(_HEADERS))
             if _header_length(head) != len(head):
                 head += stream.read(file, max(_HEADERS) - len(head))
             stream.skip(file, _needed_bytes(head) - len(head))
             stream.drain(file)
+            return head
     except PayloadError as cause:
         raise error("{path}: the voxels {problem}. Copy or export the file again.", path=path, problem=cause) from cause
     except OSError as cause:
         raise error("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=cause.strerror) from cause
+
+
+def nifti_forms(head: bytes) -> dict[str, Matrix]:
+    """Voxel (i, j, k) to RAS, (4, 4) in mm, by the forms that a header has: ``qform``, a rotation, and ``sform``, any matrix."""
+    pixels_at, pixels, unit_at, unit, codes_at, codes, turn_at, turn, rows_at, rows = _PLACES[_header_length(head)]
+    order = _byte_order(head)
+    qform_code, sform_code = struct.unpack_from(order + codes, head, codes_at)
+    forms: dict[str, Matrix] = {}
+    if qform_code > 0:
+        handed, *sizes = struct.unpack_from(order + pixels, head, pixels_at)[:4]
+        b, c, d, *offset = struct.unpack_from(order + turn, head, turn_at)
+        rotation = scipy.spatial.transform.Rotation.from_quat((b, c, d, math.sqrt(max(1 - b * b - c * c - d * d, 0.0))))
+        sizes[2] *= -1 if handed < 0 else 1
+        forms["qform"] = np.column_stack([rotation.as_matrix() * sizes, offset])
+    if sform_code > 0:
+        forms["sform"] = np.reshape(struct.unpack_from(order + rows, head, rows_at), (3, 4))
+    scale = _UNIT_MM.get(struct.unpack_from(order + unit, head, unit_at)[0] & 7, 1.0)
+    return {name: np.vstack([scale * form, (0.0, 0.0, 0.0, 1.0)]) for name, form in forms.items()}
 
 
 def _header_length(head: bytes) -> int:

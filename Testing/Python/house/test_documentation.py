@@ -277,6 +277,15 @@ def page_with(tmp_path, text) -> Path:
     return page
 
 
+SAYS_THE_MARKED_SIDE = re.compile(r"\b([MU])[FN][AD]?\b[^.|]*?\bmarked side\b[^.|]*?\b(left|right)\b")
+
+
+def test_the_marked_side_is_where_columns_increase_to_wherever_a_page_or_docstring_says_it():
+    texts = [*PAGES, *SOURCES, *(REPOSITORY / "Resources").rglob("*.xml")]
+    said = {path.name: SAYS_THE_MARKED_SIDE.findall(" ".join(path.read_text("utf-8").split())) for path in texts}
+    assert {pair for pairs in said.values() for pair in pairs} == {("M", "right"), ("U", "left")}, said
+
+
 def test_a_wrong_option_is_seen():
     assert unknown_options(["reconstruct", "sweep.igs.mha", "--spacing", "1", "--spcaing", "2"]) == ["--spcaing"]
 

@@ -229,6 +229,37 @@ def test_an_outline_that_is_neither_is_refused_rather_than_guessed(inside):
         detect_imaging(images_of(inside))
 
 
+CUT = {
+    "phased array, a fifth left": ({}, 0.4, 0),
+    "phased array, without its apex": ({}, 0.3, 80),
+    "wide": (SECTORS["wide"], 0.36, 0),
+    "curvilinear, its face left": (SECTORS["curvilinear"], 0.35, 0),
+    "curvilinear, a slice of its face": (SECTORS["curvilinear"], 0.4, 0),
+    "curvilinear, without its face": (SECTORS["curvilinear"], 0.25, 70),
+    "curvilinear, apex inside": (SECTORS["curvilinear, apex inside"], 0.3, 0),
+    "off center curvilinear": (SECTORS["off center curvilinear"], 0.35, 0),
+    "curvilinear, cut by the bottom too": (SECTORS["curvilinear, cut by the bottom"], 0.3, 0),
+    "cut by sides and bottom, corners left": (SECTORS["cut by sides and bottom"], 0.15, 79),
+}
+"""Sectors, the part of their width that is cut off at either side, and the row above which nothing is left."""
+
+
+@pytest.mark.parametrize(("shape", "part", "top"), CUT.values(), ids=CUT)
+def test_a_sector_whose_sides_were_cut_off_is_refused_rather_than_taken_for_linear(shape, part, top):
+    inside = sector(**shape)
+    columns = np.flatnonzero(inside.any(axis=0))
+    cut = int(part * (columns[-1] - columns[0]))
+    inside &= (columns[0] + cut <= COLUMN) & (columns[-1] - cut >= COLUMN) & (top <= ROW)
+    with pytest.raises(BeamGeometryError, match="cannot be told from the images"):
+        detect_imaging(images_of(inside))
+
+
+@pytest.mark.parametrize("strength", [2.0, 4.0, 5.5])
+def test_a_rectangle_that_fades_to_its_sides_is_one(strength):
+    fade = np.exp(-strength * ROW / ROWS * (1 + 0.3 * ((COLUMN - 165) / 85) ** 2))
+    assert detect_imaging(images_of(rectangle(), fade=fade)).probe.kind == LINEAR
+
+
 NOTHING = {
     "black": np.zeros((2, 50, 60), np.uint8),
     "no frames": np.zeros((0, 50, 60), np.uint8),

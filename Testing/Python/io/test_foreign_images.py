@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import tracemalloc
 
@@ -186,6 +187,84 @@ def test_dicom_files_of_one_frame_come_in_order_of_their_instance(dicom, tmp_pat
     assert found.names == ("c.dcm", "a.dcm", "b.dcm")
     np.testing.assert_array_equal(found.stack[1], FRAMES[1])
     assert found.spacing == (0.25, 0.5)
+
+
+def region(dicom, mm: float, *box: int, units: int = 3):
+    """An ultrasound region in cm, or other units; its box is first column and row, last column and row."""
+    item = dicom.dataset.Dataset()
+    item.PhysicalUnitsXDirection = item.PhysicalUnitsYDirection = units
+    item.PhysicalDeltaX = item.PhysicalDeltaY = mm / 10
+    if box:
+        item.RegionLocationMinX0, item.RegionLocationMinY0, item.RegionLocationMaxX1, item.RegionLocationMaxY1 = box
+    return item
+
+
+def regions(dicom, *items) -> dict:
+    return {"SequenceOfUltrasoundRegions": dicom.sequence.Sequence(items)}
+
+
+@pytest.mark.parametrize("boxes", [((0, 0, 16, 11),), ((0, 0, 17, 12),), ((0, 0, 7, 11), (8, 0, 16, 11))])
+def test_regions_of_one_pixel_size_that_cover_the_image_tell_it(dicom, tmp_path, boxes):
+    found = regions(dicom, *(region(dicom, 0.2, *box) for box in boxes))
+    assert open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES[0], **found)]).spacing == pytest.approx((0.2, 0.2))
+
+
+@pytest.mark.parametrize(
+    ("boxes", "expected"),
+    [
+        ([(0.2, (0, 0, 7, 11)), (0.4, (8, 0, 16, 11))], "regions of different pixel sizes .0.2 x 0.2 mm and 0.4 x 0.4 mm"),
+        ([(0.2, ()), (0.4, ())], "regions of different pixel sizes"),
+        ([(0.2, (0, 0, 639, 479))], "columns 0 to 639 and rows 0 to 479, which are not those of the image, of 17 x 12 pixels"),
+        ([(0.2, (0, 0, 7, 11))], "0.2 x 0.2 mm is the size of pixels in columns 0 to 7 and rows 0 to 11, which are not those"),
+    ],
+)
+def test_regions_that_do_not_tell_the_size_of_all_pixels_say_why(dicom, tmp_path, boxes, expected):
+    found = regions(dicom, *(region(dicom, mm, *box) for mm, box in boxes))
+    images = open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES[0], **found)])
+    assert images.spacing is None
+    assert re.search(f"^{re.escape(str(tmp_path))}/a.dcm: .*{expected}", images.unknown_spacing)
+
+
+def test_a_region_of_a_spectrum_says_nothing_of_pixels(dicom, tmp_path):
+    found = regions(dicom, region(dicom, 3.0, 0, 6, 16, 11, units=4), region(dicom, 0.2, 0, 0, 16, 11))
+    assert open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES[0], **found)]).spacing == pytest.approx((0.2, 0.2))
+
+
+@pytest.mark.parametrize(("second", "said"), [({"PixelSpacing": [0.4, 0.4]}, "0.4 x 0.4 mm"), ({}, "nothing")])
+def test_files_that_do_not_agree_on_the_size_of_a_pixel_are_named(dicom, tmp_path, second, said):
+    write_dicom(dicom, tmp_path / "b.dcm", FRAMES[0], InstanceNumber=1, PixelSpacing=[0.2, 0.2])
+    write_dicom(dicom, tmp_path / "a.dcm", FRAMES[1], InstanceNumber=2, **second)
+    found = open_images([tmp_path])
+    assert (found.spacing, found.unknown_spacing) == (None, f"b.dcm says 0.2 x 0.2 mm, a.dcm says {said}")
+
+
+def test_several_files_of_many_frames_have_no_times(dicom, tmp_path):
+    for number, step in ((1, 50), (2, 100)):
+        write_dicom(dicom, tmp_path / f"{number}.dcm", FRAMES[:3], InstanceNumber=number, FrameTime=step)
+    assert open_images([tmp_path]).times is None
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "expected"),
+    [
+        ({}, {"InstanceNumber": 2}, "InstanceNumber is missing in 1 of 2 files"),
+        ({"InstanceNumber": None}, {"InstanceNumber": None}, "InstanceNumber is missing in 2 of 2 files"),
+        ({"InstanceNumber": 2}, {"InstanceNumber": 2}, "InstanceNumber 2 occurs more than once"),
+        (
+            {"InstanceNumber": 1, "SeriesInstanceUID": "1.2"},
+            {"InstanceNumber": 2, "SeriesInstanceUID": "1.3"},
+            "the files are of 2 series, each with an order of its own",
+        ),
+    ],
+)
+def test_an_order_that_the_files_do_not_tell_is_not_known(dicom, tmp_path, first, second, expected):
+    write_dicom(dicom, tmp_path / "a.dcm", FRAMES[0], **first)
+    write_dicom(dicom, tmp_path / "b.dcm", FRAMES[1], **second)
+    assert open_images([tmp_path]).unknown_order == expected
+
+
+def test_one_file_needs_no_number(dicom, tmp_path):
+    assert open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES)]).unknown_order is None
 
 
 def test_a_pixel_size_of_zero_is_none(dicom, tmp_path):

@@ -212,6 +212,43 @@ def test_poses_of_another_rate_are_interpolated_at_the_images(tmp_path, results)
     np.testing.assert_allclose(found, [-0.5, 1.5, 3.5], atol=1e-9)
 
 
+@pytest.fixture
+def zoomed(tmp_path):
+    """A folder of two DICOM files of one frame each, of which neither the order nor the one size of a pixel is known."""
+    dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
+    from test_foreign_images import write_dicom
+
+    (tmp_path / "zoomed").mkdir()
+    for number, size in enumerate((0.2, 0.4)):
+        image = np.asarray(SEQUENCE.images)[number]
+        write_dicom(dicom, tmp_path / "zoomed" / f"{number}.dcm", image, InstanceNumber=1, PixelSpacing=[size, size])
+    return tmp_path / "zoomed"
+
+
+def named_poses(path, names):
+    rows = [[*pose.ravel()[:12].tolist(), name] for pose, name in zip(RIGID_IMAGE_TO_REFERENCE, names)]
+    return save(path, rows, [*(f"m{r}{c}" for r in range(3) for c in range(4)), "image"])
+
+
+def test_files_of_two_sizes_of_a_pixel_are_refused_with_both_and_the_option(tmp_path, results, zoomed, capsys):
+    poses = named_poses(tmp_path / "p.csv", ("1.dcm", "0.dcm"))
+    arguments = ["import", zoomed, "--poses", poses, "--transform", "ImageToReference", "--output", results / "s.mha"]
+    assert "not known: 0.dcm says 0.2 x 0.2 mm, 1.dcm says 0.4 x 0.4 mm. Give --spacing X Y in mm" in refused(arguments, capsys, results)
+
+
+def test_a_size_that_is_given_and_names_of_images_place_what_files_leave_open(tmp_path, results, zoomed):
+    poses = named_poses(tmp_path / "p.csv", ("1.dcm", "0.dcm"))
+    sequence = imported(results, zoomed, "--poses", poses, "--transform", "ImageToReference", "--spacing", *SPACING)
+    np.testing.assert_allclose(sweep_poses(sequence).image_to_reference[:, :3, :2], IMAGE_TO_REFERENCE[[1, 0], :3, :2], atol=1e-6)
+
+
+def test_images_whose_order_is_not_known_are_not_paired_in_order(tmp_path, results, zoomed, capsys):
+    poses = save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE[:2]))
+    arguments = ["import", zoomed, "--poses", poses, "--transform", "ImageToReference", "--output", results / "s.mha"]
+    said = refused(arguments, capsys, results)
+    assert "order of the images is not known: InstanceNumber 1 occurs more than once. Name the image of each pose in a column" in said
+
+
 def test_pictures_stored_mirrored_are_turned(tmp_path, results):
     np.save(tmp_path / "frames.npy", np.asarray(SEQUENCE.images)[:, :, ::-1])
     poses, options = write_poses(tmp_path, "image to reference, pixels")

@@ -118,6 +118,8 @@ def test_the_output_grid_and_frames_are_read(read):
     [
         ('ClipRectangleOrigin="10 20" ClipRectangleSize="30 40"', ImageRegion(clip=ClipRectangle((10, 20), (30, 40)))),
         ('ClipRectangleOrigin="10 20" ClipRectangleSize="0 0"', ImageRegion()),
+        *[(f'ClipRectangleSize="{size}"', ImageRegion()) for size in ("-1 -1", "-1 100", "100 -1", "0 5", "-5 0")],
+        ('ClipRectangleOrigin="-1 -1" ClipRectangleSize="30 40"', ImageRegion(clip=ClipRectangle((-1, -1), (30, 40)))),
         ('ClipRectangleOrigin="10 20"', ImageRegion()),
         (
             'FanAnglesDeg="-45 30" FanOriginPixel="380 20" FanRadiusStartPixel="120" FanRadiusStopPixel="360"',
@@ -322,7 +324,7 @@ def test_what_does_not_change_the_volume_is_not_mentioned(read, attributes):
         ('OutputSpacing="0.5 0.5 inf"', "OutputSpacing must be 3 finite numbers"),
         ('OutputExtent="0 1 0 1 0 1.5"', "OutputExtent must be whole"),
         ('ClipRectangleOrigin="a b"', "ClipRectangleOrigin must be 2 finite numbers; 'a' is not a number"),
-        ('ClipRectangleSize="-5 5"', "ClipRectangleSize cannot be used"),
+        ('ClipRectangleSize="nan 5"', "ClipRectangleSize must be 2 finite numbers"),
         ('FanAnglesDeg="-95 95"', "FanAnglesDeg cannot be used"),
         ('FanAnglesDeg="-45 45" FanRadiusStartPixel="600"', "FanAnglesDeg cannot be used"),
         ('FanDepth="deep"', "FanDepth must be a finite number"),

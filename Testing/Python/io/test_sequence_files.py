@@ -98,10 +98,9 @@ def test_the_real_spine_recording_has_its_poses_and_times(real_data):
     assert record.image_status is TransformStatus.OK
 
 
-def test_the_real_nrrd_keeps_its_invalid_transforms_and_its_unusual_status_field(real_data):
+def test_the_real_nrrd_keeps_its_invalid_transforms(real_data):
     sequence = read_sequence(real_data("NwirePhantomFreehand.igs.nrrd"))
     assert sequence.status_counts(TransformName("Stylus", "Tracker")) == {TransformStatus.INVALID: 97}
-    assert {record.fields["Status"] for record in sequence.records} == {"OK"}
 
 
 @pytest.mark.parametrize("suffix", [".mha", ".nrrd"])
@@ -126,6 +125,67 @@ def test_every_b_mode_orientation_is_flipped_to_marked_far(tmp_path, code, flip)
     pixels = ramp()
     path = metaimage(tmp_path / "sweep.mha", pixels, UltrasoundImageOrientation=code)
     np.testing.assert_array_equal(read_sequence(path).images[1], pixels[1][flip])
+
+
+@pytest.mark.parametrize("name", ["Status", "ImageStatus"])
+def test_the_image_status_of_an_nrrd_has_either_name(tmp_path, name):
+    path = nrrd(tmp_path / "sweep.nrrd", ramp(), {f"Seq_Frame0001_{name}": "INVALID"})
+    assert [record.image_status for record in read_sequence(path).records] == [TransformStatus.OK, TransformStatus.INVALID]
+
+
+def test_two_names_of_an_image_status_that_differ_are_refused(tmp_path):
+    path = nrrd(tmp_path / "sweep.nrrd", ramp(), {"Seq_Frame0001_Status": "INVALID", "Seq_Frame0001_ImageStatus": "OK"})
+    with pytest.raises(SequenceFormatError, match="frame 1, ImageStatus is OK and Status is INVALID"):
+        read_sequence(path)
+
+
+@pytest.mark.parametrize(("suffix", "name"), [(".mha", "ImageStatus"), (".mhd", "ImageStatus"), (".nrrd", "Status")])
+def test_the_image_status_is_written_under_the_format_s_own_name(tmp_path, suffix, name):
+    write_sequence(sequence_of(ramp(frames=1), records=[FrameRecord(image_status=TransformStatus.MISSING)]), tmp_path / f"s{suffix}")
+    assert read_metafile(tmp_path / f"s{suffix}", SequenceFormatError).fields[f"Seq_Frame0000_{name}"] == "MISSING"
+
+
+def test_a_metaimage_keeps_a_status_of_its_own(tmp_path):
+    path = metaimage(tmp_path / "sweep.mha", ramp(), {"Seq_Frame0001_Status": "INVALID"})
+    assert read_sequence(path).records[1].fields == {"Status": "INVALID"}
+
+
+def test_a_status_of_its_own_does_not_become_that_of_the_image_in_an_nrrd(tmp_path):
+    write_sequence(sequence_of(ramp(frames=1), records=[FrameRecord(fields={"Status": "INVALID"})]), tmp_path / "s.nrrd")
+    record = read_sequence(tmp_path / "s.nrrd").records[0]
+    assert (record.image_status, record.fields) == (TransformStatus.OK, {"status": "INVALID"})
+
+
+def test_fields_of_an_nrrd_may_be_written_without_an_equals_sign(tmp_path):
+    calibration = {"ImageToProbeTransform": IDENTITY, "Seq Frame": "3", "Operator": "J: D."}
+    sequence = read_sequence(nrrd(tmp_path / "sweep.nrrd", ramp(), **calibration))
+    assert (sequence.fields, list(map(str, sequence.transforms))) == ({"Seq Frame": "3", "Operator": "J: D."}, ["ImageToProbe"])
+
+
+def test_a_field_of_an_nrrd_that_contradicts_a_pair_of_its_name_is_refused(tmp_path):
+    path = nrrd(tmp_path / "sweep.nrrd", ramp(), {"ImageToProbeTransform": IDENTITY}, ImageToProbeTransform="2 " + IDENTITY[2:])
+    with pytest.raises(SequenceFormatError, match="ImageToProbeTransform is given twice"):
+        read_sequence(path)
+
+
+@pytest.mark.parametrize("spelled", ["ultrasound_image_orientation", "UltrasoundImageOrientation"])
+def test_an_orientation_that_plus_kept_of_an_older_file_does_not_count(tmp_path, spelled):
+    pixels = ramp()
+    path = nrrd(tmp_path / "sweep.nrrd", pixels, {"ultrasound image orientation": "UF"}, **{spelled: "MN"})
+    np.testing.assert_array_equal(read_sequence(path).images[0], pixels[0, :, ::-1])
+
+
+def test_an_orientation_that_plus_kept_of_an_nrrd_does_not_count_in_a_metaimage(tmp_path):
+    pixels = ramp()
+    path = metaimage(tmp_path / "sweep.mha", pixels, {"ultrasound image orientation": "MN"}, UltrasoundImageOrientation="UF")
+    np.testing.assert_array_equal(read_sequence(path).images[0], pixels[0, :, ::-1])
+
+
+def test_an_orientation_without_an_equals_sign_is_honored(tmp_path):
+    pixels = ramp()
+    path = nrrd(tmp_path / "sweep.nrrd", pixels, {"ultrasound image orientation": "UN"})
+    path.write_bytes(path.read_bytes().replace(b"orientation:=UN", b"orientation: UN"))
+    np.testing.assert_array_equal(read_sequence(path).images[0], pixels[0, ::-1, ::-1])
 
 
 def test_the_orientation_of_an_nrrd_is_honored(tmp_path):

@@ -331,3 +331,40 @@ def test_an_interleaved_sequence_that_is_cut_short_is_refused(tmp_path, compress
     path.write_bytes(path.read_bytes()[:-9])
     with pytest.raises(SequenceFormatError, match="cut short"):
         read_sequence(path).images[0]
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"ElementSpacing": "0.2 0.3 1"},
+        {"ElementSize": "0.2 0.3 1"},
+        {"Seq_Frame0000_ElementSpacing": "0.2 0.3 0.2"},
+        {"Seq_Frame0000_ElementSpacing": "0.2 0.3", "ElementSpacing": "7 7 7"},
+    ],
+)
+def test_the_size_of_a_pixel_that_a_metaimage_states_is_known_of_its_frames(tmp_path, changes):
+    path = Variant(fields=poses(), changes={"ElementSpacing": None, **changes}).write_mha(tmp_path / "sweep.mha")
+    assert read_sequence(path).records[0].stated_spacing == (0.2, 0.3)
+
+
+@pytest.mark.parametrize("text", ["1 1 1", "0 0 0", "-1 2 1", "nan nan nan", "inf 1 1", "a b", "0.2"])
+def test_a_size_of_a_pixel_that_says_nothing_is_none(tmp_path, text):
+    path = Variant(changes={"ElementSpacing": None, "Seq_Frame0000_ElementSpacing": text}).write_mha(tmp_path / "sweep.mha")
+    assert read_sequence(path).records[0].stated_spacing is None
+
+
+def test_the_microns_of_a_clarius_are_a_size_of_a_pixel(tmp_path):
+    path = Variant(changes={"ElementSpacing": None, "Seq_Frame0001_micronsPerPixel": "150"}).write_mha(tmp_path / "sweep.mha")
+    assert [record.stated_spacing for record in read_sequence(path).records] == [None, (0.15, 0.15), None]
+
+
+@pytest.mark.parametrize("changes", [{"spacings": "0.2 0.3 nan"}, {"space dimension": "2", "space directions": "(0.2,0) (0,-0.3) none"}])
+def test_the_size_of_a_pixel_that_an_nrrd_states_is_known_of_its_frames(tmp_path, changes):
+    path = Variant(changes=changes).write_nrrd(tmp_path / "sweep.nrrd")
+    assert {record.stated_spacing for record in read_sequence(path).records} == {(0.2, 0.3)}
+
+
+def test_the_size_of_a_pixel_of_a_color_nrrd_is_not_that_of_its_channels(tmp_path):
+    changes = {"kinds": "vector domain domain list", "sizes": f"3 {FLAT}", "dimension": "4", "spacings": "nan 0.2 0.3 nan"}
+    path = Variant(rgb(), changes=changes).write_nrrd(tmp_path / "sweep.nrrd")
+    assert {record.stated_spacing for record in read_sequence(path).records} == {(0.2, 0.3)}

@@ -77,6 +77,56 @@ def test_every_linear_kind_is_read(tmp_path, suffix, transform):
     np.testing.assert_allclose(read_transform(path), flip @ np.linalg.inv(lps_matrix(transform)) @ flip, atol=1e-9)
 
 
+TURN = [0.1, 0.2, 0.3]
+AFFINE = [1, 0.2, 0, -0.1, 0.9, 0, 0.1, 0.3, 1.2, 4, 5, 6]
+LINEAR_KINDS = {
+    "AffineTransform": AFFINE,
+    "FixedCenterOfRotationAffineTransform": AFFINE,
+    "ScalableAffineTransform": AFFINE,
+    "MatrixOffsetTransformBase": AFFINE,
+    "Euler3DTransform": [*TURN, 4, 5, 6],
+    "VersorRigid3DTransform": [*TURN, 4, 5, 6],
+    "CenteredAffineTransform": [*AFFINE[:9], 7, 8, 9, 4, 5, 6],
+    "CenteredEuler3DTransform": [*TURN, 7, 8, 9, 4, 5, 6],
+    "QuaternionRigidTransform": [*TURN, 0.927, 4, 5, 6],
+    "ScaleLogarithmicTransform": TURN,
+    "ScaleTransform": [1.1, 0.8, 2],
+    "VersorTransform": TURN,
+    "Similarity3DTransform": [*TURN, 4, 5, 6, 1.5],
+    "ScaleVersor3DTransform": [*TURN, 4, 5, 6, 1.1, 0.8, 2],
+    "ScaleSkewVersor3DTransform": [*TURN, 4, 5, 6, 1.1, 0.8, 2, *TURN, *TURN],
+    "ComposeScaleSkewVersor3DTransform": [*TURN, 4, 5, 6, 1.1, 0.8, 2, *TURN],
+    "TranslationTransform": [4, 5, 6],
+    "IdentityTransform": [],
+}
+"""All that ITK can write of three dimensions, with numbers."""
+
+
+def itk_text(kind: str, parameters, fixed, number: int = 0) -> str:
+    numbers = (" ".join(map(str, some)) for some in (parameters, fixed))
+    return "#Transform {}\nTransform: {}_double_3_3\nParameters: {}\nFixedParameters: {}\n".format(number, kind, *numbers)
+
+
+@pytest.mark.parametrize("last", [(), (0,), (1,)], ids=["", "zxy", "zyx"])
+@pytest.mark.parametrize("kind", LINEAR_KINDS)
+def test_every_linear_kind_of_itk_moves_points_as_itk_does(tmp_path, kind, last):
+    """SimpleITK makes objects of some kinds only; within a composite it leaves all to ITK."""
+    fixed = [] if kind in ("TranslationTransform", "IdentityTransform") else [10, -20, 30, *(last if "Euler" in kind else ())]
+    head, one = "#Insight Transform File V1.0\n", itk_text(kind, LINEAR_KINDS[kind], fixed, 1)
+    (tmp_path / "one.tfm").write_text(head + one)
+    (tmp_path / "composite.tfm").write_text(head + itk_text("CompositeTransform", (), ()) + one)
+    flip = np.diag([-1.0, -1.0, 1.0, 1.0])
+    oracle = lps_matrix(sitk.ReadTransform(str(tmp_path / "composite.tfm")))
+    np.testing.assert_allclose(read_transform(tmp_path / "one.tfm"), flip @ np.linalg.inv(oracle) @ flip, atol=1e-9)
+
+
+@pytest.mark.parametrize("numbers", ["0 0 0 0", "1e200 0 0 1e200"])
+def test_a_quaternion_that_turns_nothing_is_refused(tmp_path, numbers):
+    text = "#Insight Transform File V1.0\n" + itk_text("QuaternionRigidTransform", [*numbers.split(), 4, 5, 6], [0, 0, 0])
+    (tmp_path / "one.tfm").write_text(text)
+    assert "transform" in refusal(tmp_path / "one.tfm", read_transform, TransformFileError)
+
+
 @pytest.mark.parametrize("content", [OLDER_HDF5, COMPRESSED_HDF5], ids=["older", "compressed"])
 def test_hdf5_of_other_programs_is_read_as_simpleitk_reads_it(tmp_path, content):
     path = tmp_path / "move.h5"

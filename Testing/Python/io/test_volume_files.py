@@ -15,12 +15,14 @@ import pytest
 import SimpleITK as sitk
 from volume_samples import noise_volume, refusal
 
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import OutputError, TransformFileError, VolumeFormatError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.transform.files import read_transform, write_transform
 from AIFReconLib.io.volume import nrrd_writer
 from AIFReconLib.io.volume.files import read_label_names, read_labels, read_volume, write_volume
+from AIFReconLib.io.volume.nifti_payload import nifti_forms
 
 SUFFIXES = (".nrrd", ".mha", ".mhd", ".nii", ".nii.gz")
 COMPRESSED_SUFFIXES = (".nrrd", ".mha", ".nii.gz")
@@ -377,3 +379,52 @@ def test_other_files_name_no_labels(tmp_path):
 
 def test_vectors_that_are_no_segmentation_are_no_labels(tmp_path):
     assert "single labels" in refusal(layered_segmentation(tmp_path / "color.nrrd", ""), read_labels)
+
+
+def two_forms(path: Path, codes=(1, 1), moved=(0.0, 0.0, 0.0), stretched=1.0) -> Path:
+    """A NIfTI file whose sform is not its qform."""
+    write_volume(noise_volume(), path)
+    head = bytearray(path.read_bytes())
+    struct.pack_into("<2h", head, 252, *codes)
+    rows = np.reshape(struct.unpack_from("<12f", head, 280), (3, 4)) * stretched
+    rows[:, 3] += moved
+    struct.pack_into("<12f", head, 280, *rows.ravel())
+    path.write_bytes(head)
+    return path
+
+
+@pytest.mark.parametrize(("codes", "taken"), [((1, 1), "sform"), ((1, 2), "qform"), ((2, 1), "sform"), ((2, 2), "qform")])
+def test_a_nifti_whose_forms_contradict_each_other_lies_where_itk_puts_it_and_is_noted(tmp_path, caplog, codes, taken):
+    path = two_forms(tmp_path / "ct.nii", codes, (3.0, -4.0, 0.0))
+    itk = sitk.ReadImage(str(path))
+    np.testing.assert_allclose(read_volume(path).ijk_to_reference[:3, 3] * (-1, -1, 1), itk.GetOrigin(), atol=1e-5)
+    (said,) = caplog.messages
+    assert said.startswith(f"{path}: its qform and sform place voxels up to 5 mm apart. The {taken} is taken, as ITK does; if")
+
+
+@pytest.mark.parametrize(
+    ("codes", "moved"), [((1, 1), (0, 0, 0)), ((1, 1), (0.1, 0, 0)), ((0, 1), (3, 0, 0)), ((1, 0), (3, 0, 0)), ((0, 0), (3, 0, 0))]
+)
+def test_a_nifti_whose_forms_agree_or_that_has_one_needs_no_note(tmp_path, caplog, codes, moved):
+    read_volume(two_forms(tmp_path / "ct.nii", codes, moved))
+    assert caplog.messages == []
+
+
+def test_the_forms_of_a_nifti_are_told_in_one_line_without_those_of_itk(tmp_path, capfd):
+    path = two_forms(tmp_path / "labels.nii", stretched=1.2)
+    main(["bone-map", str(path), "--output", str(tmp_path / "map.nrrd")])
+    assert [line.partition(" place")[0] for line in capfd.readouterr().err.splitlines()] == [f"{path}: its qform and sform"]
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_the_forms_of_a_nifti_2_file_are_read(order):
+    head = bytearray(540)
+    struct.pack_into(f"{order}i", head, 0, 540)
+    struct.pack_into(f"{order}8d", head, 104, -1.0, 2.0, 3.0, 4.0, 0, 0, 0, 0)
+    struct.pack_into(f"{order}2i", head, 344, 1, 2)
+    struct.pack_into(f"{order}6d", head, 352, 0.0, 0.0, np.sqrt(0.5), 5.0, 6.0, 7.0)
+    struct.pack_into(f"{order}12d", head, 400, *range(12))
+    struct.pack_into(f"{order}i", head, 500, 3)
+    forms = nifti_forms(bytes(head))
+    np.testing.assert_allclose(forms["qform"][:3], np.array([[0, -3, 0, 5], [2, 0, 0, 6], [0, 0, -4, 7]]) / 1000, atol=1e-12)
+    np.testing.assert_allclose(forms["sform"][:3], np.arange(12).reshape(3, 4) / 1000)

@@ -11,6 +11,7 @@ from geometry_strategies import rigid, scaled
 from AIFReconLib.errors import NoUsableFramesError, TransformError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.sweep.configuration import PlusConfiguration
+from AIFReconLib.sweep.edits import crop, recalibrate
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import chain_ends, describe_frames, sweep_poses, time_order, tracked_frames
 
@@ -310,3 +311,88 @@ def test_an_unusable_frame_is_handed_out_with_its_reason_and_nothing_else():
 def test_a_frame_without_a_time_takes_its_number():
     sequence = sweep(record(), record())
     assert [frame.timestamp for frame in tracked_frames(sequence, sweep_poses(sequence), [0, 1])] == [0.0, 1.0]
+
+
+CROP = np.eye(4)
+CROP[:2, 3] = -3.0, -7.0
+
+
+@pytest.mark.parametrize("name", ["ImageToCroppedImage", "CroppedImageToImage"])
+@pytest.mark.parametrize("options", [{}, {"image_to_reference": "ImageToReference"}, {"image_to_reference": "CroppedImageToReference"}])
+def test_the_first_pixel_of_a_cropped_image_lies_where_it_was_in_the_whole_one(name, options):
+    cropped = record({name: CROP if name.startswith("Image") else np.linalg.inv(CROP)})
+    found = sweep_poses(sweep(cropped), **options).image_to_reference[0]
+    np.testing.assert_allclose(found @ (0, 0, 0, 1), IMAGE_TO_REFERENCE @ (3, 7, 0, 1), atol=1e-9)
+
+
+def test_a_cropped_image_of_a_recorded_pose_may_be_asked_for_by_its_name():
+    recorded = FrameRecord(transforms=samples({"ImageToReference": IMAGE_TO_REFERENCE, "ImageToCroppedImage": CROP}))
+    found = sweep_poses(sweep(recorded, calibration=False), "CroppedImageToReference")
+    np.testing.assert_allclose(found.image_to_reference[0] @ (0, 0, 0, 1), IMAGE_TO_REFERENCE @ (3, 7, 0, 1), atol=1e-9)
+
+
+def test_a_frame_that_does_not_say_how_it_was_cropped_is_not_placed_as_the_others():
+    poses = sweep_poses(sweep(record({"ImageToCroppedImage": CROP}), record()))
+    assert poses.problems == (None, "ImageToCroppedImage not recorded")
+
+
+def test_a_note_says_that_images_were_cropped():
+    (note,) = sweep_poses(sweep(record({"ImageToCroppedImage": CROP}))).notes
+    assert note.startswith("The recording says that its images were cropped (ImageToCroppedImage), and is placed so.")
+
+
+def test_a_part_of_a_cropped_image_stays_in_its_place():
+    cropped = crop(sweep(record({"ImageToCroppedImage": CROP})), 1, 2, 3, 2)
+    found = sweep_poses(cropped).image_to_reference[0]
+    np.testing.assert_allclose(found @ (0, 0, 0, 1), IMAGE_TO_REFERENCE @ (4, 9, 0, 1), atol=1e-9)
+
+
+def test_another_calibration_leaves_the_crop_as_it_is():
+    recorded = FrameRecord(transforms=samples({"ImageToReference": IMAGE_TO_REFERENCE, "ImageToCroppedImage": CROP}))
+    new = IMAGE_TO_PROBE @ np.diag([2.0, 2.0, 2.0, 1.0])
+    changed = recalibrate(sweep(recorded, calibration=False), TransformName("Image", "Probe"), new, IMAGE_TO_PROBE)
+    found = sweep_poses(changed, "ImageToReference").image_to_reference[0]
+    np.testing.assert_allclose(found @ (0, 0, 0, 1), IMAGE_TO_REFERENCE @ (6, 14, 0, 1), atol=1e-9)
+
+
+SIZE = (0.25, 0.5)
+
+
+def notes_on_size(*stated, scales=(1.0,)) -> tuple[str, ...]:
+    """Notes on frames that state these sizes, whose poses place pixels of `SIZE`, times `scales`, apart."""
+    matrices = [np.diag([SIZE[0] * scale, SIZE[1] * scale, 1.0, 1.0]) for scale in np.resize(scales, len(stated))]
+    records = [FrameRecord(transforms=samples({"ImageToReference": matrix}), stated_spacing=size) for matrix, size in zip(matrices, stated)]
+    return sweep_poses(sweep(*records, calibration=False)).notes
+
+
+@pytest.mark.parametrize("size", [None, SIZE, (0.251, 0.495)])
+def test_a_stated_size_of_a_pixel_that_poses_agree_with_needs_no_word(size):
+    assert notes_on_size(size, size) == ()
+
+
+@pytest.mark.parametrize("size", [(0.2, 0.5), (0.25, 0.7), (0.5, 0.25)])
+def test_a_stated_size_of_a_pixel_that_is_not_that_of_the_poses_is_named(size):
+    (note,) = notes_on_size(size, size)
+    assert note.startswith("The recording says that a pixel of frame 0 is ")
+    assert note.endswith("places pixels 0.25 x 0.5 mm apart, and so they are placed, as in Plus: is the calibration that of another depth?")
+
+
+def test_rigid_poses_of_images_whose_pixels_have_a_size_are_said_to_lack_it():
+    poses = sweep_poses(sweep(FrameRecord(transforms=samples({"ImageToReference": np.eye(4)}), stated_spacing=SIZE), calibration=False))
+    assert "is 0.25 x 0.5 mm, but ImageToReference places pixels 1 x 1 mm apart" in poses.notes[0]
+    assert poses.notes[0].endswith("it is rigid, so it may lack the size of a pixel, which belongs into the calibration.")
+    np.testing.assert_array_equal(poses.image_to_reference[0], np.eye(4))
+
+
+def test_a_size_that_changes_while_the_poses_stay_is_one_note_with_frame_and_sizes():
+    (note,) = notes_on_size(SIZE, SIZE, (0.5, 1.0), (0.5, 1.0))
+    assert note.endswith("the size changes in frame 2 from 0.25 x 0.5 to 0.5 x 1 mm, and a calibration holds for one depth.")
+
+
+def test_poses_that_follow_the_depth_need_no_word():
+    assert notes_on_size(SIZE, (0.5, 1.0), scales=(1.0, 2.0)) == ()
+
+
+def test_poses_that_change_while_the_stated_size_stays_are_named():
+    (note,) = notes_on_size(SIZE, SIZE, scales=(1.0, 2.0))
+    assert "a pixel of frame 1 is 0.25 x 0.5 mm, but ImageToReference places pixels 0.5 x 1 mm apart" in note
