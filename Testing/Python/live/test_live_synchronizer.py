@@ -178,12 +178,75 @@ def test_without_calibration_the_missing_link_is_named():
     assert "--config" in synchronizer.problem
 
 
-def test_two_ways_to_the_reference_are_not_chosen_from():
-    messages = [*chained(1.0), transform(1.0, "ProbeToReference")]
+def repeated(time, moved=0.0, **options):
+    """One frame of a server that also sends what it computes of the tools."""
+    chain = rigid(translation=(0, 0, moved)) @ np.linalg.inv(REFERENCE_TO_TRACKER) @ transform(time, "").matrix
+    return [*chained(time, **options), *([transform(time, "ProbeToReference", chain)] if options.get("probe", True) else [])]
+
+
+def test_ways_to_the_reference_that_agree_are_one():
+    assert statuses([*repeated(1.0), *repeated(2.0)], calibrated=configuration()) == ["OK", "OK"]
+
+
+def test_ways_to_the_reference_that_disagree_are_not_chosen_from():
     synchronizer = Synchronizer(SynchronizerSettings(), configuration())
-    frames = [frame for message in messages for frame in synchronizer.feed(message)] + synchronizer.flush()
-    assert [frame.status for frame in frames] == ["two ways lead from Image to Reference"]
-    assert "Two paths" in synchronizer.problem
+    frames = [frame for message in repeated(1.0, moved=3.0) for frame in synchronizer.feed(message)] + synchronizer.flush()
+    assert [frame.status for frame in frames] == ["two ways lead from Image to Reference, and disagree"]
+    assert "Two paths lead from Image to Reference" in synchronizer.problem
+
+
+def test_a_chain_that_is_spelled_out_chooses_between_ways():
+    calibrated, chain = configuration(), "ImageToProbe,ProbeToReference"
+    assert statuses(repeated(1.0, moved=3.0), calibrated=calibrated, image_to_reference=chain) == ["OK"]
+
+
+def test_a_tool_that_was_not_seen_is_named_among_ways_that_agree():
+    messages = [*repeated(1.0), *repeated(2.0, probe=False), *repeated(3.0)]
+    assert statuses(messages, calibrated=configuration()) == ["OK", "ProbeToTracker MISSING", "OK"]
+
+
+@pytest.mark.parametrize("device", ["Image_Reference", "Image"])
+def test_a_stylus_that_is_not_seen_costs_no_frame_whatever_is_sent_of_it(device):
+    messages = []
+    for t, seen in ((1.0, True), (2.0, False)):
+        stylus = [
+            transform(t, "StylusToTracker"),
+            transform(t, "StylusToReference", np.linalg.inv(REFERENCE_TO_TRACKER) @ transform(t, "").matrix),
+        ]
+        messages += [image(t, device), *repeated(t)[1:], *(stylus if seen else [])]
+    assert statuses(messages, calibrated=configuration()) == ["OK", "OK"]
+
+
+def test_tools_that_are_sent_in_two_ways_confirm_the_pose_of_an_image():
+    messages = [[image(t), *repeated(t)[1:]] for t in (1.0, 2.0)]
+    assert statuses([message for group in messages for message in group]) == ["OK", "OK"]
+
+
+@pytest.mark.parametrize(
+    "beside",
+    [["StylusToStylus"], ["StylusToTracker", "TrackerToStylus"], ["ProbeToTracker", "TrackerToProbe"]],
+    ids=lambda names: names[-1],
+)
+def test_transforms_that_say_nothing_new_cost_no_frame(beside):
+    messages = [[*chained(t), *(transform(t, name, np.linalg.inv(transform(t, "").matrix)) for name in beside[1:])] for t in (1.0, 2.0)]
+    messages = [[*group, *(transform(t, name) for name in beside[:1])] for t, group in zip((1.0, 2.0), messages, strict=True)]
+    assert statuses([message for group in messages for message in group], calibrated=configuration()) == ["OK", "OK"]
+
+
+def test_where_no_pose_takes_part_the_images_are_not_stacked_in_one_plane():
+    synchronizer = Synchronizer(SynchronizerSettings(reference="Probe"), configuration())
+    frames = [frame for time in (1.0, 2.0) for message in chained(time) for frame in synchronizer.feed(message)] + synchronizer.flush()
+    assert {frame.status for frame in frames} == {"Image is fixed to Probe"}
+    assert "all images would lie in one plane" in synchronizer.problem
+
+
+def test_a_frame_that_moves_is_advised_for_one_that_is_not_sent():
+    synchronizer = Synchronizer(SynchronizerSettings(), configuration())
+    for time in (1.0, 2.0):
+        for message in (image(time, "Image"), transform(time, "ProbeToTracker"), transform(time, "ImageToProbe", IMAGE_TO_PROBE)):
+            synchronizer.feed(message)
+    synchronizer.flush()
+    assert "--reference, one of: Tracker." in synchronizer.problem
 
 
 def test_metadata_alone_can_place_a_bare_image():
