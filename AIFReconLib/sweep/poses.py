@@ -329,10 +329,11 @@ def missing_link(wanted: TransformName, names: Sequence[TransformName], moving: 
     frames = {frame for name in names for frame in (name.source, name.target)}
     if wanted.source not in frames:
         return Message("Give the calibration (for example {name}) with --config PlusDeviceSet.xml.", name=f"{wanted.source}ToProbe")
-    if wanted.target in frames:
+    near = connected(names, wanted.source)
+    if wanted.target in frames - near:
         return Message("Give the missing link with --config PlusDeviceSet.xml.")
     fixed = connected([name for name in names if name not in moving], wanted.source)
-    others = ", ".join(sorted(connected(names, wanted.source) - fixed))
+    others = ", ".join(sorted(near - fixed))
     if not others:
         return Message("No pose of a tool leads on from there: check which tools the tracker follows, and their names.")
     return Message("Choose another frame to reconstruct in with --reference, one of: {frames}.", frames=others)

@@ -22,6 +22,9 @@ PROBE = "Probe"
 
 STATUS_SUFFIX = "TransformStatus"
 
+LONGEST_NAME = 200
+"""Characters in the name of a transform; metadata may hold millions."""
+
 UNCONFIRMED = "pose not confirmed (no transform or status of its tool is sent)"
 
 
@@ -69,7 +72,8 @@ def stream_name(text: str) -> TransformName | None:
     except TransformError:
         return None
     # A name that would not come back from a sequence file as itself cannot be recorded
-    return name if str(name) == capital(text) else None
+    writable = len(text) <= LONGEST_NAME and text.isprintable() and not set("=:#\\") & set(text)
+    return name if writable and str(name) == capital(text) else None
 
 
 class Placement:

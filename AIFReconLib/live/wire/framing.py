@@ -185,7 +185,12 @@ class Framer:
             return None
         body = self._body(0, header)
         if crc64(body) != header.crc:
-            return self._lose("checksum", Message("A message ({message}) has a wrong checksum", message=whose))
+            wrong = (
+                "A message ({message}) has a wrong checksum"
+                if header.crc
+                else "A message ({message}) has no checksum: its sender leaves it at 0"
+            )
+            return self._lose("checksum", Message(wrong, message=whose))
         del self._buffer[: HEADER_SIZE + header.size]
         return Frame(header, body)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -153,6 +154,87 @@ def test_an_image_with_an_impossible_matrix_has_no_pose(bad):
 def test_an_image_in_another_frame_is_led_on_to_the_reference():
     messages = [image(1.0, "Image_Probe", pose=IMAGE_TO_PROBE), transform(1.0, "ProbeToReference", rigid((1, 2, 3), (4, 5, 6)))]
     np.testing.assert_array_equal(feed(messages)[0].image_to_reference, rigid((1, 2, 3), (4, 5, 6)) @ IMAGE_TO_PROBE)
+
+
+# ---- what names and quaternions tell
+
+
+def bare(time, name="Probe", matrix=None, **options):
+    return transform(time, name, matrix, **options)
+
+
+def test_a_tool_s_name_alone_leads_to_the_tracker():
+    messages = [[image(t, "Image"), bare(t)] for t in (1.0, 2.0)]
+    frame = feed([m for group in messages for m in group], calibrated=configuration(), reference="Tracker")[1]
+    np.testing.assert_array_equal(frame.image_to_reference, transform(2.0, "").matrix @ IMAGE_TO_PROBE)
+
+
+def test_another_frame_of_the_tools_can_be_named():
+    messages = [[image(t, "Image"), bare(t)] for t in (1.0, 2.0)]
+    options = {"calibrated": configuration(), "tracker_frame": "reference"}
+    assert statuses([m for group in messages for m in group], **options) == ["OK", "OK"]
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_whole_name_goes_before_a_tool_s_name_alone(first):
+    messages = []
+    for t in (1.0, 2.0):
+        both = [bare(t, matrix=rigid((0, 0, 0), (99, 0, 0))), transform(t, "ProbeToTracker")]
+        messages += [image(t, "Image"), *(both if first else both[::-1])]
+    frame = feed(messages, calibrated=configuration(), reference="Tracker")[1]
+    np.testing.assert_array_equal(frame.image_to_reference, transform(2.0, "").matrix @ IMAGE_TO_PROBE)
+
+
+def test_a_whole_matrix_goes_before_a_quaternion():
+    messages = []
+    for t in (1.0, 2.0):
+        turned = replace(transform(t, "ProbeToTracker", rigid((0, 0, 0), (99, 0, 0))), turned=True)
+        messages += [image(t, "Image"), transform(t, "ProbeToTracker"), turned]
+    frame = feed(messages, calibrated=configuration(), reference="Tracker")[1]
+    np.testing.assert_array_equal(frame.image_to_reference, transform(2.0, "").matrix @ IMAGE_TO_PROBE)
+
+
+@pytest.mark.parametrize("name", ["ImageToReference", "ReferenceToImage"])
+def test_a_quaternion_does_not_place_an_image_for_it_holds_no_size_of_a_pixel(name):
+    synchronizer = Synchronizer()
+    messages = [[image(t, "Image"), replace(transform(t, name), turned=True)] for t in (1.0, 2.0)]
+    for group in messages:
+        for message in group:
+            synchronizer.feed(message)
+    assert {frame.status for frame in synchronizer.flush()} == {"no transform leads from Image to Reference"}
+    assert f"{name} (does not hold the size of a pixel" in synchronizer.problem
+
+
+def test_a_transform_that_is_called_as_the_image_is_no_tool():
+    messages = [[*chained(t), bare(t, "Image")] for t in (1.0, 2.0)]
+    assert statuses([m for group in messages for m in group], calibrated=configuration()) == ["OK", "OK"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Probe\nElementDataFile = LOCALToTracker",
+        "Probe = 1ToTracker",
+        "Probe\x85ToTracker",
+        "Pro:beToTracker",
+        "ProbeToTracker\r",
+        "A" * 300 + "ToTracker",
+    ],
+)
+def test_a_name_that_no_recording_can_hold_is_not_used(name):
+    messages = [[*tracked(t), transform(t, name)] for t in (1.0, 2.0)]
+    frames = feed([m for group in messages for m in group])
+    assert {str(name) for frame in frames for name in frame.record.transforms} == {
+        "ImageToReference",
+        "ProbeToTracker",
+        "ReferenceToTracker",
+    }
+
+
+def test_a_name_that_no_recording_can_hold_is_not_taken_from_metadata():
+    told = metadata(ProbeToTracker="OK", **{"Pro\nbe = ToTracker": "OK"})
+    frame = feed([image(1.0, metadata=told, version=2)])[0]
+    assert [str(name) for name in frame.record.transforms] == ["ProbeToTracker", "ImageToReference"]
 
 
 # ---- images that are placed by a chain
@@ -402,7 +484,7 @@ def test_the_image_device_can_be_chosen():
 
 def test_transforms_without_a_proper_name_are_counted_and_do_no_harm():
     synchronizer = Synchronizer()
-    synchronizer.feed(transform(1.0, "NeedleTip"))
+    synchronizer.feed(transform(1.0, "Needle = Tip"))
     assert synchronizer.unused_transforms == 1
 
 
