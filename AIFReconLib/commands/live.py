@@ -354,6 +354,8 @@ def _why_nothing(statistics: LiveStatistics, stream: StreamStatistics, error: Ex
 def _what_else(statistics: LiveStatistics, stream: StreamStatistics, result: Reconstruction) -> list[str]:
     """What happened besides the reconstruction."""
     lines = [f"skipped: {count}: {reason}" for reason, count in statistics.skipped.items() if reason not in result.skipped]
+    if statistics.note:
+        lines.append(statistics.note)
     if stream.refused:
         lines.append(f"{stream.refused} messages were refused: {' '.join(stream.refusals.values())}")
     if statistics.dropped:

@@ -5,6 +5,7 @@ No thread and no clock: the same messages give the same frames.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass, field
 
@@ -24,6 +25,9 @@ MOST_WAITING = 128
 
 MOST_TRANSFORMS = 200
 """Transforms that are followed; a server that makes up ever new names must not fill the memory."""
+
+WHOLE_SECONDS = 5
+"""Messages of one time, a whole second, after which a clock that never told anything else counts in seconds."""
 
 NAMES_TOLD = 5
 """Names of transforms that cannot be used, which are told of."""
@@ -130,6 +134,7 @@ class Synchronizer:
         self._decided_time: float | None = None
         self._lesser: set[TransformName] = set()
         self._stamps: dict[str | TransformName, float] = {}
+        self._whole: dict[str | TransformName, float] = {}
         self._known_times: deque[float] = deque(maxlen=REMEMBERED_TIMES)
         self._times_before: frozenset[float] = frozenset()
 
@@ -145,6 +150,18 @@ class Synchronizer:
         if problem is None or not self._unused:
             return problem
         return Message("{problem} Not used: {unused}.", problem=problem, unused=listed(self._unused.values()))
+
+    @property
+    def note(self) -> Message | None:
+        """What makes places doubtful although all is well otherwise."""
+        coarse = [str(who) for who, count in self._whole.items() if count >= WHOLE_SECONDS]
+        if not coarse:
+            return None
+        return Message(
+            "The time stamps of {names} are whole seconds, so images may be placed by the pose of a neighbor. "
+            "Let the sender stamp with fractions of a second.",
+            names=listed(coarse),
+        )
 
     @property
     def deadline(self) -> float | None:
@@ -204,7 +221,7 @@ class Synchronizer:
         if message.device != self.device:
             self.other_images += 1
             return []
-        time, frames = self._time_of(message, "image"), []
+        time, frames = self._time_of(message, Message("images")), []
         if time in self._times_before and message.timestamp != 0.0:
             self.repeated += 1
             return []
@@ -260,6 +277,10 @@ class Synchronizer:
     def _time_of(self, message: ImageMessage | TransformMessage, who: str | TransformName) -> float:
         """The message's time. Servers that do not stamp send 0 again and again: then the time of arrival serves."""
         last, self._stamps[who] = self._stamps.get(who), message.timestamp
+        if message.timestamp % 1.0:
+            self._whole[who] = -math.inf
+        elif message.timestamp == last != 0.0:
+            self._whole[who] = self._whole.get(who, 0) + 1
         return message.received if message.timestamp == 0.0 and last == 0.0 else message.timestamp
 
     def _answer(self, name: TransformName, time: float, with_images: bool, impatient: bool) -> Answer | None:
