@@ -25,8 +25,8 @@ from .transforms import as_matrix, invert, why_not_affine
 AGREE = 0.1
 """mm within which two ways are one: files and messages round their numbers, and poses between samples are interpolated."""
 
-NEAR = np.array([(0.0, 0.0, 0.0, 1.0), (100.0, 0.0, 0.0, 1.0), (0.0, 100.0, 0.0, 1.0), (0.0, 0.0, 100.0, 1.0)]).T
-"""Points by which ways are compared where no image tells others: the origin and three about it, homogeneous, as columns."""
+NEAR = np.vstack([np.diag([100.0, 100.0, 100.0]), np.ones(3)])
+"""Points by which ways are compared where no image tells others, homogeneous, as columns."""
 
 
 class TransformStatus(Enum):
@@ -164,12 +164,7 @@ class Ways:
         return None if any(name.source in frames for name in broken) else left
 
     def follow(self, matrices: Sequence[Matrix]) -> tuple[Matrix, list[tuple[Matrix, Matrix]]]:
-        """The product along `path`, and what `links` say twice: pairs of matrices to one frame, as `describe` counts them.
-
-        Parameters
-        ----------
-        matrices : sequence of (4, 4) array
-            Of each of `links`, as stored.
+        """The product along `path` of the stored matrices of `links`, and what they say twice: pairs of matrices to one frame.
 
         Raises
         ------
@@ -193,24 +188,17 @@ class Ways:
 
     def describe(self, number: int) -> Message:
         """The two ways that the pair `number` of `follow` is about, in words."""
-        to: dict[str, tuple[Link, ...]] = {self.links[0].name.source: ()}
-        closing: list[tuple[Link, ...]] = []
-        for link in self.links:
-            way = (*to[link.name.source], link)
-            if to.setdefault(link.name.target, way) is not way:
-                closing.append(way)
-        one, other = self.path, closing[number]
-        # The shortest way, led round by the other side of the loop
-        loop = {link.stored for link in other} ^ {link.stored for link in to[other[-1].name.target]}
-        round_ = find_ways({link.stored for link in one} ^ loop, one[0].name.source, one[-1].name.target).path
-        if set(round_) == set(one):
-            one = to[other[-1].name.target]
-        else:
-            other = round_
-        ends = {"source": one[0].name.source, "target": one[-1].name.target}
-        return Message(
-            "Two paths lead from {source} to {target}: {one}; and {other}", one=self._spell(one), other=self._spell(other), **ends
-        )
+        source, target = self.path[0].name.source, self.path[-1].name.target
+        to: dict[str, tuple[Link, ...]] = {source: ()}
+        ways = [(to.setdefault(link.name.target, way := (*to[link.name.source], link)), way) for link in self.links]
+        one, other = [(first, way) for first, way in ways if first is not way][number]
+        # The shortest way, led round by the other side of the loop, where it meets the loop
+        stored = [{link.stored for link in way} for way in (self.path, one, other)]
+        around = find_ways(stored[0] ^ stored[1] ^ stored[2], source, target).path
+        if set(around) != set(self.path):
+            one, other = self.path, around
+        spelled = {"one": self._spell(one), "other": self._spell(other)}
+        return Message("Two paths lead from {source} to {target}: {one}; and {other}", source=source, target=one[-1].name.target, **spelled)
 
     def _spell(self, way: tuple[Link, ...]) -> str:
         stored = {link.stored for link in self.links}
@@ -284,20 +272,7 @@ def _reached(leaving: Mapping[str, list[Link]], starts: set[str], without: str |
 
 
 def largest_gap(twice: Floats, points: Floats) -> Floats:
-    """How far apart two matrices put points.
-
-    Parameters
-    ----------
-    twice : (..., 2, 4, 4) float64 array
-        Pairs as `Ways.follow` gives them.
-    points : (4, points) float64 array
-        Homogeneous, in the frame that the ways begin in.
-
-    Returns
-    -------
-    gaps : (...) float64 array, mm
-        The largest of all points.
-    """
+    """How far apart pairs of matrices (..., 2, 4, 4) put `points` (4, n), homogeneous columns, at most: (...), mm."""
     apart = (twice[..., 1, :, :] - twice[..., 0, :, :]) @ points
     return np.asarray(np.linalg.norm(apart[..., :3, :], axis=-2).max(axis=-1))
 

@@ -105,27 +105,14 @@ def _spelled(image_to_reference: str) -> tuple[TransformName, ...]:
 def image_ways(
     wanted: TransformName, image_to_reference: str | None, told: Iterable[TransformName], configured: Iterable[TransformName]
 ) -> Ways:
-    """The ways that place an image, of a recording or a stream.
-
-    Parameters
-    ----------
-    wanted : TransformName
-        As `chain_ends` gives it.
-    image_to_reference : str or None
-        As for `sweep_poses`.
-    told, configured : TransformNames of the recording or stream, and of the configuration
-
-    Raises
-    ------
-    TransformError
-    """
+    """The ways that place an image, over what a recording or stream tells and the configuration holds; see `chain_ends`, `sweep_poses`."""
     told = tuple(told)
     names = tuple(dict.fromkeys([*configured, *told]))
     if image_to_reference is not None:
         chain = _spelled(image_to_reference)
-        chain = chain if len(chain) > 1 else (wanted,)
         # What is named is used alone, whatever other ways there are
         if len(chain) > 1 or {wanted, wanted.inverse} & {*told}:
+            chain = chain if len(chain) > 1 else (wanted,)
             names = tuple(name for name in names if name in chain or (name.inverse in chain and name.inverse not in names))
     return find_ways(names, wanted.source, wanted.target)
 
@@ -316,22 +303,14 @@ NO_TRANSFORMS = Message(
 
 
 def missing_link(wanted: TransformName, names: Sequence[TransformName], moving: Sequence[TransformName]) -> Message:
-    """What to do about a missing chain, in one sentence.
-
-    Parameters
-    ----------
-    wanted : TransformName
-    names : sequence of TransformName
-        All that are known.
-    moving : sequence of TransformName
-        Those that are not the same in every frame: in a frame that the image is fixed to, all images would lie in one plane.
-    """
+    """What to do about a missing chain, in one sentence; of all known `names`, those `moving` are not the same in every frame."""
     frames = {frame for name in names for frame in (name.source, name.target)}
     if wanted.source not in frames:
         return Message("Give the calibration (for example {name}) with --config PlusDeviceSet.xml.", name=f"{wanted.source}ToProbe")
     near = connected(names, wanted.source)
     if wanted.target in frames - near:
         return Message("Give the missing link with --config PlusDeviceSet.xml.")
+    # In a frame that the image is fixed to, all images would lie in one plane
     fixed = connected([name for name in names if name not in moving], wanted.source)
     others = ", ".join(sorted(near - fixed))
     if not others:

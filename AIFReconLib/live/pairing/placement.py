@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arrays import Matrix, Numbers
 from ...errors import TransformError
-from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, Ways, capital, find_ways
+from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, Ways, capital
 from ...message import Message, said
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
@@ -96,7 +96,8 @@ class Placement:
     def __init__(self, settings: PlacementSettings, configuration: PlusConfiguration = NO_CONFIGURATION):
         self.problem: str | None = None
         self._trusting = settings.trust_image_pose
-        self._uses_image_matrix = settings.time_offset == 0.0
+        # Who spells out a chain wants that one
+        self._uses_image_matrix = settings.time_offset == 0.0 and "," not in (settings.image_to_reference or "")
         self._configuration = configuration
         self._configured = configuration.transforms
         self._named = settings.image_to_reference
@@ -263,7 +264,10 @@ class Placement:
         ends = {"source": self.wanted.source, "target": self.wanted.target}
         chain = self._chain(self.wanted.source, self.wanted.target, frozenset(transforms), named)
         if chain is None:
-            self.problem = self._no_way(transforms)
+            try:
+                image_ways(self.wanted, named, transforms, self._configured)
+            except TransformError as error:
+                self.problem = Message("{problem} {advice}", problem=error, advice=self._advice(transforms))
             return Placed(None, Message("no transform leads from {source} to {target}", **ends), transforms)
         if not transforms.keys() & set(chain.by_doubt):
             self.problem = Message(
@@ -286,14 +290,6 @@ class Placement:
         culprit = next((name for name in problems if status.startswith(f"{name} ")), None)
         what = Message("{transform} {problem}", transform=culprit, problem=problems[culprit]) if culprit else status
         return Placed(None, what, transforms)
-
-    def _no_way(self, transforms: Mapping[TransformName, TransformSample]) -> Message:
-        """Why images cannot be placed, and what to do about it."""
-        try:
-            find_ways([*self._configured, *transforms], self.wanted.source, self.wanted.target)
-        except TransformError as error:
-            return Message("{problem} {advice}", problem=error, advice=self._advice(transforms))
-        return Message("The transforms that are named in {chain} do not lead there.", chain=self._named)
 
     def _advice(self, transforms: Mapping[TransformName, TransformSample]) -> Message:
         for name, sample in transforms.items():

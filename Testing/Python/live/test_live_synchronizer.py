@@ -282,6 +282,13 @@ def test_a_chain_that_is_spelled_out_chooses_between_ways():
     assert statuses(repeated(1.0, moved=3.0), calibrated=calibrated, image_to_reference=chain) == ["OK"]
 
 
+def test_a_chain_that_is_spelled_out_goes_before_the_pose_that_an_image_brings():
+    messages = [image(1.0), *repeated(1.0)[1:]]
+    frame = feed(messages, calibrated=configuration(), image_to_reference="ImageToProbe,ProbeToTracker,ReferenceToTracker")[0]
+    expected = np.linalg.inv(REFERENCE_TO_TRACKER) @ transform(1.0, "").matrix @ IMAGE_TO_PROBE
+    np.testing.assert_allclose(frame.image_to_reference, expected, atol=1e-9)
+
+
 def test_a_tool_that_was_not_seen_is_named_among_ways_that_agree():
     messages = [*repeated(1.0), *repeated(2.0, probe=False), *repeated(3.0)]
     assert statuses(messages, calibrated=configuration()) == ["OK", "ProbeToTracker MISSING", "OK"]
