@@ -55,7 +55,7 @@ class GeometryError(AIFReconError, ValueError):
 
 
 class TransformError(AIFReconError, LookupError):
-    """The transforms do not lead from one frame to the other, or lead there in two ways."""
+    """The transforms do not lead from one frame to the other, or lead there in ways that disagree."""
 
 
 class FileFormatError(AIFReconError, ValueError):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 import time
 from contextlib import nullcontext
@@ -20,8 +21,9 @@ from ..live.replay.server import PLUS_PORT
 from ..live.session.session import LiveSession
 from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
+from ..live.wire.statistics import StreamStatistics
 from ..machine.threads import pause
-from ..message import said
+from ..message import one_line, said
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.configuration import NO_CONFIGURATION
 from ..terminal.console import ProgressBar
@@ -54,8 +56,11 @@ EXAMPLE = """examples:
 DEVICE_TIMEOUT = 5.0
 """s that a connected server may take to send its first image."""
 
-OF_A_STREAM = ("image", "trust_image_pose", "time_offset", "longest_gap")
+OF_A_STREAM = ("image", "trust_image_pose", "time_offset", "longest_gap", "tracker_frame")
 """How a stream is read, by the names of the options. A recording of it has the poses that came of it."""
+
+UNREAD_IMAGES = ("VIDEO", "TRACKEDFRAME", "USMESSAGE", "NDARRAY")
+"""Types of messages that hold images and are not read: compressed ones, and those of single programs."""
 
 SETTLING = 1.0
 """s after the first image in which other image devices may show up."""
@@ -72,7 +77,7 @@ def add_to(commands: Commands) -> None:
         "live",
         help="reconstruct while scanning, from an OpenIGTLink server",
         description="Receive images and poses over OpenIGTLink, from Plus for example, and reconstruct while they come. "
-        "Ctrl-C ends the scan and saves. Without --grid-like the first seconds find the box: move over the whole region.",
+        "Ctrl-C ends the scan and saves the volume. Without --grid-like the first seconds find the box: move over the whole region.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -100,6 +105,12 @@ def add_to(commands: Commands) -> None:
         default=SynchronizerSettings.longest_gap,
         metavar="S",
         help="do not interpolate between poses farther apart than this [s] (default: %(default)g)",
+    )
+    server.add_argument(
+        "--tracker-frame",
+        default=SynchronizerSettings.tracker_frame,
+        metavar="FRAME",
+        help="where poses lead that are named after their tool alone: Probe is ProbeTo and this (default: %(default)s)",
     )
     scan = parser.add_argument_group("scan")
     scan.add_argument(
@@ -131,8 +142,8 @@ def add_to(commands: Commands) -> None:
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> None:
-    """Connect, reconstruct until the end or Ctrl-C, write what there is."""
+def run(arguments: argparse.Namespace) -> int:
+    """Connect, reconstruct until the end or Ctrl-C, write what there is; the answer is the exit code."""
     for name in ("frames", "seconds", "scout_seconds"):
         value = getattr(arguments, name)
         if value is not None and not value > 0:
@@ -148,16 +159,17 @@ def run(arguments: argparse.Namespace) -> None:
         check_volume_path(path)
     started = time.perf_counter()
     labeled = labeled_bone_from(arguments, None)
-    session, seen = _session(arguments, labeled)
+    session, client, seen = _session(arguments, labeled)
     with seen.beside(session) if seen else nullcontext():
-        result, interrupted = _scan(session, arguments)
+        result, told_by = _scan(session, client, arguments)
     statistics, error = session.statistics, session.error
     recording = _recording_line(session)
     if result is None or not result.frames_inserted:
-        why = _why_nothing(statistics, error)
-        if recording is None:
+        why = " ".join(filter(None, [_why_nothing(statistics, client.statistics, error), recording]))
+        if told_by is None:
             raise NoUsableFramesError("{why}", why=why)
-        raise NoUsableFramesError("{why} {recording}", why=why, recording=recording)
+        print(f"aifrecon: Scan ended, nothing to save. {one_line(why)}", file=sys.stderr)
+        return 128 + told_by
     with ProgressBar() as progress:
         stream = {name: getattr(arguments, name) for name in OF_A_STREAM}
         result = with_provenance(result, arguments, inputs, labeled.settings(result.method) if labeled else None, stream)
@@ -168,7 +180,9 @@ def run(arguments: argparse.Namespace) -> None:
     files = [path for path in (*outputs.values(), *drawn) if path]
     width = [str(line) for line in labeled.lines(result.method)] if labeled and method_needs_bone(result.method) else []
     print(describe(result, statistics.frames_received, time.perf_counter() - started, files, agreement=width))
-    for line in filter(None, [*_what_else(statistics, result), *(seen.lines() if seen else ()), recording, *how_to_look(arguments)]):
+    for line in filter(
+        None, [*_what_else(statistics, client.statistics, result), *(seen.lines() if seen else ()), recording, *how_to_look(arguments)]
+    ):
         print(f"  {line}")
     if error is not None:
         cause = said(error).rstrip(".")
@@ -177,12 +191,15 @@ def run(arguments: argparse.Namespace) -> None:
             problem=cause,
             output=arguments.output,
         )
-    if interrupted:
+    if told_by not in (None, signal.SIGINT):
         raise KeyboardInterrupt
+    if told_by is not None:
+        print("Scan ended, volume saved.")
+    return 0
 
 
-def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> tuple[LiveSession, LiveBone | None]:
-    """The session that the options ask for, with a client that is connected, and what looks for bone beside it."""
+def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> tuple[LiveSession, OpenIGTLinkClient, LiveBone | None]:
+    """The session that the options ask for, its client, which is connected, and what looks for bone beside it."""
     configuration = read_plus_configuration(arguments.config) if arguments.config else NO_CONFIGURATION
     region, probe = imaging_from(arguments, configuration)
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
@@ -196,6 +213,7 @@ def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> tupl
         time_offset=arguments.time_offset,
         longest_gap=arguments.longest_gap,
         trust_image_pose=arguments.trust_image_pose,
+        tracker_frame=arguments.tracker_frame,
     )
     client = OpenIGTLinkClient(arguments.host, arguments.port)
     session = LiveSession(
@@ -212,17 +230,17 @@ def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> tupl
         frame_limit=arguments.frames,
     )
     client.connect_once()
-    return session, seen
+    return session, client, seen
 
 
-def _scan(session: LiveSession, arguments: argparse.Namespace) -> tuple[Reconstruction | None, bool]:
-    """The volume, and whether the user ended the scan."""
-    interrupted = False
+def _scan(session: LiveSession, client: OpenIGTLinkClient, arguments: argparse.Namespace) -> tuple[Reconstruction | None, int | None]:
+    """The volume, and the signal by which the scan was ended, if it was."""
+    told_by = None
     status = StatusLine(sys.stderr)
     try:
         with session:
             try:
-                _wait_for_images(session, arguments)
+                _wait_for_images(session, client, arguments)
                 first_frame = time.monotonic()
                 if session.grid is None:
                     seconds = f"{arguments.scout_seconds:g} s"
@@ -231,24 +249,24 @@ def _scan(session: LiveSession, arguments: argparse.Namespace) -> tuple[Reconstr
                     _use_scouted_grid(session, status)
                 while not pause(POLL, unless=session.finished) and not _is_over(session, arguments, first_frame):
                     status.show(session)
-            except KeyboardInterrupt:
-                interrupted = True
+            except KeyboardInterrupt as end:
+                told_by = int(end.args[0]) if end.args else int(signal.SIGINT)
                 status.clear()
                 if session.grid is None and session.scouted:
                     _use_scouted_grid(session, status)
             status.clear()
             with ProgressBar() as progress:
-                return session.finish(progress), interrupted
+                return session.finish(progress), told_by
     finally:
         status.clear()
 
 
-def _wait_for_images(session: LiveSession, arguments: argparse.Namespace) -> None:
+def _wait_for_images(session: LiveSession, client: OpenIGTLinkClient, arguments: argparse.Namespace) -> None:
     """Return when there are images of the one device that is meant; else say what the server sends."""
     deadline = time.monotonic() + DEVICE_TIMEOUT
     while session.latest is None and not pause(POLL, unless=session.finished):
         if time.monotonic() > deadline:
-            raise _no_images(session, arguments)
+            raise _no_images(session, client.statistics, arguments)
     settled = time.monotonic() + SETTLING
     while arguments.image is None and time.monotonic() < settled and not pause(POLL, unless=session.finished):
         images = [device for device, types in session.devices().items() if "IMAGE" in types]
@@ -258,11 +276,26 @@ def _wait_for_images(session: LiveSession, arguments: argparse.Namespace) -> Non
             )
 
 
-def _no_images(session: LiveSession, arguments: argparse.Namespace) -> LiveConnectionError:
+def _no_images(session: LiveSession, stream: StreamStatistics, arguments: argparse.Namespace) -> LiveConnectionError:
+    """What came instead of images, and why it is not used."""
     wanted = f"images of {arguments.image}" if arguments.image else "images"
-    devices = session.devices()
-    sends = ", ".join(f"{device} ({', '.join(types)})" for device, types in devices.items() if device) or "nothing"
-    advice = "Choose its image device with --image." if any("IMAGE" in types for types in devices.values()) else "Start the imaging there."
+    devices = {device: types for device, types in session.devices().items() if device}
+    sends = ", ".join(f"{device} ({', '.join(types)})" for device, types in devices.items()) or "nothing"
+    came = [device for device, types in devices.items() if "IMAGE" in types and arguments.image in (None, device)]
+    unread = [f"{device} comes as {kind}" for device, types in devices.items() for kind in types if kind in UNREAD_IMAGES]
+    advice = "Start the imaging there."
+    if came and "IMAGE" in stream.refusals:
+        wanted = f"{wanted} that can be used"
+        advice = f"Every image of {', '.join(came)} was refused: {stream.refusals['IMAGE']}"
+    elif unread:
+        advice = (
+            f"{', '.join(unread)}, which is not read: let the server send IMAGE"
+            " (of Plus: without EncodingType in its configuration, and with IMAGE among its MessageTypes)."
+        )
+    elif any("IMAGE" in types for types in devices.values()):
+        advice = "Choose its image device with --image."
+    elif stream.refusals:
+        advice = f"Messages arrive, but were refused: {' '.join(stream.refusals.values())}"
     return LiveConnectionError(
         "The server at {host}:{port} sends no {wanted}. It sends {sends}. {advice}",
         host=arguments.host,
@@ -300,23 +333,31 @@ def _is_over(session: LiveSession, arguments: argparse.Namespace, first_frame: f
     return arguments.seconds is not None and time.monotonic() - first_frame >= arguments.seconds
 
 
-def _why_nothing(statistics: LiveStatistics, error: Exception | None) -> str:
+def _why_nothing(statistics: LiveStatistics, stream: StreamStatistics, error: Exception | None) -> str:
     """Why there is no volume: the most frequent reason first."""
     if error is not None:
         return f"The reconstruction could not begin: {said(error)}"
     if not statistics.frames_received:
         return "No frame was received, so there is no volume."
     reasons = "; ".join(f"{reason}: {count}" for reason, count in sorted(statistics.skipped.items(), key=lambda item: -item[1]))
-    trouble = f" {statistics.trouble}" if statistics.trouble else ""
-    advice = "Check the tracking, then scan again."
+    refused = [f"Messages were refused: {reason}" for reason in stream.refusals.values()]
+    # What troubles the stream says what to do itself
+    advice = [statistics.trouble, *refused] if statistics.trouble or refused else ["Check the tracking, then scan again."]
     if UNCONFIRMED in statistics.skipped:
-        advice = "Let the server send the transforms of its tools, or give --trust-image-pose if it sends no image without a valid pose."
-    return f"Not one of {statistics.frames_received} frames entered a volume ({reasons}).{trouble} {advice}"
+        advice = [
+            *filter(None, advice[:-1]),
+            "Let the server send the transforms of its tools, or give --trust-image-pose if it sends no image without a valid pose.",
+        ]
+    return " ".join(filter(None, [f"Not one of {statistics.frames_received} frames entered a volume ({reasons}).", *advice]))
 
 
-def _what_else(statistics: LiveStatistics, result: Reconstruction) -> list[str]:
+def _what_else(statistics: LiveStatistics, stream: StreamStatistics, result: Reconstruction) -> list[str]:
     """What happened besides the reconstruction."""
     lines = [f"skipped: {count}: {reason}" for reason, count in statistics.skipped.items() if reason not in result.skipped]
+    if statistics.note:
+        lines.append(statistics.note)
+    if stream.refused:
+        lines.append(f"{stream.refused} messages were refused: {' '.join(stream.refusals.values())}")
     if statistics.dropped:
         images = f", {statistics.dropped_images} of them images," if statistics.dropped_images else ""
         lines.append(f"{statistics.dropped} messages{images} were dropped before they could be looked at")

@@ -1,23 +1,32 @@
 """Which frame lies where: named transforms, their statuses, and the chains between frames.
 
-The rules are those of the Plus toolkit: a transform `ProbeToTracker` maps Probe to Tracker, inverses and chains are
-implied, and a second way from one frame to another is an error, because the two would sooner or later disagree.
+The rules are those of the Plus toolkit: a transform `ProbeToTracker` maps Probe to Tracker, inverses and chains are implied. Servers
+compute whatever transform they are asked for, so several ways may lead from one frame to another: ways that agree are one, and ways that
+do not are an error. What is on no way between the two is not asked, and a transform from a frame to itself says nothing. A way that leads
+over a tool that is not seen is none, and where that tool is on another way too, neither is that.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Matrix
-from ..errors import TransformError, require_kind
+from ..arrays import Floats, Matrix
+from ..errors import GeometryError, TransformError, require_kind
 from ..message import Message
 from .transforms import as_matrix, invert, why_not_affine
+
+AGREE = 0.1
+"""mm within which two ways are one: files and messages round their numbers, and poses between samples are interpolated."""
+
+NEAR = np.vstack([np.diag([100.0, 100.0, 100.0]), np.ones(3)])
+"""Points by which ways are compared where no image tells others, homogeneous, as columns."""
 
 
 class TransformStatus(Enum):
@@ -104,6 +113,175 @@ class FoundTransform:
         return ", ".join(str(name) for name in self.path)
 
 
+@dataclass(frozen=True)
+class Link:
+    """One step of a way: a stored transform, followed forward or as its inverse."""
+
+    stored: TransformName
+    forward: bool
+
+    @cached_property
+    def name(self) -> TransformName:
+        """Its transform in the direction of travel."""
+        return self.stored if self.forward else self.stored.inverse
+
+
+@dataclass(frozen=True)
+class Ways:
+    """Every way from one frame to another.
+
+    Parameters
+    ----------
+    path : tuple of Link
+        The way with the fewest links.
+    links : tuple of Link
+        The links of all ways. Each begins where the first does, or where one before it leads.
+    """
+
+    path: tuple[Link, ...]
+    links: tuple[Link, ...]
+
+    @cached_property
+    def by_doubt(self) -> tuple[TransformName, ...]:
+        """The stored transforms as a trouble is told of the first: a tool of the path says more than what was computed of it."""
+        frames = {link.name.source for link in self.path} | {link.name.target for link in self.path}
+
+        def doubt(link: Link) -> int:
+            return 1 if link in self.path else 0 if link.stored.source in frames else 2
+
+        return tuple(link.stored for link in sorted(self.links, key=doubt))
+
+    def without(self, broken: Collection[TransformName]) -> Ways | None:
+        """The ways that are left where these transforms are not valid; None where none is, or it leads over a tool of theirs."""
+        if not broken:
+            return self
+        names = [link.stored for link in self.links if link.stored not in broken]
+        try:
+            left = find_ways(names, self.path[0].name.source, self.path[-1].name.target)
+        except TransformError:
+            return None
+        frames = {frame for link in left.links for frame in (link.stored.source, link.stored.target)}
+        return None if any(name.source in frames for name in broken) else left
+
+    def follow(self, matrices: Sequence[Matrix]) -> tuple[Matrix, list[tuple[Matrix, Matrix]]]:
+        """The product along `path` of the stored matrices of `links`, and what they say twice: pairs of matrices to one frame.
+
+        Raises
+        ------
+        GeometryError
+            When one would have to be inverted that is singular.
+        """
+        placed: dict[str, Matrix] = {}
+        twice: list[tuple[Matrix, Matrix]] = []
+        matrix = here = np.eye(4)
+        for link, stored in zip(self.links, matrices, strict=True):
+            name = link.name
+            try:
+                here = (stored if link.forward else invert(stored)) @ placed.get(name.source, matrix)
+            except GeometryError:
+                raise GeometryError("{transform} singular", transform=link.stored) from None
+            if name.target in placed:
+                twice.append((placed[name.target], here))
+            else:
+                placed[name.target] = here
+        return (placed[self.path[-1].name.target] if self.path else matrix), twice
+
+    def describe(self, number: int) -> Message:
+        """The two ways that the pair `number` of `follow` is about, in words."""
+        source, target = self.path[0].name.source, self.path[-1].name.target
+        to: dict[str, tuple[Link, ...]] = {source: ()}
+        ways = [(to.setdefault(link.name.target, way := (*to[link.name.source], link)), way) for link in self.links]
+        one, other = [(first, way) for first, way in ways if first is not way][number]
+        # The shortest way, led round by the other side of the loop, where it meets the loop
+        stored = [{link.stored for link in way} for way in (self.path, one, other)]
+        around = find_ways(stored[0] ^ stored[1] ^ stored[2], source, target).path
+        if set(around) != set(self.path):
+            one, other = self.path, around
+        spelled = {"one": self._spell(one), "other": self._spell(other)}
+        return Message("Two paths lead from {source} to {target}: {one}; and {other}", source=source, target=one[-1].name.target, **spelled)
+
+    def _spell(self, way: tuple[Link, ...]) -> str:
+        stored = {link.stored for link in self.links}
+        return " > ".join(f"inverse of {link.stored}" if not link.forward and link.name in stored else str(link.name) for link in way)
+
+
+def find_ways(names: Iterable[TransformName], source: str, target: str) -> Ways:
+    """The ways from `source` to `target` over transforms of these names and their inverses.
+
+    Raises
+    ------
+    TransformError
+        When there is none (names what is connected to either end).
+    """
+    names = tuple(names)
+    leaving = _links_by_source(names)
+    on_way = _reached(leaving, {source})
+    if target not in on_way:
+        raise TransformError(
+            "No transform leads from {source} to {target}. Known transforms: {known}. "
+            "{source} is connected to {near_source}, {target} to {near_target}.",
+            source=source,
+            target=target,
+            known=", ".join(str(name) for name in names) or Message("none"),
+            near_source=_list_frames(on_way - {source}),
+            near_target=_list_frames(_reached(leaving, {target}) - {target}),
+        )
+    # A frame that a single other frame cuts off from both ends is on no way between them
+    for cut in sorted(on_way):
+        on_way &= _reached(leaving, {source, target} - {cut}, without=cut) | {cut}
+    links: list[Link] = []
+    path_to: dict[str, tuple[Link, ...]] = {source: ()}
+    used: set[TransformName] = set()
+    for here in (nearest_first := [source]):
+        for link in leaving.get(here, ()):
+            there = link.name.target
+            if there not in on_way or link.stored in used:
+                continue
+            used.add(link.stored)
+            links.append(link)
+            if there not in path_to:
+                path_to[there] = (*path_to[here], link)
+                nearest_first.append(there)
+    return Ways(path_to[target], tuple(links))
+
+
+def connected(names: Iterable[TransformName], frame: str) -> set[str]:
+    """Every frame that some chain of these transforms joins to `frame`, itself included."""
+    return _reached(_links_by_source(names), {frame})
+
+
+def _links_by_source(names: Iterable[TransformName]) -> dict[str, list[Link]]:
+    leaving: dict[str, list[Link]] = {}
+    for name in names:
+        if name.source != name.target:
+            leaving.setdefault(name.source, []).append(Link(name, True))
+            leaving.setdefault(name.target, []).append(Link(name, False))
+    return leaving
+
+
+def _reached(leaving: Mapping[str, list[Link]], starts: set[str], without: str | None = None) -> set[str]:
+    """Every frame that a chain from one of `starts` leads to, but not over `without`; those themselves included."""
+    found, edge = set(starts), list(starts)
+    while edge:
+        for link in leaving.get(edge.pop(), ()):
+            there = link.name.target
+            if there not in found and there != without:
+                found.add(there)
+                edge.append(there)
+    return found
+
+
+def largest_gap(twice: Floats, points: Floats) -> Floats:
+    """How far apart pairs of matrices (..., 2, 4, 4) put `points` (4, n), homogeneous columns, at most: (...), mm."""
+    apart = (twice[..., 1, :, :] - twice[..., 0, :, :]) @ points
+    return np.asarray(np.linalg.norm(apart[..., :3, :], axis=-2).max(axis=-1))
+
+
+def capitalized(name: TransformName) -> TransformName:
+    """The transform with its frames as Plus spells them: with a capital first letter."""
+    return TransformName(capital(name.source), capital(name.target))
+
+
 class TransformGraph:
     """Named transforms with implied inverses and chains.
 
@@ -118,9 +296,7 @@ class TransformGraph:
 
     def __init__(self, transforms: dict[TransformName, TransformSample] | None = None):
         require_kind("transforms", transforms, (dict, type(None)), "Poses of a sweep go into TrackedSequence.from_arrays.")
-        self._transforms: dict[TransformName, TransformSample] = {}
-        for name, sample in (transforms or {}).items():
-            self._put(name, sample)
+        self._transforms: dict[TransformName, TransformSample] = dict(transforms or {})
 
     def __len__(self) -> int:
         return len(self._transforms)
@@ -135,20 +311,15 @@ class TransformGraph:
 
         Raises
         ------
-        TransformError
-            When its inverse is there already: two statements of one relation. When it leads from a frame to itself.
         GeometryError
             When the matrix is not a finite, invertible 4x4 matrix.
         """
         name = TransformName.parse(name) if isinstance(name, str) else name
-        self._put(name, TransformSample(as_matrix(matrix, Message("transform {name}", name=name)), status))
+        self._transforms[name] = TransformSample(as_matrix(matrix, Message("transform {name}", name=name)), status)
 
     def updated(self, transforms: dict[TransformName, TransformSample]) -> TransformGraph:
         """A new graph with `transforms` (those of one tracked frame) put on top of this one."""
-        graph = TransformGraph(self._transforms)
-        for name, sample in transforms.items():
-            graph._put(name, sample)
-        return graph
+        return TransformGraph({**self._transforms, **transforms})
 
     def lookup(self, source: str, target: str) -> FoundTransform:
         """The transform from `source` to `target`, as a chain of what was put in.
@@ -156,100 +327,39 @@ class TransformGraph:
         Returns
         -------
         FoundTransform
-            Its status is OK only when every link is OK; else it is the first other status on the way (INVALID for a link that is
-            no finite affine matrix), and the matrix is NaN, so that nobody uses it by mistake.
+            Its status is OK only when every link of a way is, and no tool on it has another status elsewhere; else it is that of the first
+            that has (INVALID for a link that is no finite affine matrix), and the matrix is NaN, so that nobody uses it by mistake.
 
         Raises
         ------
         TransformError
-            When no path exists (names what is connected to either end), or more than one (names two).
+            When no path exists (names what is connected to either end), or two disagree (names both).
         GeometryError
             When a singular matrix would have to be inverted.
         """
-        path = self._shortest_path(source, target)
-        if path is None:
-            raise self._no_path(source, target)
-        for link, _ in path:
-            other = self._shortest_path(source, target, without=link)
-            if other is not None:
+        ways = find_ways(self._transforms, source, target)
+        statuses = {name: _status_of(self._transforms[name]) for name in ways.by_doubt}
+        broken = [name for name, status in statuses.items() if status is not TransformStatus.OK]
+        left = ways.without(broken)
+        if left is None:
+            return FoundTransform(np.full((4, 4), np.nan), statuses[broken[0]], tuple(link.name for link in ways.path))
+        matrix, twice = left.follow([self._transforms[link.stored].matrix for link in left.links])
+        for number, pair in enumerate(twice):
+            gap = float(largest_gap(np.stack(pair), NEAR))
+            if gap > AGREE:
                 raise TransformError(
-                    "Two paths lead from {source} to {target}: {one}; and {other}. "
-                    "Remove one of them, or take the recorded one with --image-to-reference {source}To{target}.",
-                    source=source,
-                    target=target,
-                    one=_spell(path),
-                    other=_spell(other),
+                    "{paths}. They differ by {gap:.3g} mm. Remove one of their transforms.", paths=left.describe(number), gap=gap
                 )
-        names = tuple(name if forward else name.inverse for name, forward in path)
-        matrix = np.eye(4)
-        for name, forward in path:
-            sample = self._transforms[name]
-            status = sample.status
-            if status is TransformStatus.OK and why_not_affine(sample.matrix):
-                status = TransformStatus.INVALID
-            if status is not TransformStatus.OK:
-                return FoundTransform(np.full((4, 4), np.nan), status, names)
-            matrix = (sample.matrix if forward else invert(sample.matrix)) @ matrix
-        return FoundTransform(matrix, TransformStatus.OK, names)
+        return FoundTransform(matrix, TransformStatus.OK, tuple(link.name for link in left.path))
 
     def connected(self, frame: str) -> set[str]:
         """Every frame that some chain joins to `frame`, itself included."""
-        found, edge = {frame}, [frame]
-        while edge:
-            here = edge.pop()
-            for name in self._transforms:
-                for a, b in ((name.source, name.target), (name.target, name.source)):
-                    if a == here and b not in found:
-                        found.add(b)
-                        edge.append(b)
-        return found
+        return connected(self._transforms, frame)
 
-    def _put(self, name: TransformName, sample: TransformSample) -> None:
-        if name.source == name.target:
-            raise TransformError("Transform {name} cannot be set: it leads from a frame to itself. Remove it.", name=name)
-        if name.inverse in self._transforms:
-            raise TransformError(
-                "Transform {name} cannot be set: its inverse {inverse} is given already. Remove one of the two.",
-                name=name,
-                inverse=name.inverse,
-            )
-        self._transforms[name] = sample
 
-    def _shortest_path(self, source: str, target: str, without: TransformName | None = None) -> list[tuple[TransformName, bool]] | None:
-        """The way with the fewest links that avoids `without`, as (stored name, used forward); None where there is none."""
-        ways: dict[str, list[tuple[TransformName, bool]]] = {source: []}
-        nearest_first = [source]
-        for here in nearest_first:
-            for name in self._transforms:
-                if name == without or here not in (name.source, name.target):
-                    continue
-                forward = name.source == here
-                there = name.target if forward else name.source
-                if there not in ways:
-                    ways[there] = [*ways[here], (name, forward)]
-                    nearest_first.append(there)
-        return ways.get(target)
-
-    def _no_path(self, source: str, target: str) -> TransformError:
-        return TransformError(
-            "No transform leads from {source} to {target}. Known transforms: {known}. "
-            "{source} is connected to {near_source}, {target} to {near_target}.",
-            source=source,
-            target=target,
-            known=", ".join(str(name) for name in self._transforms) or Message("none"),
-            near_source=_list_frames(self.connected(source) - {source}),
-            near_target=_list_frames(self.connected(target) - {target}),
-        )
+def _status_of(sample: TransformSample) -> TransformStatus:
+    return TransformStatus.INVALID if sample.status is TransformStatus.OK and why_not_affine(sample.matrix) else sample.status
 
 
 def _list_frames(frames: Iterable[str]) -> str:
     return ", ".join(sorted(frames)) or Message("nothing")
-
-
-def _spell(path: list[tuple[TransformName, bool]]) -> str:
-    return " > ".join(str(name if forward else name.inverse) for name, forward in path)
-
-
-def capitalized(name: TransformName) -> TransformName:
-    """The transform with its frames as Plus spells them: with a capital first letter."""
-    return TransformName(capital(name.source), capital(name.target))

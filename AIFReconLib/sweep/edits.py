@@ -142,8 +142,11 @@ def rename(sequence: TrackedSequence, names: Mapping[str, str]) -> TrackedSequen
     """
     for old, new in names.items():
         change = _renaming(sequence, old, new)
-        taken = [change(name) for name in sequence.transform_names()]
-        twice = next((name for name in taken if taken.count(name) > 1 or name.inverse in taken), None)
+        before = sequence.transform_names()
+        taken = [change(name) for name in before]
+        # A pair of inverses that was recorded stays one
+        pairs = [name for name, was in zip(taken, before, strict=True) if name.inverse in taken and was.inverse not in before]
+        twice = next((name for name in taken if taken.count(name) > 1 or name in pairs), None)
         if twice is not None:
             raise SettingsError(
                 "Input rename {old}={new} must give names that are free; there would be two of {twice}. Choose another name.",

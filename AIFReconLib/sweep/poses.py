@@ -1,7 +1,7 @@
 """Where every frame of a sequence lies, and why a frame cannot be used.
 
-The chain from Image to Reference is looked up once for the whole sequence and then followed frame by frame, so that a tool that was
-out of view in some frames costs those frames and no others.
+The ways from Image to Reference are looked up once for the whole sequence and then followed frame by frame, so that a tool that was
+out of view in some frames costs those frames and no others. Several ways are one where they agree in every frame.
 """
 
 from __future__ import annotations
@@ -13,7 +13,16 @@ import numpy as np
 
 from ..arrays import Floats, Integers, Matrix
 from ..errors import GeometryError, NoUsableFramesError, TransformError
-from ..geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
+from ..geometry.transform_graph import (
+    AGREE,
+    TransformName,
+    TransformSample,
+    TransformStatus,
+    Ways,
+    connected,
+    find_ways,
+    largest_gap,
+)
 from ..geometry.transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
 from ..message import Message, listed
 from .configuration import PlusConfiguration
@@ -38,7 +47,7 @@ class SweepPoses:
     problems : tuple of str or None, one per frame
         Why a frame cannot be used: ``"ProbeToTracker OUT_OF_VIEW"``, ``"no image (MISSING)"``.
     path : tuple of TransformName
-        The chain that was followed.
+        The chain that was followed; of several that agree, the shortest.
     notes : tuple of str
         What a user should know about the choice.
     """
@@ -76,11 +85,45 @@ class SweepPoses:
 def chain_ends(configuration: PlusConfiguration, image_to_reference: str | None, reference: str | None) -> tuple[TransformName, bool]:
     """The transform to look up, and whether the caller named it: options first, then the configuration, then Plus's usual names."""
     if image_to_reference is not None:
-        name = TransformName.parse(image_to_reference)
-        return TransformName(name.source, reference or name.target), True
+        ends = ends_of(image_to_reference)
+        return TransformName(ends.source, reference or ends.target), True
     source = configuration.image_frame or "Image"
     target = reference or configuration.reference_frame or "Reference"
     return TransformName(source, target), False
+
+
+def ends_of(image_to_reference: str) -> TransformName:
+    """What is named: ImageToReference, or from where to where the chain leads that is spelled out as ImageToProbe,ProbeToReference."""
+    chain = _spelled(image_to_reference)
+    here = chain[0].source
+    for name in chain:
+        here = name.source if here == name.target else name.target
+    return TransformName(chain[0].source, here)
+
+
+def _spelled(image_to_reference: str) -> tuple[TransformName, ...]:
+    return tuple(TransformName.parse(name.strip()) for name in image_to_reference.split(","))
+
+
+def image_ways(
+    wanted: TransformName, image_to_reference: str | None, told: Iterable[TransformName], configured: Iterable[TransformName]
+) -> Ways:
+    """The ways that place an image, over what a recording or stream tells and the configuration holds; see `chain_ends`, `sweep_poses`.
+
+    Where it was cropped, they begin with its own pixels.
+    """
+    told = tuple(told)
+    names = tuple(dict.fromkeys([*configured, *told]))
+    if image_to_reference is not None:
+        chain = _spelled(image_to_reference)
+        # What is named is used alone, whatever other ways there are
+        if len(chain) > 1 or {wanted, wanted.inverse} & {*told}:
+            chain = chain if len(chain) > 1 else (wanted,)
+            names = tuple(name for name in names if name in chain or (name.inverse in chain and name.inverse not in names))
+    cropped = tuple(name for name in (CROPPED, CROPPED.inverse) if name in told)
+    if cropped and wanted.source == CROPPED.source:
+        return find_ways(dict.fromkeys([*names, *cropped]), CROPPED.target, wanted.target)
+    return find_ways(names, wanted.source, wanted.target)
 
 
 def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None, reference: str | None = None) -> SweepPoses:
@@ -92,28 +135,28 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         Its configuration, if any, contributes calibration and other static transforms.
     image_to_reference : str or None
         The transform that places the image. When the recording holds one of that very name it is used alone, whatever other paths
-        there are; else it is looked up as a chain. Default: from the configuration's image frame to its reference frame.
+        there are; else it is looked up as a chain, or spelled out as one: ``ImageToProbe,ProbeToReference``. Default: from the
+        configuration's image frame to its reference frame.
     reference : str or None
         Frame to reconstruct in, e.g. "Tracker" when there is no reference marker.
 
     Raises
     ------
     TransformError
-        When no chain, or more than one, leads from image to reference.
+        When no chain leads from image to reference, or two that disagree in some frame.
     GeometryError, NoUsableFramesError
         When sweeps that were joined are plainly not in one frame, or one of them has no frame that can be placed.
     """
     if isinstance(sequence, JoinedSequence):
         return _joined_poses(sequence, image_to_reference, reference)
-    wanted, named = chain_ends(sequence.configuration, image_to_reference, reference)
+    wanted, _ = chain_ends(sequence.configuration, image_to_reference, reference)
     recorded = sequence.transform_names()
     configured = sequence.configuration.transforms
     notes = list(sequence.notes)
-    twice = [name for name in recorded if name in configured]
-    notes += [Message("{name} is in the recording and in the configuration; the recording's is used.", name=name) for name in twice]
-    path = (wanted,) if named and wanted in recorded else _find_chain(sequence, wanted, recorded, configured)
-    if wanted.source == CROPPED.source and {CROPPED, CROPPED.inverse} & set(recorded):
-        path = (CROPPED.inverse, *path)
+    both = [name for name in recorded if name in configured]
+    notes += [Message("{name} is in the recording and in the configuration; the recording's is used.", name=name) for name in both]
+    ways = _find_ways(sequence, wanted, image_to_reference, recorded)
+    if ways.path[0].name == CROPPED.inverse:
         notes.append(
             Message(
                 "The recording says that its images were cropped ({transform}), and is placed so. A configuration's clip rectangle, fan "
@@ -123,18 +166,37 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         )
     # A frame that lacks a recorded transform is a frame without a pose: the configuration's must not stand in for it
     static = {**{name: sample for name, sample in configured.items() if name not in recorded}, **sequence.transforms}
-    known = {*recorded, *configured}
     count = len(sequence)
     matrices = np.full((count, 4, 4), np.nan)
     problems: list[str | None] = []
+    pairs: dict[Ways, dict[int, list[tuple[Matrix, Matrix]]]] = {}
+    left: dict[frozenset[TransformName], Ways | None] = {frozenset(): ways}
     for number, record in enumerate(sequence.records):
         if record.image_status is not TransformStatus.OK:
             problems.append(Message("no image ({status})", status=record.image_status.value))
             continue
-        matrix, problem = _follow(path, known, record.transforms, static, image_frame=wanted.source)
-        problems.append(problem)
+        samples, broken = _judge(ways, record.transforms, static, image_frame=wanted.source)
+        names = frozenset(broken)
+        if names not in left:
+            left[names] = ways.without(names)
+        seen = left[names]
+        if seen is None:
+            problems.append(next(iter(broken.values())))
+            continue
+        try:
+            matrix, twice = seen.follow([samples[link.stored].matrix for link in seen.links])
+        except GeometryError as error:
+            problems.append(Message("{problem}", problem=error))
+            continue
+        problem = why_not_an_image_pose(matrix)
+        problems.append(Message("image pose {problem}", problem=problem) if problem else None)
         if problem is None:
             matrices[number] = matrix
+            if twice:
+                pairs.setdefault(seen, {})[number] = twice
+    for seen, frames in pairs.items():
+        _require_agreement(sequence, seen, frames)
+    path = tuple(link.name for link in ways.path)
     return SweepPoses(matrices, tuple(problems), path, (*notes, *_about_pixel_size(sequence, wanted, matrices)))
 
 
@@ -275,71 +337,91 @@ def _size(spacing: Floats) -> str:
     return f"{spacing[0]:.4g} x {spacing[1]:.4g}"
 
 
-def _find_chain(
-    sequence: TrackedSequence, wanted: TransformName, recorded: Iterable[TransformName], configured: Iterable[TransformName]
-) -> tuple[TransformName, ...]:
-    """The chain from image to reference over everything that any frame or the configuration holds."""
+def _find_ways(sequence: TrackedSequence, wanted: TransformName, image_to_reference: str | None, recorded: Iterable[TransformName]) -> Ways:
+    """The ways from image to reference over everything that any frame or the configuration holds."""
     if wanted.source == wanted.target:
         raise TransformError(
             "{sequence}: Image and reference must be two frames; got {frame} for both.", sequence=sequence.name, frame=wanted.source
         )
-    graph = TransformGraph()
+    configured = sequence.configuration.transforms
     try:
-        for name in dict.fromkeys([*configured, *recorded]):
-            graph.put(name, np.eye(4))
+        return image_ways(wanted, image_to_reference, recorded, configured)
     except TransformError as error:
-        raise TransformError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
-    try:
-        return graph.lookup(wanted.source, wanted.target).path
-    except TransformError as error:
-        advice = _advice(graph, wanted)
-        if advice is None:
-            raise TransformError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
+        names = list(dict.fromkeys([*configured, *recorded]))
+        advice = NO_TRANSFORMS if not names else missing_link(wanted, names, [name for name in recorded if _moves(sequence, name)])
         raise TransformError("{sequence}: {problem} {advice}", sequence=sequence.name, problem=error, advice=advice) from None
 
 
-def _advice(graph: TransformGraph, wanted: TransformName) -> Message | None:
-    """What to do about a missing chain, in one sentence; None where the chain is not missing."""
-    if len(graph) == 0:
-        return Message(
-            "The recording has no transforms at all: was a tracker connected? "
-            "Slicer saves transforms as sequences of their own; give them with --transform-sequence NAME=FILE."
-        )
-    if wanted.target in graph.connected(wanted.source):
-        return None
-    frames = {frame for name in graph.names for frame in (name.source, name.target)}
+NO_TRANSFORMS = Message(
+    "The recording has no transforms at all: was a tracker connected? "
+    "Slicer saves transforms as sequences of their own; give them with --transform-sequence NAME=FILE."
+)
+
+
+def missing_link(wanted: TransformName, names: Sequence[TransformName], moving: Sequence[TransformName]) -> Message:
+    """What to do about a missing chain, in one sentence; of all known `names`, those `moving` are not the same in every frame."""
+    frames = {frame for name in names for frame in (name.source, name.target)}
     if wanted.source not in frames:
         return Message("Give the calibration (for example {name}) with --config PlusDeviceSet.xml.", name=f"{wanted.source}ToProbe")
-    if wanted.target not in frames:
-        others = ", ".join(sorted(frames - {wanted.source}))
-        return Message("Choose another frame to reconstruct in with --reference, one of: {frames}.", frames=others)
-    return Message("Give the missing link with --config PlusDeviceSet.xml.")
+    near = connected(names, wanted.source)
+    if wanted.target in frames - near:
+        return Message("Give the missing link with --config PlusDeviceSet.xml.")
+    # In a frame that the image is fixed to, all images would lie in one plane
+    fixed = connected([name for name in names if name not in moving], wanted.source)
+    others = ", ".join(sorted(near - fixed))
+    if not others:
+        return Message("No pose of a tool leads on from there: check which tools the tracker follows, and their names.")
+    return Message("Choose another frame to reconstruct in with --reference, one of: {frames}.", frames=others)
 
 
-def _follow(
-    path: tuple[TransformName, ...],
-    known: set[TransformName],
-    recorded: dict[TransformName, TransformSample],
-    static: dict[TransformName, TransformSample],
-    image_frame: str,
-) -> tuple[Matrix, str | None]:
-    """The product of one frame's transforms along `path`, or what is wrong with the first link that cannot be used."""
-    matrix = np.eye(4)
-    for name in path:
-        stored = name if name in known else name.inverse
-        is_recorded = stored in recorded
-        sample = recorded.get(stored) if is_recorded else static.get(stored)
+def _moves(sequence: TrackedSequence, name: TransformName) -> bool:
+    """Whether a transform is not the same in every frame that has it, as far as that can be seen."""
+    matrices = [record.transforms[name].matrix for record in sequence.records if name in record.transforms]
+    return len(matrices) == 1 or any(not np.array_equal(matrix, matrices[0], equal_nan=True) for matrix in matrices)
+
+
+def _judge(
+    ways: Ways, recorded: Mapping[TransformName, TransformSample], static: Mapping[TransformName, TransformSample], image_frame: str
+) -> tuple[dict[TransformName, TransformSample], dict[TransformName, str]]:
+    """One frame's transforms on the ways, and what is wrong with those that cannot be used, what says most first."""
+    samples: dict[TransformName, TransformSample] = {}
+    broken: dict[TransformName, str] = {}
+    for name in ways.by_doubt:
+        sample = recorded.get(name) or static.get(name) or _inverse(recorded.get(name.inverse))
         if sample is None:
-            return matrix, Message("{transform} not recorded", transform=stored)
+            broken[name] = Message("{transform} not recorded", transform=name)
+            continue
+        samples[name] = sample
         if sample.status is not TransformStatus.OK:
-            return matrix, f"{stored} {sample.status.value}"
+            broken[name] = f"{name} {sample.status.value}"
+            continue
         scales_pixels = bool({image_frame, CROPPED.source} & {name.source, name.target})
-        problem = why_not_rigid(sample.matrix) if is_recorded and not scales_pixels else why_not_affine(sample.matrix)
+        problem = why_not_rigid(sample.matrix) if name in recorded and not scales_pixels else why_not_affine(sample.matrix)
         if problem:
-            return matrix, Message("{transform} {problem}", transform=stored, problem=problem)
-        try:
-            matrix = (sample.matrix if stored == name else invert(sample.matrix)) @ matrix
-        except GeometryError:
-            return matrix, Message("{transform} singular", transform=stored)
-    problem = why_not_an_image_pose(matrix)
-    return matrix, Message("image pose {problem}", problem=problem) if problem else None
+            broken[name] = Message("{transform} {problem}", transform=name, problem=problem)
+    return samples, broken
+
+
+def _inverse(sample: TransformSample | None) -> TransformSample | None:
+    """What a frame says that holds a transform the other way round than others do."""
+    if sample is None or sample.status is not TransformStatus.OK or why_not_rigid(sample.matrix):
+        return sample
+    return TransformSample(invert(sample.matrix))
+
+
+def _require_agreement(sequence: TrackedSequence, ways: Ways, pairs: Mapping[int, list[tuple[Matrix, Matrix]]]) -> None:
+    """Return if the ways put the image's corners to one place in each of these frames."""
+    columns, rows = sequence.frame_size
+    corners = np.array([(x, y, 0.0, 1.0) for x in (0.0, max(columns - 1, 1)) for y in (0.0, max(rows - 1, 1))]).T
+    gaps = largest_gap(np.array(list(pairs.values())), corners)
+    frame, pair = np.unravel_index(int(np.argmax(gaps)), gaps.shape)
+    if gaps[frame, pair] > AGREE:
+        raise TransformError(
+            "{sequence}: {paths}. They differ by {gap:.3g} mm in frame {number}. "
+            "Say which one is right, as in --image-to-reference {chain}.",
+            sequence=sequence.name,
+            paths=ways.describe(int(pair)),
+            gap=float(gaps[frame, pair]),
+            number=list(pairs)[frame],
+            chain=",".join(str(link.name) for link in ways.path),
+        )

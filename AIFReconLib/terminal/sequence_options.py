@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import SettingsError
-from ..geometry.transform_graph import TransformName
 from ..io.sequence.files import read_sequence
 from ..sweep.frames import TrackedSequence
 from ..sweep.pose_tracks import LONGEST_GAP
+from ..sweep.poses import ends_of
 from ..sweep.time_offset import with_time_offset
 
 
@@ -46,7 +46,8 @@ def add_tracking_options(parser: argparse.ArgumentParser, several: bool = False)
     tracking.add_argument(
         "--image-to-reference",
         metavar="NAME",
-        help="transform that places the image, as recorded or as a chain (default: ImageToReference)",
+        help="transform that places the image, as recorded or as a chain (default: ImageToReference); of several ways the one to take, "
+        "as in ImageToProbe,ProbeToReference",
     )
     tracking.add_argument("--reference", metavar="FRAME", help="frame to reconstruct in, e.g. Tracker (default: Reference)")
 
@@ -120,7 +121,7 @@ def sequence_from(arguments: argparse.Namespace) -> TrackedSequence:
 def _image_frame(arguments: argparse.Namespace) -> str | None:
     """What --image-to-reference calls the image, where the command has that option and it is given."""
     name = getattr(arguments, "image_to_reference", None)
-    return TransformName.parse(name).source if name else None
+    return ends_of(name).source if name else None
 
 
 def sequence_inputs(arguments: argparse.Namespace) -> list[Path | None]:

@@ -9,11 +9,12 @@ from pathlib import Path
 
 from .. import __version__
 from ..compounding.state import Reconstruction
-from ..geometry.transform_graph import TransformName, capital
+from ..geometry.transform_graph import capital
 from ..message import Message
 from ..provenance.kept import KeptSettings
 from ..provenance.record import other_inputs, settings_of, signed
 from ..provenance.settings_files import check_settings_path, read_settings, write_settings
+from ..sweep.poses import ends_of
 from .one_line_parser import OneLineParser
 
 OF_A_RECORDING = ("orientation", "time_offset", "longest_gap")
@@ -70,7 +71,7 @@ def _target(reference: object, image_to_reference: object) -> str | None:
     """The frame that both options together name, if they do."""
     if reference:
         return capital(str(reference))
-    return TransformName.parse(str(image_to_reference)).target if image_to_reference else None
+    return ends_of(str(image_to_reference)).target if image_to_reference else None
 
 
 def check_save_settings(arguments: argparse.Namespace) -> None:

@@ -53,7 +53,7 @@ def _swallows(frame: FrameType | None) -> bool:
 
 @contextmanager
 def orderly_end(end: OrderlyEnd | None = None) -> Iterator[OrderlyEnd]:
-    """Within the block these signals raise `KeyboardInterrupt` too; those that the caller has ignored or handled stay so.
+    """Within the block these signals raise `KeyboardInterrupt` with their number; those that the caller has ignored or handled stay so.
 
     Only in the main thread: in others nothing changes. What ended the block is kept in `end`.
     """
@@ -66,7 +66,7 @@ def orderly_end(end: OrderlyEnd | None = None) -> Iterator[OrderlyEnd]:
             again.start()
             return
         end.told, end.signal = True, int(number)
-        raise KeyboardInterrupt
+        raise KeyboardInterrupt(int(number))
 
     before = {}
     if threading.current_thread() is threading.main_thread():

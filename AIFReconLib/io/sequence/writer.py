@@ -87,8 +87,8 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
     suffix = path.suffix.lower()
     code = _pixel_code(sequence.images)
     entries = [
-        *_checked(header_entries(sequence.fields, sequence.transforms), reserved=suffix != ".nrrd"),
-        *_checked(frame_entries(sequence.records, IMAGE_STATUS_IN_NRRD if suffix == ".nrrd" else IMAGE_STATUS), reserved=False),
+        *checked(header_entries(sequence.fields, sequence.transforms), reserved=suffix != ".nrrd"),
+        *checked(frame_entries(sequence.records, IMAGE_STATUS_IN_NRRD if suffix == ".nrrd" else IMAGE_STATUS), reserved=False),
     ]
 
     def write_pixels(file: BinaryIO, encoder: Encoder | None) -> None:
@@ -232,7 +232,7 @@ def _pixel_code(images: ImageStack) -> str:
     return code
 
 
-def _checked(entries: Entries, reserved: bool) -> Iterator[tuple[str, str]]:
+def checked(entries: Entries, reserved: bool = False) -> Iterator[tuple[str, str]]:
     """The entries, after making sure that no name or value can turn into another line of the header."""
     for key, value in entries:
         value = str(value).strip()

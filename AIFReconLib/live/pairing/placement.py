@@ -8,19 +8,22 @@ from typing import Protocol
 
 import numpy as np
 
-from ...arrays import Matrix
+from ...arrays import Matrix, Numbers
 from ...errors import TransformError
-from ...geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus, capital
+from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, Ways, capital
 from ...message import Message, said
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
-from ...sweep.poses import chain_ends, sweep_poses
+from ...sweep.poses import chain_ends, image_ways, missing_link, sweep_poses
 from ..wire.messages import ImageMessage
 
 PROBE = "Probe"
 """Plus's name of the tool that carries the transducer, by which a chain is recognized that no configuration tells."""
 
 STATUS_SUFFIX = "TransformStatus"
+
+LONGEST_NAME = 200
+"""Characters in the name of a transform; metadata may hold millions."""
 
 UNCONFIRMED = "pose not confirmed (no transform or status of its tool is sent)"
 
@@ -69,7 +72,8 @@ def stream_name(text: str) -> TransformName | None:
     except TransformError:
         return None
     # A name that would not come back from a sequence file as itself cannot be recorded
-    return name if str(name) == capital(text) else None
+    writable = len(text) <= LONGEST_NAME and text.isprintable() and not set("=:#\\") & set(text)
+    return name if writable and str(name) == capital(text) else None
 
 
 class Placement:
@@ -92,11 +96,15 @@ class Placement:
     def __init__(self, settings: PlacementSettings, configuration: PlusConfiguration = NO_CONFIGURATION):
         self.problem: str | None = None
         self._trusting = settings.trust_image_pose
-        self._uses_image_matrix = settings.time_offset == 0.0
+        # Who spells out a chain wants that one
+        self._uses_image_matrix = settings.time_offset == 0.0 and "," not in (settings.image_to_reference or "")
         self._configuration = configuration
         self._configured = configuration.transforms
-        self.wanted, self._named = chain_ends(configuration, settings.image_to_reference, settings.reference)
-        self._paths: dict[tuple[str, str, frozenset[TransformName], bool], tuple[TransformName, ...] | None] = {}
+        self._named = settings.image_to_reference
+        self.wanted, _ = chain_ends(configuration, self._named, settings.reference)
+        self._ways: dict[tuple[str, str, frozenset[TransformName], str | None], Ways | None] = {}
+        self._first: dict[TransformName, Matrix] = {}
+        self._moving: set[TransformName] = set()
 
     def embedded_frame(self, message: ImageMessage) -> str | None:
         """The frame to which the image's own matrix leads; None where it is not used."""
@@ -127,14 +135,14 @@ class Placement:
         frame = self._used_frame(message, names)
         if frame is None:
             chain = self._chain(self.wanted.source, self.wanted.target, self._fewest(sent, names), self._named)
-            return None if chain is None else names & set(chain)
+            return None if chain is None else names & set(chain.by_doubt)
         deciding = self._deciding(message, frame, names, told)
         if deciding is None:
             return frozenset() if self._trusting and frame == self.wanted.target else None
         if frame == self.wanted.target:
             return names & set(deciding)
         chain = self._chain(frame, self.wanted.target, names)
-        return None if chain is None else names & {*deciding, *chain}
+        return None if chain is None else names & {*deciding, *chain.by_doubt}
 
     def place(
         self,
@@ -162,17 +170,19 @@ class Placement:
         if frame is None:
             fewest = self._fewest(frozenset(sent), frozenset(transforms))
             transforms = {name: sample for name, sample in transforms.items() if name in fewest}
-            return self._follow(transforms, problems, str(self.wanted) if self._named else None)
+            return self._follow(message.image, transforms, problems, self._named)
         own = TransformName(self.wanted.source, frame)
         status, doubt = self._confirm(message, frame, transforms, frozenset(told))
         transforms.pop(own.inverse, None)
         transforms[own] = TransformSample(message.image_to_sender, status)
         if doubt is not None:
             return Placed(None, self._word(doubt, problems), transforms)
-        return self._follow(transforms, problems, str(self.wanted) if self._named or frame == self.wanted.target else None)
+        # The server has followed the other ways
+        named = str(self.wanted) if frame == self.wanted.target else self._named
+        return self._follow(message.image, transforms, problems, named)
 
     def _fewest(self, sent: frozenset[TransformName], names: frozenset[TransformName]) -> frozenset[TransformName]:
-        """The transforms that were sent where they suffice: metadata repeat them in other words, which would be a second way."""
+        """The transforms that were sent where they suffice: metadata repeat them in other words."""
         return sent if self._chain(self.wanted.source, self.wanted.target, sent, self._named) is not None else names
 
     def _confirm(
@@ -183,70 +193,96 @@ class Placement:
         deciding = self._deciding(message, frame, names, told)
         if deciding is None:
             return (TransformStatus.OK, None) if self._trusting else (TransformStatus.UNKNOWN, UNCONFIRMED)
-        tools = self._tools(frame, names, told) or ()
-        broken = [name for name in tools if name in names and transforms[name].status is not TransformStatus.OK]
+        broken = self._unseen(self._tools(frame, names, told), transforms)
+        of_metadata = self._tools(frame, told, told)
         # A message that was lost says nothing against a pose whose tools the metadata confirm
-        confirmed = bool(tools) and not broken and told.issuperset(tools)
-        for name in deciding:
-            status = transforms[name].status
-            if status is not TransformStatus.OK and not (confirmed and status is TransformStatus.MISSING):
-                # The tool that was not seen says more than the chain that broke
-                culprit = broken[0] if broken else name
-                return transforms[culprit].status, (culprit, transforms[culprit].status)
-        return TransformStatus.OK, None
+        confirmed = bool(of_metadata and of_metadata[0]) and not self._unseen(of_metadata, transforms)
+        direct = self._direct(message, frame, names)
+        enough = {TransformStatus.OK, TransformStatus.MISSING} if confirmed else {TransformStatus.OK}
+        bad = [name for name in direct if transforms[name].status not in enough]
+        if direct and not bad:
+            return TransformStatus.OK, None
+        # The tool that was not seen says more than the chain that broke
+        culprit = next(iter((*broken, *bad)), None)
+        return (TransformStatus.OK, None) if culprit is None else (transforms[culprit].status, (culprit, transforms[culprit].status))
 
     def _deciding(
         self, message: ImageMessage, frame: str, names: frozenset[TransformName], told: frozenset[TransformName]
     ) -> tuple[TransformName, ...] | None:
         """The transforms that tell whether the image's own matrix is valid; None where there are none."""
-        own = {TransformName(self.wanted.source, frame), TransformName(message.device.rpartition("_")[0], frame)}
-        direct = tuple(name for name in names if own & {name, name.inverse})
-        return direct or self._tools(frame, names, told)
+        tools = self._tools(frame, names, told)
+        return self._direct(message, frame, names) or (None if tools is None else tools[0])
 
-    def _tools(self, frame: str, names: frozenset[TransformName], told: frozenset[TransformName]) -> tuple[TransformName, ...] | None:
-        """The tools that the image's own matrix is made of, in the order of the chain."""
+    def _direct(self, message: ImageMessage, frame: str, names: frozenset[TransformName]) -> tuple[TransformName, ...]:
+        """The transforms of the image itself."""
+        own = {TransformName(self.wanted.source, frame), TransformName(message.device.rpartition("_")[0], frame)}
+        return tuple(name for name in names if own & {name, name.inverse})
+
+    def _tools(
+        self, frame: str, names: frozenset[TransformName], told: frozenset[TransformName]
+    ) -> tuple[tuple[TransformName, ...], Ways | None] | None:
+        """The tools that the image's own matrix is made of, and the ways that they are on, where those are known."""
         moving = frozenset(name for name in names if self.wanted.source not in (name.source, name.target))
         if frame == PROBE:
-            return ()
+            return (), None
         for start in (self.wanted.source, PROBE):
-            path = self._chain(start, frame, moving)
-            if path is not None:
-                return tuple(name for name in path if name in moving)
-        return tuple(sorted(told & moving, key=str)) or None
+            ways = self._chain(start, frame, moving)
+            if ways is not None:
+                return tuple(name for name in ways.by_doubt if name in moving), ways
+        tools = tuple(sorted(told & moving, key=str))
+        return (tools, None) if tools else None
 
-    def _chain(self, source: str, target: str, names: frozenset[TransformName], named: bool = False) -> tuple[TransformName, ...] | None:
-        """The stored transforms that lead from one frame to another, by those of the stream and of the configuration; None without any."""
+    @staticmethod
+    def _unseen(
+        tools: tuple[tuple[TransformName, ...], Ways | None] | None, transforms: Mapping[TransformName, TransformSample]
+    ) -> tuple[TransformName, ...]:
+        """Those of the tools without which the matrix is not valid."""
+        names, ways = tools or ((), None)
+        broken = tuple(name for name in names if transforms[name].status is not TransformStatus.OK)
+        return () if ways is not None and ways.without(broken) is not None else broken
+
+    def _chain(self, source: str, target: str, names: frozenset[TransformName], named: str | None = None) -> Ways | None:
+        """The ways from one frame to another, by the transforms of the stream and of the configuration; None where there is none."""
         key = (source, target, names, named)
-        if key not in self._paths:
-            if len(self._paths) > 100:
-                self._paths.clear()
-            self._paths[key] = self._find(source, target, names, named)
-        return self._paths[key]
+        if key not in self._ways:
+            if len(self._ways) > 100:
+                self._ways.clear()
+            try:
+                self._ways[key] = image_ways(TransformName(source, target), named, sorted(names, key=str), self._configured)
+            except TransformError:
+                self._ways[key] = None
+        return self._ways[key]
 
-    def _find(self, source: str, target: str, names: frozenset[TransformName], named: bool) -> tuple[TransformName, ...] | None:
-        if named and TransformName(source, target) in names:
-            return (TransformName(source, target),)
-        graph = TransformGraph()
-        try:
-            for name in dict.fromkeys([*self._configured, *sorted(names, key=str)]):
-                graph.put(name, np.eye(4))
-            path = graph.lookup(source, target).path
-        except TransformError:
-            return None
-        return tuple(name if name in graph.names else name.inverse for name in path)
-
-    def _follow(self, transforms: dict[TransformName, TransformSample], problems: Mapping[TransformName, str], named: str | None) -> Placed:
-        """Follow the chain exactly as for one frame of a recording, so that live and offline agree to the bit."""
+    def _follow(
+        self,
+        image: Numbers,
+        transforms: dict[TransformName, TransformSample],
+        problems: Mapping[TransformName, str],
+        named: str | None,
+    ) -> Placed:
+        """Follow the ways exactly as for one frame of a recording, so that live and offline agree to the bit."""
+        ends = {"source": self.wanted.source, "target": self.wanted.target}
+        chain = self._chain(self.wanted.source, self.wanted.target, frozenset(transforms), named)
+        if chain is None:
+            try:
+                image_ways(self.wanted, named, transforms, self._configured)
+            except TransformError as error:
+                self.problem = Message("{problem} {advice}", problem=error, advice=self._advice(transforms))
+            return Placed(None, Message("no transform leads from {source} to {target}", **ends), transforms)
+        if not transforms.keys() & set(chain.by_doubt):
+            self.problem = Message(
+                "By the configuration alone {source} is fixed to {target}, so all images would lie in one plane. {advice}",
+                advice=self._advice(transforms),
+                **ends,
+            )
+            return Placed(None, Message("{source} is fixed to {target}", **ends), transforms)
         record = FrameRecord(transforms=transforms)
-        sequence = TrackedSequence(np.empty((1, 0, 0), np.uint8), [record], configuration=self._configuration)
+        sequence = TrackedSequence(np.broadcast_to(image, (1, *image.shape)), [record], configuration=self._configuration)
         try:
             poses = sweep_poses(sequence, named, self.wanted.target)
         except TransformError as error:
-            self.problem = said(error)
-            ends = {"source": self.wanted.source, "target": self.wanted.target}
-            if "Two paths" in self.problem:
-                return Placed(None, Message("two ways lead from {source} to {target}", **ends), transforms)
-            return Placed(None, Message("no transform leads from {source} to {target}", **ends), transforms)
+            self.problem = said(error).removeprefix(f"{sequence.name}: ")
+            return Placed(None, Message("two ways lead from {source} to {target}, and disagree", **ends), transforms)
         self.problem = None
         status = poses.problems[0]
         if status is None:
@@ -254,6 +290,19 @@ class Placement:
         culprit = next((name for name in problems if status.startswith(f"{name} ")), None)
         what = Message("{transform} {problem}", transform=culprit, problem=problems[culprit]) if culprit else status
         return Placed(None, what, transforms)
+
+    def _advice(self, transforms: Mapping[TransformName, TransformSample]) -> Message:
+        for name, sample in transforms.items():
+            if sample.status is TransformStatus.OK and not np.array_equal(self._first.setdefault(name, sample.matrix), sample.matrix):
+                self._moving.add(name)
+        if not transforms:
+            return Message(
+                "No transforms are sent. Let the server send those of its tools (ProbeToTracker, ReferenceToTracker); an image that brings "
+                "its pose in its own matrix must be called {image}_{reference}.",
+                image=self.wanted.source,
+                reference=self.wanted.target,
+            )
+        return missing_link(self.wanted, list(dict.fromkeys([*self._configured, *transforms])), list(self._moving))
 
     @staticmethod
     def _word(doubt: Doubt, problems: Mapping[TransformName, str]) -> str:

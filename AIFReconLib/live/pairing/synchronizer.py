@@ -5,13 +5,15 @@ No thread and no clock: the same messages give the same frames.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...errors import SettingsError
-from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
+from ...message import Message, listed
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedFrame
 from ..wire.messages import ImageMessage, StreamEvent, StreamMessage, TransformMessage
@@ -23,6 +25,12 @@ MOST_WAITING = 128
 
 MOST_TRANSFORMS = 200
 """Transforms that are followed; a server that makes up ever new names must not fill the memory."""
+
+WHOLE_SECONDS = 5
+"""Messages of one time, a whole second, after which a clock that never told anything else counts in seconds."""
+
+NAMES_TOLD = 5
+"""Names of transforms that cannot be used, which are told of."""
 
 REMEMBERED_TIMES = 512
 """Times of placed images, by which those are recognized that a server sends again after a reconnection."""
@@ -47,6 +55,8 @@ class SynchronizerSettings:
         How long after its arrival an image waits for its transforms.
     trust_image_pose : bool
         Use the matrix that comes with an image although nothing in the stream tells whether its tool was seen.
+    tracker_frame : str
+        Where the poses of tools lead that say no more than the tool's name: ``Probe`` is ProbeToTracker, as in Plus.
     """
 
     image_device: str | None = None
@@ -56,6 +66,7 @@ class SynchronizerSettings:
     longest_gap: float = 0.1
     patience: float = 0.25
     trust_image_pose: bool = False
+    tracker_frame: str = "Tracker"
 
     def __post_init__(self) -> None:
         for name, least in (("time_offset", -60.0), ("longest_gap", 0.0), ("patience", 0.0)):
@@ -112,6 +123,7 @@ class Synchronizer:
         self.repeated = 0
         self.other_images = 0
         self.unused_transforms = 0
+        self._unused: dict[str, Message] = {}
         self._placement = Placement(self.settings, configuration or NO_CONFIGURATION)
         self._histories: dict[TransformName, PoseHistory] = {}
         self._expected: frozenset[TransformName] = frozenset()
@@ -120,7 +132,9 @@ class Synchronizer:
         self._image_arrival = 0
         self._image_time: float | None = None
         self._decided_time: float | None = None
+        self._lesser: set[TransformName] = set()
         self._stamps: dict[str | TransformName, float] = {}
+        self._whole: dict[str | TransformName, float] = {}
         self._known_times: deque[float] = deque(maxlen=REMEMBERED_TIMES)
         self._times_before: frozenset[float] = frozenset()
 
@@ -132,7 +146,22 @@ class Synchronizer:
     @property
     def problem(self) -> str | None:
         """Why images cannot be placed at all, in full; None when they can."""
-        return self._placement.problem
+        problem = self._placement.problem
+        if problem is None or not self._unused:
+            return problem
+        return Message("{problem} Not used: {unused}.", problem=problem, unused=listed(self._unused.values()))
+
+    @property
+    def note(self) -> Message | None:
+        """What makes places doubtful although all is well otherwise."""
+        coarse = [str(who) for who, count in self._whole.items() if count >= WHOLE_SECONDS]
+        if not coarse:
+            return None
+        return Message(
+            "The time stamps of {names} are whole seconds, so images may be placed by the pose of a neighbor. "
+            "Let the sender stamp with fractions of a second.",
+            names=listed(coarse),
+        )
 
     @property
     def deadline(self) -> float | None:
@@ -179,6 +208,7 @@ class Synchronizer:
         """A new connection: what was learned of the server no longer holds."""
         frames = self.flush()
         self._histories.clear()
+        self._lesser.clear()
         self._stamps.clear()
         self._expected = frozenset()
         self._image_time = self._decided_time = None
@@ -191,7 +221,7 @@ class Synchronizer:
         if message.device != self.device:
             self.other_images += 1
             return []
-        time, frames = self._time_of(message, "image"), []
+        time, frames = self._time_of(message, Message("images")), []
         if time in self._times_before and message.timestamp != 0.0:
             self.repeated += 1
             return []
@@ -205,7 +235,7 @@ class Synchronizer:
         return frames
 
     def _take_transform(self, message: TransformMessage) -> None:
-        name = stream_name(message.device)
+        name = self._name_of(message)
         if name is None or (name not in self._histories and len(self._histories) >= MOST_TRANSFORMS):
             self.unused_transforms += 1
             return
@@ -219,9 +249,38 @@ class Synchronizer:
             # It came too late for its image; the next one waits for it
             self._expected |= {name}
 
+    def _name_of(self, message: TransformMessage) -> TransformName | None:
+        """The transform that a message is about; None where that is not told, or others tell it better.
+
+        A whole matrix under a whole name goes before a tool's name alone, and before a quaternion, which holds no scale.
+        """
+        name = stream_name(message.device)
+        if name is not None and not message.turned:
+            if name in self._lesser:
+                self._lesser.remove(name)
+                self._histories.pop(name, None)
+            return name
+        name = name or stream_name(f"{message.device}To{capital(self.settings.tracker_frame)}")
+        reason = None
+        if name is None:
+            reason = Message("{name} (not a name such as ProbeToTracker)", name=message.device)
+        elif self._placement.wanted.source in (name.source, name.target):
+            reason = Message("{name} (does not hold the size of a pixel, send TRANSFORM)", name=message.device)
+        if reason is not None and len(self._unused) < NAMES_TOLD:
+            self._unused[message.device] = reason
+        if name is None or reason is not None or (name in self._histories and name not in self._lesser):
+            return None
+        if len(self._histories) < MOST_TRANSFORMS:
+            self._lesser.add(name)
+        return name
+
     def _time_of(self, message: ImageMessage | TransformMessage, who: str | TransformName) -> float:
         """The message's time. Servers that do not stamp send 0 again and again: then the time of arrival serves."""
         last, self._stamps[who] = self._stamps.get(who), message.timestamp
+        if message.timestamp % 1.0:
+            self._whole[who] = -math.inf
+        elif message.timestamp == last != 0.0:
+            self._whole[who] = self._whole.get(who, 0) + 1
         return message.received if message.timestamp == 0.0 and last == 0.0 else message.timestamp
 
     def _answer(self, name: TransformName, time: float, with_images: bool, impatient: bool) -> Answer | None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import Floats, Integers, Matrix
 from ...errors import GeometryError, SettingsError, TransformError
-from ...geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
+from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, find_ways
 from ...geometry.transforms import invert, why_not_affine
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.poses import chain_ends, sweep_poses, time_order
@@ -129,10 +129,7 @@ class ReplayFrames:
     def _path(self, name: TransformName) -> tuple[TransformName, ...]:
         if name in self._known or name.inverse in self._known:
             return (name,)
-        graph = TransformGraph()
-        for known in self._known:
-            graph.put(known, np.eye(4))
-        return graph.lookup(name.source, name.target).path
+        return tuple(link.name for link in find_ways(sorted(self._known, key=str), name.source, name.target).path)
 
     def _follow(self, path: tuple[TransformName, ...], samples: Mapping[TransformName, TransformSample]) -> tuple[Matrix, TransformStatus]:
         """The product along a chain and its status. As in Plus, a status that is not OK does not change the product."""

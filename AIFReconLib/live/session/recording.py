@@ -31,7 +31,7 @@ from ...io.disk.workspace import workspace
 from ...io.metafile.metafile import UNFINISHED
 from ...io.sequence.fields import frame_entries
 from ...io.sequence.files import read_sequence
-from ...io.sequence.writer import check_sequence_name, write_sequence
+from ...io.sequence.writer import check_sequence_name, checked, write_sequence
 from ...message import Message, said
 from ...progress import Progress
 from ...sweep.frames import FrameRecord, TrackedSequence
@@ -233,7 +233,7 @@ class Recorder:
             image, status = np.zeros(self._shape, self._dtype), TransformStatus.INVALID
             self.without_image += 1
         lines = []
-        for key, value in frame_entries([record]):
+        for key, value in checked(frame_entries([record])):
             name = key.removeprefix(_FIRST_FRAME)
             text = status.value if status is not None and name == "ImageStatus" else value
             lines.append(f"Seq_Frame{self.frames:04d}_{name} = {text}\n")

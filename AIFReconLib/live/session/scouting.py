@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...arrays import Matrix, Numbers
+from ...arrays import Floats, Matrix, Numbers
 from ...errors import NoUsableFramesError
 from ...geometry.transforms import pixel_spacing
 from ...geometry.volume import VoxelGrid
@@ -18,9 +20,32 @@ from ...resolve import Imaging
 from ...settings import ReconstructionSettings
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.poses import SweepPoses
+from ..pairing.pose_history import LARGEST_SPEED
 from ..pairing.synchronizer import LiveFrame
 
 SCOUTED = Message("seen while scouting")
+
+FARTHEST_STEP = 100.0
+"""mm from one frame to the next that are believed however soon it comes: clocks tremble, and recordings begin anew."""
+
+LONGEST_REACH = 1.0
+"""s after which a hand that was not seen is believed to be no farther away."""
+
+MOST_TRACKS = 8
+"""Places between which poses jump that are kept in mind."""
+
+
+@dataclass(eq=False)
+class _Track:
+    """Poses of which each can be reached from the one before."""
+
+    last: LiveFrame
+    middle: Floats
+    poses: list[Matrix] = field(default_factory=list)
+
+    def reaches(self, frame: LiveFrame, middle: Floats) -> bool:
+        elapsed = min(max(abs(frame.timestamp - self.last.timestamp), frame.received - self.last.received), LONGEST_REACH)
+        return math.dist(middle, self.middle) <= FARTHEST_STEP + LARGEST_SPEED * elapsed
 
 
 class ScoutedFrames:
@@ -37,7 +62,8 @@ class ScoutedFrames:
         self.usable = 0
         self._kept: list[tuple[LiveFrame, int]] = []
         self._others: dict[tuple[str, int], array[int]] = {}
-        self._poses: list[Matrix] = []
+        self._tracks: list[_Track] = []
+        self.notes: tuple[Message, ...] = ()
         self._left = byte_limit
 
     def add(self, frame: LiveFrame, round_: int) -> None:
@@ -45,7 +71,7 @@ class ScoutedFrames:
         if frame.status == "OK":
             image, image_to_reference = frame.placed()
             self.usable += 1
-            self._poses.append(image_to_reference)
+            self._follow(frame, image_to_reference, image.shape)
             self._left -= image.nbytes
         if frame.status == "OK" and self._left >= 0:
             self._kept.append((frame, round_))
@@ -53,6 +79,17 @@ class ScoutedFrames:
             # Hours may pass before there is a volume, so only their numbers are kept
             status = SCOUTED if frame.status == "OK" else frame.status
             self._others.setdefault((status, round_), array("q")).append(frame.number)
+
+    def _follow(self, frame: LiveFrame, pose: Matrix, shape: tuple[int, ...]) -> None:
+        """Add a pose to the largest of the tracks that reach it, else to one of its own."""
+        middle = (pose @ (shape[1] / 2, shape[0] / 2, 0.0, 1.0))[:3]
+        track = next((track for track in self._tracks if track.reaches(frame, middle)), None)
+        if track is None:
+            track = _Track(frame, middle)
+            self._tracks = [*self._tracks[: MOST_TRACKS - 1], track]
+        track.last, track.middle = replace(frame, image=None), middle
+        track.poses.append(pose)
+        self._tracks.sort(key=lambda track: -len(track.poses))
 
     def __iter__(self) -> Iterator[tuple[LiveFrame, int]]:
         """Every frame and its count: first those without an image, by reason, then the usable ones in order of arrival."""
@@ -85,7 +122,9 @@ class ScoutedFrames:
     def grid(
         self, imaging: Imaging, settings: ReconstructionSettings, bytes_per_voxel: int, margin: float = 0.0, fits_spacing: bool = False
     ) -> VoxelGrid:
-        """The box around every pose that was seen, `margin` mm larger on each side; the other arguments as in `grid_around_sweep`.
+        """The box around the poses that were seen, `margin` mm larger on each side; the other arguments as in `grid_around_sweep`.
+
+        A place that no hand reaches in the time between two frames does not count: one wrong pose would make it larger than any memory.
 
         Parameters
         ----------
@@ -101,7 +140,16 @@ class ScoutedFrames:
         ------
         NoUsableFramesError, GeometryError, InsufficientMemoryError
         """
-        (columns, rows), poses = self.sequence()[0].frame_size, np.stack(self._poses)
+        (columns, rows), counted = self.sequence()[0].frame_size, self._tracks[0].poses
+        if astray := self.usable - len(counted):
+            self.notes = (
+                Message(
+                    "{count} of {all} frames seen while scouting lie where no hand reaches between two frames: the box is that of others.",
+                    count=astray,
+                    all=self.usable,
+                ),
+            )
+        poses = np.stack(counted)
         scale = depth_scale(settings, imaging.region.mask(columns, rows), imaging.probe, pixel_spacing(poses[0]))
         spacing = settings.spacing_xyz()
         grid = grid_around_sweep(poses, (columns, rows), imaging.region, spacing, bytes_per_voxel, scale, fits_spacing)

@@ -294,20 +294,20 @@ class LiveSession:
         now = time.monotonic()
         latest, recorder = self.latest, self.recorder
         tracking = NO_IMAGES if latest is None or now - latest.received > SILENCE else tracking_words(latest.status, self._reference)
-        error, source = self.error, self._source.statistics
+        error, source, pairing = self.error, self._source.statistics, self._synchronizer
+        troubles = (self._trouble.recent(now, lasts=self._source.state != CONNECTED), pairing.problem, pairing.note)
         return LiveStatistics(
             phase=self._phase_shown(error),
             connection=self._source.state,
             tracking=tracking,
             dropped=source.dropped,
             dropped_images=source.dropped_images,
-            repeated=self._synchronizer.repeated,
-            other_images=self._synchronizer.other_images,
+            repeated=pairing.repeated,
+            other_images=pairing.other_images,
             recorded=recorder.frames if recorder is not None else 0,
             recording_failure=self.recording_failure,
-            trouble=said(error)
-            if error is not None
-            else self._trouble.recent(now, lasts=self._source.state != CONNECTED) or self._synchronizer.problem,
+            trouble=said(error) if error is not None else next(filter(None, troubles), None),
+            note=pairing.note,
             **self._meter.counts(now),
         )
 
@@ -396,4 +396,4 @@ class LiveSession:
         if self._imaging is None:
             sequence, poses = kept.sequence()
             self._imaging = recognized_imaging(sequence.images, poses, self._configuration, self._needs_probe, self._region, self._probe)
-        return replace(self._imaging, notes=(*self._configuration.warnings, *self._imaging.notes))
+        return replace(self._imaging, notes=(*self._configuration.warnings, *self._imaging.notes, *kept.notes))

@@ -67,6 +67,8 @@ class LiveStatistics:
     recording_failure : str or None
     trouble : str or None
         One sentence on the last thing that went wrong with the stream; None while all is well.
+    note : str or None
+        What makes the places of frames doubtful although all is well.
     """
 
     phase: str
@@ -86,6 +88,7 @@ class LiveStatistics:
     recorded: int = 0
     recording_failure: str | None = None
     trouble: str | None = None
+    note: str | None = None
 
     @property
     def frames_skipped(self) -> int:

@@ -298,6 +298,7 @@ class _Run:
             with self._lock:
                 self._counters.bad_crc += part.kind == "checksum"
                 self._counters.refused_sizes += part.kind == "size"
+                self._counters.refusals[part.kind] = Message("{problem}.", problem=part.detail)
             self._emit("refused", Message("{problem}. It is left out; looking for the next message.", problem=part.detail), part.kind)
         elif isinstance(part, Recovery):
             with self._lock:
@@ -314,6 +315,7 @@ class _Run:
             except LiveMessageError as error:
                 with self._lock:
                     self._counters.refused += 1
+                    self._counters.refusals[header.kind] = said(error)
                 self._emit("refused", said(error), "contents")
 
     def _emit(self, kind: EventKind, detail: Message, trouble: str | None = None) -> None:

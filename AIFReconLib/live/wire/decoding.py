@@ -1,7 +1,7 @@
 """Whole messages -> images, transforms and statuses.
 
-pyigtl's message classes decode IMAGE and TRANSFORM; TDATA and STATUS, which it does not know, are small enough to be decoded here. A
-message that is whole and still makes no sense is the sender's mistake, and is refused with the reason.
+pyigtl's message classes decode IMAGE and TRANSFORM; the other poses (POSITION, TDATA, QTDATA) and STATUS are small enough to be decoded
+here. A message that is whole and still makes no sense is the sender's mistake, and is refused with the reason.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+import scipy
 
 from ...arrays import Matrix
 from ...errors import LiveConnectionError, LiveMessageError
@@ -22,12 +23,10 @@ from ...message import Message
 from .framing import Frame, Header
 from .messages import ImageMessage, StatusMessage, TransformMessage
 
-USED_TYPES = frozenset(("IMAGE", "TRANSFORM", "TDATA", "STATUS"))
-
 MOST_TOOLS = 1000
 """Tools in one message of tracking data; each of them becomes a message of its own, far larger than its bytes."""
 
-_TRACKED_TOOL = struct.Struct(">20sBB12f")
+_TRACKED_TOOL, _TURNED_TOOL = struct.Struct(">20sBB12f"), struct.Struct(">20sBB7f")
 _STATUS = struct.Struct(">Hq20s")
 Decoded = ImageMessage | TransformMessage | StatusMessage
 
@@ -52,7 +51,7 @@ def codec() -> ModuleType:
 
 
 def decode(frame: Frame, received: float = 0.0) -> tuple[Decoded, ...]:
-    """The messages in a frame: one; none if its type is not used; several for TDATA, which holds a transform for each tool.
+    """The messages in a frame: one; none if its type is not used; several for TDATA and QTDATA, which hold a transform for each tool.
 
     Parameters
     ----------
@@ -132,32 +131,63 @@ def _transform(frame: Frame, received: float) -> tuple[TransformMessage]:
     return (TransformMessage(header.device, header.timestamp, matrix, status, message.metadata, received, header.version),)
 
 
-def _tracking_data(frame: Frame, received: float) -> tuple[TransformMessage, ...]:
+def _position(frame: Frame, received: float) -> tuple[TransformMessage]:
     header = frame.header
     content, metadata = _content(frame)
-    if len(content) % _TRACKED_TOOL.size:
+    if len(content) not in (24, 28):
+        raise LiveMessageError(
+            "{message} holds {count} bytes, not a position and a quaternion (28, or 24). It is left out; send TRANSFORM.",
+            message=_describe(header),
+            count=len(content),
+        )
+    numbers = struct.unpack(f">{len(content) // 4}f", content)
+    matrix = _turned(*numbers) if len(numbers) == 7 else _turned(*numbers, max(0.0, 1.0 - sum(q * q for q in numbers[3:])) ** 0.5)
+    status = _status_of(matrix, metadata.get("TransformStatus"), metadata.get("TransformValid"))
+    return (TransformMessage(header.device, header.timestamp, matrix, status, metadata, received, header.version, turned=True),)
+
+
+def _turned(x: float, y: float, z: float, *quaternion: float) -> Matrix:
+    """The (4, 4) pose of a position in mm and a quaternion, its real part last; NaN where that is none."""
+    matrix = np.eye(4)
+    matrix[:3, 3] = x, y, z
+    length = np.linalg.norm(quaternion)
+    if not 0.5 < length < 2.0:
+        return np.full((4, 4), np.nan)
+    matrix[:3, :3] = scipy.spatial.transform.Rotation.from_quat(np.array(quaternion) / length).as_matrix()
+    return matrix
+
+
+def _tracking_data(frame: Frame, received: float) -> tuple[TransformMessage, ...]:
+    header = frame.header
+    tool = _TRACKED_TOOL if header.kind == "TDATA" else _TURNED_TOOL
+    content, metadata = _content(frame)
+    if len(content) % tool.size:
         raise LiveMessageError(
             "{message} holds {count} bytes, not {expected} for each tool. It is left out.",
             message=_describe(header),
             count=len(content),
-            expected=_TRACKED_TOOL.size,
+            expected=tool.size,
         )
-    if len(content) > MOST_TOOLS * _TRACKED_TOOL.size:
+    if len(content) > MOST_TOOLS * tool.size:
         raise LiveMessageError(
             "{message} holds {count} tools, more than {limit}. It is left out.",
             message=_describe(header),
-            count=len(content) // _TRACKED_TOOL.size,
+            count=len(content) // tool.size,
             limit=MOST_TOOLS,
         )
     # The 20 bytes of a name may cut it; Plus tells the whole one by the place of the tool in the message
     full_names = {value.strip(): key.removesuffix("Index") for key, value in metadata.items() if key.endswith("Index")}
     messages = []
-    for index, (name, _, _, *numbers) in enumerate(_TRACKED_TOOL.iter_unpack(content)):
-        matrix = np.eye(4)
-        matrix[:3] = np.reshape(numbers, (4, 3)).T
+    for index, (name, _, _, *numbers) in enumerate(tool.iter_unpack(content)):
+        turned = tool is _TURNED_TOOL
+        if turned:
+            matrix = _turned(*numbers)
+        else:
+            matrix = np.eye(4)
+            matrix[:3] = np.reshape(numbers, (4, 3)).T
         device = full_names.get(str(index)) or name.partition(b"\0")[0].decode("utf-8", "replace").strip()
         status = _status_of(matrix, metadata.get(f"{device}Status"))
-        messages.append(TransformMessage(device, header.timestamp, matrix, status, metadata, received, header.version))
+        messages.append(TransformMessage(device, header.timestamp, matrix, status, metadata, received, header.version, turned))
     return tuple(messages)
 
 
@@ -191,6 +221,11 @@ def _status_of(matrix: Matrix, status: str | None, valid: str | None = None) -> 
 _DECODERS: dict[str, Callable[[Frame, float], tuple[Decoded, ...]]] = {
     "IMAGE": _image,
     "TRANSFORM": _transform,
+    "POSITION": _position,
+    "QTRANS": _position,
     "TDATA": _tracking_data,
+    "QTDATA": _tracking_data,
     "STATUS": _status,
 }
+
+USED_TYPES = frozenset(_DECODERS)

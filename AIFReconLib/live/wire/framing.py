@@ -185,6 +185,8 @@ class Framer:
             return None
         body = self._body(0, header)
         if crc64(body) != header.crc:
+            if header.crc == 0:
+                return self._lose("checksum", Message("A message ({message}) has no checksum: its sender leaves it at 0", message=whose))
             return self._lose("checksum", Message("A message ({message}) has a wrong checksum", message=whose))
         del self._buffer[: HEADER_SIZE + header.size]
         return Frame(header, body)

@@ -65,6 +65,8 @@ class TransformMessage:
     metadata : dict of str to str
     received : float, s of `time.monotonic`
     header_version : int
+    turned : bool
+        It came as a position and a quaternion, which hold no scale.
     """
 
     device: str
@@ -74,6 +76,7 @@ class TransformMessage:
     metadata: dict[str, str] = field(default_factory=dict)
     received: float = 0.0
     header_version: int = 1
+    turned: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,6 +45,8 @@ class StreamStatistics:
     received_bytes : int
     last_message_age : float or None, s
         Since the last whole message; None before the first.
+    refusals : dict of str to str
+        Why messages were left out, in a sentence: the last one by its type, the last damage as ``checksum``, ``size`` or ``header``.
     """
 
     received: dict[tuple[str, str], int] = field(default_factory=dict)
@@ -59,6 +61,7 @@ class StreamStatistics:
     reconnects: int = 0
     received_bytes: int = 0
     last_message_age: float | None = None
+    refusals: dict[str, str] = field(default_factory=dict)
 
     def count(self, kind: str, device: str | None = None) -> int:
         """Messages received of a type, of one device or of all."""
@@ -81,6 +84,7 @@ class Counters:
         self.connections = 0
         self.received_bytes = 0
         self.last_message: float | None = None
+        self.refusals: dict[str, str] = {}
 
     def count_message(self, device: str, kind: str, now: float, used: bool) -> None:
         """Count a whole message that arrived at `now`, s of `time.monotonic`."""
@@ -113,4 +117,5 @@ class Counters:
             reconnects=max(0, self.connections - 1),
             received_bytes=self.received_bytes,
             last_message_age=None if self.last_message is None else now - self.last_message,
+            refusals=dict(self.refusals),
         )

@@ -10,12 +10,13 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from files import refused, tracked_sequence
-from igtl_streams import ScriptedServer, image_bytes
+from igtl_streams import ScriptedServer, image_bytes, transform_bytes
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.reconstructor import Reconstructor
@@ -26,6 +27,7 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.session.statistics import LiveStatistics
+from AIFReconLib.live.wire.encoding import encode_message
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.terminal.status_line import StatusLine, status_text
@@ -231,10 +233,104 @@ def test_ctrl_c_saves_what_there_is(serve, live, results):
             time.sleep(0.05)
         child.send_signal(signal.SIGINT)
         out, error = child.communicate(timeout=60)
-    assert child.returncode == 130, (out, error)
-    assert "frames into" in out
+    assert child.returncode == 0, (out, error)
+    assert out.endswith("Scan ended, volume saved.\n")
     assert read_volume(results / "v.nrrd").array.any()
     assert len(read_sequence(results / "scan.mhd")) > 0
+
+
+def told_to_end(number, when):
+    """Sends the signal to this process once `when` is true."""
+
+    def wait():
+        deadline = time.monotonic() + LONG
+        while not when() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        signal.raise_signal(number)
+
+    threading.Thread(target=wait, daemon=True).start()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are sent differently there")
+def test_a_program_that_is_told_to_end_saves_the_volume_and_says_by_what(serve, live, results, capsys):
+    recording = results / "scan.recording.mhd"
+    told_to_end(signal.SIGTERM, recording.exists)
+    assert main(live(serve(loop=True), "--output", results / "v.nrrd", "--record", results / "scan.mhd")) == 143
+    assert "frames into" in capsys.readouterr().out
+    assert read_volume(results / "v.nrrd").array.any()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="interrupts are sent differently there")
+def test_ctrl_c_before_a_frame_has_come_is_one_sentence(live, results, capsys, monkeypatch):
+    monkeypatch.setattr("AIFReconLib.commands.live.pause", lambda *_, **__: signal.raise_signal(signal.SIGINT))
+    with ScriptedServer() as server:
+        threading.Thread(target=server.accept, daemon=True).start()
+        assert main(live(server, "--output", results / "v.nrrd")) == 130
+    assert capsys.readouterr().err.splitlines()[-1] == (
+        "aifrecon: Scan ended, nothing to save. No frame was received, so there is no volume."
+    )
+
+
+# ---- what came and is not used
+
+
+def last_line(server, arguments, capsys, *messages):
+    """The last line of a scan of a server that sends these messages again and again."""
+
+    def send():
+        server.accept()
+        with suppress(OSError):
+            for _ in range(200):
+                for message in messages:
+                    server.send(message)
+                time.sleep(0.01)
+
+    thread = threading.Thread(target=send, daemon=True)
+    thread.start()
+    code = main(arguments)
+    thread.join(LONG)
+    return code, capsys.readouterr().err.splitlines()[-1]
+
+
+TRANSFORM, IMAGE = transform_bytes(), image_bytes(device="Image")
+SLICES = image_bytes(np.zeros((8, 6, 5), np.uint8), device="Image")
+UNSUMMED = TRANSFORM[:50] + bytes(8) + TRANSFORM[58:]
+
+
+@pytest.mark.parametrize(
+    ("messages", "words"),
+    [
+        ([TRANSFORM, SLICES], "Every image of Image was refused: IMAGE message of 'Image' holds 5 x 6 x 8 pixels: frames must be 2D"),
+        (
+            [TRANSFORM, encode_message("VIDEO", "Image", 1.0, bytes(30))],
+            "Image comes as VIDEO, which is not read: let the server send IMAGE",
+        ),
+        (
+            [UNSUMMED],
+            "Messages arrive, but were refused: A message (TRANSFORM of ProbeToTracker) has no checksum: its sender leaves it at 0.",
+        ),
+    ],
+    ids=["slices", "video", "checksum"],
+)
+def test_images_that_came_and_are_not_used_are_named_in_the_last_line(messages, words, live, results, capsys, monkeypatch):
+    monkeypatch.setattr("AIFReconLib.commands.live.DEVICE_TIMEOUT", 0.5)
+    with ScriptedServer() as server:
+        code, line = last_line(server, live(server, "--output", results / "v.nrrd"), capsys, *messages)
+    assert (code, words in line) == (2, True), line
+
+
+def test_poses_that_came_and_are_not_used_are_named_in_the_last_line(live, results, capsys):
+    position = encode_message("POSITION", "ProbeToTracker", 1.0, bytes(12))
+    with ScriptedServer() as server:
+        code, line = last_line(server, live(server, "--output", results / "v.nrrd", "--frames", "5"), capsys, position, IMAGE)
+    assert (code, "POSITION message of 'ProbeToTracker' holds 12 bytes" in line, "Check the tracking" in line) == (2, True, False), line
+
+
+def test_a_bare_image_without_transforms_is_told_what_a_live_scan_can_do(live, results, capsys):
+    with ScriptedServer() as server:
+        _, line = last_line(server, live(server, "--output", results / "v.nrrd", "--frames", "5"), capsys, IMAGE)
+    assert "No transforms are sent." in line
+    assert "--transform-sequence" not in line
 
 
 # ---- the status line

@@ -131,7 +131,7 @@ def test_types_that_are_not_used_are_counted(server, connect, data_dir):
     inbox = connect(queue_size=10_000)
     server.send(recorded(data_dir, "C"))
     wait_for(lambda: inbox.client.statistics.count("TRANSFORM", "ImageToReference") == 80, "the last transform")
-    assert inbox.client.statistics.unused == {"RTS_TDATA": 1, "TRACKEDFRAME": 80, "USMESSAGE": 80, "POSITION": 320}
+    assert inbox.client.statistics.unused == {"RTS_TDATA": 1, "TRACKEDFRAME": 80, "USMESSAGE": 80}
 
 
 def test_the_age_of_the_last_message_is_known(server, connect):

@@ -376,6 +376,17 @@ def test_tracking_data_of_a_real_server_agree_with_its_transforms(data_dir):
     assert all(sent[key] == matrix for key, matrix in tracked.items() if key in sent)
 
 
+def test_positions_of_a_real_server_agree_with_its_transforms(data_dir):
+    turned, sent = {}, {}
+    for part in framed(recorded(data_dir, "C")):
+        if part.header.kind in ("POSITION", "TRANSFORM"):
+            found = turned if part.header.kind == "POSITION" else sent
+            found.update({(message.device, message.timestamp): message.matrix for message in decode(part)})
+    shared = [key for key in turned if key in sent and not key[0].startswith("Image")]
+    assert len(shared) > 200
+    np.testing.assert_allclose([turned[key] for key in shared], [sent[key] for key in shared], atol=2e-4)
+
+
 def test_the_statuses_of_a_real_server_are_read(data_dir):
     statuses = {
         message.device: message.status
@@ -397,6 +408,48 @@ def test_the_matrix_of_a_real_image_is_the_transform_of_the_same_time(data_dir):
                 transforms[message.timestamp] = message.matrix
     assert len(images) == 36
     assert all(np.allclose(matrix, transforms[time], atol=2e-4) for time, matrix in images.items())
+
+
+QUATERNION = (0.5, -0.5, 0.5, 0.5)
+TURNED = np.array([(0.0, -1.0, 0.0, 1.0), (0.0, 0.0, -1.0, 2.0), (1.0, 0.0, 0.0, 3.0), (0.0, 0.0, 0.0, 1.0)])
+"""What it turns, with a position of 1, 2, 3 mm."""
+
+
+@pytest.mark.parametrize("kind", ["POSITION", "QTRANS"])
+@pytest.mark.parametrize("version", [1, 2])
+@pytest.mark.parametrize("count", [6, 7])
+def test_a_position_and_a_quaternion_are_a_pose(kind, version, count):
+    content = struct.pack(f">{count}f", *((1, 2, 3, *QUATERNION)[:count]))
+    message = decoded(encoding.encode_message(kind, "ProbeToTracker", 1.5, content, version=version))
+    np.testing.assert_allclose(message.matrix, TURNED, atol=1e-7)
+    assert (message.device, message.timestamp, message.status, message.turned) == ("ProbeToTracker", 1.5, TransformStatus.OK, True)
+
+
+def test_each_tool_of_quaternion_tracking_data_is_a_pose():
+    content = b"".join(struct.pack(">20sBB7f", name, 1, 0, 1, 2, 3, *QUATERNION) for name in (b"Probe", b"ReferenceToTracker"))
+    (frame,) = framed(encoding.encode_message("QTDATA", "Tracker", 1.5, content))
+    held = decode(frame)
+    assert [message.device for message in held] == ["Probe", "ReferenceToTracker"]
+    np.testing.assert_allclose(held[1].matrix, TURNED, atol=1e-7)
+
+
+@pytest.mark.parametrize("quaternion", [(0, 0, 0, 0), (np.nan, 0, 0, 1), (np.inf, 0, 0, 1), (3, 0, 0, 0)])
+def test_a_quaternion_that_turns_nothing_is_an_invalid_pose(quaternion):
+    message = decoded(encoding.encode_message("POSITION", "ProbeToTracker", 1.5, struct.pack(">7f", 1, 2, 3, *quaternion)))
+    assert message.status is TransformStatus.INVALID
+
+
+def test_a_position_without_a_quaternion_is_refused_with_what_to_send():
+    (frame,) = framed(encoding.encode_message("POSITION", "ProbeToTracker", 1.5, bytes(12)))
+    with pytest.raises(LiveMessageError, match=r"holds 12 bytes, not a position and a quaternion .*send TRANSFORM"):
+        decode(frame)
+
+
+def test_a_checksum_that_the_sender_leaves_at_0_is_named_so():
+    message = bytearray(transform_bytes())
+    message[50:58] = bytes(8)
+    (damage,) = framed(bytes(message))
+    assert "TRANSFORM of ProbeToTracker) has no checksum: its sender leaves it at 0" in damage.detail
 
 
 # ---- encoding

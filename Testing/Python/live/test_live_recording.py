@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -103,6 +104,16 @@ def test_a_pose_that_is_not_confirmed_is_not_usable_from_the_recording_either(tm
     stream = [frame for t in (1.0, 2.0) for frame in synchronizer.feed(image(t))] + synchronizer.flush()
     record(tmp_path / "scan.mha", stream).finish()
     assert not sweep_poses(read_sequence(tmp_path / "scan.mha")).usable.size
+
+
+@pytest.mark.parametrize("name", ["two\nlines", "a = b", "a:b"])
+def test_a_field_that_the_header_cannot_hold_ends_the_recording_and_leaves_it_whole(name, tmp_path, record):
+    stream = frames(3)
+    stream[2] = replace(stream[2], record=replace(stream[2].record, fields={name: "1"}))
+    recorder = record(tmp_path / "scan.mhd", stream)
+    recorder.finish()
+    assert "must be one line" in recorder.failure
+    assert len(read_sequence(tmp_path / "scan.mhd")) == 2
 
 
 def test_a_recording_can_be_read_before_it_is_finished(tmp_path, record):

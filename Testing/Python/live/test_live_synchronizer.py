@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -155,6 +156,87 @@ def test_an_image_in_another_frame_is_led_on_to_the_reference():
     np.testing.assert_array_equal(feed(messages)[0].image_to_reference, rigid((1, 2, 3), (4, 5, 6)) @ IMAGE_TO_PROBE)
 
 
+# ---- what names and quaternions tell
+
+
+def bare(time, name="Probe", matrix=None, **options):
+    return transform(time, name, matrix, **options)
+
+
+def test_a_tool_s_name_alone_leads_to_the_tracker():
+    messages = [[image(t, "Image"), bare(t)] for t in (1.0, 2.0)]
+    frame = feed([m for group in messages for m in group], calibrated=configuration(), reference="Tracker")[1]
+    np.testing.assert_array_equal(frame.image_to_reference, transform(2.0, "").matrix @ IMAGE_TO_PROBE)
+
+
+def test_another_frame_of_the_tools_can_be_named():
+    messages = [[image(t, "Image"), bare(t)] for t in (1.0, 2.0)]
+    options = {"calibrated": configuration(), "tracker_frame": "reference"}
+    assert statuses([m for group in messages for m in group], **options) == ["OK", "OK"]
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_whole_name_goes_before_a_tool_s_name_alone(first):
+    messages = []
+    for t in (1.0, 2.0):
+        both = [bare(t, matrix=rigid((0, 0, 0), (99, 0, 0))), transform(t, "ProbeToTracker")]
+        messages += [image(t, "Image"), *(both if first else both[::-1])]
+    frame = feed(messages, calibrated=configuration(), reference="Tracker")[1]
+    np.testing.assert_array_equal(frame.image_to_reference, transform(2.0, "").matrix @ IMAGE_TO_PROBE)
+
+
+def test_a_whole_matrix_goes_before_a_quaternion():
+    messages = []
+    for t in (1.0, 2.0):
+        turned = replace(transform(t, "ProbeToTracker", rigid((0, 0, 0), (99, 0, 0))), turned=True)
+        messages += [image(t, "Image"), transform(t, "ProbeToTracker"), turned]
+    frame = feed(messages, calibrated=configuration(), reference="Tracker")[1]
+    np.testing.assert_array_equal(frame.image_to_reference, transform(2.0, "").matrix @ IMAGE_TO_PROBE)
+
+
+@pytest.mark.parametrize("name", ["ImageToReference", "ReferenceToImage"])
+def test_a_quaternion_does_not_place_an_image_for_it_holds_no_size_of_a_pixel(name):
+    synchronizer = Synchronizer()
+    messages = [[image(t, "Image"), replace(transform(t, name), turned=True)] for t in (1.0, 2.0)]
+    for group in messages:
+        for message in group:
+            synchronizer.feed(message)
+    assert {frame.status for frame in synchronizer.flush()} == {"no transform leads from Image to Reference"}
+    assert f"{name} (does not hold the size of a pixel" in synchronizer.problem
+
+
+def test_a_transform_that_is_called_as_the_image_is_no_tool():
+    messages = [[*chained(t), bare(t, "Image")] for t in (1.0, 2.0)]
+    assert statuses([m for group in messages for m in group], calibrated=configuration()) == ["OK", "OK"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Probe\nElementDataFile = LOCALToTracker",
+        "Probe = 1ToTracker",
+        "Probe\x85ToTracker",
+        "Pro:beToTracker",
+        "ProbeToTracker\r",
+        "A" * 300 + "ToTracker",
+    ],
+)
+def test_a_name_that_no_recording_can_hold_is_not_used(name):
+    messages = [[*tracked(t), transform(t, name)] for t in (1.0, 2.0)]
+    frames = feed([m for group in messages for m in group])
+    assert {str(name) for frame in frames for name in frame.record.transforms} == {
+        "ImageToReference",
+        "ProbeToTracker",
+        "ReferenceToTracker",
+    }
+
+
+def test_a_name_that_no_recording_can_hold_is_not_taken_from_metadata():
+    told = metadata(ProbeToTracker="OK", **{"Pro\nbe = ToTracker": "OK"})
+    frame = feed([image(1.0, metadata=told, version=2)])[0]
+    assert [str(name) for name in frame.record.transforms] == ["ProbeToTracker", "ImageToReference"]
+
+
 # ---- images that are placed by a chain
 
 
@@ -178,12 +260,82 @@ def test_without_calibration_the_missing_link_is_named():
     assert "--config" in synchronizer.problem
 
 
-def test_two_ways_to_the_reference_are_not_chosen_from():
-    messages = [*chained(1.0), transform(1.0, "ProbeToReference")]
+def repeated(time, moved=0.0, **options):
+    """One frame of a server that also sends what it computes of the tools."""
+    chain = rigid(translation=(0, 0, moved)) @ np.linalg.inv(REFERENCE_TO_TRACKER) @ transform(time, "").matrix
+    return [*chained(time, **options), *([transform(time, "ProbeToReference", chain)] if options.get("probe", True) else [])]
+
+
+def test_ways_to_the_reference_that_agree_are_one():
+    assert statuses([*repeated(1.0), *repeated(2.0)], calibrated=configuration()) == ["OK", "OK"]
+
+
+def test_ways_to_the_reference_that_disagree_are_not_chosen_from():
     synchronizer = Synchronizer(SynchronizerSettings(), configuration())
-    frames = [frame for message in messages for frame in synchronizer.feed(message)] + synchronizer.flush()
-    assert [frame.status for frame in frames] == ["two ways lead from Image to Reference"]
-    assert "Two paths" in synchronizer.problem
+    frames = [frame for message in repeated(1.0, moved=3.0) for frame in synchronizer.feed(message)] + synchronizer.flush()
+    assert [frame.status for frame in frames] == ["two ways lead from Image to Reference, and disagree"]
+    assert "Two paths lead from Image to Reference" in synchronizer.problem
+
+
+def test_a_chain_that_is_spelled_out_chooses_between_ways():
+    calibrated, chain = configuration(), "ImageToProbe,ProbeToReference"
+    assert statuses(repeated(1.0, moved=3.0), calibrated=calibrated, image_to_reference=chain) == ["OK"]
+
+
+def test_a_chain_that_is_spelled_out_goes_before_the_pose_that_an_image_brings():
+    messages = [image(1.0), *repeated(1.0)[1:]]
+    frame = feed(messages, calibrated=configuration(), image_to_reference="ImageToProbe,ProbeToTracker,ReferenceToTracker")[0]
+    expected = np.linalg.inv(REFERENCE_TO_TRACKER) @ transform(1.0, "").matrix @ IMAGE_TO_PROBE
+    np.testing.assert_allclose(frame.image_to_reference, expected, atol=1e-9)
+
+
+def test_a_tool_that_was_not_seen_is_named_among_ways_that_agree():
+    messages = [*repeated(1.0), *repeated(2.0, probe=False), *repeated(3.0)]
+    assert statuses(messages, calibrated=configuration()) == ["OK", "ProbeToTracker MISSING", "OK"]
+
+
+@pytest.mark.parametrize("device", ["Image_Reference", "Image"])
+def test_a_stylus_that_is_not_seen_costs_no_frame_whatever_is_sent_of_it(device):
+    messages = []
+    for t, seen in ((1.0, True), (2.0, False)):
+        stylus = [
+            transform(t, "StylusToTracker"),
+            transform(t, "StylusToReference", np.linalg.inv(REFERENCE_TO_TRACKER) @ transform(t, "").matrix),
+        ]
+        messages += [image(t, device), *repeated(t)[1:], *(stylus if seen else [])]
+    assert statuses(messages, calibrated=configuration()) == ["OK", "OK"]
+
+
+def test_tools_that_are_sent_in_two_ways_confirm_the_pose_of_an_image():
+    messages = [[image(t), *repeated(t)[1:]] for t in (1.0, 2.0)]
+    assert statuses([message for group in messages for message in group]) == ["OK", "OK"]
+
+
+@pytest.mark.parametrize(
+    "beside",
+    [["StylusToStylus"], ["StylusToTracker", "TrackerToStylus"], ["ProbeToTracker", "TrackerToProbe"]],
+    ids=lambda names: names[-1],
+)
+def test_transforms_that_say_nothing_new_cost_no_frame(beside):
+    messages = [[*chained(t), *(transform(t, name, np.linalg.inv(transform(t, "").matrix)) for name in beside[1:])] for t in (1.0, 2.0)]
+    messages = [[*group, *(transform(t, name) for name in beside[:1])] for t, group in zip((1.0, 2.0), messages, strict=True)]
+    assert statuses([message for group in messages for message in group], calibrated=configuration()) == ["OK", "OK"]
+
+
+def test_where_no_pose_takes_part_the_images_are_not_stacked_in_one_plane():
+    synchronizer = Synchronizer(SynchronizerSettings(reference="Probe"), configuration())
+    frames = [frame for time in (1.0, 2.0) for message in chained(time) for frame in synchronizer.feed(message)] + synchronizer.flush()
+    assert {frame.status for frame in frames} == {"Image is fixed to Probe"}
+    assert "all images would lie in one plane" in synchronizer.problem
+
+
+def test_a_frame_that_moves_is_advised_for_one_that_is_not_sent():
+    synchronizer = Synchronizer(SynchronizerSettings(), configuration())
+    for time in (1.0, 2.0):
+        for message in (image(time, "Image"), transform(time, "ProbeToTracker"), transform(time, "ImageToProbe", IMAGE_TO_PROBE)):
+            synchronizer.feed(message)
+    synchronizer.flush()
+    assert "--reference, one of: Tracker." in synchronizer.problem
 
 
 def test_metadata_alone_can_place_a_bare_image():
@@ -339,7 +491,7 @@ def test_the_image_device_can_be_chosen():
 
 def test_transforms_without_a_proper_name_are_counted_and_do_no_harm():
     synchronizer = Synchronizer()
-    synchronizer.feed(transform(1.0, "NeedleTip"))
+    synchronizer.feed(transform(1.0, "Needle = Tip"))
     assert synchronizer.unused_transforms == 1
 
 

@@ -112,12 +112,10 @@ def test_skipped_frames_are_sorted_by_reason():
     assert poses.skipped() == {"ProbeToTracker OUT_OF_VIEW": [0, 2], "ReferenceToTracker not recorded": [3]}
 
 
-def test_a_transform_that_one_frame_holds_the_other_way_round_is_refused():
+def test_a_transform_that_one_frame_holds_the_other_way_round_is_turned():
     inverted = record({"ProbeToTracker": None, "TrackerToProbe": np.linalg.inv(PROBE_TO_TRACKER)})
-    with pytest.raises(
-        TransformError, match=r"^sequence: Transform TrackerToProbe cannot be set: its inverse ProbeToTracker .*Remove one of the two\.$"
-    ):
-        sweep_poses(sweep(record(), inverted))
+    poses = sweep_poses(sweep(record(), inverted, record()))
+    np.testing.assert_allclose(poses.image_to_reference, np.stack([IMAGE_TO_REFERENCE] * 3), atol=1e-9)
 
 
 def test_a_recording_may_hold_the_inverse_of_what_is_needed():
@@ -158,10 +156,58 @@ def test_a_transform_in_recording_and_configuration_is_noted():
     assert sweep_poses(sweep(record(), configuration=given)).notes[0].startswith("ProbeToTracker is in the recording and in")
 
 
-def test_a_calibration_beside_a_recorded_image_pose_is_ambiguous():
-    with pytest.raises(TransformError, match="Two paths lead from Image to Reference") as caught:
-        sweep_poses(sweep(record({"ImageToReference": IMAGE_TO_REFERENCE})))
+REPEATED = {"ProbeToReference": np.linalg.inv(REFERENCE_TO_TRACKER) @ PROBE_TO_TRACKER}
+"""What servers compute of tools that they send too."""
+
+
+def test_transforms_that_repeat_what_others_say_place_the_image_as_those_do():
+    poses = sweep_poses(sweep(record(REPEATED), record(REPEATED)))
+    np.testing.assert_allclose(poses.image_to_reference, np.stack([IMAGE_TO_REFERENCE] * 2), atol=1e-9)
+
+
+def test_a_calibration_beside_a_recorded_image_pose_that_agrees_is_one_way():
+    written = np.round(IMAGE_TO_REFERENCE, 4)  # as files round
+    assert sweep_poses(sweep(record({"ImageToReference": written}))).problems == (None,)
+
+
+def test_a_tool_on_either_way_that_is_not_seen_leaves_the_frame_out():
+    hidden = {**REPEATED, "ProbeToTracker": (PROBE_TO_TRACKER, TransformStatus.OUT_OF_VIEW)}
+    assert sweep_poses(sweep(record(hidden))).problems == ("ProbeToTracker OUT_OF_VIEW",)
+
+
+STYLUS = {"StylusToTracker": np.eye(4), "StylusToReference": np.linalg.inv(REFERENCE_TO_TRACKER)}
+
+
+def test_a_tool_that_the_image_can_do_without_may_be_unseen():
+    hidden = {name: (np.full((4, 4), np.nan), TransformStatus.INVALID) for name in STYLUS}
+    assert sweep_poses(sweep(record(STYLUS), record(hidden))).problems == (None, None)
+
+
+def test_the_tool_of_the_image_is_named_before_another_one():
+    hidden = dict.fromkeys([*STYLUS, "ProbeToTracker"], (np.full((4, 4), np.nan), TransformStatus.INVALID))
+    assert sweep_poses(sweep(record(STYLUS), record(hidden))).problems[1] == "ProbeToTracker INVALID"
+
+
+@pytest.mark.parametrize("beside", [{"ProbeToProbe": np.eye(4)}, {"StylusToTracker": np.eye(4), "TrackerToStylus": 2 * np.eye(4)}])
+def test_what_is_on_no_way_to_the_reference_is_not_asked(beside):
+    assert sweep_poses(sweep(record(beside))).problems == (None,)
+
+
+SHIFTED = {"ProbeToReference": rigid((0, 0, 0), (0, 0, 3)) @ REPEATED["ProbeToReference"]}
+
+
+def test_ways_that_disagree_in_one_frame_are_named_with_it():
+    with pytest.raises(TransformError, match=r"Two paths lead from Image to Reference: .* They differ by 3 mm in frame 1") as caught:
+        sweep_poses(sweep(record(REPEATED), record(SHIFTED)))
     assert "ImageToProbe > ProbeToTracker > TrackerToReference" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("chain", "moved"), [("ImageToProbe,ProbeToReference", 3.0), ("ImageToProbe, ProbeToTracker, ReferenceToTracker", 0.0)]
+)
+def test_a_chain_that_is_spelled_out_chooses_between_ways_that_disagree(chain, moved):
+    poses = sweep_poses(sweep(record(SHIFTED)), image_to_reference=chain)
+    np.testing.assert_allclose(poses.image_to_reference[0], rigid((0, 0, 0), (0, 0, moved)) @ IMAGE_TO_REFERENCE, atol=1e-9)
 
 
 def test_a_recorded_image_pose_named_explicitly_wins_over_a_second_path():
@@ -231,8 +277,14 @@ def test_a_recording_without_a_calibration_says_how_to_give_it():
 
 
 def test_a_recording_without_a_reference_says_what_else_to_choose():
-    with pytest.raises(TransformError, match="reference, one of: Probe, Tracker"):
+    with pytest.raises(TransformError, match=r"reference, one of: Tracker\."):
         sweep_poses(sweep(record({"ReferenceToTracker": None})))
+
+
+def test_a_frame_that_the_image_is_fixed_to_is_never_advised():
+    constant = {"ProbeToTracker": None, "ReferenceToTracker": None, "ImageToProbe": IMAGE_TO_PROBE}
+    with pytest.raises(TransformError, match="No pose of a tool leads on from there"):
+        sweep_poses(sweep(record(constant), record(constant), calibration=False))
 
 
 def test_a_gap_in_the_chain_asks_for_the_missing_link():
