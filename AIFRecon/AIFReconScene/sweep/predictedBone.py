@@ -30,8 +30,8 @@ def predictionsFromNode(sequenceNode) -> TrackedSequence:
     images = SweepImages(nodes, sequenceNode.GetName(), flipColumns=flipColumns, flipRows=flipRows)
     covers = sequenceNode.GetAttribute(COVERS_ATTRIBUTE)
     fields = {COVERS_ATTRIBUTE: covers} if covers else {}
-    times = timesOf(sequenceNode) or [None] * count
-    return TrackedSequence(images, [FrameRecord(timestamp=time, fields=fields) for time in times])
+    times = timesOf(sequenceNode)
+    return TrackedSequence(images, [FrameRecord(timestamp=times[number] if times else None, fields=fields) for number in range(count)])
 
 
 def predictedBone(

@@ -111,10 +111,9 @@ class _Link:
 
     @cached_property
     def _track(self) -> PoseTrack:
-        nodes = (self.sequenceNode.GetNthDataNode(number) for number in range(len(self.times)))
         return PoseTrack(
-            (time, TransformSample(matrixToParent(node), self._statusOf(number)))
-            for number, (time, node) in enumerate(zip(self.times, nodes, strict=True))
+            (time, TransformSample(matrixToParent(self.sequenceNode.GetNthDataNode(number)), self._statusOf(number)))
+            for number, time in enumerate(self.times or ())
         )
 
     def _statusOf(self, itemNumber: int) -> TransformStatus:
