@@ -24,8 +24,8 @@ the surface is known from each block's share of bone."""
 THINNEST = 8
 """Into at most so many a slice is divided: what is thicker has no surface to be known."""
 
-SMOOTHING = 0.7
-"""Voxels. Gaussian that takes the stairs off the distance."""
+SMOOTHING, WIDER = 0.7, 2.0
+"""Voxels. Gaussian that takes the stairs off the distance, and the one that tells by how much that moves what is curved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,12 +188,12 @@ def _signed_distance(share: Singles, spacing_kji: Floats, side: float) -> Single
 def _smoothed(distance: Singles) -> Singles:
     """A distance without stairs whose curved surfaces stay where they are.
 
-    A Gaussian moves the surface of a sphere inward by its variance over the radius, and so does linear interpolation. Twice the
-    Gaussian less the Gaussian of that does not, and a little more of both makes up for the interpolation.
+    A Gaussian moves the surface of a sphere inward by its variance over the radius, and so does linear interpolation. By how much, a wider
+    one tells, whose effect is taken off to the share that their variances have.
     """
     once = scipy.ndimage.gaussian_filter(distance, SMOOTHING, mode="nearest")
-    more = np.float32(1 + 1 / (6 * SMOOTHING**2))
-    result: Singles = (1 + more) * once - more * scipy.ndimage.gaussian_filter(once, SMOOTHING, mode="nearest")
+    lost = np.float32((SMOOTHING**2 + 1 / 6) / WIDER**2)
+    result: Singles = once + lost * (once - scipy.ndimage.gaussian_filter(once, WIDER, mode="nearest"))
     return result
 
 
