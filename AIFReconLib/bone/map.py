@@ -96,7 +96,8 @@ class BoneMap(Described):
 
         Notes
         -----
-        Only the box around the labels that the Gaussian reaches is computed and kept; the rest is 0 in any case.
+        Only the box around the labels that the Gaussian reaches, or that of `surface` directions if it is wider, is computed and kept; the
+        rest is 0 in any case.
         """
         report(progress, 0.0, "Making the bone map")
         labels = as_volume(labels, ijk_to_reference, "labels")
@@ -108,7 +109,8 @@ class BoneMap(Described):
         sigma_kji = np.full(3, float(sigma_voxels)) if sigma_mm is None else float(sigma_mm) / labels.grid.spacing[::-1]
         if not (np.isfinite(sigma_kji).all() and (sigma_kji > 0).all()):
             raise GeometryError("Input sigma must be positive; got {sigma}.", sigma=sigma_voxels if sigma_mm is None else sigma_mm)
-        margin = np.ceil(GAUSSIAN_REACH * sigma_kji).astype(int) + 2
+        widest = np.maximum(sigma_kji, SURFACE_SIGMA / labels.grid.spacing[::-1])
+        margin = np.ceil(GAUSSIAN_REACH * widest).astype(int) + 2
         box = box_around(bone, margin)
         bone = bone[box]
         report(progress, 0.1, "Making the bone map")

@@ -18,11 +18,14 @@ REACH = 16.0
 """mm from bone up to which distances are known; farther is that far."""
 
 VOXEL = 1.0
-"""mm. Finer labels are averaged to about this before distances are taken: a fraction of the time, and the surface moves by less than 0.1
-mm."""
+"""mm. Finer labels are averaged to about this before distances are taken, and thicker slices are filled in: a fraction of the time, and
+the surface is known from each block's share of bone."""
 
-SMOOTHING = 0.7
-"""Voxels. Gaussian that takes the stairs off the distance."""
+THINNEST = 8
+"""Into at most so many a slice is divided: what is thicker has no surface to be known."""
+
+SMOOTHING, WIDER = 0.7, 2.0
+"""Voxels. Gaussian that takes the stairs off the distance, and the one that tells by how much that moves what is curved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,18 +63,21 @@ class BoneField:
         size = np.array([s.stop for s in found])[::-1] - first
         # Whole blocks of voxels with a margin of nothing on every side: bone at the border of a CT ends there
         spacing = labels.grid.spacing * factors
-        margin = np.ceil(REACH / spacing).astype(int)
+        margin = np.maximum(np.ceil(REACH / spacing), 2).astype(int)
         blocks = -(-size // factors) + 2 * margin
         padded = np.zeros((blocks * factors)[::-1], dtype=np.uint8)
         start = margin * factors
         padded[tuple(slice(a, a + n) for a, n in zip(start[::-1], size[::-1]))] = bone[found]
-        counts = _counted_in_blocks(padded, factors[::-1])
-        inside = 2 * counts >= factors.prod()
-        if not inside.any():
-            inside = counts > 0
-        to_labels = np.diag([*factors, 1.0])
-        to_labels[:3, 3] = first - start + (factors - 1) / 2
-        return cls(Volume(_signed_distance(inside, spacing[::-1]), labels.ijk_to_reference @ to_labels), labels)
+        share = (_counted_in_blocks(padded, factors[::-1]) / factors.prod()).astype(np.float32)
+        more = np.clip(np.floor(spacing / max(VOXEL, spacing.min()) + 0.5), 1, THINNEST).astype(int)
+        for axis in range(3):
+            if more[axis] > 1:
+                share = _between_slices(share, spacing[::-1], 2 - axis, more[axis])
+                spacing[axis] /= more[axis]
+        to_labels = np.diag([*(factors / more), 1.0])
+        to_labels[:3, 3] = first - start + (factors / more - 1) / 2
+        distance = _smoothed(_signed_distance(share, spacing[::-1], _side(spacing)))
+        return cls(Volume(distance, labels.ijk_to_reference @ to_labels), labels)
 
     @property
     def middle(self) -> Floats:
@@ -135,20 +141,62 @@ def _counted_in_blocks(mask: Bytes, factors: Integers) -> Integers:
     return counts
 
 
-def _signed_distance(inside: Mask, spacing_kji: Floats) -> Floats:
-    """Signed distance to the surface, which lies half a voxel from the centers of the voxels on either side of it; smoothed, float32."""
-    half = np.float32(0.5 * np.prod(spacing_kji) ** (1 / 3))
+def _between_slices(share: Singles, spacing_kji: Floats, axis: int, more: int) -> Singles:
+    """Shares of bone in `more` thin slices for each thick one: a cubic through the distances that each slice has to its own outline."""
+    others = np.delete(spacing_kji, axis)
+    thick = spacing_kji[axis]
+    alone = np.where(np.arange(3) == axis, 1e3 * REACH, spacing_kji)  # so far apart that no slice looks into the next
+    # Farther than this from an outline, the next slice may hold anything
+    outlines = np.clip(_signed_distance(share, alone, np.sqrt(others.prod())), -1.5 * thick, 1.5 * thick)
+    count = share.shape[axis]
+    thin = np.clip((np.arange(count * more) + 0.5) / more - 0.5, 0, count - 1)
+    weights = scipy.interpolate.make_interp_spline(np.arange(count), np.eye(count))(thin).astype(np.float32)
+    distance = np.moveaxis(np.tensordot(weights, outlines, (1, axis)), 0, axis)
+    spacing = np.where(np.arange(3) == axis, thick / more, spacing_kji)
+    slope = np.sqrt(sum(along**2 for along in np.gradient(distance, *spacing)))
+    result: Singles = np.clip(0.5 - distance / (np.maximum(slope, 0.5) * _side(spacing)), 0.0, 1.0).astype(np.float32)
+    return result
+
+
+def _signed_distance(share: Singles, spacing_kji: Floats, side: float) -> Singles:
+    """Signed distance of blocks to the surface, float32, at most `REACH`.
+
+    The surface crosses the nearest block of at least half bone (from outside; at most half from inside), at the depth that leaves the
+    block's share of bone behind it, so that bone and what is not are treated alike.
+    """
+    if share.max() < 0.5:
+        # Bone that fills no block by half is shown all the same
+        share = share / (2 * share.max())
+    found = (0.5 - share) * np.float32(side)
     # No need to look for depth in bone outside of its box
-    box = box_around(inside, 1)
-    asked = ~inside, inside[box]
-    found: list[Singles] = [np.empty(0, np.float32)] * len(asked)
+    asked = (slice(None),) * 3, box_around(share >= 0.5, 1)
 
     def measure(which: int) -> None:
-        found[which] = np.asarray(scipy.ndimage.distance_transform_edt(asked[which], sampling=spacing_kji)).astype(np.float32)
+        part = share[asked[which]]
+        whole = part <= 0 if which == 0 else part >= 1
+        away, nearest = scipy.ndimage.distance_transform_edt(
+            part < 0.5 if which == 0 else part > 0.5, sampling=spacing_kji, return_indices=True
+        )
+        k, j, i = (index[whole] for index in nearest)
+        crossed = (0.5 - part[k, j, i]) * np.float32(side)
+        found[asked[which]][whole] = (away[whole] if which == 0 else -away[whole]) + crossed
 
     in_parts(measure, len(asked), usable_cores())
-    distance, depth = found
-    distance -= half
-    distance[box] = np.where(inside[box], half - depth, distance[box])
-    np.clip(distance, -REACH, REACH, out=distance)
-    return scipy.ndimage.gaussian_filter(distance, SMOOTHING, mode="nearest")
+    return np.clip(found, -REACH, REACH, out=found)
+
+
+def _smoothed(distance: Singles) -> Singles:
+    """A distance without stairs whose curved surfaces stay where they are.
+
+    A Gaussian moves the surface of a sphere inward by its variance over the radius, and so does linear interpolation. By how much, a wider
+    one tells, whose effect is taken off to the share that their variances have.
+    """
+    once = scipy.ndimage.gaussian_filter(distance, SMOOTHING, mode="nearest")
+    lost = np.float32((SMOOTHING**2 + 1 / 6) / WIDER**2)
+    result: Singles = once + lost * (once - scipy.ndimage.gaussian_filter(once, WIDER, mode="nearest"))
+    return result
+
+
+def _side(spacing_kji: Floats) -> float:
+    """Of the cube that is as large as a block, mm."""
+    return float(np.prod(spacing_kji) ** (1 / 3))

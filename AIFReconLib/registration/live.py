@@ -41,12 +41,12 @@ class LiveAgreement:
         self._reader: EchoReader | None = None
         self._size: tuple[int, int] | None = None
         self._recent: deque[tuple[float, SweepEchoes, EchoFit, Integers]] = deque()
-        self._has_agreed = False
+        self._has_agreed = self._has_fallen = False
 
     def place(self, labels_to_reference: Floats) -> None:
         """Put the CT elsewhere; the echoes of the last seconds are judged anew."""
         self._place = np.asarray(labels_to_reference, dtype=np.float64)
-        self._has_agreed = False
+        self._has_agreed = self._has_fallen = False
         self._recent = deque((time, echoes, *self._judged(echoes)) for time, echoes, *_ in self._recent)
 
     def add(self, frame: TrackedFrame) -> SweepEchoes:
@@ -77,12 +77,15 @@ class LiveAgreement:
         return agreement
 
     def has_fallen(self) -> bool:
-        """Whether CT and patient agreed once and do so no longer: the patient moved, or the tracker or its marker was bumped."""
+        """Whether CT and patient agreed once and do so no longer: the patient moved, or the tracker or its marker was bumped.
+
+        While too little bone is seen, it is as it was.
+        """
         agreement = self.agreement()
-        if agreement is None or not self._has_agreed:
-            return False
-        # A label alone may be at the rim of what the last seconds show: that says nothing yet
-        return agreement.share < ENOUGH or not agreement.median_distance <= LARGEST_MEDIAN
+        if agreement is not None and self._has_agreed:
+            # A label alone may be at the rim of what the last seconds show: that says nothing yet
+            self._has_fallen = agreement.share < ENOUGH or not agreement.median_distance <= LARGEST_MEDIAN
+        return self._has_fallen
 
     def _judged(self, echoes: SweepEchoes) -> tuple[EchoFit, Integers]:
         fit = fit_echoes(echoes, self._bone, self._place)

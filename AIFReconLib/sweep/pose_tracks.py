@@ -18,6 +18,9 @@ LONGEST_GAP = 0.5
 SAME_TIME = 1e-6
 """s. A pose this near in time is taken as it is."""
 
+SLICERS_TIME = 1.1e-3
+"""s. The same, where Slicer has rounded times to 1 ms, of images and transforms alike."""
+
 
 class PoseTrack:
     """The usable poses of one transform, in order of time.

@@ -96,7 +96,7 @@ class AIFReconLiveRegistrationTest(unittest.TestCase):
         self.play()
         self.assertTrue(self.ui.livePlaceButton.enabled)
         self.ui.livePlaceButton.click()
-        self.assertLess(self.off(motion @ self.true), 1.5)
+        self.assertLess(self.off(motion @ self.true), 1.5, self.ui.registrationLabel.text)
         self.assertTrue(waitFor(lambda: "no longer fits" not in self.ui.liveStateLabel.text))
         self.ui.undoPlaceButton.click()
         self.assertTrue(waitFor(lambda: not self.ui.undoPlaceButton.enabled))

@@ -136,6 +136,23 @@ class AIFReconLiveTest(unittest.TestCase):
         self.assertTrue(waitFor(lambda: self.ui.liveStateLabel.text == "Probe seen"))
         self.assertIn("26px", self.ui.liveStateLabel.styleSheet)
 
+    def test_a_server_that_stays_connected_and_sends_nothing_more_is_told_with_the_time(self):
+        self.serve(rate=60.0)
+        self.chooseBox()
+        self.ui.liveStartButton.click()
+        self.assertTrue(waitFor(lambda: re.fullmatch(r"No images, no positions since \d\d:\d\d:\d\d", self.ui.liveStateLabel.text)))
+        self.assertEqual(self.live._live.statistics.connection, "connected")
+        self.assertEqual(self.ui.guidanceMoveLabel.text, "Connected, but nothing comes: check Plus and the scanner")
+
+    def test_a_server_that_is_gone_is_told_with_the_time(self):
+        self.serve(rate=20.0, loop=True)
+        self.chooseBox()
+        self.ui.liveStartButton.click()
+        self.assertTrue(waitFor(lambda: self.live._live.statistics.frames_received > 3))
+        self.server.stop()
+        self.assertTrue(waitFor(lambda: self.ui.guidanceMoveLabel.text == "The connection is lost: check Plus and the network"))
+        self.assertRegex(self.ui.liveStateLabel.text, r"No images, no positions since \d\d:\d\d:\d\d")
+
     def test_without_a_box_the_sweep_finds_it(self):
         self.serve(rate=30.0, loop=True)
         self.ui.liveStartButton.click()

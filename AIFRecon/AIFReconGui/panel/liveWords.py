@@ -1,5 +1,6 @@
 """What the tab Live says of a scan: in large letters whether the probe is seen and what to do next, and in small ones what is counted."""
 
+import time
 from dataclasses import dataclass
 
 from AIFReconScene.panelWords import inPanelWords
@@ -36,7 +37,7 @@ class LiveWords:
         failed, apart = statistics.phase == "failed", False
         scouting = live.session.grid is None or statistics.phase == "scouting"
         isSeen = statistics.tracking == "tracked"
-        tracking = _("Probe seen") if isSeen else inPanelWords(statistics.tracking)
+        tracking = _("Probe seen") if isSeen else _stopped(statistics) or inPanelWords(statistics.tracking)
         tracked = isSeen and not failed
         if failed:
             state = _("Error: the picture no longer grows")
@@ -84,11 +85,38 @@ def _nextMove(statistics, tracked: bool, scouting: bool, apart: bool, advised: s
     if statistics.phase == "paused":
         return _("Press Pause again to go on")
     if not tracked:
-        waits = not statistics.frames_received
-        return _("Check Plus, and the connection below") if waits else _("Bring what is not seen into the tracker's view")
+        return _whatToCheck(statistics)
     if scouting and not advised:
         return _("Scan the area once, then press “Use the scanned area”")
     return advised or _("Keep scanning")
+
+
+def _stopped(statistics) -> str:
+    """Which of images and positions come no more, and since when; empty while images come."""
+    if statistics.images_stopped is None:
+        return ""
+    said = _("No images since {time}") if statistics.poses_stopped is None else _("No images, no positions since {time}")
+    return said.format(time=_clock(statistics.images_stopped))
+
+
+def _whatToCheck(statistics) -> str:
+    from AIFReconLib.live.wire.sources import CONNECTED
+
+    if not statistics.frames_received and statistics.images_stopped is None:
+        return _("Check Plus, and the connection below")
+    if statistics.connection != CONNECTED:
+        return _("The connection is lost: check Plus and the network")
+    if statistics.images_stopped is not None:
+        return _("Connected, but nothing comes: check Plus and the scanner")
+    if statistics.poses_stopped is not None:
+        said = _("No positions since {time}: check the tracker, and bring into its view what is not seen")
+        return said.format(time=_clock(statistics.poses_stopped))
+    return _("Bring what is not seen into the tracker's view")
+
+
+def _clock(ago: float) -> str:
+    """The time of day so many s ago."""
+    return time.strftime("%H:%M:%S", time.localtime(time.time() - ago))
 
 
 def _rate(statistics) -> str:

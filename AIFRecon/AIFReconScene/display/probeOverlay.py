@@ -61,7 +61,7 @@ class ProbeOverlay:
             In pixels of the image in MF orientation.
         """
         items = BrowserItems(browser, imageSequence)
-        image = items.itemAt(items.images, max(browser.GetSelectedItemNumber(), 0)) or items.images.GetNthDataNode(0)
+        image = items.shownImage()
         columns, rows, _ = image.GetImageData().GetDimensions()
         toStored = np.eye(4)
         for axis, (flip, last) in enumerate(zip(orientationFlips(items.images), (columns - 1, rows - 1))):

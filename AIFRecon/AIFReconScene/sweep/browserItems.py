@@ -1,12 +1,14 @@
-"""The items of a sequence browser, found as the browser itself finds them when it replays."""
+"""The items of a sequence browser: its images, each once, and what its other sequences hold at their times."""
 
+from bisect import bisect_left
 from pathlib import Path
 
 import numpy as np
-import slicer
 import vtk
 
 from AIFReconLib.errors import AIFReconError, SequenceFormatError
+from AIFReconLib.io.sequence.slicer import index_seconds
+from AIFReconLib.sweep.pose_tracks import SLICERS_TIME
 
 from ..sceneNodes import nodesOfClass
 from .sequenceNodes import PROBLEM_ATTRIBUTE, SOURCE_ATTRIBUTE
@@ -14,7 +16,7 @@ from .sweepRecord import readRecord
 
 
 class BrowserItems:
-    """A browser's sequences, item by item of its master sequence.
+    """A browser's sequences, image by image: what is replayed twice, because another sequence leads, is one frame.
 
     Parameters
     ----------
@@ -45,31 +47,28 @@ class BrowserItems:
             )
         self.record = readRecord(browser)
         self._frames = self.record.get("frames", {})
-        self._index = [self.master.GetNthIndexValue(number) for number in range(self.master.GetNumberOfDataNodes())]
+        self.times = timesOf(self.images)
 
     def __len__(self) -> int:
-        return len(self._index)
+        return self.images.GetNumberOfDataNodes()
 
-    def indexValue(self, number: int) -> str:
-        """What numbers item `number` of the master sequence: a time in s, a frame number or a text."""
-        return self._index[number]
+    def recorded(self, number: int, sequenceNode=None) -> dict:
+        """What the browser's record says of item `number` (of the images); empty for a browser of another maker, or an item added later."""
+        return self._frames.get((sequenceNode or self.images).GetNthIndexValue(number), {})
 
-    def recorded(self, number: int) -> dict:
-        """What the browser's record says of item `number`; empty for a browser of another maker, or an item added later."""
-        return self._frames.get(self._index[number], {})
+    def numberAt(self, sequenceNode, times: "list[float] | None", number: int) -> int | None:
+        """Which item of a sequence, with its `timesOf`, is of the very time of image `number`, or of its text where either has no times."""
+        if times is None or self.times is None:
+            found = sequenceNode.GetItemNumberFromIndexValue(self.images.GetNthIndexValue(number), True)
+            return found if found >= 0 else None
+        found = bisect_left(times, self.times[number])
+        near = [at for at in (found - 1, found) if 0 <= at < len(times) and abs(times[at] - self.times[number]) <= SLICERS_TIME]
+        return min(near, key=lambda at: abs(times[at] - self.times[number]), default=None)
 
-    def itemAt(self, sequenceNode, number: int):
-        """The data node of a sequence that the browser shows with item `number` of the master; None where it shows none.
-
-        Notes
-        -----
-        A sequence without an item at that value continues with its previous one only in the mode "create from previous". In the
-        other modes the browser shows a default or keeps what was there before, which is no measurement.
-        """
-        if sequenceNode is self.master:
-            return sequenceNode.GetNthDataNode(number)
-        previous = self.browser.GetMissingItemMode(sequenceNode) == slicer.vtkMRMLSequenceBrowserNode.MissingItemCreateFromPrevious
-        return sequenceNode.GetDataNodeAtValue(self._index[number], not previous)
+    def shownImage(self):
+        """The image of the item that the browser replays just now."""
+        value = self.master.GetNthIndexValue(max(self.browser.GetSelectedItemNumber(), 0))
+        return self.images.GetDataNodeAtValue(value, False) or self.images.GetNthDataNode(0)
 
     def proxyOf(self, sequenceNode):
         """The node of the scene that the browser replays a sequence into, or None."""
@@ -103,8 +102,8 @@ class BrowserItems:
         return self.recorded(number).get("pose") if self._isOfRecord(sequenceNode) else None
 
     def recordedStatus(self, sequenceNode, number: int) -> str | None:
-        """The status that the record has for a transform, by its name; None where it was OK or nothing is known."""
-        return self.recorded(number).get("statuses", {}).get(self.nameOf(sequenceNode))
+        """The status that the record has for item `number` of a transform's sequence; None where it was OK or nothing is known."""
+        return self.recorded(number, sequenceNode).get("statuses", {}).get(self.nameOf(sequenceNode))
 
     def recordedProblem(self, sequenceNode, item, number: int) -> str | None:
         """Why a pose cannot be used, in the words of the library when the sweep was loaded."""
@@ -129,6 +128,19 @@ class BrowserItems:
     @staticmethod
     def _names(nodes: list) -> str:
         return ", ".join(node.GetName() or "" for node in nodes)
+
+
+def timesOf(sequenceNode) -> list[float] | None:
+    """Times of a sequence's items in s; None where they are not numbered by time, or not in its order."""
+    unit, label = ((text or "").lower() for text in (sequenceNode.GetIndexUnit(), sequenceNode.GetIndexName()))
+    seconds = index_seconds(unit, label)
+    if seconds is None:
+        return None
+    try:
+        times = [seconds * float(sequenceNode.GetNthIndexValue(number)) for number in range(sequenceNode.GetNumberOfDataNodes())]
+    except ValueError:
+        return None
+    return times if np.isfinite(times).all() and (np.diff(times) > 0).all() else None
 
 
 def _synchronized(browser) -> list:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 from ..background import inBackground
+from .browserItems import timesOf
 from .sequenceNodes import COVERS_ATTRIBUTE
 from .sequenceReader import orientationFlips
 from .sweepImages import SweepImages
@@ -29,7 +30,8 @@ def predictionsFromNode(sequenceNode) -> TrackedSequence:
     images = SweepImages(nodes, sequenceNode.GetName(), flipColumns=flipColumns, flipRows=flipRows)
     covers = sequenceNode.GetAttribute(COVERS_ATTRIBUTE)
     fields = {COVERS_ATTRIBUTE: covers} if covers else {}
-    return TrackedSequence(images, [FrameRecord(timestamp=_time(sequenceNode, number), fields=fields) for number in range(count)])
+    times = timesOf(sequenceNode)
+    return TrackedSequence(images, [FrameRecord(timestamp=times[number] if times else None, fields=fields) for number in range(count)])
 
 
 def predictedBone(
@@ -74,10 +76,3 @@ def _inMemory(sequence: TrackedSequence) -> TrackedSequence:
     import numpy as np
 
     return TrackedSequence(np.stack([sequence.images[number] for number in range(len(sequence))]), sequence.records)
-
-
-def _time(sequenceNode, number: int) -> "float | None":
-    try:
-        return float(sequenceNode.GetNthIndexValue(number)) if sequenceNode.GetIndexUnit() == "s" else None
-    except ValueError:
-        return None

@@ -49,7 +49,7 @@ class SweepSummary:
 
 
 def sequenceFromBrowser(browser, imageSequence=None, reference: str | None = None) -> TrackedSequence:
-    """The sweep that a sequence browser replays.
+    """The sweep that a sequence browser holds, a frame for each item of its images.
 
     Parameters
     ----------
@@ -72,13 +72,13 @@ def sequenceFromBrowser(browser, imageSequence=None, reference: str | None = Non
 
     Notes
     -----
-    A frame lies where the image's parent transforms put it, each as the browser replays it with that frame, static ones (such as
+    A frame lies where the image's parent transforms put it, each at the time of the image (see `framePoses`), static ones (such as
     ReferenceToRAS) as they are now. Images without a parent are placed by the names of the browser's transforms (ImageToReference, or
     ImageToProbe and ProbeToReference, ...), else by their own matrices where these differ between frames. Images that somebody else
     loaded in another orientation (``Sequences.UltrasoundImageOrientation``) are brought to MF, which the poses are for.
     """
     items = BrowserItems(browser, imageSequence)
-    nodes = [items.itemAt(items.images, number) for number in range(len(items))]
+    nodes = [items.images.GetNthDataNode(number) for number in range(len(items))]
     flipColumns, flipRows = orientationFlips(items.images)
     images = SweepImages(nodes, items.path.name, flipColumns=flipColumns, flipRows=flipRows)
     poses = framePoses(items, reference)
@@ -115,7 +115,7 @@ def sweepSummary(browser, imageSequence=None, reference: str | None = None) -> S
         return SweepSummary(frames, 0, {}, error.args[0])
     skipped: dict[str, list[int]] = {}
     for number, pose in enumerate(poses):
-        status = _imageStatus(items, number, items.itemAt(items.images, number))
+        status = _imageStatus(items, number, items.images.GetNthDataNode(number))
         problem = pose.problem if status is TransformStatus.OK else Message("no image ({status})", status=status.value)
         if problem is not None:
             skipped.setdefault(problem, []).append(number)
@@ -137,20 +137,12 @@ def _frameRecord(items: BrowserItems, number: int, node, pose: FramePose) -> Fra
     if pose.problem:
         fields[PROBLEM_ATTRIBUTE] = pose.problem
     return FrameRecord(
-        timestamp=recorded["time"] if "time" in recorded else _time(items, number),
+        timestamp=recorded["time"] if "time" in recorded else items.times and items.times[number],
         unfiltered_timestamp=recorded.get("unfiltered"),
         image_status=_imageStatus(items, number, node),
         transforms={IMAGE_TO_WORLD: TransformSample(matrix, pose.status)},
         fields=fields,
     )
-
-
-def _time(items: BrowserItems, number: int) -> float | None:
-    """s; None where items are not numbered by time."""
-    try:
-        return float(items.indexValue(number)) if items.master.GetIndexUnit() == "s" else None
-    except ValueError:
-        return None
 
 
 def _imageStatus(items: BrowserItems, number: int, node) -> TransformStatus:

@@ -1,10 +1,11 @@
 """Where every frame of a sequence browser lies in RAS world, and why a frame cannot be used. No pixel is read.
 
-What Slicer shows is what is reconstructed: an image lies where its own matrix and the transforms above it put it, each at the value that
-the browser would replay for that frame.
+An image lies where its own matrix and the transforms above it put it, each as it was at the time of the image, by the rule that sequences
+in files follow too. (The browser replays the pose before it instead, however old.)
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -13,11 +14,12 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample,
 from AIFReconLib.geometry.transforms import why_not_an_image_pose
 from AIFReconLib.message import Message
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.pose_tracks import LONGEST_GAP, SLICERS_TIME, PoseTrack
 from AIFReconLib.sweep.poses import sweep_poses
 
 from ..sceneNodes import nodesOfClass
 from ..transforms import ijkToRAS, matrixToParent, parentTransforms
-from .browserItems import BrowserItems
+from .browserItems import BrowserItems, timesOf
 from .sequenceNodes import STATUS_ATTRIBUTE, statusOf
 
 ROUNDED, TINY = 1e-5, 1e-9
@@ -63,12 +65,13 @@ def framePoses(items: BrowserItems, reference: str | None = None) -> list[FrameP
 
 
 class _Link:
-    """One transform above the images: the same for all frames, or an item of a sequence for each of them."""
+    """One transform above the images: the same for all frames, or what a sequence says of the time of each of them."""
 
     def __init__(self, items: BrowserItems, node, sequenceNode):
         self.items, self.sequenceNode = items, sequenceNode
         self.name = items.nameOf(sequenceNode) if sequenceNode is not None else node.GetName()
         self.fixed = matrixToParent(node) if sequenceNode is None else None
+        self.times = timesOf(sequenceNode) if sequenceNode is not None else None
 
     @classmethod
     def above(cls, items: BrowserItems, node) -> "_Link":
@@ -89,10 +92,15 @@ class _Link:
         """Matrix to its parent, or what is wrong with it in this frame."""
         if self.fixed is not None:
             return self.fixed, None, TransformStatus.OK
-        item = self.items.itemAt(self.sequenceNode, number)
-        if item is None:
-            return None, f"{self.name} {TransformStatus.MISSING.value}", TransformStatus.MISSING
-        status = transformStatus(item, self.items.recordedStatus(self.sequenceNode, number))
+        itemNumber = self.items.numberAt(self.sequenceNode, self.times, number)
+        if itemNumber is None:
+            timed = self.times is not None and self.items.times is not None
+            matrix = self._track.at(self.items.times[number], LONGEST_GAP, SLICERS_TIME)[0] if timed else None
+            if matrix is None:
+                return None, f"{self.name} {TransformStatus.MISSING.value}", TransformStatus.MISSING
+            return matrix, None, TransformStatus.OK
+        item = self.sequenceNode.GetNthDataNode(itemNumber)
+        status = self._statusOf(itemNumber)
         if status is not TransformStatus.OK:
             return None, self.items.recordedProblem(self.sequenceNode, item, number) or f"{self.name} {status.value}", status
         matrix = matrixToParent(item)
@@ -100,6 +108,16 @@ class _Link:
         if exact is not None and (np.abs(matrix - exact) <= ROUNDED * np.abs(exact) + TINY).all():
             matrix = exact
         return matrix, None, status
+
+    @cached_property
+    def _track(self) -> PoseTrack:
+        return PoseTrack(
+            (time, TransformSample(matrixToParent(self.sequenceNode.GetNthDataNode(number)), self._statusOf(number)))
+            for number, time in enumerate(self.times or ())
+        )
+
+    def _statusOf(self, itemNumber: int) -> TransformStatus:
+        return transformStatus(self.sequenceNode.GetNthDataNode(itemNumber), self.items.recordedStatus(self.sequenceNode, itemNumber))
 
 
 def transformStatus(node, recorded: str | None = None) -> TransformStatus:
@@ -121,7 +139,7 @@ def transformStatus(node, recorded: str | None = None) -> TransformStatus:
 
 
 def _followed(items: BrowserItems, links: list[_Link], number: int) -> FramePose:
-    image = items.itemAt(items.images, number)
+    image = items.images.GetNthDataNode(number)
     matrix = ijkToRAS(image) if image is not None else np.eye(4)
     for link in links:
         toParent, problem, status = link.at(number)
@@ -148,12 +166,12 @@ def _statedByImage(image, names: tuple[str, ...]) -> tuple[str | None, Transform
 
 def _embedded(items: BrowserItems) -> bool:
     """Whether the images' own matrices place them: they move from frame to frame."""
-    matrices = [ijkToRAS(image) for image in (items.itemAt(items.images, number) for number in range(len(items))) if image is not None]
+    matrices = [ijkToRAS(image) for image in (items.images.GetNthDataNode(number) for number in range(len(items))) if image is not None]
     return len(matrices) > 1 and any(not np.array_equal(matrix, matrices[0]) for matrix in matrices[1:])
 
 
 def _embeddedPose(items: BrowserItems, number: int) -> FramePose:
-    image = items.itemAt(items.images, number)
+    image = items.images.GetNthDataNode(number)
     if image is None:
         return FramePose(None, Message("no image ({status})", status=TransformStatus.MISSING.value), TransformStatus.MISSING)
     prefix, suffix = "OpenIGTLink.", "TransformStatus"

@@ -60,9 +60,7 @@ def sweepKey(browser, imageSequence=None) -> tuple:
     found = vtk.vtkCollection()
     browser.GetSynchronizedSequenceNodes(found, True)
     sequences = [found.GetItemAsObject(index) for index in range(found.GetNumberOfItems())]
-    held = tuple(
-        (node.GetID(), node.GetNumberOfDataNodes(), browser.GetPlayback(node), browser.GetMissingItemMode(node)) for node in sequences
-    )
+    held = tuple((node.GetID(), node.GetNumberOfDataNodes(), browser.GetPlayback(node)) for node in sequences)
     proxies = [proxy for proxy in (browser.GetProxyNode(node) for node in sequences) if proxy is not None]
     above = {parent.GetID(): parent for proxy in proxies for parent in parentTransforms(proxy)}
     image = browser.GetProxyNode(imageSequence or browser.GetMasterSequenceNode()) if sequences else None

@@ -150,6 +150,11 @@ def is_interleaved(metafile: Metafile) -> bool:
     return is_slicer_sequence(metafile) and in_time[:1] == [True] and not any(in_time[1:])
 
 
+def index_seconds(unit: str, label: str) -> float | None:
+    """How many seconds 1 is in an index of this unit and name, in lower case; None where it is no time."""
+    return _SECONDS.get(unit, 1.0 if not unit and label == "time" else None)
+
+
 def _times(metafile: Metafile, key: str, text: str, frames: int) -> tuple[list[float] | None, tuple[str, ...]]:
     """Times in s of all frames, where the axis is one of time."""
     words = [unquote(word) for word in text.split()]
@@ -161,14 +166,14 @@ def _times(metafile: Metafile, key: str, text: str, frames: int) -> tuple[list[f
             count=len(words),
         )
     axis = int(key.split()[1])
-    unit = _axis_word(metafile, "units", axis).lower()
-    label = _axis_word(metafile, "labels", axis).lower()
-    if unit not in _SECONDS and not (not unit and label == "time"):
+    unit, label = (_axis_word(metafile, entry, axis).lower() for entry in ("units", "labels"))
+    seconds = index_seconds(unit, label)
+    if seconds is None:
         named = unit or label or Message("no unit")
         note = Message("Slicer's index of the frames is not a time ({unit}); frames are taken in the order of the file.", unit=named)
         return None, (note,)
     try:
-        times = [_SECONDS.get(unit, 1.0) * parse_number(word) for word in words]
+        times = [seconds * parse_number(word) for word in words]
     except NotANumberError as error:
         raise metafile.failure("{key} must be times; {problem}. Save the sequence from Slicer again.", key=key, problem=error) from error
     if not all(map(math.isfinite, times)):

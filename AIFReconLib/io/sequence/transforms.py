@@ -18,7 +18,7 @@ from ...errors import SequenceFormatError, SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ...message import Message, shorten
 from ...sweep.frames import FrameRecord
-from ...sweep.pose_tracks import LONGEST_GAP, PoseTrack
+from ...sweep.pose_tracks import LONGEST_GAP, SLICERS_TIME, PoseTrack
 from ..disk.regular_files import require_regular_file
 from ..metafile.header import HeaderLines
 from ..metafile.metaimage import read_entries
@@ -27,9 +27,6 @@ from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES
 from ..metafile.text_values import NotANumberError, parse_number, parse_numbers
 from .fields import FRAME_KEY
 from .file_images import MAXIMUM_FRAMES
-
-ROUNDED = 1.1e-3
-"""s. Slicer rounds times to 1 ms, of images and transforms alike."""
 
 _MATRIX_SUFFIX, _STATUS_SUFFIX = "Transform", "TransformStatus"
 
@@ -120,7 +117,7 @@ def _pair(
     timed = [(time, sample) for time, sample in samples if time is not None]
     if len(image_times) == len(records) and len(timed) == len(samples):
         track = PoseTrack(timed)
-        found = [track.at(time, longest_gap, ROUNDED)[0] for time in image_times]
+        found = [track.at(time, longest_gap, SLICERS_TIME)[0] for time in image_times]
         paired = [TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING) if m is None else TransformSample(m) for m in found]
         if not sum(m is not None for m in found):
             span = Message("{first:.3f} to {last:.3f} s", first=track.times[0], last=track.times[-1]) if len(track) else Message("none")

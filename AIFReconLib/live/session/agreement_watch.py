@@ -91,12 +91,13 @@ class AgreementWatch(Watch):
             self._wanted = labels_to_reference
 
     def echoes(self) -> SweepEchoes:
-        """Bone echoes to place the CT by: of the whole scan so far, or of its last seconds after CT and patient have come apart."""
+        """Bone echoes to place the CT by: of the whole scan, or since CT and patient have come apart, but at least of the last seconds."""
         with self._lock:
-            return self._recent if self._state.has_fallen else SweepEchoes.joined(self._seen)
+            seen = SweepEchoes.joined(self._seen)
+            return self._recent if self._state.has_fallen and len(seen) < len(self._recent) else seen
 
     def _tell_problem(self, problem: Message) -> None:
-        self._state = LiveState(problem=problem)
+        self._state = LiveState(None, self._state.has_fallen, problem)
 
     def _look(self, frame: LiveFrame | None) -> None:
         with self._lock:
@@ -126,8 +127,8 @@ class AgreementWatch(Watch):
             return
         agreement, fallen, recent = live.agreement(), live.has_fallen(), live.echoes()
         with self._lock:
-            if fallen:
+            if fallen and not self._state.has_fallen:
                 # What was seen before is of a patient who lay elsewhere
-                self._seen = [recent]
+                self._seen = []
             self._recent = recent
             self._state = LiveState(agreement, fallen)

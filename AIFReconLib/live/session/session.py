@@ -24,12 +24,11 @@ from ...resolve import Imaging, known_imaging, recognized_imaging, reconstructor
 from ...settings import ReconstructionSettings
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
-from ..wire.messages import StreamEvent, StreamMessage
 from ..wire.sources import CONNECTED, ENDED, MessageSource
 from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter, origin
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
-from .statistics import NO_IMAGES, LiveStatistics, Meter, Trouble, tracking_words
+from .statistics import NO_IMAGES, Heard, LiveStatistics, Meter, tracking_words
 
 logger = logging.getLogger(__name__)
 
@@ -40,9 +39,6 @@ FRAMES_LOOKED_AT = 24
 
 POLL = 0.25
 """s after which a source that says nothing is asked again."""
-
-SILENCE = 1.0
-"""s without an image after which there are none."""
 
 
 class LiveSession:
@@ -131,7 +127,7 @@ class LiveSession:
             self._phase = SCOUTING
         self._scouted = ScoutedFrames()
         self._paused = self._prepared = self._started = self._closed = False
-        self._trouble = Trouble()
+        self._heard = Heard()
         self._unfinished: str | None = None
         self._collect_error: Exception | None = None
         self._collector = threading.Thread(target=self._collect, name="aifrecon live reception", daemon=True)
@@ -293,9 +289,10 @@ class LiveSession:
         """A snapshot of everything that is counted."""
         now = time.monotonic()
         latest, recorder = self.latest, self.recorder
-        tracking = NO_IMAGES if latest is None or now - latest.received > SILENCE else tracking_words(latest.status, self._reference)
+        images_stopped, poses_stopped = self._heard.stopped(now, None if latest is None else latest.received)
+        tracking = NO_IMAGES if latest is None or images_stopped else tracking_words(latest.status, self._reference)
         error, source, pairing = self.error, self._source.statistics, self._synchronizer
-        troubles = (self._trouble.recent(now, lasts=self._source.state != CONNECTED), pairing.problem, pairing.note)
+        troubles = (self._heard.trouble(now, lasts=self._source.state != CONNECTED), pairing.problem, pairing.note)
         return LiveStatistics(
             phase=self._phase_shown(error),
             connection=self._source.state,
@@ -308,6 +305,8 @@ class LiveSession:
             recording_failure=self.recording_failure,
             trouble=said(error) if error is not None else next(filter(None, troubles), None),
             note=pairing.note,
+            images_stopped=images_stopped,
+            poses_stopped=poses_stopped,
             **self._meter.counts(now),
         )
 
@@ -333,7 +332,7 @@ class LiveSession:
                 if message is None and self._source.state == ENDED:
                     break
                 frames = self._synchronizer.expire(time.monotonic()) if message is None else self._synchronizer.feed(message)
-                self._note(message)
+                self._heard.note(message)
                 self._take(frames)
             self._take(self._synchronizer.flush())
         except Exception as error:  # kept and reported: the volume so far, and the recording, must survive it
@@ -344,10 +343,6 @@ class LiveSession:
     def _patience(self) -> float:
         deadline = self._synchronizer.deadline
         return POLL if deadline is None else min(max(deadline - time.monotonic(), 0.0), POLL)
-
-    def _note(self, message: StreamMessage | None) -> None:
-        if isinstance(message, StreamEvent):
-            self._trouble.note("" if message.kind == "connected" else message.detail, time.monotonic())
 
     def _take(self, frames: list[LiveFrame]) -> None:
         for frame in frames:

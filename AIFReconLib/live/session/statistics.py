@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import threading
+import time
 from collections import Counter, deque
 from dataclasses import dataclass, field
 from typing import TypedDict
@@ -13,6 +14,7 @@ import numpy as np
 
 from ...message import Message, listed
 from ..pairing.placement import stream_name
+from ..wire.messages import StreamEvent, StreamMessage, TransformMessage
 
 RATE_WINDOW = 2.0
 """s over which the frame rate is counted."""
@@ -25,6 +27,9 @@ REMEMBERED = 9
 
 TROUBLE_SHOWN = 10.0
 """s that an event of a stream that goes on is told."""
+
+SILENCE = 1.0
+"""s without an image, or without a pose, after which they have stopped."""
 
 TRACKED = Message("tracked")
 NO_IMAGES = Message("no images")
@@ -69,6 +74,8 @@ class LiveStatistics:
         One sentence on the last thing that went wrong with the stream; None while all is well.
     note : str or None
         What makes the places of frames doubtful although all is well.
+    images_stopped, poses_stopped : float or None, s
+        How long ago the last image came, and the last message of a pose, where they have come and do no more.
     """
 
     phase: str
@@ -89,6 +96,8 @@ class LiveStatistics:
     recording_failure: str | None = None
     trouble: str | None = None
     note: str | None = None
+    images_stopped: float | None = None
+    poses_stopped: float | None = None
 
     @property
     def frames_skipped(self) -> int:
@@ -203,16 +212,25 @@ def tracking_words(status: str, reference: str) -> str:
     return Message("{tools} not seen by tracker", tools=listed(tools, " or ") or name)
 
 
-class Trouble:
-    """What a stream last complained of."""
+class Heard:
+    """What a stream last complained of, and when its poses came last."""
 
     def __init__(self) -> None:
         self._what, self._when = "", 0.0
+        self._posed: float | None = None
 
-    def note(self, what: str, now: float) -> None:
-        """Remember it; `now` in s."""
-        self._what, self._when = what, now
+    def note(self, message: StreamMessage | None) -> None:
+        """Remember what a message tells of the stream."""
+        if isinstance(message, StreamEvent):
+            self._what, self._when = "" if message.kind == "connected" else message.detail, time.monotonic()
+        elif isinstance(message, TransformMessage):
+            self._posed = message.received
 
-    def recent(self, now: float, lasts: bool) -> str | None:
-        """It, while it lasts or was a moment ago."""
+    def trouble(self, now: float, lasts: bool) -> str | None:
+        """What it complained of, while that lasts or was a moment ago; `now` in s."""
         return self._what if self._what and (lasts or now - self._when < TROUBLE_SHOWN) else None
+
+    def stopped(self, now: float, imaged: float | None) -> tuple[float | None, float | None]:
+        """How long ago the last image and the last pose came, where they come no more; `imaged` is when that image did."""
+        images, poses = (None if came is None or now - came <= SILENCE else now - came for came in (imaged, self._posed))
+        return images, poses

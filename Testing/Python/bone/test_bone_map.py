@@ -287,6 +287,18 @@ def test_surface_is_the_gradient_of_the_smoothed_labels():
     np.testing.assert_allclose(found[clear], directions_by_recipe(smooth, OBLIQUE)[clear], atol=1e-3)
 
 
+def test_surface_directions_reach_as_far_whatever_the_width_of_the_probability():
+    labels = block((40, 40, 40), (17, 17, 17), (6, 6, 6))
+    grid = VoxelGrid((40, 40, 40), scaled(0.9, 0.7, 0.8))
+    wide, narrow = (
+        BoneMap.from_labels(Volume(labels, grid.ijk_to_reference), sigma_mm=sigma).on_grid(grid, "surface").directions_reference
+        for sigma in (4.0, 0.5)
+    )
+    reached = np.linalg.norm(wide, axis=-1) > 0
+    assert reached[20, 20, [8, 31]].all()
+    np.testing.assert_allclose(narrow[reached], wide[reached], atol=1e-5)
+
+
 def test_surface_directions_do_not_depend_on_the_shape_of_the_voxels():
     """A tilted plane through voxels of 0.5 x 0.7 x 1.6 mm faces the way it does."""
     normal = np.array([0.6, 0.0, 0.8])

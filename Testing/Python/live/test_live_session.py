@@ -34,11 +34,11 @@ from AIFReconLib.live.session.insertion import KeepUp
 from AIFReconLib.live.session.recording import Recorder
 from AIFReconLib.live.session.scouting import ScoutedFrames
 from AIFReconLib.live.session.session import LiveSession
-from AIFReconLib.live.session.statistics import Meter, tracking_words
+from AIFReconLib.live.session.statistics import Heard, Meter, tracking_words
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.decoding import decode
 from AIFReconLib.live.wire.framing import Frame, Framer
-from AIFReconLib.live.wire.messages import StreamEvent
+from AIFReconLib.live.wire.messages import StreamEvent, TransformMessage
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
@@ -442,6 +442,23 @@ def test_the_tracking_state_is_that_of_the_latest_frame(session_of):
     session.start()
     wait_for(lambda: session.latest is not None and session.latest.number == 5)
     assert session.statistics.tracking in ("Probe not seen by tracker", "no images")
+
+
+@pytest.mark.parametrize(
+    ("imaged", "posed", "stopped"),
+    [
+        (99.5, 99.5, (None, None)),
+        (90.0, 99.5, (10.0, None)),
+        (99.5, 90.0, (None, 10.0)),
+        (90.0, None, (10.0, None)),
+        (None, None, (None, None)),
+    ],
+)
+def test_what_comes_no_more_is_told_with_how_long_ago_it_came(imaged, posed, stopped):
+    heard = Heard()
+    if posed is not None:
+        heard.note(TransformMessage("ProbeToTracker", 1.0, np.eye(4), TransformStatus.OK, received=posed))
+    assert heard.stopped(100.0, imaged) == stopped
 
 
 def test_trouble_of_the_stream_is_told(session_of):

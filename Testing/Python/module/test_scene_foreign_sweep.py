@@ -9,7 +9,9 @@ from sweeps import rigid
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 from scene_host import transform_node  # noqa: E402
 
+from AIFReconLib import read_sequence  # noqa: E402
 from AIFReconLib.errors import NoUsableFramesError, SequenceFormatError, TransformError  # noqa: E402
+from AIFReconLib.geometry.pose_interpolation import interpolate_pose  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
 
 CALIBRATION = rigid((5.0, 60.0, -4.0), (1.0, -2.0, 3.0)) @ np.diag([0.3, 0.5, 0.4, 1.0])
@@ -125,18 +127,81 @@ def test_a_status_in_the_image_message_keeps_the_frame_out(scene):
     assert sweep_poses(read(browser)).usable.tolist() == [0, 1, 3]
 
 
-def test_a_pose_between_images_is_the_previous_one_as_slicer_replays_it(scene):
-    browser = live(scene, values=["0.000", "0.050", "0.150", "0.250"])
-    sequence = scene.GetFirstNodeByName("ProbeToReference")
-    browser.SetMissingItemMode(sequence, slicer.vtkMRMLSequenceBrowserNode.MissingItemCreateFromPrevious)
-    assert np.allclose(poses_of(browser), [probe_pose(n) @ CALIBRATION for n in (0, 1, 2, 3)], atol=1e-12)
+POSES_AND_LEADERS = {
+    "poses lead": ([0.0, 0.2, 0.4, 0.6], [0.05 * n for n in range(14)], True),
+    "poses between images": ([0.0, 0.2, 0.4, 0.6], [0.0, *(0.05 * n + 0.03 for n in range(1, 14))], False),
+    "poses that stop": ([0.5 * n for n in range(9)], [0.0, 0.5, 1.0, 4.0], False),
+    "poses that begin late": ([0.1 * n for n in range(5)], [0.25, 0.35, 0.45], False),
+    "times off by less than a millisecond": ([0.1, 0.2, 0.3], [0.1009, 0.2009, 0.2991], True),
+}
 
 
-def test_a_pose_that_the_browser_would_not_replay_is_missing(scene):
-    browser = live(scene, values=["0.000", "0.050", "0.200", "0.300"])
-    sequence = scene.GetFirstNodeByName("ProbeToReference")
-    browser.SetMissingItemMode(sequence, slicer.vtkMRMLSequenceBrowserNode.MissingItemIgnore)
-    assert sweep_poses(read(browser)).usable.tolist() == [0, 2, 3]
+@pytest.mark.parametrize(("image_times", "pose_times", "poses_lead"), POSES_AND_LEADERS.values(), ids=POSES_AND_LEADERS)
+def test_a_browser_places_the_frames_that_its_files_place(scene, tmp_path, image_times, pose_times, poses_lead):
+    pictures, recorded = at_times(scene, image_times, pose_times)
+    browser = browser_of(scene, *((recorded, pictures) if poses_lead else (pictures, recorded)))
+    browser.GetProxyNode(pictures).SetAndObserveTransformNodeID(browser.GetProxyNode(recorded).GetID())
+    found, expected = read(browser), read_files(tmp_path, pictures, recorded)
+    assert [frame[0, 0] for frame in found.images] == [frame[0, 0] for frame in expected.images]
+    places = [sweep_poses(sequence).image_to_reference for sequence in (found, expected)]
+    # Slicer writes matrices with six digits
+    assert np.allclose(*places, rtol=1e-5, atol=1e-6, equal_nan=True)
+
+
+def at_times(scene, image_times, pose_times):
+    """Images of different grays, and poses that move by 10 mm/s."""
+    grays = [np.full((5, 7), 20 + number, np.uint8) for number in range(len(image_times))]
+    poses = [rigid((0.0, 0.0, 20.0 * time), (0.0, 0.0, 10.0 * time)) @ np.diag([0.3, 0.5, 0.4, 1.0]) for time in pose_times]
+    pictures = sequence_of(scene, "Image", image_nodes(grays), [f"{time:.4f}" for time in image_times])
+    return pictures, sequence_of(scene, "ImageToReference", pose_nodes(poses, "ImageToReference"), [f"{time:.4f}" for time in pose_times])
+
+
+def read_files(folder, pictures, recorded):
+    """The two sequences as Slicer writes them and as the command line reads them."""
+    paths = folder / "Image.seq.nrrd", folder / "ImageToReference.seq.mha"
+    storages = slicer.vtkMRMLVolumeSequenceStorageNode(), slicer.vtkMRMLLinearTransformSequenceStorageNode()
+    for path, storage, node in zip(paths, storages, (pictures, recorded), strict=True):
+        storage.SetFileName(str(path))
+        assert storage.WriteData(node)
+    return read_sequence(paths[0], transform_sequences={"ImageToReference": paths[1]})
+
+
+def test_an_image_that_slicer_replays_with_several_poses_is_one_frame(scene):
+    pictures, recorded = at_times(scene, [0.0, 0.2, 0.4], [0.05 * n for n in range(9)])
+    assert summary(browser_of(scene, recorded, pictures)).lines == ["3 of 3 frames have a position."]
+
+
+def test_poses_that_stop_are_counted_as_missing(scene):
+    pictures, recorded = at_times(scene, [0.5 * n for n in range(9)], [0.0, 0.5, 1.0, 4.0])
+    assert summary(browser_of(scene, pictures, recorded)).skipped == {"ImageToReference MISSING": [3, 4, 5, 6, 7]}
+
+
+def test_a_pose_that_is_out_of_view_places_no_image_beside_it(scene):
+    browser = live(scene, values=["0.000", "0.050", "0.150", "0.250"], statuses=["OK", "OUT_OF_VIEW", "OK", "OK"])
+    between = interpolate_pose(probe_pose(0), probe_pose(2), 2 / 3)
+    assert np.allclose(poses_of(browser)[1], between @ CALIBRATION, atol=1e-12)
+
+
+def test_times_in_milliseconds_are_times(scene):
+    pictures, recorded = at_times(scene, [0.0, 0.1, 0.2], [0.0, 200.0])
+    recorded.SetIndexUnit("ms")
+    assert poses_of(browser_of(scene, pictures, recorded))[:, 2, 3] == pytest.approx([0.0, 1000.0, 2000.0])
+
+
+@pytest.mark.parametrize(("type_name", "values"), [("TextIndex", ["late", "early", "between"]), ("NumericIndex", ["0", "7", "8"])])
+def test_items_that_are_not_numbered_by_time_belong_to_their_like(scene, type_name, values):
+    pictures, recorded = sequence_of(scene, "Image", []), sequence_of(scene, "ImageToReference", [])
+    for sequence, nodes, of in (
+        (pictures, image_nodes(images(3)), values),
+        (recorded, pose_nodes([probe_pose(1), probe_pose(2)], "ImageToReference"), values[:0:-1]),
+    ):
+        sequence.SetIndexType(getattr(slicer.vtkMRMLSequenceNode, type_name))
+        sequence.SetIndexName("place")
+        sequence.SetIndexUnit("")
+        for node, value in zip(nodes, of, strict=True):
+            sequence.SetDataNodeAtValue(node, value)
+    browser = browser_of(scene, pictures, recorded, name="Places")
+    assert np.allclose(poses_of(browser), [np.full((4, 4), np.nan), probe_pose(2), probe_pose(1)], atol=1e-12, equal_nan=True)
 
 
 def test_a_transform_whose_replay_is_off_stays_where_it_is(scene):

@@ -110,6 +110,17 @@ def test_a_shift_of_five_millimeters_is_noticed(live, scan):
     assert live.has_fallen()
 
 
+def test_a_patient_who_moved_is_not_forgotten_while_no_bone_is_seen(live, scan):
+    feed(live, scan.at(0.0))
+    live.agreement()
+    feed(live, scan.at(10.0, MOVED))
+    assert live.has_fallen()
+    dark = replace(scan.at(60.0)[0], image=np.zeros_like(scan.frames[0].image))
+    feed(live, [dark])
+    assert live.agreement() is None
+    assert live.has_fallen()
+
+
 def test_what_is_older_than_the_last_seconds_is_forgotten(live, scan):
     feed(live, scan.at(0.0, MOVED))
     feed(live, scan.at(10.0))
@@ -233,6 +244,28 @@ def test_a_ct_is_placed_by_the_last_seconds_after_the_patient_has_moved(watching
     watch.place(found.transform)
     assert until(lambda: not watch.state.has_fallen)
     assert watch.state.agreement.enough
+
+
+def test_a_ct_is_placed_by_all_frames_since_the_patient_moved_however_slowly_they_come(watching, scan):
+    session, watch = watching
+    slow = [replace(frame, timestamp=100.0 + 2.0 * number) for number, frame in enumerate(scan.at(0.0, MOVED))]
+    show(session, watch, [*scan.at(0.0), *slow, *(replace(frame, timestamp=frame.timestamp + 60.0) for frame in slow)])
+    assert until(lambda: watch.state.has_fallen)
+    assert len(watch.echoes()) > 5 * len(watch._recent)
+    found = register_echoes(watch.echoes(), scan.bone, scan.place)
+    assert found.accepted
+    points = scan.bone.middle + np.eye(3) * 20.0
+    away = transform_points(found.transform, points) - transform_points(MOVED @ scan.place, points)
+    assert np.linalg.norm(away, axis=1).max() < 1.5
+
+
+def test_a_problem_does_not_make_it_forget_that_the_patient_moved(watching, scan):
+    session, watch = watching
+    show(session, watch, [*scan.at(0.0), *scan.at(20.0, MOVED)])
+    assert until(lambda: watch.state.has_fallen)
+    session.latest = replace(scan.at(30.0)[0], image=np.zeros((0, 0), np.uint8))
+    assert until(lambda: watch.state.problem is not None)
+    assert watch.state.has_fallen
 
 
 def test_echoes_of_a_long_scan_do_not_pile_up(watching, scan, monkeypatch):
