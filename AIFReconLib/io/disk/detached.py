@@ -57,7 +57,9 @@ def place_pair(temporary_data: Path, data: Path, temporary_header: Path, header:
             shutil.copymode(header, temporary_header)
         os.replace(temporary_header, header)
 
-    usual = alone() and not data.exists() and not header.exists()
+    # What a .nhdr of the same name keeps there is not ours
+    free = not data.with_suffix(".nhdr").exists()
+    usual = free and alone() and not data.exists() and not header.exists()
     first = data if usual else data.with_name(f"{data.stem}{room.name}{data.suffix}")
     kept = room / "header"
     try:
@@ -73,7 +75,7 @@ def place_pair(temporary_data: Path, data: Path, temporary_header: Path, header:
         if not isinstance(error, OSError):
             raise
     spares = list(data.parent.glob(f"{glob.escape(data.stem)}{PREFIX}*{glob.escape(data.suffix)}"))
-    if usual or not alone():
+    if usual or not free or not alone():
         return
     # The new pair holds. Where its usual name cannot be had (a disk that is full, a file held open on Windows) it keeps this one.
     with contextlib.suppress(OSError):

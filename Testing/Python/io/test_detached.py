@@ -156,3 +156,12 @@ def test_the_name_of_the_data_file_may_have_any_letters(tmp_path):
 
 def test_a_header_that_is_not_there_names_nothing(tmp_path):
     assert named_data_file(tmp_path / "a.mhd") is None
+
+
+def test_the_data_of_another_header_are_not_replaced(tmp_path):
+    """ITK and Slicer call the data of a.nhdr a.raw, too."""
+    (tmp_path / "a.nhdr").write_text("NRRD0004\ndata file: a.raw\n", encoding="utf-8")
+    (tmp_path / "a.raw").write_text("theirs", encoding="utf-8")
+    write_pair(tmp_path, "new")
+    assert read_pair(tmp_path) == ("new", "new")
+    assert (tmp_path / "a.raw").read_text("utf-8") == "theirs"
