@@ -97,7 +97,7 @@ def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str
         if not colon or not key.strip():
             raise lines.failure("this is not an NRRD header: a line is neither 'field: value' nor 'key:=value'. Copy the file again.")
         if value.startswith("="):
-            store(lines, fields, unescape(key.strip()), unescape(value[1:]).strip())
+            lines.keep(fields, *_split(line), _split)
         else:
             name = key.strip().lower()
             name = SPELLINGS.get(name, name)
@@ -107,6 +107,12 @@ def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str
     if line is None and "data file" not in entries:
         raise lines.failure("the header ends without the empty line before the data: the file is cut short. Copy it again.")
     return entries, fields
+
+
+def _split(line: str) -> tuple[str, str]:
+    """Key and value of a line ``key:=value``."""
+    key, _, value = line.partition(":=")
+    return unescape(key.strip()), unescape(value).strip()
 
 
 def _byte_order(lines: HeaderLines, entries: dict[str, str], code: str) -> str:

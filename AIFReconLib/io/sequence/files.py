@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ...arrays import Matrix
@@ -104,7 +104,7 @@ def read_sequence(
     )
 
 
-def _placed(records: list[FrameRecord], image_frame: str, geometry: Matrix) -> tuple[list[FrameRecord], Message]:
+def _placed(records: Sequence[FrameRecord], image_frame: str, geometry: Matrix) -> tuple[Sequence[FrameRecord], Message]:
     """Records whose transforms of the image include its node's geometry, and a note on what was done."""
     if any(image_frame in (name.source, name.target) for record in records for name in record.transforms):
         note = Message(

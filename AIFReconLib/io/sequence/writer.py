@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Iterable, Iterator
+from itertools import chain
 from pathlib import Path
 from typing import BinaryIO, Protocol
 
@@ -86,10 +87,11 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
     check_sequence_name(path)
     suffix = path.suffix.lower()
     code = _pixel_code(sequence.images)
-    entries = [
-        *_checked(header_entries(sequence.fields, sequence.transforms), reserved=suffix != ".nrrd"),
-        *_checked(frame_entries(sequence.records), reserved=False),
-    ]
+    # One at a time: a day's take 6 GB
+    entries = chain(
+        _checked(header_entries(sequence.fields, sequence.transforms), reserved=suffix != ".nrrd"),
+        _checked(frame_entries(sequence.records), reserved=False),
+    )
 
     def write_pixels(file: BinaryIO, encoder: Encoder | None) -> None:
         _write_pixels(

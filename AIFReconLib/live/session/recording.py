@@ -15,10 +15,12 @@ the three.
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import logging
 import os
 import shutil
+import threading
 import time
 from io import FileIO
 from pathlib import Path
@@ -34,6 +36,7 @@ from ...io.metafile.metafile import UNFINISHED
 from ...io.sequence.fields import frame_entries
 from ...io.sequence.files import read_sequence
 from ...io.sequence.writer import check_sequence_name, write_sequence
+from ...machine.threads import start
 from ...message import Message, said
 from ...progress import Progress
 from ...sweep.frames import FrameRecord, TrackedSequence
@@ -49,6 +52,9 @@ REFRESH_BY_COST = 20.0
 
 The header of an hour's frames is large, and appending must not wait for it.
 """
+
+LONGEST_WAIT = 0.2
+"""s that a frame may wait for a header."""
 
 _FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG") if hasattr(errno, name)}
 _FIRST_FRAME = "Seq_Frame0000_"
@@ -101,13 +107,15 @@ class Recorder:
                 file=self.header_path.name,
             )
         self.frames = self.without_image = 0
-        self._unseen: list[FrameRecord] | None = []
+        self._unseen = True
         self.failure: str | None = None
         self._shape: tuple[int, ...] = (0, 0)
         self._dtype: NumberType = np.dtype(np.uint8)
         self._begin: list[str] = []
         self._pixels: FileIO | None = None
         self._fields: FileIO | None = None
+        self._lister: threading.Thread | None = None
+        self._list_error: OSError | None = None
         self._growing = self._fields_path
         self._fields_length = self._listed_length = 0
         self._listed = 0
@@ -125,11 +133,10 @@ class Recorder:
             if self._pixels is None or self._fields is None:
                 self._pixels, self._fields = self._start(image)
             elif self._unseen and self._differs(image):
-                self._pixels, self._fields = self._start_anew(image, self._unseen)
+                self._pixels, self._fields = self._start_anew(image)
             self._append(image, frame.record, self._pixels, self._fields)
-            self._remember(frame.record)
-            if time.monotonic() - self._refreshed >= max(REFRESH, REFRESH_BY_COST * self._cost):
-                self.refresh()
+            self._unseen &= all(sample.status is not TransformStatus.OK for sample in frame.record.transforms.values())
+            self._refresh_when_due()
         except AIFReconError as error:
             self._stop(said(error))
         except OSError as error:
@@ -137,12 +144,44 @@ class Recorder:
 
     def refresh(self) -> None:
         """List every frame that was appended in the header on the disk."""
-        if self._listed == self.frames:
+        self._wait_for_header()
+        if self._listed != self.frames:
+            self._list(self.frames, self._fields_length)
+
+    def _refresh_when_due(self) -> None:
+        """List the frames so far where it is time; on a thread of its own where that takes long, so that no frame has to wait."""
+        if self._lister is not None and self._lister.is_alive():
             return
+        if time.monotonic() - self._refreshed < max(REFRESH, REFRESH_BY_COST * self._cost):
+            return
+        self._wait_for_header()
+        self._lister = threading.Thread(
+            target=self._list_beside, args=(self.frames, self._fields_length), name="listing the recording", daemon=True
+        )
+        if self._cost < LONGEST_WAIT or not start(self._lister):
+            self._lister = None
+            self.refresh()
+
+    def _list_beside(self, frames: int, length: int) -> None:
+        try:
+            self._list(frames, length)
+        except OSError as error:
+            self._list_error = error
+
+    def _wait_for_header(self) -> None:
+        """Wait until no other thread writes the header, and raise what it met."""
+        if self._lister is not None:
+            self._lister.join()
+        error, self._lister, self._list_error = self._list_error, None, None
+        if error is not None:
+            raise error
+
+    def _list(self, frames: int, length: int) -> None:
+        """Replace the header by one of so many frames, whose lines end at byte `length`."""
         started = time.monotonic()
         try:
-            self._write_header(self.header_path.with_name(self.header_path.name + ".new"), self.header_path, self._end)
-            self._listed, self._listed_length = self.frames, self._fields_length
+            self._write_header(self.header_path.with_name(self.header_path.name + ".new"), self.header_path, self._end, frames, length)
+            self._listed, self._listed_length = frames, length
         except PermissionError:
             # On Windows, while somebody reads the older header; the next one replaces it
             if not self.header_path.exists():
@@ -184,6 +223,8 @@ class Recorder:
 
     def close(self) -> None:
         """Close the files as they are; the recording stays unfinished, and readable."""
+        with contextlib.suppress(OSError):
+            self._wait_for_header()
         for file in (self._pixels, self._fields):
             if file is not None:
                 file.close()
@@ -223,17 +264,10 @@ class Recorder:
         self._fields_length = len(begin)
         return pixels, fields
 
-    def _remember(self, record: FrameRecord) -> None:
-        """Until the probe is seen, what the frames had beside their images; then nothing."""
-        if self._unseen is not None:
-            seen = any(sample.status is TransformStatus.OK for sample in record.transforms.values())
-            if seen:
-                self._unseen = None
-            else:
-                self._unseen.append(record)
-
-    def _start_anew(self, image: Numbers, before: list[FrameRecord]) -> tuple[FileIO, FileIO]:
+    def _start_anew(self, image: Numbers) -> tuple[FileIO, FileIO]:
         """Files for images of another size or type, with the frames so far, without their images."""
+        self.refresh()
+        before = list(read_sequence(self.header_path).records)
         self.close()
         self._remove()
         self.frames = self.without_image = self._listed = 0
@@ -274,9 +308,9 @@ class Recorder:
         size = f"{self._shape[1]} {self._shape[0]} {frames}".ljust(_SIZE_LETTERS)
         return "".join(f"{_SIZE}{size}\n" if line.startswith(_SIZE) else f"{line}\n" for line in self._begin).encode()
 
-    def _write_header(self, temporary: Path, path: Path, end: bytes) -> None:
-        """A header of all frames with these last lines, in the place of an older one."""
-        begin = self._begin_of(self.frames)
+    def _write_header(self, temporary: Path, path: Path, end: bytes, frames: int, length: int) -> None:
+        """A header of so many frames, whose lines end at byte `length`, with these last lines, in the place of an older one."""
+        begin = self._begin_of(frames)
         temporary.unlink(missing_ok=True)
         try:
             # Made anew, whatever lies there: a link would lead to another file
@@ -284,8 +318,8 @@ class Recorder:
                 file.write(begin)
                 lines.seek(len(begin))
                 shutil.copyfileobj(lines, file)
-                file.truncate(self._fields_length)
-                file.seek(self._fields_length)
+                file.truncate(length)
+                file.seek(length)
                 file.write(end)
             os.replace(temporary, path)
         finally:
@@ -298,7 +332,8 @@ class Recorder:
             with atomic_outputs(target, self.path) as (temporary_data, temporary):
                 # Two names until the header is there: at no moment is the recording without one that fits
                 _give_second_name(self._pixels_path, temporary_data)
-                self._write_header(temporary.with_name("header.new"), temporary, f"ElementDataFile = {target.name}\n".encode())
+                end = f"ElementDataFile = {target.name}\n".encode()
+                self._write_header(temporary.with_name("header.new"), temporary, end, self.frames, self._fields_length)
         except _OneNameOnly:
             return False
         return True
@@ -309,6 +344,8 @@ class Recorder:
         write_sequence(TrackedSequence(recorded.images, recorded.records, fields), self.path, compress=False, progress=progress)
 
     def _fail(self, error: OSError) -> None:
+        with contextlib.suppress(OSError):
+            self._wait_for_header()
         try:
             if self._fields is not None and not self._fields.closed:
                 self._complete(self._fields)

@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -269,6 +270,37 @@ def test_a_recording_that_stopped_names_a_file_that_is_there(suffix, tmp_path, m
     recorder = record(tmp_path / f"scan{suffix}", frames())
     recorder.finish()
     assert recorder.failure.values["path"] == tmp_path / f"scan{suffix}"
+
+
+@pytest.fixture
+def headers_take_long(monkeypatch):
+    monkeypatch.setattr(recording, "REFRESH", 0.0)
+    monkeypatch.setattr(recording, "REFRESH_BY_COST", 0.0)
+    monkeypatch.setattr(recording, "LONGEST_WAIT", -1.0, raising=False)
+
+
+def test_no_frame_waits_for_a_header_that_takes_long(tmp_path, monkeypatch, headers_take_long, record):
+    threads, copy = set(), recording.shutil.copyfileobj
+
+    def noted(*arguments):
+        threads.add(threading.current_thread())
+        copy(*arguments)
+
+    monkeypatch.setattr(recording.shutil, "copyfileobj", noted)
+    record(tmp_path / "scan.mha", frames())
+    assert threads
+    assert threading.main_thread() not in threads
+
+
+def test_a_header_for_which_there_is_no_room_ends_the_recording_whoever_writes_it(
+    tmp_path, headers_take_long, no_room_for_headers, monkeypatch, record
+):
+    monkeypatch.setattr(recording, "REFRESH", 0.0)
+    no_room_for_headers()
+    recorder = record(tmp_path / "scan.mha", frames())
+    recorder.finish()
+    assert "the disk is full" in recorder.failure
+    assert len(read_sequence(tmp_path / "scan.mha")) == recorder.frames >= 1
 
 
 @pytest.mark.parametrize("name", ["scan.recording.mhd.new", "scan.recording.raw", "scan.recording.fields", "scan.recording.mhd"])
