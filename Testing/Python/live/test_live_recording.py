@@ -287,7 +287,7 @@ def test_no_frame_waits_for_a_header_that_takes_long(tmp_path, monkeypatch, head
         copy(*arguments)
 
     monkeypatch.setattr(recording.shutil, "copyfileobj", noted)
-    record(tmp_path / "scan.mha", frames())
+    record(tmp_path / "scan.mha", frames()).close()
     assert threads
     assert threading.main_thread() not in threads
 
