@@ -28,7 +28,7 @@ from ..resolve import resolve_settings
 from ..settings import ReconstructionSettings
 from ..terminal.console import ProgressBar, program
 from ..terminal.options import Commands
-from .simulate import SimulatedFiles, write_simulated_patient
+from .simulate import FILES, SimulatedFiles, check_simulated_folder, write_simulated_patient
 
 SPACING = 1.0
 """mm; coarse enough for the demo to take seconds."""
@@ -75,6 +75,7 @@ def run(arguments: argparse.Namespace) -> None:
     started = time.perf_counter()
     require_matplotlib()
     folder: Path = arguments.output
+    check_simulated_folder(folder, [*FILES, "comparison.png", "metrics.csv", "report.html", *(f"reconstruction-{m}.nrrd" for m in METHODS)])
     with ProgressBar() as progress:
         files = write_simulated_patient(folder, arguments.seed, PATH, FRAMES, part(progress, 0.0, 0.5))
         sequence = read_sequence(files.sequence, config=files.configuration)

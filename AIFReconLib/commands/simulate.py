@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -119,6 +120,24 @@ def planned_path(path: Path) -> ProbePath:
     return ProbePath(to_transducer, np.arange(len(poses)) / FRAME_RATE + BETWEEN_PASSES * number)
 
 
+def check_simulated_folder(folder: Path, names: Sequence[str]) -> None:
+    """Return if files of these names can be written: simulated ones replace none but simulated ones, of whatever seed.
+
+    Raises
+    ------
+    OutputError
+        When one of them is there, and the folder has not the configuration that a simulation writes.
+    """
+    there = [name for name in names if os.path.lexists(folder / name)]
+    configuration = folder / FILES[1]
+    if there and not (configuration.is_file() and configuration.read_bytes() == plus_configuration_xml(PhasedArray()).encode()):
+        raise OutputError(
+            "{folder}: it holds {file}, which was not simulated and would be replaced. Choose another folder.",
+            folder=folder,
+            file=there[0],
+        )
+
+
 def write_simulated_patient(
     folder: Path,
     seed: int = 0,
@@ -146,6 +165,7 @@ def write_simulated_patient(
     """
     if frames < 2 or seed < 0:
         raise SettingsError("A simulation takes at least 2 frames and a seed of 0 or more.")
+    check_simulated_folder(folder, FILES)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -153,13 +173,14 @@ def write_simulated_patient(
     sequence, configuration, ct, labels, placed = (folder / name for name in FILES)
     files = SimulatedFiles(sequence, configuration, ct, labels, placed, np.zeros(3))
     ct_to_reference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
+    probe = PhasedArray()
+    # First, because by it a folder is known as one of simulated files
+    write_text(files.configuration, plus_configuration_xml(probe))
     phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(seed), ct_to_reference=ct_to_reference, progress=part(progress, 0.0, 0.2))
     trajectory = planned or PATHS[path](phantom, frames)
     phantom.ct.write(files.ct)
     phantom.labels.write(files.labels)
     write_transform(phantom.ct_to_reference, files.ct_to_reference)
-    probe = PhasedArray()
-    write_text(files.configuration, plus_configuration_xml(probe))
     sweep = simulate_sweep(phantom, probe, trajectory, seed=seed, progress=part(progress, 0.25, 0.9))
     write_sequence(sweep, files.sequence, progress=part(progress, 0.9, 1.0))
     junctions = phantom.spinolaminar_junctions()

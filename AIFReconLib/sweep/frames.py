@@ -6,10 +6,12 @@ is at the last column (on the right), the transducer at row 0.
 
 from __future__ import annotations
 
+import operator
 from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import cast
+from typing import cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -85,6 +87,42 @@ class FrameRecord:
     stated_spacing: tuple[float, float] | None = None
 
 
+class RecordsOnDemand(Sequence[FrameRecord]):
+    """The records of a very long recording, each made anew whenever it is asked for.
+
+    Parameters
+    ----------
+    count : int
+    read : callable
+        From a frame's number to its record. It is asked for all of them once, so that it raises here what it has to raise.
+    """
+
+    def __init__(self, count: int, read: Callable[[int], FrameRecord]):
+        self._count, self._read = count, read
+        names: dict[TransformName, None] = {}
+        for number in range(count):
+            names.update(dict.fromkeys(read(number).transforms))
+        self.transform_names = tuple(names)
+        """Every transform that occurs in any of them."""
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, index: int) -> FrameRecord: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[FrameRecord]: ...
+
+    def __getitem__(self, index: int | slice) -> FrameRecord | list[FrameRecord]:
+        if isinstance(index, slice):
+            return [self._read(number) for number in range(*index.indices(self._count))]
+        number = operator.index(index)
+        if not -self._count <= number < self._count:
+            raise IndexError(f"Input frame must be below {self._count}; got {number}.")
+        return self._read(number % self._count)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class TrackedSequence(Described):
     """A recorded sweep: images, and per frame its transforms, statuses and times.
@@ -92,7 +130,8 @@ class TrackedSequence(Described):
     Parameters
     ----------
     images : ImageStack, (frames, rows, columns)
-    records : list of FrameRecord, one per image
+    records : sequence of FrameRecord, one per image
+        A list, or `RecordsOnDemand`.
     fields : dict of str to str
         Custom header fields that concern the whole file.
     transforms : dict of TransformName to TransformSample
@@ -106,7 +145,7 @@ class TrackedSequence(Described):
     """
 
     images: ImageStack
-    records: list[FrameRecord]
+    records: Sequence[FrameRecord]
     fields: dict[str, str] = field(default_factory=dict)
     transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
     configuration: PlusConfiguration = NO_CONFIGURATION
@@ -198,6 +237,8 @@ class TrackedSequence(Described):
     def transform_names(self) -> list[TransformName]:
         """Every transform that occurs in any frame or in the header, in order of appearance."""
         names = dict.fromkeys(self.transforms)
+        if isinstance(self.records, RecordsOnDemand):
+            return list(names | dict.fromkeys(self.records.transform_names))
         for record in self.records:
             names.update(dict.fromkeys(record.transforms))
         return list(names)

@@ -15,13 +15,14 @@ from ..bone.from_sweep import bone_from_sweep
 from ..bone.map import SIGMA_VOXELS, BoneMap
 from ..compounding.methods.table import OWN_METHOD, is_own_method
 from ..compounding.own.method import load_method
-from ..errors import MethodError, OutputError, SettingsError
+from ..errors import AIFReconError, MethodError, OutputError, SettingsError
 from ..evaluation.visibility import BEAM_THICKNESS
 from ..imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ..imaging.detection import detect_imaging
 from ..imaging.images import ImageStack
 from ..imaging.region import ClipRectangle, ImageRegion, chosen_region
 from ..io.metafile.opening import data_files
+from ..io.plus.configuration import read_plus_configuration
 from ..io.plus.importance_mask import read_importance_mask
 from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels, read_volume
@@ -319,17 +320,35 @@ def _probe(
 
 
 def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -> None:
-    """Stop before work begins when an output is an input, or two outputs are one file; the data files beside .mhd headers count too."""
-    seen = {_as_compared(file): "an input" for path in inputs if path is not None for file in [real_path(path), *data_files(path)]}
+    """Stop before work begins when an output is an input, or two outputs are one file.
+
+    What an input names is an input too, a header's data file and a configuration's importance mask, and so is each file of a folder.
+    """
+    given = [path for path in inputs if path is not None]
+    seen = {_as_compared(file): "an input" for path in given for file in [real_path(path), *data_files(path), *_importance_mask(path)]}
+    folders = {_as_compared(real_path(path)) for path in given if path.is_dir()}
     for path in outputs:
         if path is None:
             continue
         for name, file in {_as_compared(file): file for file in [real_path(path), *_companions(path)]}.items():
-            if name in seen:
+            within = file.exists() and any(_as_compared(parent) in folders for parent in file.parents)
+            if name in seen or within:
                 raise OutputError(
-                    "{path} would overwrite {other} ({file}). Choose another name.", path=path, other=seen[name], file=file.name
+                    "{path} would overwrite {other} ({file}). Choose another name.",
+                    path=path,
+                    other=seen.get(name, "an input"),
+                    file=file.name,
                 )
             seen[name] = "another output"
+
+
+def _importance_mask(path: Path) -> list[Path]:
+    """The mask that a Plus configuration names, without links; nothing for other files."""
+    try:
+        mask = read_plus_configuration(path).importance_mask if path.suffix.lower() == ".xml" else None
+    except AIFReconError:
+        return []
+    return [real_path(mask)] if mask is not None else []
 
 
 def real_path(path: Path) -> Path:

@@ -5,6 +5,7 @@ row), and its parent transform ImageToReference puts it in place. Every transfor
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import slicer
@@ -109,7 +110,7 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
     return browser
 
 
-def indexValues(records: list[FrameRecord]) -> tuple[list[str], str]:
+def indexValues(records: Sequence[FrameRecord]) -> tuple[list[str], str]:
     """What numbers the items of a sequence, and its unit: times in s where they can tell frames apart, else frame numbers."""
     times = [record.timestamp for record in records]
     if all(time is not None and math.isfinite(time) for time in times):
@@ -177,7 +178,7 @@ def _newPixels(volumeNode, image: np.ndarray) -> np.ndarray:
     return numpy_support.vtk_to_numpy(imageData.GetPointData().GetScalars()).reshape(image.shape)
 
 
-def _fillTransforms(node, name: TransformName, records: list[FrameRecord], index: list[str], progress: Progress | None) -> None:
+def _fillTransforms(node, name: TransformName, records: Sequence[FrameRecord], index: list[str], progress: Progress | None) -> None:
     """A transform as recorded. What has no matrix is the identity, and its status says so: MISSING where a frame lacks it."""
     missing = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
     for number, record in enumerate(records):

@@ -10,12 +10,13 @@ import contextlib
 import errno
 import os
 import shutil
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 from ...errors import OutputError
 from ...message import Message
-from .detached import replace_pair
+from .detached import place_pair
 from .workspace import flush_to_disk, workspace
 
 _REMEDIES = {
@@ -83,10 +84,13 @@ def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
         written = [(temporary, target) for temporary, target in zip(temporaries, targets) if temporary.exists()]
         for temporary, target in written:
             flush_to_disk(temporary)
+            # The clock of files ticks every few ms, and readers tell versions apart by their times: no two may share one
+            with contextlib.suppress(OSError):
+                os.utime(temporary, ns=(time.time_ns(),) * 2)
             if target.exists():
                 shutil.copymode(target, temporary)
-        if len(written) == 2 and all(target.exists() for _, target in written):
-            replace_pair(*written[0], *written[1])
+        if len(written) == 2:
+            place_pair(*written[0], *written[1])
         else:
             for temporary, target in written:
                 os.replace(temporary, target)

@@ -7,14 +7,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import BinaryIO
 
 from ...arrays import NumberType
 from ...errors import FileFormatError
+from ...machine.memory import available_memory
 from ...message import Message, shorten
 from ..disk.regular_files import stamp
+from .frame_lines import FRAME_KEY, LONG_HEADER, FrameLines
 from .metafile import RAW, UNFINISHED, Metafile
 
 TO_THE_END = -1
@@ -23,18 +25,32 @@ TO_THE_END = -1
 MAXIMUM_LINE = 2**20
 """Bytes. A line of a header holds a matrix or a note; a file without line ends is no header."""
 
-MAXIMUM_HEADER = 2**28
-"""Bytes. 10,000 frames of ten transforms each take 20 MB."""
+_STEP = 2**26
+"""Bytes of a header after which it is asked anew whether there is memory for as many again."""
+
+_TIMES_IN_MEMORY = 8
+"""Bytes that a byte of fields takes in memory, at most about."""
 
 LARGEST_DEFLATE_RATIO = 1032
 """No deflate stream expands by more, so a header that promises more is wrong whatever the stream holds."""
 
 
 class HeaderLines:
-    """The lines of a header, one at a time, with limits on their length."""
+    """The lines of a header, one at a time, with limits on their length.
 
-    def __init__(self, file: BinaryIO, path: Path, error: type[FileFormatError]):
+    Parameters
+    ----------
+    file, path, error
+    in_memory : bool
+        Whether the fields of frames are kept in memory however long the header is.
+    """
+
+    def __init__(self, file: BinaryIO, path: Path, error: type[FileFormatError], in_memory: bool = True):
         self._file = file
+        self._start = self._asked = 0
+        self._in_memory = in_memory
+        self._lines: FrameLines | None = None
+        self.frames: FrameLines | None = None
         self.path = path
         self.error = error
 
@@ -49,14 +65,38 @@ class HeaderLines:
 
     def next(self) -> str | None:
         """The next line without its end; None at the end of the file."""
+        self._start = self._file.tell()
         line = self._file.readline(MAXIMUM_LINE + 1)
         if not line:
             return None
         if len(line) > MAXIMUM_LINE or b"\0" in line:
             raise self.failure("this is not a text header. Give a MetaImage or NRRD file.")
-        if self._file.tell() > MAXIMUM_HEADER:
-            raise self.failure("the header is longer than {maximum} bytes. Give a MetaImage or NRRD file.", maximum=MAXIMUM_HEADER)
+        if self._start - self._asked > _STEP:
+            self._asked, available = self._start, available_memory()
+            if available is not None and available < _TIMES_IN_MEMORY * _STEP:
+                raise self.failure("there is no memory for a header of more than {size} bytes. Free some memory.", size=self._start)
         return line.rstrip(b"\r\n").decode("utf-8", errors="surrogateescape")
+
+    def keep(self, fields: dict[str, str], key: str, value: str, split: Callable[[str], tuple[str, str]]) -> None:
+        """Add the field of the last line to the others, as `store` does; that of a frame is left in the file where the header is long.
+
+        Raises
+        ------
+        OutOfOrder
+            When the header is long, and frames do not follow each other in it.
+        """
+        match = None if self._in_memory else FRAME_KEY.match(key)
+        if match is None:
+            store(self, fields, key, value)
+            return
+        self._lines = self._lines or FrameLines(split)
+        self._lines.add(int(match[1]), self._start, self.position)
+        if self.frames is None and self.position > LONG_HEADER:
+            self.frames = self._lines
+            for name in [name for name in fields if FRAME_KEY.match(name)]:
+                del fields[name]
+        if self.frames is None:
+            store(self, fields, key, value)
 
 
 def build_metafile(
@@ -108,6 +148,7 @@ def build_metafile(
         fields,
         stamp(status),
         entries or {},
+        lines.frames,
     )
     _check_length(metafile, size_key, stored_length)
     return metafile
@@ -164,7 +205,7 @@ def require(lines: HeaderLines, entries: Mapping[str, str], key: str) -> str:
     return entries[key]
 
 
-def store(lines: HeaderLines, entries: dict[str, str], key: str, value: str) -> None:
+def store(lines: HeaderLines | Metafile, entries: dict[str, str], key: str, value: str) -> None:
     """Add an entry; two different values under one key leave it open which of them holds."""
     if entries.setdefault(key, value) != value:
         raise lines.failure(

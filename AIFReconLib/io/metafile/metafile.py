@@ -15,6 +15,7 @@ from ...arrays import NumberType
 from ...errors import FileFormatError
 from ...message import Message
 from ..disk.regular_files import stamp
+from .frame_lines import FrameLines
 
 RAW = "raw"
 COMPRESSED = "compressed"
@@ -47,6 +48,8 @@ class Metafile:
         What the format itself does not define, by name: custom and per-frame fields.
     entries : dict of str to str
         What the format defines, as written: units of axes, place in space.
+    frame_lines : FrameLines or None
+        Of a long header: where the fields of each frame are, which `fields` then leaves out.
     """
 
     path: Path
@@ -62,6 +65,8 @@ class Metafile:
     fields: dict[str, str] = field(repr=False)
     data_stamp: tuple[int, int] = (0, 0)
     entries: dict[str, str] = field(default_factory=dict, repr=False)
+    frame_lines: FrameLines | None = field(default=None, repr=False)
+    header_stamp: tuple[int, int] = (0, 0)
 
     @property
     def pixel_bytes(self) -> int:
@@ -71,6 +76,24 @@ class Metafile:
     def failure(self, problem: str, /, **values: object) -> FileFormatError:
         """The error to raise for this file: a sentence with its values, on one line whatever the file holds."""
         return self.error("{path}: {problem}", path=self.path, problem=Message(problem, **values))
+
+    def frame_fields(self, number: int) -> list[tuple[str, str]]:
+        """Names and values of the fields of one frame, and some others, of a header with `frame_lines`.
+
+        Raises
+        ------
+        FileFormatError
+            `error`, when the header cannot be read any more, or is another one.
+        """
+        if self.frame_lines is None:
+            return []
+        try:
+            with open(self.path, "rb") as file:
+                if stamp(os.fstat(file.fileno())) != self.header_stamp:
+                    raise self.failure("the header has changed since it was opened. Read the file again.")
+                return self.frame_lines.read(file, number)
+        except OSError as error:
+            raise self.failure("the header cannot be read ({reason}). Copy the file again.", reason=error.strerror) from error
 
     @contextlib.contextmanager
     def open_payload(self) -> Iterator[BufferedReader]:

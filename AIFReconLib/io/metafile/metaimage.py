@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .header import HeaderLines, build_metafile, parse_count, parse_sizes, parse_skip, require, store
+from .header import HeaderLines, build_metafile, parse_count, parse_sizes, parse_skip, require
 from .metafile import COMPRESSED, RAW, Metafile
 
 ELEMENT_TYPES = {
@@ -83,14 +83,19 @@ def read_entries(lines: HeaderLines) -> dict[str, str]:
     while (line := lines.next()) is not None:
         if not line.strip():
             continue
-        key, equals, value = line.partition("=")
-        key = key.strip()
-        if not equals or not key:
+        key, value = _split(line)
+        if "=" not in line or not key:
             raise lines.failure("this is not a MetaImage header: a line is not 'Key = value'. Give a MetaImage or NRRD file.")
-        store(lines, entries, key, value.strip())
+        lines.keep(entries, key, value, _split)
         if key == LAST_KEY:
             return entries
     raise lines.failure("the header ends without {key}: the file is cut short or is no MetaImage. Copy it again.", key=LAST_KEY)
+
+
+def _split(line: str) -> tuple[str, str]:
+    """Key and value."""
+    key, _, value = line.partition("=")
+    return key.strip(), value.strip()
 
 
 def _is_true(lines: HeaderLines, entries: dict[str, str], key: str, default: bool) -> bool:

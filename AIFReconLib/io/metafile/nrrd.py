@@ -106,7 +106,7 @@ def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str
         if not colon or not key.strip():
             raise lines.failure("this is not an NRRD header: a line is neither 'field: value' nor 'key:=value'. Copy the file again.")
         if value.startswith("="):
-            store(lines, fields, unescape(key.strip()), unescape(value[1:]).strip())
+            lines.keep(fields, *_split(line), _split)
         else:
             name = SPELLINGS.get(key.strip().lower(), "")
             store(lines, entries if name else others, name or key.strip(), value.strip())
@@ -118,6 +118,12 @@ def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str
         if key not in fields or key not in _WRITTEN_TWICE:
             store(lines, fields, key, value)
     return entries, fields
+
+
+def _split(line: str) -> tuple[str, str]:
+    """Key and value of a line ``key:=value``."""
+    key, _, value = line.partition(":=")
+    return unescape(key.strip()), unescape(value).strip()
 
 
 def _byte_order(lines: HeaderLines, entries: dict[str, str], code: str) -> str:

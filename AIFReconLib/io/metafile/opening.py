@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 from ...errors import FileFormatError
-from ..disk.regular_files import require_regular_file
+from ..disk.regular_files import require_regular_file, stamp
+from .frame_lines import OutOfOrder
 from .header import HeaderLines
-from .metafile import Metafile
+from .metafile import UNFINISHED, Metafile
 from .metaimage import parse_metaimage
 from .nrrd import parse_nrrd
 
@@ -37,7 +39,19 @@ def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
     require_regular_file(path, error)
     try:
         with open(path, "rb") as file:
-            return (parse_metaimage if suffix in METAIMAGE_SUFFIXES else parse_nrrd)(HeaderLines(file, path, error))
+            before = os.fstat(file.fileno())
+            parse = parse_metaimage if suffix in METAIMAGE_SUFFIXES else parse_nrrd
+            try:
+                metafile = parse(HeaderLines(file, path, error, in_memory=False))
+            except OutOfOrder:
+                file.seek(0)
+                metafile = parse(HeaderLines(file, path, error))
+            metafile = replace(metafile, header_stamp=stamp(before))
+            # The data were looked up after the header was opened: they belong together if its name still leads to the same file
+            after = path.stat()
+            if (not os.path.samestat(before, after) or stamp(before) != stamp(after)) and UNFINISHED not in metafile.fields:
+                raise metafile.failure("the file changed while it was read. Read it again when it is complete.")
+            return metafile
     except OSError as cause:
         raise error("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=cause.strerror) from cause
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from ...arrays import Matrix
 from ...errors import SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ...message import Message, one_line, shorten
-from ...sweep.frames import FrameRecord
+from ...sweep.frames import FrameRecord, RecordsOnDemand
 from ..metafile.metafile import Metafile
 from ..metafile.opening import NRRD_SUFFIXES
 from ..metafile.text_values import NotANumberError, format_number, parse_number, parse_numbers
@@ -34,7 +34,7 @@ _STATUS_SUFFIX = "TransformStatus"
 
 def split_fields(
     metafile: Metafile, frames: int, spacing: tuple[float, float] | None = None
-) -> tuple[list[FrameRecord], dict[str, str], dict[TransformName, TransformSample]]:
+) -> tuple[Sequence[FrameRecord], dict[str, str], dict[TransformName, TransformSample]]:
     """The records of all frames, and the header's own fields and transforms.
 
     Parameters
@@ -49,10 +49,25 @@ def split_fields(
     SequenceFormatError
         Names the key when a number is none, a matrix has not 16 of them, or a frame does not exist.
     """
+    per_frame, header = _by_frame(metafile, metafile.fields.items(), frames)
+    transforms, fields = _take_transforms(metafile, "", header)
+    if metafile.frame_lines is None:
+        return [_of_frame(metafile, per_frame, number, spacing) for number in range(frames)], fields, transforms
+    if len(metafile.frame_lines) > frames:
+        _by_frame(metafile, metafile.frame_fields(len(metafile.frame_lines) - 1), frames)
+
+    def record(number: int) -> FrameRecord:
+        return _of_frame(metafile, _by_frame(metafile, metafile.frame_fields(number), frames)[0], number, spacing)
+
+    return RecordsOnDemand(frames, record), fields, transforms
+
+
+def _by_frame(metafile: Metafile, fields: Iterable[tuple[str, str]], frames: int) -> tuple[dict[int, dict[str, str]], dict[str, str]]:
+    """Fields of each frame, and the others."""
     per_frame: dict[int, dict[str, str]] = {}
     keys: dict[tuple[int, str], str] = {}
     header: dict[str, str] = {}
-    for key, value in metafile.fields.items():
+    for key, value in fields:
         match = FRAME_KEY.fullmatch(key)
         if match is None:
             header[key] = value
@@ -68,7 +83,7 @@ def split_fields(
                 frames=frames,
                 last=frames - 1,
             )
-        if keys.setdefault((number, name), key) != key:
+        if keys.setdefault((number, name), key) != key or per_frame.get(number, {}).get(name, value) != value:
             raise metafile.failure(
                 "frame {number} has {name} twice, as {first} and {second}. Remove one of them from the header.",
                 number=number,
@@ -77,11 +92,11 @@ def split_fields(
                 second=key,
             )
         per_frame.setdefault(number, {})[name] = value
-    records = [
-        _record(metafile, Message("frame {number}, ", number=number), per_frame.get(number, {}), spacing) for number in range(frames)
-    ]
-    transforms, fields = _take_transforms(metafile, "", header)
-    return records, fields, transforms
+    return per_frame, header
+
+
+def _of_frame(metafile: Metafile, per_frame: dict[int, dict[str, str]], number: int, spacing: tuple[float, float] | None) -> FrameRecord:
+    return _record(metafile, Message("frame {number}, ", number=number), per_frame.get(number, {}), spacing)
 
 
 def frame_entries(records: Iterable[FrameRecord], image_status: str = IMAGE_STATUS) -> Iterator[tuple[str, str]]:

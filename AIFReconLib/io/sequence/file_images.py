@@ -14,7 +14,7 @@ from .images_on_demand import ImagesOnDemand
 
 MAXIMUM_FRAMES = 1_000_000
 MAXIMUM_FRAME_BYTES = 2**28
-"""Limits of what can be a recording: nine hours at 30 frames/s, and 256 MB in one image."""
+"""Limits of what can be a recording: nine hours at 30 frames/s, or as many frames as a header has lines of, and 256 MB in one image."""
 
 KEPT_BYTES = 2**27
 """Compressed recordings that take no more than this are kept once they are decoded: to look for the probe, for bone and to reconstruct all
@@ -135,7 +135,8 @@ def frame_layout(metafile: Metafile) -> tuple[int, int, int]:
         raise metafile.failure(
             "pixels must have 1 channel, or 3 or 4 (color); got {channels}. Convert the images to gray.", channels=metafile.channels
         )
-    if frames > MAXIMUM_FRAMES or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
+    described = len(metafile.frame_lines) if metafile.frame_lines is not None else 0
+    if frames > max(MAXIMUM_FRAMES, described) or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
         raise metafile.failure(
             "{frames} frames of {columns} x {rows} pixels are beyond the limits ({maximum} frames, "
             "{maximum_bytes} bytes in each). The size in the header is wrong, or the recording must be split.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ...arrays import Matrix
@@ -122,7 +122,7 @@ def _header_spacing(metafile: Metafile) -> tuple[float, float] | None:
     return stated_spacing(" ".join(words))
 
 
-def _placed(records: list[FrameRecord], image_frame: str, geometry: Matrix) -> tuple[list[FrameRecord], Message]:
+def _placed(records: Sequence[FrameRecord], image_frame: str, geometry: Matrix) -> tuple[Sequence[FrameRecord], Message]:
     """Records whose transforms of the image include its node's geometry, and a note on what was done."""
     if any(image_frame in (name.source, name.target) for record in records for name in record.transforms):
         note = Message(

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from urllib.parse import unquote
 
@@ -38,8 +39,8 @@ def is_slicer_sequence(metafile: Metafile) -> bool:
 
 
 def slicer_records(
-    metafile: Metafile, records: list[FrameRecord], fields: dict[str, str]
-) -> tuple[list[FrameRecord], dict[str, str], tuple[str, ...]]:
+    metafile: Metafile, records: Sequence[FrameRecord], fields: dict[str, str]
+) -> tuple[Sequence[FrameRecord], dict[str, str], tuple[str, ...]]:
     """Records with Slicer's times and attributes of frames, the fields that are left, and what a user should know.
 
     Parameters
@@ -121,7 +122,7 @@ def node_geometry(metafile: Metafile) -> Matrix | None:
     return None if np.abs(matrix - np.eye(4)).max() < _IDENTITY_TOLERANCE else matrix
 
 
-def place_frames(records: list[FrameRecord], image_frame: str, pixel_to_node: Matrix) -> list[FrameRecord]:
+def place_frames(records: Sequence[FrameRecord], image_frame: str, pixel_to_node: Matrix) -> list[FrameRecord]:
     """Records whose transforms from the image frame take pixels, where they took the RAS coordinates of Slicer's volume node.
 
     Parameters

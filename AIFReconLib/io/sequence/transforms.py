@@ -7,7 +7,7 @@ transform was called when it was recorded, so it may be any word. A recording wi
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -74,8 +74,8 @@ def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | N
 
 
 def pair_transforms(
-    records: list[FrameRecord], files: Mapping[str, str | Path], longest_gap: float = LONGEST_GAP
-) -> tuple[list[FrameRecord], tuple[str, ...]]:
+    records: Sequence[FrameRecord], files: Mapping[str, str | Path], longest_gap: float = LONGEST_GAP
+) -> tuple[Sequence[FrameRecord], tuple[str, ...]]:
     """Records with the transforms of these files, each taken at the time of the image, and what a user should know.
 
     Parameters
@@ -107,7 +107,7 @@ def pair_transforms(
 
 
 def _pair(
-    records: list[FrameRecord],
+    records: Sequence[FrameRecord],
     name: TransformName,
     samples: list[tuple[float | None, TransformSample]],
     path: Path,

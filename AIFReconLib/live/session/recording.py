@@ -4,19 +4,23 @@ While it runs there are three files beside the one that was asked for, named aft
 
     sweep.recording.mhd      a complete header of all frames but the last few; replaced as a whole about once a second
     sweep.recording.raw      the pixels, appended frame by frame
-    sweep.recording.fields   the lines of the header that belong to frames, appended frame by frame
+    sweep.recording.fields   the header as it grows, frame by frame, but for the number of frames
 
 `read_sequence` opens ``sweep.recording.mhd`` at any time. Its field `UNFINISHED` tells the reader that the pixels may go on behind the
 frames that the header lists. When the program is killed, at most the frames since the header was last replaced are missing from it
-(their pixels and lines are in the other two files). `finish` makes the file that was asked for, completely or not at all, and only then
-removes the three.
+(their pixels and lines are in the other two files). When the disk is full, the growing header is completed where it is, which takes
+no room, and becomes ``sweep.recording.mhd``. `finish` makes the file that was asked for, completely or not at all, and only then removes
+the three.
 """
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import logging
 import os
+import shutil
+import threading
 import time
 from io import FileIO
 from pathlib import Path
@@ -32,6 +36,7 @@ from ...io.metafile.metafile import UNFINISHED
 from ...io.sequence.fields import frame_entries
 from ...io.sequence.files import read_sequence
 from ...io.sequence.writer import check_sequence_name, checked, write_sequence
+from ...machine.threads import start
 from ...message import Message, said
 from ...progress import Progress
 from ...sweep.frames import FrameRecord, TrackedSequence
@@ -48,9 +53,20 @@ REFRESH_BY_COST = 20.0
 The header of an hour's frames is large, and appending must not wait for it.
 """
 
+LONGEST_WAIT = 0.2
+"""s that a frame may wait for a header."""
+
 _FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG") if hasattr(errno, name)}
 _FIRST_FRAME = "Seq_Frame0000_"
-_PIECE = 2**20
+_SIZE = "DimSize = "
+_SIZE_LETTERS = 40
+"""Place for three numbers, which are known last and written first."""
+
+
+def _write(file: FileIO, data: memoryview) -> None:
+    rest = data.cast("B")
+    while rest:
+        rest = rest[file.write(rest) :]
 
 
 class Recorder:
@@ -81,7 +97,7 @@ class Recorder:
         self.header_path, self._pixels_path, self._fields_path = (
             self.path.with_name(f"{stem}.recording{suffix}") for suffix in (".mhd", ".raw", ".fields")
         )
-        left = next((path for path in (self.header_path, self._pixels_path, self._fields_path) if path.exists()), None)
+        left = next((path for path in (self.header_path, self._pixels_path, self._fields_path) if os.path.lexists(path)), None)
         if left is not None:
             raise OutputError(
                 "Cannot record to {path}: {left} is there, from a recording that was not finished. "
@@ -91,17 +107,22 @@ class Recorder:
                 file=self.header_path.name,
             )
         self.frames = self.without_image = 0
-        self._unseen: list[FrameRecord] | None = []
+        self._unseen = True
         self.failure: str | None = None
         self._shape: tuple[int, ...] = (0, 0)
         self._dtype: NumberType = np.dtype(np.uint8)
-        self._header: tuple[list[str], list[str]] = ([], [])
+        self._begin: list[str] = []
         self._pixels: FileIO | None = None
         self._fields: FileIO | None = None
-        self._fields_length = 0
+        self._lister: threading.Thread | None = None
+        self._list_error: OSError | None = None
+        self._growing = self._fields_path
+        self._fields_length = self._listed_length = 0
         self._listed = 0
         self._refreshed = 0.0
         self._cost = 0.0
+
+    _write = staticmethod(_write)
 
     def append(self, frame: LiveFrame) -> None:
         """Record a frame. Does nothing after a failure, or with a frame that has no image."""
@@ -112,11 +133,10 @@ class Recorder:
             if self._pixels is None or self._fields is None:
                 self._pixels, self._fields = self._start(image)
             elif self._unseen and self._differs(image):
-                self._pixels, self._fields = self._start_anew(image, self._unseen)
+                self._pixels, self._fields = self._start_anew(image)
             self._append(image, frame.record, self._pixels, self._fields)
-            self._remember(frame.record)
-            if time.monotonic() - self._refreshed >= max(REFRESH, REFRESH_BY_COST * self._cost):
-                self.refresh()
+            self._unseen &= all(sample.status is not TransformStatus.OK for sample in frame.record.transforms.values())
+            self._refresh_when_due()
         except AIFReconError as error:
             self._stop(said(error))
         except OSError as error:
@@ -124,12 +144,44 @@ class Recorder:
 
     def refresh(self) -> None:
         """List every frame that was appended in the header on the disk."""
-        if self._listed == self.frames:
+        self._wait_for_header()
+        if self._listed != self.frames:
+            self._list(self.frames, self._fields_length)
+
+    def _refresh_when_due(self) -> None:
+        """List the frames so far where it is time; on a thread of its own where that takes long, so that no frame has to wait."""
+        if self._lister is not None and self._lister.is_alive():
             return
+        if time.monotonic() - self._refreshed < max(REFRESH, REFRESH_BY_COST * self._cost):
+            return
+        self._wait_for_header()
+        self._lister = threading.Thread(
+            target=self._list_beside, args=(self.frames, self._fields_length), name="listing the recording", daemon=True
+        )
+        if self._cost < LONGEST_WAIT or not start(self._lister):
+            self._lister = None
+            self.refresh()
+
+    def _list_beside(self, frames: int, length: int) -> None:
+        try:
+            self._list(frames, length)
+        except OSError as error:
+            self._list_error = error
+
+    def _wait_for_header(self) -> None:
+        """Wait until no other thread writes the header, and raise what it met."""
+        if self._lister is not None:
+            self._lister.join()
+        error, self._lister, self._list_error = self._list_error, None, None
+        if error is not None:
+            raise error
+
+    def _list(self, frames: int, length: int) -> None:
+        """Replace the header by one of so many frames, whose lines end at byte `length`."""
         started = time.monotonic()
         try:
-            self._write_header(self.header_path.with_name(self.header_path.name + ".new"), self.header_path)
-            self._listed = self.frames
+            self._write_header(self.header_path.with_name(self.header_path.name + ".new"), self.header_path, self._end, frames, length)
+            self._listed, self._listed_length = frames, length
         except PermissionError:
             # On Windows, while somebody reads the older header; the next one replaces it
             if not self.header_path.exists():
@@ -148,6 +200,7 @@ class Recorder:
         try:
             if self._pixels is not None:
                 self.refresh()
+                self._pixels.truncate(self.frames * self._frame_bytes)
         except OSError as error:
             self._fail(error)
         self.close()
@@ -164,10 +217,14 @@ class Recorder:
                 header=self.header_path,
             ) from error
         self._remove()
+        if self.failure is not None:
+            self._say_where(self.path)
         return self.path
 
     def close(self) -> None:
         """Close the files as they are; the recording stays unfinished, and readable."""
+        with contextlib.suppress(OSError):
+            self._wait_for_header()
         for file in (self._pixels, self._fields):
             if file is not None:
                 file.close()
@@ -198,26 +255,22 @@ class Recorder:
             path = folder / "header.mhd"
             write_sequence(TrackedSequence(image[None], [LiveFrame(image, None).record], {UNFINISHED: "True"}), path, compress=False)
             lines = path.read_text("utf-8").splitlines()
-        place = lines.index(next(line for line in lines if line.startswith(_FIRST_FRAME)))
-        self._header = (lines[:place], [line for line in lines[place:] if not line.startswith(_FIRST_FRAME)])
+        self._begin = [line for line in lines[:-1] if not line.startswith((_FIRST_FRAME, UNFINISHED))]
         # Without buffers of our own, what was written survives the program
         self._pixels = pixels = open(self._pixels_path, "xb", buffering=0)  # noqa: SIM115 (closed in close)
-        return pixels, open(self._fields_path, "xb", buffering=0)
+        self._fields = fields = open(self._fields_path, "xb", buffering=0)  # noqa: SIM115 (closed in close)
+        begin = self._begin_of(0)
+        _write(fields, memoryview(begin + self._end))
+        self._fields_length = len(begin)
+        return pixels, fields
 
-    def _remember(self, record: FrameRecord) -> None:
-        """Until the probe is seen, what the frames had beside their images; then nothing."""
-        if self._unseen is not None:
-            seen = any(sample.status is TransformStatus.OK for sample in record.transforms.values())
-            if seen:
-                self._unseen = None
-            else:
-                self._unseen.append(record)
-
-    def _start_anew(self, image: Numbers, before: list[FrameRecord]) -> tuple[FileIO, FileIO]:
+    def _start_anew(self, image: Numbers) -> tuple[FileIO, FileIO]:
         """Files for images of another size or type, with the frames so far, without their images."""
+        self.refresh()
+        before = list(read_sequence(self.header_path).records)
         self.close()
         self._remove()
-        self.frames = self.without_image = self._listed = self._fields_length = 0
+        self.frames = self.without_image = self._listed = 0
         self._refreshed = 0.0
         pixels, fields = self._start(image)
         for record in before:
@@ -239,33 +292,35 @@ class Recorder:
             lines.append(f"Seq_Frame{self.frames:04d}_{name} = {text}\n")
         self._write(pixels, np.ascontiguousarray(image, dtype=self._dtype.newbyteorder("<")).data)
         written = "".join(lines).encode("utf-8", errors="surrogateescape")
-        self._write(fields, memoryview(written))
+        # With the end behind it, which the next frame takes the place of: so there is room for it on a disk that is full
+        fields.seek(self._fields_length)
+        self._write(fields, memoryview(written + self._end))
         self._fields_length += len(written)
         self.frames += 1
 
-    @staticmethod
-    def _write(file: FileIO, data: memoryview) -> None:
-        rest = data.cast("B")
-        while rest:
-            rest = rest[file.write(rest) :]
+    @property
+    def _end(self) -> bytes:
+        """The last lines of a header that is not finished."""
+        return f"{UNFINISHED} = True\nElementDataFile = {self._pixels_path.name}\n".encode()
 
-    def _write_header(self, temporary: Path, path: Path, data_file: str | None = None) -> None:
-        """A header of all frames, in the place of an older one; `data_file` is that of a finished recording."""
-        columns, rows = self._shape[1], self._shape[0]
-        changes = {"DimSize": f"{columns} {rows} {self.frames}", "ElementDataFile": data_file or self._pixels_path.name}
-        begin, end = (
-            [f"{key} = {changes.get(key, value)}\n" for key, value in (line.split(" = ", 1) for line in lines)] for lines in self._header
-        )
-        if data_file is not None:
-            begin, end = ([line for line in lines if not line.startswith(UNFINISHED)] for lines in (begin, end))
+    def _begin_of(self, frames: int) -> bytes:
+        """The lines before those of the frames, as long for any number of these."""
+        size = f"{self._shape[1]} {self._shape[0]} {frames}".ljust(_SIZE_LETTERS)
+        return "".join(f"{_SIZE}{size}\n" if line.startswith(_SIZE) else f"{line}\n" for line in self._begin).encode()
+
+    def _write_header(self, temporary: Path, path: Path, end: bytes, frames: int, length: int) -> None:
+        """A header of so many frames, whose lines end at byte `length`, with these last lines, in the place of an older one."""
+        begin = self._begin_of(frames)
+        temporary.unlink(missing_ok=True)
         try:
-            with open(temporary, "wb") as file, open(self._fields_path, "rb") as lines:
-                file.write("".join(begin).encode())
-                left = self._fields_length
-                while left and (piece := lines.read(min(left, _PIECE))):
-                    file.write(piece)
-                    left -= len(piece)
-                file.write("".join(end).encode())
+            # Made anew, whatever lies there: a link would lead to another file
+            with open(temporary, "xb") as file, open(self._growing, "rb") as lines:
+                file.write(begin)
+                lines.seek(len(begin))
+                shutil.copyfileobj(lines, file)
+                file.truncate(length)
+                file.seek(length)
+                file.write(end)
             os.replace(temporary, path)
         finally:
             temporary.unlink(missing_ok=True)
@@ -273,13 +328,12 @@ class Recorder:
     def _finish_in_place(self) -> bool:
         """Give pixels and header their final names; False where the file system cannot give a file two names for a moment."""
         target = self.path.with_suffix(".raw")
-        with open(self._pixels_path, "rb+") as file:
-            file.truncate(self.frames * self._frame_bytes)
         try:
             with atomic_outputs(target, self.path) as (temporary_data, temporary):
                 # Two names until the header is there: at no moment is the recording without one that fits
                 _give_second_name(self._pixels_path, temporary_data)
-                self._write_header(temporary.with_name("header.new"), temporary, target.name)
+                end = f"ElementDataFile = {target.name}\n".encode()
+                self._write_header(temporary.with_name("header.new"), temporary, end, self.frames, self._fields_length)
         except _OneNameOnly:
             return False
         return True
@@ -290,25 +344,41 @@ class Recorder:
         write_sequence(TrackedSequence(recorded.images, recorded.records, fields), self.path, compress=False, progress=progress)
 
     def _fail(self, error: OSError) -> None:
+        with contextlib.suppress(OSError):
+            self._wait_for_header()
         try:
-            if self._fields is not None:
-                # Room for the last header
-                os.truncate(self._pixels_path, self.frames * self._frame_bytes)
-                self.refresh()
+            if self._fields is not None and not self._fields.closed:
+                self._complete(self._fields)
         except OSError:
-            self.frames = self._listed
+            self.frames, self._fields_length = self._listed, self._listed_length
+        self._growing = self.header_path
         cause = Message("the disk is full") if error.errno in _FULL else (error.strerror or str(error))
         self._stop(Message("{cause}.", cause=cause))
 
+    def _complete(self, fields: FileIO) -> None:
+        """Make the growing header the one of all frames, which takes no room on the disk."""
+        fields.seek(self._fields_length)
+        _write(fields, memoryview(self._end))
+        fields.truncate()
+        fields.seek(0)
+        _write(fields, memoryview(self._begin_of(self.frames)))
+        fields.close()
+        os.replace(self._fields_path, self.header_path)
+        self._listed = self.frames
+
     def _stop(self, cause: Message) -> None:
+        self._cause = cause
+        self._say_where(self.header_path)
+        logger.error("%s", self.failure, exc_info=True)
+
+    def _say_where(self, path: Path) -> None:
+        """Say why the recording stopped, and where its frames are now."""
         if self.frames:
             self.failure = Message(
-                "Recording stopped: {cause} {count} frames are kept in {path}.", cause=cause, count=self.frames, path=self.header_path
+                "Recording stopped: {cause} {count} frames are kept in {path}.", cause=self._cause, count=self.frames, path=path
             )
         else:
-            self.failure = Message("Recording stopped: {cause} No frame was recorded.", cause=cause)
-        logger.error("%s", self.failure, exc_info=True)
-        self.close()
+            self.failure = Message("Recording stopped: {cause} No frame was recorded.", cause=self._cause)
 
     def _remove(self) -> None:
         for path in (self.header_path, self._pixels_path, self._fields_path):

@@ -154,6 +154,33 @@ def test_a_read_only_folder_is_refused(patient, results, capsys):
     refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
 
 
+def test_a_picture_never_overwrites_the_importance_mask_that_the_configuration_names(patient, results, capsys):
+    mask = patient.config.with_name("mask.png")
+    mask.write_bytes(b"mask")
+    named = f'<VolumeReconstruction CompoundingMode="IMPORTANCE_MASK" ImportanceMaskFilename="{mask}" '
+    text = patient.config.read_text("utf-8").replace("<VolumeReconstruction ", named)
+    patient.config.write_text(text, encoding="utf-8")
+    line = refused([*patient.reconstruct, "--output", results / "v.nrrd", "--preview", mask], capsys, results)
+    assert "would overwrite an input (mask.png)" in line
+
+
+def test_a_drawing_never_overwrites_an_image_of_the_folder_that_is_imported(tmp_path, results, capsys):
+    frames = tmp_path / "frames"
+    frames.mkdir()
+    (frames / "1.png").write_bytes(b"image")
+    poses = tmp_path / "poses.csv"
+    poses.write_text("x", encoding="utf-8")
+    arguments = ["import", frames, "--poses", poses, "--transform", "ImageToTracker", "--output", results / "s.mha"]
+    assert "would overwrite an input (1.png)" in refused([*arguments, "--drawing", frames / "1.png"], capsys, results)
+
+
+@pytest.mark.parametrize("command", ["demo", "simulate"])
+@pytest.mark.parametrize("name", ["ct.nrrd", "PlusDeviceSet.xml"])
+def test_simulated_files_replace_none_that_were_not_simulated(command, name, tmp_path, results, capsys):
+    (tmp_path / name).write_text("real", encoding="utf-8")
+    assert f"it holds {name}, which was not simulated" in refused([command, "--output", tmp_path], capsys, results)
+
+
 def test_an_output_never_overwrites_an_input(patient, results, capsys):
     before = patient.sweep.read_bytes()
     assert "would overwrite an input" in refused([*patient.reconstruct, "--output", patient.sweep], capsys, results)

@@ -8,6 +8,7 @@ import os
 import pytest
 
 from AIFReconLib.errors import OutputError
+from AIFReconLib.io.disk import atomic
 from AIFReconLib.io.disk.atomic import atomic_output, atomic_outputs, check_writable, write_text
 
 
@@ -182,3 +183,13 @@ def test_files_in_different_folders_do_not_belong_together(tmp_path):
     (tmp_path / "b").mkdir()
     with pytest.raises(OutputError, match="one folder"), atomic_outputs(tmp_path / "a.raw", tmp_path / "b" / "a.mhd"):
         pass
+
+
+def test_no_two_versions_of_a_file_share_a_time(tmp_path, monkeypatch):
+    """The system's own clock of files ticks every few ms."""
+    monkeypatch.setattr(atomic.time, "time_ns", iter([10**18, 10**18 + 100]).__next__)
+    times = []
+    for text in ("old", "new"):
+        write_text(tmp_path / "a.txt", text)
+        times.append((tmp_path / "a.txt").stat().st_mtime_ns)
+    assert times == [10**18, 10**18 + 100]

@@ -62,6 +62,64 @@ def test_wherever_it_ends_the_header_names_data_of_its_own_version(older, step, 
     assert read_pair(older) in (("old", "old"), ("new", "new"))
 
 
+def after_step(monkeypatch, step: int, then) -> None:
+    """Call `then` after the rename, link or removal with this number, which is done."""
+    done = 0
+
+    def followed(function):
+        def call(*arguments, **options):
+            nonlocal done
+            done += 1
+            answer, due = function(*arguments, **options), done == step + 1
+            if due:
+                then()
+            return answer
+
+        return call
+
+    for name in ("replace", "link", "unlink"):
+        monkeypatch.setattr(os, name, followed(getattr(os, name)))
+
+
+@pytest.mark.parametrize("exception", [KeyboardInterrupt(), OSError(5, "no answer")], ids=["Ctrl-C", "a disk that says it failed"])
+@pytest.mark.parametrize("step", range(STEPS))
+def test_a_step_that_is_done_although_it_fails_leaves_a_whole_pair(older, step, exception):
+    def fail():
+        raise exception
+
+    with pytest.MonkeyPatch.context() as patched:
+        after_step(patched, step, fail)
+        with contextlib.suppress(KeyboardInterrupt, OutputError):
+            write_pair(older, "new")
+    assert read_pair(older) in (("old", "old"), ("new", "new"))
+
+
+@pytest.mark.parametrize("first", [True, False], ids=["a first pair", "over an older pair"])
+@pytest.mark.parametrize("step", range(STEPS))
+def test_of_two_writers_of_one_pair_one_wins_whole(tmp_path, step, first):
+    if not first:
+        write_pair(tmp_path, "old")
+    with pytest.MonkeyPatch.context() as patched:
+        after_step(patched, step, lambda: write_pair(tmp_path, "other"))
+        write_pair(tmp_path, "new")
+    assert read_pair(tmp_path) in (("other", "other"), ("new", "new"))
+
+
+@pytest.mark.parametrize("stop", range(STEPS))
+@pytest.mark.parametrize("step", range(STEPS))
+def test_a_second_writer_that_is_killed_leaves_the_pair_whole(older, step, stop):
+    def other():
+        with pytest.MonkeyPatch.context() as killed:
+            stop_at(killed, stop, KeyboardInterrupt())
+            with contextlib.suppress(KeyboardInterrupt):
+                write_pair(older, "other")
+
+    with pytest.MonkeyPatch.context() as patched:
+        after_step(patched, step, other)
+        write_pair(older, "new")
+    assert read_pair(older) in (("other", "other"), ("new", "new"))
+
+
 @pytest.mark.parametrize("step", range(STEPS))
 def test_the_next_pair_has_its_usual_names_and_nothing_else_is_left(older, step):
     with pytest.MonkeyPatch.context() as patched:
@@ -98,3 +156,12 @@ def test_the_name_of_the_data_file_may_have_any_letters(tmp_path):
 
 def test_a_header_that_is_not_there_names_nothing(tmp_path):
     assert named_data_file(tmp_path / "a.mhd") is None
+
+
+def test_the_data_of_another_header_are_not_replaced(tmp_path):
+    """ITK and Slicer call the data of a.nhdr a.raw, too."""
+    (tmp_path / "a.nhdr").write_text("NRRD0004\ndata file: a.raw\n", encoding="utf-8")
+    (tmp_path / "a.raw").write_text("theirs", encoding="utf-8")
+    write_pair(tmp_path, "new")
+    assert read_pair(tmp_path) == ("new", "new")
+    assert (tmp_path / "a.raw").read_text("utf-8") == "theirs"

@@ -21,6 +21,7 @@ from AIFReconLib.io.disk.small_files import read_bytes
 from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.foreign.pose_files import read_poses
 from AIFReconLib.io.foreign.pose_rows import PoseFormat
+from AIFReconLib.io.metafile import opening
 from AIFReconLib.io.metafile.metafile import Metafile
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
@@ -28,6 +29,7 @@ from AIFReconLib.io.transform.files import write_transform
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.live.pairing.synchronizer import Synchronizer
 from AIFReconLib.live.session.recording import Recorder
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 FRAMES = np.random.default_rng(0).integers(0, 256, (6, 30, 40), dtype=np.uint8)
 
@@ -102,6 +104,29 @@ def test_a_sequence_that_grows_while_a_frame_is_read_is_refused(tmp_path, monkey
     monkeypatch.setattr(Metafile, "require_unchanged", grow_after_the_first)
     with pytest.raises(SequenceFormatError, match="has changed since it was opened"):
         images[0]
+
+
+@pytest.mark.parametrize("suffix", [".mha", ".mhd", ".nrrd"])
+def test_the_header_of_one_version_is_not_read_with_the_pixels_of_another(tmp_path, monkeypatch, suffix):
+    """A writer replaces the file after its header was opened, and before its pixels are looked up."""
+    path = tmp_path / f"s{suffix}"
+
+    def write(version):
+        images = np.full((3, 4, 5), version, np.uint8)
+        write_sequence(TrackedSequence(images, [FrameRecord(float(version))] * 3), path, compress=False)
+
+    def replaced_meanwhile(parse):
+        def parsed(lines):
+            write(1)
+            return parse(lines)
+
+        return parsed
+
+    write(0)
+    for name in ("parse_metaimage", "parse_nrrd"):
+        monkeypatch.setattr(opening, name, replaced_meanwhile(getattr(opening, name)))
+    with pytest.raises(SequenceFormatError, match="changed while it was read"):
+        read_sequence(path)
 
 
 def test_a_disk_that_goes_away_shows_as_an_error_of_the_file_even_when_it_is_closed(tmp_path, monkeypatch):

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import SimpleITK as sitk
 from live_messages import SMALL, image, metadata, tracked
 from sweeps import image_pose
 
@@ -229,6 +232,98 @@ def test_what_was_recorded_before_the_disk_was_full_can_be_read(writes, tmp_path
     full_after(monkeypatch, writes)
     record(tmp_path / "scan.mha", frames()).finish()
     np.testing.assert_array_equal(np.asarray(read_sequence(tmp_path / "scan.mha").images), [SMALL, SMALL + 1, SMALL + 2])
+
+
+@pytest.fixture
+def no_room_for_headers(monkeypatch):
+    """From the second header on the disk is full for them, although frames are still written."""
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(recording, "REFRESH", 3600.0)
+    return lambda: monkeypatch.setattr(recording.shutil, "copyfileobj", full)
+
+
+@pytest.mark.parametrize("suffix", [".mha", ".mhd", ".nrrd"])
+def test_no_frame_is_lost_when_there_is_no_room_for_their_header(suffix, tmp_path, no_room_for_headers, record):
+    recorder = record(tmp_path / f"scan{suffix}", frames(1))
+    no_room_for_headers()
+    append_all(recorder, frames(5)[1:])
+    with contextlib.suppress(OutputError):
+        recorder.finish()
+    kept = next(path for path in (recorder.path, recorder.header_path) if path.exists())
+    np.testing.assert_array_equal(np.asarray(read_sequence(kept).images), [SMALL + n for n in range(5)])
+
+
+def test_frames_that_the_last_header_did_not_list_do_not_spoil_the_finished_file(tmp_path, monkeypatch, record):
+    recorder = record(tmp_path / "scan.mhd", frames(1))
+    append_all(recorder, frames(3)[1:])
+    with monkeypatch.context() as patched:
+        patched.setattr(recording, "_write", lambda *_: (_ for _ in ()).throw(OSError(errno.EIO, "no answer")))
+        recorder._fail(OSError(errno.EIO, "no answer"))
+    recorder.finish()
+    assert len(read_sequence(tmp_path / "scan.mhd")) == 1
+
+
+def test_a_header_that_was_completed_on_a_full_disk_is_read_by_others(tmp_path, monkeypatch, no_room_for_headers, record):
+    recorder = record(tmp_path / "scan.mha", frames(1))
+    no_room_for_headers()
+    append_all(recorder, frames(4)[1:])
+    monkeypatch.setattr(recorder, "_refreshed", -7200.0)
+    append_all(recorder, frames(5)[4:])
+    assert sitk.ReadImage(str(recorder.header_path)).GetSize() == (SMALL.shape[1], SMALL.shape[0], 5)
+
+
+@pytest.mark.parametrize("suffix", [".mha", ".mhd", ".nrrd"])
+def test_a_recording_that_stopped_names_a_file_that_is_there(suffix, tmp_path, monkeypatch, record):
+    full_after(monkeypatch, 6)
+    recorder = record(tmp_path / f"scan{suffix}", frames())
+    recorder.finish()
+    assert recorder.failure.values["path"] == tmp_path / f"scan{suffix}"
+
+
+@pytest.fixture
+def headers_take_long(monkeypatch):
+    monkeypatch.setattr(recording, "REFRESH", 0.0)
+    monkeypatch.setattr(recording, "REFRESH_BY_COST", 0.0)
+    monkeypatch.setattr(recording, "LONGEST_WAIT", -1.0, raising=False)
+
+
+def test_no_frame_waits_for_a_header_that_takes_long(tmp_path, monkeypatch, headers_take_long, record):
+    threads, copy = set(), recording.shutil.copyfileobj
+
+    def noted(*arguments):
+        threads.add(threading.current_thread())
+        copy(*arguments)
+
+    monkeypatch.setattr(recording.shutil, "copyfileobj", noted)
+    record(tmp_path / "scan.mha", frames()).close()
+    assert threads
+    assert threading.main_thread() not in threads
+
+
+def test_a_header_for_which_there_is_no_room_ends_the_recording_whoever_writes_it(
+    tmp_path, headers_take_long, no_room_for_headers, monkeypatch, record
+):
+    monkeypatch.setattr(recording, "REFRESH", 0.0)
+    no_room_for_headers()
+    recorder = record(tmp_path / "scan.mha", frames())
+    recorder.finish()
+    assert "the disk is full" in recorder.failure
+    assert len(read_sequence(tmp_path / "scan.mha")) == recorder.frames >= 1
+
+
+@pytest.mark.parametrize("name", ["scan.recording.mhd.new", "scan.recording.raw", "scan.recording.fields", "scan.recording.mhd"])
+def test_a_link_in_the_place_of_a_recorders_file_leads_to_no_other_file(name, tmp_path):
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "precious").write_text("precious", encoding="utf-8")
+    os.symlink(tmp_path / "other" / "precious", tmp_path / name)
+    with contextlib.suppress(OutputError):
+        recorder = Recorder(tmp_path / "scan.mha")
+        append_all(recorder, frames())
+        recorder.finish()
+    assert (tmp_path / "other" / "precious").read_text("utf-8") == "precious"
 
 
 def test_a_recording_that_cannot_begin_says_why_in_sentences_that_can_be_translated(tmp_path, monkeypatch, record):
