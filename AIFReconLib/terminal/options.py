@@ -319,11 +319,11 @@ def _probe(
 
 def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -> None:
     """Stop before work begins when an output is an input, or two outputs are one file; the data files beside .mhd headers count too."""
-    seen = {_as_compared(file): "an input" for path in inputs if path is not None for file in [real_path(path), *data_files(path)]}
+    seen = {as_compared(file): "an input" for path in inputs if path is not None for file in [real_path(path), *data_files(path)]}
     for path in outputs:
         if path is None:
             continue
-        for name, file in {_as_compared(file): file for file in [real_path(path), *_companions(path)]}.items():
+        for name, file in {as_compared(file): file for file in [real_path(path), *_companions(path)]}.items():
             if name in seen:
                 raise OutputError(
                     "{path} would overwrite {other} ({file}). Choose another name.", path=path, other=seen[name], file=file.name
@@ -336,7 +336,7 @@ def real_path(path: Path) -> Path:
     return Path(os.path.realpath(path))
 
 
-def _as_compared(path: Path) -> str:
+def as_compared(path: Path) -> str:
     """A name as the disk compares it: on Windows and macOS Sweep.mha is sweep.mha."""
     return str(path).casefold() if sys.platform in ("win32", "darwin") else str(path)
 
