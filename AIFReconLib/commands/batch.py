@@ -85,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
             problem=table.problems[0],
             count=len(table.all_problems),
         )
-    for package in ("distributed", "pyarrow"):
+    for package in ("distributed", "pyarrow", *(() if arguments.scheduler else ("cryptography",))):
         require(package)
     cohort = Cohort(list(table.cases), arguments.table.absolute().parent, arguments.output.absolute())
     cohort.prepare(arguments.retry_failed)
