@@ -12,6 +12,7 @@ from ..errors import GeometryError
 from ..geometry.box import box_around
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
+from ..machine.memory import LARGEST_GRID, require_memory
 from ..machine.threads import in_parts, usable_cores
 
 REACH = 16.0
@@ -20,6 +21,9 @@ REACH = 16.0
 VOXEL = 1.0
 """mm. Finer labels are averaged to about this before distances are taken: a fraction of the time, and the surface moves by less than 0.1
 mm."""
+
+BYTES_PER_BLOCK = 80
+"""Bytes for each voxel of the field while it is made: two distances with their helpers."""
 
 SMOOTHING = 0.7
 """Voxels. Gaussian that takes the stairs off the distance."""
@@ -62,6 +66,7 @@ class BoneField:
         spacing = labels.grid.spacing * factors
         margin = np.ceil(REACH / spacing).astype(int)
         blocks = -(-size // factors) + 2 * margin
+        require_memory(tuple(map(int, blocks)), spacing, BYTES_PER_BLOCK + int(factors.prod()), most=LARGEST_GRID)
         padded = np.zeros((blocks * factors)[::-1], dtype=np.uint8)
         start = margin * factors
         padded[tuple(slice(a, a + n) for a, n in zip(start[::-1], size[::-1]))] = bone[found]

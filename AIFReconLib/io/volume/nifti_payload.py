@@ -7,6 +7,7 @@ import struct
 from pathlib import Path
 
 from ...errors import FileFormatError
+from ...machine.memory import available_memory, require_bytes
 from ..disk.regular_files import require_regular_file
 from ..metafile.payload import Inflater, PayloadError
 
@@ -15,6 +16,10 @@ _HEADERS = {348: (40, "8h", 72, 108, "f"), 540: (16, "8q", 14, 168, "q")}
 
 _BITS = {2: 8, 4: 16, 8: 32, 16: 32, 32: 64, 64: 64, 128: 24, 256: 8, 512: 16, 768: 32, 1024: 64, 1280: 64, 1792: 128, 2304: 32}
 """By NIfTI's number of a type: bits of a voxel. SimpleITK's reader prints its own complaint about others."""
+
+
+ITK_COPIES = 2
+"""SimpleITK's image, and the array that is made of it."""
 
 
 def check_nifti(path: Path, error: type[FileFormatError]) -> None:
@@ -35,12 +40,15 @@ def check_nifti(path: Path, error: type[FileFormatError]) -> None:
                     raise PayloadError(
                         "are cut short: the header promises {needed} bytes, there are {length}", needed=needed, length=length
                     )
+                require_bytes(path, ITK_COPIES * needed, available_memory())
                 return
             stream = Inflater(0, length)
             head = stream.read(file, min(_HEADERS))
             if _header_length(head) != len(head):
                 head += stream.read(file, max(_HEADERS) - len(head))
-            stream.skip(file, _needed_bytes(head) - len(head))
+            needed = _needed_bytes(head)
+            require_bytes(path, ITK_COPIES * needed, available_memory())
+            stream.skip(file, needed - len(head))
             stream.drain(file)
     except PayloadError as cause:
         raise error("{path}: the voxels {problem}. Copy or export the file again.", path=path, problem=cause) from cause
