@@ -10,6 +10,7 @@ import scipy
 
 from ..arrays import Numbers, Singles
 from ..errors import ModelError
+from ..io.disk.regular_files import require_regular_file
 from ..io.disk.small_files import read_bytes
 from ..message import Message
 from ..sweep.frames import TrackedFrame
@@ -46,6 +47,7 @@ class OnnxModel:
 
     def __init__(self, path: str | Path, threads: int = 1):
         self.path = Path(path)
+        require_regular_file(self.path, ModelError)
         beside = self.path.with_suffix(".json")
         self.description = read_description(beside) if beside.is_file() else ModelDescription()
         self._process = _process(self.path, threads)
