@@ -66,7 +66,7 @@ class BoneField:
         spacing = labels.grid.spacing * factors
         margin = np.ceil(REACH / spacing).astype(int)
         blocks = -(-size // factors) + 2 * margin
-        require_memory(tuple(map(int, blocks)), spacing, BYTES_PER_BLOCK + int(factors.prod()), most=LARGEST_GRID)
+        require_memory((int(blocks[0]), int(blocks[1]), int(blocks[2])), spacing, BYTES_PER_BLOCK + int(factors.prod()), most=LARGEST_GRID)
         padded = np.zeros((blocks * factors)[::-1], dtype=np.uint8)
         start = margin * factors
         padded[tuple(slice(a, a + n) for a, n in zip(start[::-1], size[::-1]))] = bone[found]

@@ -47,7 +47,7 @@ def open_pictures(files: list[Path]) -> ImportedImages:
         # From a file object, not a path: Pillow maps some files into memory, and one that is cut while mapped ends the program
         with _readable(path), open(path, "rb") as file, image_module.open(file, formats=_FORMATS) as picture:
             picture.seek(page)
-            check_pixels(path, *picture.size, 4)
+            check_pixels(path, picture.width, picture.height, 4)
             if picture.mode == "1":
                 return np.asarray(picture.convert("L"))
             return np.asarray(picture if picture.mode in _AS_THEY_ARE else picture.convert("RGB"))
