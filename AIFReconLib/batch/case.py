@@ -11,6 +11,7 @@ import json
 import os
 import time
 import traceback
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -48,11 +49,9 @@ from ..terminal.volume_options import SIDE_OUTPUTS, grid_from
 from .columns import in_column_words
 from .engine import own_memory
 from .memory import OVER_PLAN
-from .records import DONE, FAILED, LOST, RECORDS, RUNNING, Record, Row, made_of, read_record, write_record
+from .place import require_results
+from .records import ALTERNATIVES, DONE, FAILED, LOST, RECORDS, RUNNING, Record, Row, made_of, read_record, stamps, write_record
 from .table import Case, with_method
-
-ALTERNATIVES = ".json.registration"
-"""End of the name of a refused registration's report, which no record's name has."""
 
 TRANSFORM, LABELS, REPORT = "CTToReference.tfm", "labels-as-scanned.nrrd", "report.json"
 
@@ -90,12 +89,12 @@ def carry_out(task: Task) -> Record:
     case, output = task.case, task.output
     before = read_record(output, case.name)
     attempts = before.attempts + 1 if before is not None and before.run == task.run else 1
-    record = Record(case.name, RUNNING, made_of(case, task.table_folder), run=task.run, attempts=attempts)
+    outputs = {} if before is None else before.outputs
+    record = Record(case.name, RUNNING, made_of(case, task.table_folder), run=task.run, attempts=attempts, outputs=outputs)
     try:
         _require_version(task)
         write_record(output, record)
-        results, outputs = _computed(case, output)
-        record = replace(record, state=DONE, results=results, outputs=outputs)
+        record = _computed(case, output, record)
     except (OutputError, MemoryError) as error:
         record = replace(
             record,
@@ -128,27 +127,40 @@ def _require_version(task: Task) -> None:
         )
 
 
-def _computed(case: Case, output: Path) -> tuple[list[Row], dict[str, int]]:
-    """The flat results, a row per method, and the files that now lie in the folder of the case."""
+def _computed(case: Case, output: Path, record: Record) -> Record:
+    """The record of what is done, whose files now lie in the folder of the case."""
     with output_errors(output / case.name), workspace(output) as room:
         folder = room / case.name
         folder.mkdir()
         results = _Work(case, folder).results()
-        outputs = {path.relative_to(folder).as_posix(): path.stat().st_size for path in sorted(folder.rglob("*")) if path.is_file()}
-        _replace_folder(folder, output / case.name, room / "before")
-    return results, outputs
+        outputs = stamps(folder)
+        # Said before they are there: who ends the program now leaves results that the next run may replace
+        write_record(output, replace(record, outputs={**record.outputs, **outputs}))
+        _replace_folder(folder, output / case.name, room / "before", record.outputs)
+    return replace(record, state=DONE, results=results, outputs=outputs)
 
 
-def _replace_folder(new: Path, target: Path, aside: Path) -> None:
-    """Put a folder in the place of another; should that fail, the other is back."""
-    if target.exists():
-        os.rename(target, aside)
+def _replace_folder(new: Path, target: Path, aside: Path, known: Collection[str]) -> None:
+    """Put a folder of results in the place of another, which holds known results only; should that fail, the other is back."""
+    if os.path.lexists(target):
+        _rename(target, aside)
     try:
-        os.rename(new, target)
-    except OSError:
-        if aside.exists():
+        # Where it can no longer be changed by others
+        require_results(aside, known, target)
+        _rename(new, target)
+    except BaseException:
+        if os.path.lexists(aside) and not os.path.lexists(target):
             os.rename(aside, target)
         raise
+
+
+def _rename(old: Path, new: Path) -> None:
+    """Rename; some network disks report a failure after they have done it."""
+    try:
+        os.rename(old, new)
+    except OSError:
+        if os.path.lexists(old) or not os.path.lexists(new):
+            raise
 
 
 class _Work:

@@ -74,13 +74,14 @@ def require(name: str) -> ModuleType:
         return import_module(name)
     except ImportError:
         raise OutputError(
-            'Cannot compute many cases: {package} is not installed. Install it with: pip install "dask[distributed]" pyarrow', package=name
+            'Cannot compute many cases: {package} is not installed. Install it with: pip install "dask[distributed]" pyarrow cryptography',
+            package=name,
         ) from None
 
 
 @contextmanager
 def local_workers(count: int, threads: int = 1, memory: int | None = None) -> Iterator[Client]:
-    """So many processes on this computer, reached on its loopback alone.
+    """So many processes on this computer, reached on its loopback alone, by who has the key that is made for them.
 
     Parameters
     ----------
@@ -93,9 +94,14 @@ def local_workers(count: int, threads: int = 1, memory: int | None = None) -> It
     Raises
     ------
     OutputError
-        When dask is not installed.
+        When dask, or what makes keys, is not installed.
+
+    Notes
+    -----
+    A scheduler runs what its clients send. Without a key that would be any user of this computer.
     """
     distributed, config = require("distributed"), require("dask.config")
+    require("cryptography")
     with ExitStack() as stack:
         stack.enter_context(config.set(_SETTINGS))
         folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="aifrecon-", ignore_cleanup_errors=True))
@@ -105,6 +111,8 @@ def local_workers(count: int, threads: int = 1, memory: int | None = None) -> It
                 n_workers=count,
                 threads_per_worker=1,
                 processes=True,
+                protocol="tls://",
+                security=distributed.Security.temporary(),
                 memory_limit=memory or 0,
                 host="127.0.0.1",
                 dashboard_address="127.0.0.1:0",
@@ -160,9 +168,10 @@ def cluster_at(address: str, folder: Path) -> Iterator[Client]:
                 "There is no Dask scheduler with workers at {address}. Start one with dask scheduler, and dask worker {address}.",
                 address=address,
             ) from None
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, TypeError) as error:  # the last without certificates
             raise SettingsError(
-                "No Dask scheduler answers at {address} ({reason}). Give its address as it prints it, such as tcp://10.0.0.5:8786.",
+                "No Dask scheduler answers at {address} ({reason}). Give its address as it prints it, such as tls://10.0.0.5:8786, and its "
+                "certificates in Dask's configuration.",
                 address=address,
                 reason=shorten(str(error)),
             ) from None

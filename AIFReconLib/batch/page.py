@@ -39,6 +39,9 @@ NUMBERS = {
 
 DRAWN = tuple(name for name in NUMBERS if name not in ("frames", "seconds"))
 
+MOST_DRAWN = 1e100
+"""What is not below it, or no number, has no place on an axis."""
+
 OF_CASE = ("sweep_", "registration_")
 """How the names of numbers begin that all methods of a case share."""
 
@@ -143,18 +146,19 @@ def _failures(rows: list[Row]) -> Iterable[str]:
         return
     yield '<section><h2>What went wrong</h2><ul class="failures">'
     for case, (state, message) in said.items():
-        yield f'<li><b>{escape(case)}</b><span class="{_css(state)}">{state}</span><p>{escape(message)}</p></li>'
+        yield f'<li><b>{case}</b><span class="{_css(state)}">{state}</span><p>{message}</p></li>'
     yield "</ul></section>"
 
 
 def _plots(rows: list[Row], names: list[str]) -> Iterable[str]:
-    if not names:
+    drawn = {name: values for name in names if (values := _values(rows, name))}
+    if not drawn:
         return
     yield '<section><h2>Distributions</h2><p class="notes">A dot is a case; below, the quartiles, and the median with its number.</p>'
     yield '<div class="plots">'
-    for name in names:
+    for name, values in drawn.items():
         heading, form = NUMBERS[name]
-        yield f"<figure><h3>{escape(_sentence(heading))}</h3>{strip_plot(_values(rows, name), form)}</figure>"
+        yield f"<figure><h3>{escape(_sentence(heading))}</h3>{strip_plot(values, form)}</figure>"
     yield "</div></section>"
 
 
@@ -163,14 +167,15 @@ def _values(rows: list[Row], name: str) -> dict[str, list[float]]:
     values: dict[str, dict[str, float]] = {}
     for row in rows:
         number = row.get(name)
-        if isinstance(number, int | float):
-            method = "all methods" if name.startswith(OF_CASE) else _text(row, "method")
+        if isinstance(number, int | float) and abs(number) < MOST_DRAWN:
+            method = "all methods" if name.startswith(OF_CASE) else str(row.get("method") or "")
             values.setdefault(method, {})[_text(row, "case")] = number
     return {method: list(of_cases.values()) for method, of_cases in values.items()}
 
 
 def _text(row: Row, name: str) -> str:
-    return str(row.get(name) or "")
+    """What a row says, as the page may show it; the only way from a row's words to the page."""
+    return escape(str(row.get(name) or ""))
 
 
 def _sentence(heading: str) -> str:
@@ -186,8 +191,7 @@ def _table(rows: list[Row], shown: list[str]) -> Iterable[str]:
         numbers = "".join(_number(row.get(name), NUMBERS[name][1]) for name in shown)
         case, method, state = (_text(row, name) for name in ("case", "method", "state"))
         yield (
-            f'<tr><th scope="row">{escape(case)}</th><td>{_picture(row)}</td><td>{escape(method)}</td>'
-            f'<td class="{_css(state)}">{state}</td>{numbers}</tr>'
+            f'<tr><th scope="row">{case}</th><td>{_picture(row)}</td><td>{method}</td><td class="{_css(state)}">{state}</td>{numbers}</tr>'
         )
     yield "</tbody></table></div></section>"
 
@@ -202,6 +206,7 @@ def _number(value: float | str | None, form: str) -> str:
 def _picture(row: Row) -> str:
     if not row.get("preview"):
         return ""
-    path, volume = (quote(_text(row, name)) for name in ("preview", "volume"))
-    what = escape(f"{row['case']}, {row['method']}")
-    return f'<a href="{path}" title="{volume}"><img loading="lazy" src="{path}" alt="{what}"></a>'
+    # A file beside the page; two slashes in front would name another computer
+    path = quote(str(row["preview"]).lstrip("/"))
+    what = f"{_text(row, 'case')}, {_text(row, 'method')}"
+    return f'<a href="{path}" title="{_text(row, "volume")}"><img loading="lazy" src="{path}" alt="{what}"></a>'

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import TypeAlias
 
 from .. import __version__
-from ..errors import OutputError
+from ..errors import FileFormatError, OutputError
 from ..io.disk.atomic import write_text
 from ..io.disk.regular_files import file_stamp
+from ..io.disk.small_files import read_bytes
 from .table import Case, method_files
 
 Row: TypeAlias = dict[str, float | str | None]
@@ -22,6 +23,11 @@ Facts: TypeAlias = dict[str, object]
 
 RECORDS = ".batch"
 """Folder of the records, within that of the results."""
+
+ALTERNATIVES = ".json.registration"
+"""End of the name of a refused registration's report, which no record's name has."""
+
+MOST_BYTES = 2**24
 
 DONE, FAILED, LOST, RUNNING = "done", "failed", "not finished", "running"
 """`FAILED`: for what is in its files or settings; `LOST`: for what is not, as a full disk, and so tried again by every run."""
@@ -46,8 +52,8 @@ class Record:
     seconds : float
     results : list of dict
         A flat table of what was measured, a row per method.
-    outputs : dict of str to int
-        Files of its folder, and their bytes.
+    outputs : dict of str to list of 2 int
+        Files that runs have written into its folder, and the size and time of each.
     """
 
     case: str
@@ -58,7 +64,7 @@ class Record:
     attempts: int = 0
     seconds: float = 0.0
     results: list[Row] = field(default_factory=list)
-    outputs: dict[str, int] = field(default_factory=dict)
+    outputs: dict[str, list[int]] = field(default_factory=dict)
 
 
 def made_of(case: Case, folder: Path) -> Facts:
@@ -69,6 +75,12 @@ def made_of(case: Case, folder: Path) -> Facts:
 
 def _named(path: Path, folder: Path) -> str:
     return (path.relative_to(folder) if path.is_relative_to(folder) else path).as_posix()
+
+
+def stamps(folder: Path) -> dict[str, list[int]]:
+    """The files of a folder as a record has them."""
+    found = {path.relative_to(folder).as_posix(): file_stamp(path) for path in sorted(folder.rglob("*")) if path.is_file()}
+    return {name: list(stamp) for name, stamp in found.items() if stamp is not None}
 
 
 def _stamp(path: Path) -> list[int] | None:
@@ -84,10 +96,29 @@ def record_path(output: Path, name: str) -> Path:
 def read_record(output: Path, name: str) -> Record | None:
     """The record of a case; None where there is none that can be used."""
     try:
-        kept = json.loads(record_path(output, name).read_text("utf-8"))
-        return Record(**kept)
-    except (OSError, ValueError, TypeError):
+        record = Record(**json.loads(read_bytes(record_path(output, name), MOST_BYTES, FileFormatError)))
+    except (FileFormatError, ValueError, TypeError, RecursionError):
         return None
+    return record if _holds_together(record) else None
+
+
+def _holds_together(record: Record) -> bool:
+    """Whether all in a record is of its kind: it comes from a file, and ends in tables and on a page."""
+    texts = (record.case, record.state, record.message, record.run)
+    return (
+        all(isinstance(text, str) for text in texts)
+        and record.state in (DONE, FAILED, LOST, RUNNING)
+        and isinstance(record.made_of, dict)
+        and all(map(_is_number, (record.attempts, record.seconds)))
+        and isinstance(record.results, list)
+        and all(isinstance(row, dict) for row in record.results)
+        and all(each is None or isinstance(each, str) or _is_number(each) for row in record.results for each in row.values())
+        and isinstance(record.outputs, dict)
+    )
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, float) or (isinstance(value, int) and abs(value) < 2**53)
 
 
 def write_record(output: Path, record: Record) -> None:
@@ -113,5 +144,4 @@ def is_current(record: Record | None, made: Mapping[str, object], output: Path) 
     """Whether a record is of what is there: the same inputs, settings and version, and, of what is done, the same files."""
     if record is None or record.made_of != made:
         return False
-    files = {output / record.case / name: size for name, size in record.outputs.items()}
-    return all((stamp := file_stamp(path)) is not None and stamp[0] == size for path, size in files.items())
+    return record.state != DONE or all(_stamp(output / record.case / name) == kept for name, kept in record.outputs.items())

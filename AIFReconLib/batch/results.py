@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from ..evaluation.quantities import spreadsheet_cell
 from ..io.disk.atomic import atomic_output, write_text
 from ..message import Message
 from .engine import require
@@ -32,7 +33,7 @@ def flat_rows(cases: Iterable[Case], records: dict[str, Record]) -> list[Row]:
         of_case: Row = {"case": case.name, "state": record.state, "message": said_of(record), "seconds": record.seconds}
         asked: list[Row] = [{"method": method or ""} for method in case.methods]
         done = record.results if record.state == DONE else asked
-        rows += [{**of_case, **result} for result in done]
+        rows += [{**result, **of_case} for result in done]
     names = list(dict.fromkeys([*FIRST, *(name for row in rows for name in row if name not in LAST), *LAST]))
     return [{name: row.get(name) for name in names} for row in rows]
 
@@ -61,19 +62,9 @@ def write_tables(output: Path, rows: list[Row]) -> list[Path]:
 def _csv(rows: list[Row]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(list(rows[0]) if rows else FIRST)
-    writer.writerows([_cell(value) for value in row.values()] for row in rows)
+    writer.writerow([spreadsheet_cell(name) for name in (rows[0] if rows else FIRST)])
+    writer.writerows([spreadsheet_cell(value) for value in row.values()] for row in rows)
     return text.getvalue()
-
-
-def _cell(value: object) -> object:
-    """A value as a spreadsheet takes it: six digits; words that it would take for a formula are marked as words."""
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    if isinstance(value, str):
-        words = " ".join(value.split())
-        return f"'{words}" if words.startswith(("=", "+", "-", "@")) else words
-    return value
 
 
 def _arrow(rows: list[Row]) -> Any:

@@ -27,6 +27,7 @@ from ..terminal.sequence_options import of_each
 from .columns import CASE, METHOD, REQUIRED, SWEEPS, Columns, in_column_words
 
 MOST_BYTES = 2**28
+MOST_COLUMNS = 500
 LONGEST_NAME = 100
 
 _NAME = re.compile(rf"\w[\w .+-]{{0,{LONGEST_NAME - 1}}}")
@@ -115,6 +116,8 @@ def read_cases(path: str | Path) -> Cases:
     columns = Columns()
     rows = _rows(path)
     head = [cell.strip().lower().replace("-", "_") for cell in next(rows, (0, []))[1]]
+    if len(head) > MOST_COLUMNS:
+        raise FileFormatError("{path}: it has {count} columns, and cases have fewer options. Give their table.", path=path, count=len(head))
     problems = [*_of_head(head, columns)]
     reading = _Reading(path.parent, columns, head)
     cases = []

@@ -16,6 +16,7 @@ from ..arrays import Floats, Integers, Matrix, Numbers, Singles
 from ..errors import GeometryError
 from ..geometry.box import Box, box_around
 from ..geometry.volume import Volume, VoxelGrid, as_volume
+from ..machine.memory import LARGEST_GRID, require_memory
 from ..machine.threads import in_parts, usable_cores
 from ..message import Described, listed
 from ..progress import Progress, part, report
@@ -30,6 +31,9 @@ SURFACE_SIGMA = 2.0
 """mm. Smoothing of the labels, alike along all axes, before their gradient is taken as the direction of the surface."""
 
 DIRECTIONS = ("gradient", "surface")
+
+BYTES_PER_LABEL = 16
+"""Bytes for each voxel around the labels while the map is made."""
 
 GAUSSIAN_REACH = 4.0
 """Where scipy cuts a Gaussian off, in sigmas."""
@@ -113,6 +117,7 @@ class BoneMap(Described):
         margin = np.ceil(GAUSSIAN_REACH * widest).astype(int) + 2
         box = box_around(bone, margin)
         bone = bone[box]
+        require_memory(bone.shape[::-1], labels.grid.spacing, BYTES_PER_LABEL, most=LARGEST_GRID)
         report(progress, 0.1, "Making the bone map")
         probability = _sobel_magnitude(bone.astype(np.float32))
         report(progress, 0.4, "Making the bone map")

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import scipy
 
 from ..arrays import Numbers, Singles
 from ..errors import ModelError
+from ..io.disk.regular_files import require_regular_file
 from ..io.disk.small_files import read_bytes
-from ..message import Message, shorten
+from ..message import Message
 from ..sweep.frames import TrackedFrame
 from .model_description import CLASSES, LARGEST_SIDE, LOGITS, ModelDescription, read_description
 from .onnx_file import why_not_self_contained
+from .onnx_process import ModelProcess
 from .seen import Prediction, white_of
 
 LARGEST_MODEL = 2**30
@@ -41,21 +42,22 @@ class OnnxModel:
     ------
     ModelError
         When onnxruntime is not installed, or the file is no model that takes an image and answers with one, which is tried on a black
-        image. Nothing but the file itself, and the JSON beside it, is read.
+        image; or takes more time or memory than it may. Nothing but the file itself, and the JSON beside it, is read.
     """
 
     def __init__(self, path: str | Path, threads: int = 1):
         self.path = Path(path)
+        require_regular_file(self.path, ModelError)
         beside = self.path.with_suffix(".json")
         self.description = read_description(beside) if beside.is_file() else ModelDescription()
-        self._session = _session(self.path, threads)
-        inputs, outputs = self._session.get_inputs(), self._session.get_outputs()
-        if len(inputs) != 1 or not outputs:
+        self._process = _process(self.path, threads)
+        inputs = self._process.inputs
+        if len(inputs) != 1 or not self._process.outputs:
             raise self._misfit(Message("it has {count} inputs", count=len(inputs)))
-        self._input, self._output = inputs[0].name, outputs[0].name
-        shape: Shape = tuple(inputs[0].shape)
-        if inputs[0].type != "tensor(float)" or len(shape) != 4 or not _may_be(shape[0], (1,)) or not _may_be(shape[1], (1, 3)):
-            raise self._misfit(Message("its input is {type} of {shape}", type=inputs[0].type, shape=_words(shape)))
+        _, kind, sides = inputs[0]
+        shape: Shape = tuple(sides)
+        if kind != "tensor(float)" or len(shape) != 4 or not _may_be(shape[0], (1,)) or not _may_be(shape[1], (1, 3)):
+            raise self._misfit(Message("its input is {type} of {shape}", type=kind, shape=_words(shape)))
         self._channels = shape[1] if isinstance(shape[1], int) else max(len(self.description.mean), len(self.description.std))
         if not {len(self.description.mean), len(self.description.std)} <= {1, self._channels}:
             raise ModelError(
@@ -117,16 +119,7 @@ class OnnxModel:
         """Of an image of the model's size, 0 black and 1 white."""
         mean, std = (np.array(values, dtype=np.float32).reshape(-1, 1, 1) for values in (self.description.mean, self.description.std))
         given = np.broadcast_to((image[None] - mean) / std, (self._channels, *image.shape))[None]
-        try:
-            answer = np.asarray(self._session.run([self._output], {self._input: np.ascontiguousarray(given, dtype=np.float32)})[0])
-        except Exception as error:  # onnxruntime has classes of its own for each failure
-            raise ModelError(
-                "{path}: the model fails with an input of {shape} ({why}). Check input_size in the JSON file beside it.",
-                path=self.path,
-                shape=_words(given.shape),
-                why=_reason(error),
-            ) from None
-        return self._bone_of(answer, number)
+        return self._bone_of(self._process.run(given), number)
 
     def _bone_of(self, answer: Numbers, number: int | None) -> Singles:
         """The channel of bone as a probability; of the trial, which has no `number`, whatever numbers it answers."""
@@ -174,8 +167,8 @@ class OnnxModel:
         )
 
 
-def _session(path: Path, threads: int) -> Any:  # onnxruntime has no types
-    """A session that runs the model in this file.
+def _process(path: Path, threads: int) -> ModelProcess:
+    """A process that runs the model in this file.
 
     Raises
     ------
@@ -185,34 +178,18 @@ def _session(path: Path, threads: int) -> Any:  # onnxruntime has no types
     problem = why_not_self_contained(data)
     if problem is not None:
         raise ModelError("{path}: {problem}", path=path, problem=problem)
-    try:
-        runtime = import_module("onnxruntime")
-    except ImportError:
+    if not _is_installed("onnxruntime"):
         raise ModelError(
             "{path}: a model cannot be run without the Python package onnxruntime. Install it: pip install onnxruntime.", path=path
-        ) from None
-    options = runtime.SessionOptions()
-    options.intra_op_num_threads, options.inter_op_num_threads = threads, 1
-    # Threads that wait for work would take the cores from the reconstruction
-    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-    # Given as bytes, a file of its own format would be taken too
-    options.add_session_config_entry("session.load_model_format", "ONNX")
-    options.log_severity_level = 4
+        )
+    return ModelProcess(path, data, threads)
+
+
+def _is_installed(name: str) -> bool:
     try:
-        return runtime.InferenceSession(data, options, providers=["CPUExecutionProvider"])
-    except Exception as error:  # onnxruntime has classes of its own for each failure
-        raise ModelError(
-            "{path}: onnxruntime {version} cannot run this model ({why}). Export it with standard operators that this version has.",
-            path=path,
-            version=runtime.__version__,
-            why=_reason(error),
-        ) from None
-
-
-def _reason(error: Exception) -> str:
-    """What onnxruntime says, without its place in a source file."""
-    line = " ".join(str(error).split())
-    return shorten(line.split(" : ", 3)[-1], 200).rstrip(". ")
+        return find_spec(name) is not None
+    except ValueError:
+        return False
 
 
 def _may_be(side: int | str | None, allowed: tuple[int, ...]) -> bool:

@@ -13,6 +13,7 @@ from ..batch.columns import Columns
 from ..batch.engine import cluster_at, local_workers, require
 from ..batch.memory import shared_out
 from ..batch.page import write_page
+from ..batch.place import require_place
 from ..batch.records import DONE, FAILED, LOST
 from ..batch.results import flat_rows, write_tables
 from ..batch.table import Cases, read_cases
@@ -74,6 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
     for name in arguments.method:
         load_method_here(name)
     table = read_cases(arguments.table)
+    require_place(table.cases, arguments.table, arguments.output.absolute())
     if arguments.dry_run:
         return _dry_run(table)
     if table.problems:
@@ -83,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
             problem=table.problems[0],
             count=len(table.all_problems),
         )
-    for package in ("distributed", "pyarrow"):
+    for package in ("distributed", "pyarrow", *(() if arguments.scheduler else ("cryptography",))):
         require(package)
     cohort = Cohort(list(table.cases), arguments.table.absolute().parent, arguments.output.absolute())
     cohort.prepare(arguments.retry_failed)

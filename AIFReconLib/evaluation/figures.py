@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import io
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -15,6 +16,7 @@ from ..arrays import Floats
 from ..errors import OutputError
 from ..geometry.volume import Volume, VoxelGrid
 from ..io.disk.atomic import atomic_output
+from ..message import shorten
 from .slices import AXIAL, CORONAL, SAGITTAL, Plane, cut, extent_along
 from .surface import BoneSurface
 
@@ -52,6 +54,32 @@ def require_matplotlib() -> None:
         raise OutputError("Cannot draw a figure: matplotlib is not installed. Install it with: pip install matplotlib")
 
 
+@contextlib.contextmanager
+def own_looks() -> Iterator[None]:
+    """Within the block, or the function that it decorates, figures are drawn as matplotlib does by itself.
+
+    Raises
+    ------
+    OutputError
+        When matplotlib is not installed, or cannot be loaded.
+
+    Notes
+    -----
+    It reads a file matplotlibrc of the working folder, which may have come with a recording, and may ask for LaTeX, which runs programs.
+    """
+    require_matplotlib()
+    try:
+        matplotlib = importlib.import_module("matplotlib")
+    except Exception as error:
+        raise OutputError(
+            "Cannot draw a figure: matplotlib cannot be loaded ({reason}). If there is a file matplotlibrc in this folder, move it.",
+            reason=shorten(str(error), 200),
+        ) from error
+    with matplotlib.rc_context({name: value for name, value in matplotlib.rcParamsDefault.items() if not name.startswith("backend")}):
+        yield
+
+
+@own_looks()
 def compare_figure(
     path: str | Path,
     ct: Volume,
@@ -88,6 +116,7 @@ def compare_figure(
         figure.savefig(temporary, dpi=DPI, facecolor=BACKGROUND)
 
 
+@own_looks()
 def comparison_png(
     ct: Volume,
     reconstructions: dict[str, Volume],
@@ -126,7 +155,6 @@ def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> Floats:
 def _draw(
     ct: Volume, reconstructions: dict[str, Volume], center_ras: ArrayLike, bone: Volume | None, mask: Volume | None, title: str
 ) -> Figure:
-    require_matplotlib()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..io.disk.atomic import atomic_output
-from .figures import BACKGROUND, DPI, INK
+from .figures import BACKGROUND, DPI, INK, own_looks
 
 LEVELS_DEG = (45.0, 60.0, 70.0, 85.0)
 """Where the colors change: squarely met, obliquely, steeply, grazed."""
@@ -23,6 +23,7 @@ VIEWS = (("from behind", 0, 2), ("from the right", 1, 2))
 """Name, and the axes to the right and up: x to the patient's right, y to the front, z to the head."""
 
 
+@own_looks()
 def plan_figure(path: str | Path, points_patient: Floats, best_cosine: Floats, faces_patient: Floats, beams: Floats, title: str) -> None:
     """Draw the bone's points by the best angle at which they are met, and the middle of the probe's face with its middle beam.
 
@@ -68,6 +69,6 @@ def plan_figure(path: str | Path, points_patient: Floats, best_cosine: Floats, f
             side.set_visible(False)
     handles = [ax.scatter([], [], color=color, s=30) for color in COLORS] + [ax.plot([], [], color=BEAM)[0]]
     figure.legend(handles, [*WORDS, "probe"], loc="outside lower center", ncols=len(handles), frameon=False, labelcolor=INK, fontsize=10)
-    figure.suptitle(title, color=INK, fontsize=13)
+    figure.suptitle(title, color=INK, fontsize=13, parse_math=False)
     with atomic_output(path) as temporary:
         figure.savefig(temporary, dpi=DPI, facecolor=BACKGROUND)

@@ -13,7 +13,7 @@ from ..arrays import Floats, Mask
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..io.disk.atomic import atomic_output
-from .figures import BACKGROUND, BONE_COLOR, CT_WINDOW, DPI, INK, NOT_SCANNED, require_matplotlib
+from .figures import BACKGROUND, BONE_COLOR, CT_WINDOW, DPI, INK, NOT_SCANNED, own_looks
 from .slices import Plane, cut, extent_along
 
 if TYPE_CHECKING:
@@ -81,6 +81,7 @@ class _Panel:
     outline: Mask | None = None
 
 
+@own_looks()
 def preview(volume: Volume, mask: Volume | None = None, labels: Volume | None = None, ct: Volume | None = None, title: str = "") -> Picture:
     """Draw axial, sagittal and coronal cuts through the bone, and the brightest of what lies behind each other, front to back.
 
@@ -102,7 +103,6 @@ def preview(volume: Volume, mask: Volume | None = None, labels: Volume | None = 
     OutputError
         When matplotlib is not installed.
     """
-    require_matplotlib()
     scanned = (volume.array if mask is None else mask.array) != 0
     center = middle_of_bone(volume, scanned, labels)
     seen = Volume(scanned.view(np.uint8), volume.ijk_to_reference)

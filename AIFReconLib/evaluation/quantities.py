@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -149,6 +150,17 @@ def table(metrics: dict[str, BoneMetrics], keys: Iterable[str] = HEADINGS) -> li
     return [["", *(HEADINGS[key] for key in keys)], *rows]
 
 
+def spreadsheet_cell(value: object) -> object:
+    """A value as a spreadsheet takes it: six digits; words that it would take for a formula are marked as words."""
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, str):
+        words = " ".join(value.split())
+        # Some take the wide characters of East Asia for the narrow ones
+        return f"'{words}" if unicodedata.normalize("NFKC", words).startswith(("=", "+", "-", "@")) else words
+    return value
+
+
 def metrics_csv(metrics: dict[str, BoneMetrics], frames: int | None) -> str:
     """Every number of every volume, a line each under a line of headings; what is not known is left empty.
 
@@ -162,7 +174,9 @@ def metrics_csv(metrics: dict[str, BoneMetrics], frames: int | None) -> str:
     numbers = {name: result.to_dict() for name, result in metrics.items()}
     writer.writerow(["volume", "reachability", *next(iter(numbers.values()))])
     for name, row in numbers.items():
-        writer.writerow([name, reachability, *("" if math.isnan(value) else f"{value:.6g}" for value in row.values())])
+        writer.writerow(
+            [spreadsheet_cell(each) for each in (name, reachability, *("" if math.isnan(value) else value for value in row.values()))]
+        )
     return text.getvalue()
 
 

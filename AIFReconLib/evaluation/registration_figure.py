@@ -11,7 +11,7 @@ from ..arrays import Floats
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 from ..io.disk.atomic import atomic_output
-from .figures import BACKGROUND, DPI, INK
+from .figures import BACKGROUND, DPI, INK, own_looks
 from .surface import DISTANCE_LIMIT, distance_from_labels
 
 SLAB = 2.5
@@ -31,6 +31,7 @@ CUTS = (("sagittal", 0, 1, 2), ("axial", 2, 0, 1), ("coronal", 1, 0, 2))
 look at it, the patient's right or front on the left."""
 
 
+@own_looks()
 def registration_figure(path: str | Path, echoes: Floats, labels: Volume, title: str) -> None:
     """Draw the echoes near three cuts through the middle of what was seen, colored by their distance to bone.
 
@@ -88,7 +89,7 @@ def registration_figure(path: str | Path, echoes: Floats, labels: Volume, title:
     bar = figure.colorbar(ScalarMappable(Normalize(0, FARTHEST), colors), ax=panels, shrink=0.85, pad=0.015, extend="max")
     bar.set_label("distance of the bone echo to the CT's bone (mm)", color=INK, fontsize=9)
     bar.ax.tick_params(colors=INK, labelsize=8)
-    figure.suptitle(title, color=INK, fontsize=12)
+    figure.suptitle(title, color=INK, fontsize=12, parse_math=False)
     with atomic_output(path) as temporary:
         figure.savefig(temporary, dpi=DPI, facecolor=BACKGROUND)
 

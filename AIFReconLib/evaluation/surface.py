@@ -16,9 +16,13 @@ from ..errors import GeometryError
 from ..geometry.box import box_around
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
+from ..machine.memory import LARGEST_GRID, require_memory
 
 DISTANCE_LIMIT = 12.0
 """mm. Distances to bone are known up to here; farther is cut off."""
+
+BYTES_PER_LABEL = 64
+"""Bytes for each voxel while distances are made of labels."""
 
 SMOOTHING_VOXELS = 1.0
 """Gaussian that takes the stairs off a distance made from labels. It moves a surface of radius R inward by about 1 / R voxels^2."""
@@ -92,6 +96,7 @@ def distance_from_labels(labels: Volume) -> Volume:
     spacing_kji = labels.grid.spacing[::-1]
     box = box_around(bone, np.ceil(DISTANCE_LIMIT / spacing_kji).astype(int) + 1)
     bone = bone[box]
+    require_memory(bone.shape[::-1], labels.grid.spacing, BYTES_PER_LABEL, most=LARGEST_GRID)
     distance = np.asarray(scipy.ndimage.distance_transform_edt(~bone, sampling=spacing_kji)).astype(np.float32)
     distance -= np.asarray(scipy.ndimage.distance_transform_edt(bone, sampling=spacing_kji)).astype(np.float32)
     np.clip(distance, -DISTANCE_LIMIT, DISTANCE_LIMIT, out=distance)

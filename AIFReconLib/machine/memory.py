@@ -82,6 +82,17 @@ def require_memory(
     )
 
 
+def require_bytes(path: Path, needed: int, available: int | None) -> None:
+    """Raise `InsufficientMemoryError` unless the voxels of a file, so many bytes, fit into what is available."""
+    if available is not None and needed > SAFETY * available:
+        raise InsufficientMemoryError(
+            "{path}: its voxels need {needed:.1f} GB of memory, and {available:.1f} GB are free. Resample it, or free some memory.",
+            path=path,
+            needed=needed / 1e9,
+            available=available / 1e9,
+        )
+
+
 def _gigabytes(count: float) -> str:
     return f"{count / 1e9:.1f} GB" if count >= 1e8 else f"{count / 1e6:.1f} MB"
 

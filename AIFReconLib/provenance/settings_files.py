@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Mapping
 from importlib import import_module
 from importlib.util import find_spec
@@ -25,6 +26,8 @@ WRITTEN_BY = "version"
 """Key of a settings file for the version that wrote it."""
 
 MOST_BYTES = 2**20
+MOST_TOML_BYTES = 2**16
+"""Python's reader takes time that grows with the square of a name's parts."""
 
 
 def read_settings(path: str | Path) -> KeptSettings:
@@ -53,9 +56,9 @@ def read_settings(path: str | Path) -> KeptSettings:
         table = {WRITTEN_BY: header.get(VERSION, ""), **_from_json(path, header[SETTINGS])}
         inputs = _inputs(header.get(INPUTS, ""))
     elif suffix == JSON:
-        table = _from_json(path, _text(path))
+        table = _from_json(path, _text(path, MOST_BYTES))
     elif suffix == TOML:
-        table = _from_toml(path, _text(path))
+        table = _from_toml(path, _text(path, MOST_TOML_BYTES))
     else:
         raise SettingsFileError(
             "{path}: settings are read from .json, .toml, {suffixes}. Give such a file; others have no room for settings.",
@@ -121,11 +124,11 @@ def _writable_suffix(path: str | Path) -> str:
 # ---- text
 
 
-def _text(path: Path) -> str:
-    data = read_bytes(path, MOST_BYTES + 1, SettingsFileError)
-    if len(data) > MOST_BYTES:
+def _text(path: Path, most: int) -> str:
+    data = read_bytes(path, most + 1, SettingsFileError)
+    if len(data) > most:
         raise SettingsFileError(
-            "{path}: it is longer than {most} bytes, which no settings are. Give a settings file.", path=path, most=MOST_BYTES
+            "{path}: it is longer than {most} bytes, which no settings are. Give a settings file.", path=path, most=most
         )
     try:
         return data.decode("utf-8-sig")
@@ -148,8 +151,8 @@ def _from_json(path: Path, text: str) -> dict[str, object]:
 def _without_twins(pairs: list[tuple[str, object]]) -> dict[str, object]:
     table = dict(pairs)
     if len(table) < len(pairs):
-        names = [name for name, _ in pairs]
-        raise ValueError(f"{next(name for name in names if names.count(name) > 1)!r} is there twice")
+        counts = Counter(name for name, _ in pairs)
+        raise ValueError(f"{counts.most_common(1)[0][0]!r} is there twice")
     return table
 
 

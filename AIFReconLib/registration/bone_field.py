@@ -12,6 +12,7 @@ from ..errors import GeometryError
 from ..geometry.box import box_around
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
+from ..machine.memory import LARGEST_GRID, require_memory
 from ..machine.threads import in_parts, usable_cores
 
 REACH = 16.0
@@ -23,6 +24,9 @@ the surface is known from each block's share of bone."""
 
 THINNEST = 8
 """Into at most so many a slice is divided: what is thicker has no surface to be known."""
+
+BYTES_PER_BLOCK = 80
+"""Bytes for each voxel of the field while it is made: two distances with their helpers."""
 
 SMOOTHING, WIDER = 0.7, 2.0
 """Voxels. Gaussian that takes the stairs off the distance, and the one that tells by how much that moves what is curved."""
@@ -65,11 +69,13 @@ class BoneField:
         spacing = labels.grid.spacing * factors
         margin = np.maximum(np.ceil(REACH / spacing), 2).astype(int)
         blocks = -(-size // factors) + 2 * margin
+        more = np.clip(np.floor(spacing / max(VOXEL, spacing.min()) + 0.5), 1, THINNEST).astype(int)
+        cost = BYTES_PER_BLOCK * int(more.prod()) + int(factors.prod())
+        require_memory((int(blocks[0]), int(blocks[1]), int(blocks[2])), spacing, cost, most=LARGEST_GRID)
         padded = np.zeros((blocks * factors)[::-1], dtype=np.uint8)
         start = margin * factors
         padded[tuple(slice(a, a + n) for a, n in zip(start[::-1], size[::-1]))] = bone[found]
         share = (_counted_in_blocks(padded, factors[::-1]) / factors.prod()).astype(np.float32)
-        more = np.clip(np.floor(spacing / max(VOXEL, spacing.min()) + 0.5), 1, THINNEST).astype(int)
         for axis in range(3):
             if more[axis] > 1:
                 share = _between_slices(share, spacing[::-1], 2 - axis, more[axis])

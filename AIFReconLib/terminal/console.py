@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import shlex
 import shutil
 import sys
@@ -18,8 +19,31 @@ BAR_WIDTH = 30
 REFRESH_S = 0.1
 
 
+_COMMANDS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]|(?<=[^\r])\r(?=[^\r\n])")
+"""What commands a terminal, or turns text around; a line may still be drawn anew."""
+
+
+def plain(text: str) -> str:
+    """Text without what a terminal would obey instead of showing it: names come from files."""
+    return _COMMANDS.sub("?", text)
+
+
+class PlainStream:
+    """A stream to which nothing but plain text is written; else as the stream itself."""
+
+    def __init__(self, stream: TextIO):
+        self._stream = stream
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        """Write text, plain."""
+        return self._stream.write(plain(text))
+
+
 def prepare_streams() -> None:
-    """Make sure that there are standard streams, and that they take every character.
+    """Make sure that there are standard streams, that they take every character, and show it.
 
     Notes
     -----
@@ -37,6 +61,8 @@ def prepare_streams() -> None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (open as long as the program runs)
         elif hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
+        if not isinstance(getattr(sys, name), PlainStream):
+            setattr(sys, name, PlainStream(getattr(sys, name)))
 
 
 def not_loaded(error: BaseException) -> str:

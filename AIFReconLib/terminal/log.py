@@ -16,7 +16,7 @@ from .. import __version__
 from ..errors import OutputError
 from ..io.disk.atomic import check_writable
 from ..message import one_line
-from .console import show
+from .console import plain, show
 from .options import real_path
 
 FIRST_WORDS = "AIFRecon log"
@@ -25,7 +25,16 @@ FIRST_WORDS = "AIFRecon log"
 _NEVER = logging.CRITICAL + 1
 """A level that no record has."""
 
-_LINE = logging.Formatter("%(asctime)s %(levelname)s [%(threadName)s] %(name)s: %(message)s")
+
+class _PlainFormatter(logging.Formatter):
+    """What a terminal would obey is not in a log either."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """A record as text."""
+        return plain(super().format(record))
+
+
+_LINE = _PlainFormatter("%(asctime)s %(levelname)s [%(threadName)s] %(name)s: %(message)s")
 
 
 def add_log_options(parser: argparse.ArgumentParser) -> None:

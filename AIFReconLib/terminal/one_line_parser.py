@@ -7,6 +7,7 @@ import difflib
 import itertools
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NoReturn
 
 from ..message import LONGEST_QUOTE, one_line, shorten
@@ -65,6 +66,7 @@ class OneLineParser(argparse.ArgumentParser):
         super().__init__(*arguments, **options)
         self.register("type", float, _number)
         self.register("type", int, _whole_number)
+        self.register("type", Path, _path)
         self._short: tuple[str, ...] = ()
         self.defaults_from: Callable[[argparse.Namespace], Mapping[str, object]] | None = None
 
@@ -171,6 +173,12 @@ def _number(text: str) -> float:
         return float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"must be a number such as 0.5, without a unit; got {text!r}") from None
+
+
+def _path(text: str) -> Path:
+    if not text.strip():
+        raise argparse.ArgumentTypeError(f"must be the name of a file or folder; got {text!r}")
+    return Path(text)
 
 
 def _whole_number(text: str) -> int:

@@ -325,13 +325,13 @@ def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -
     What an input names is an input too, a header's data file and a configuration's importance mask, and so is each file of a folder.
     """
     given = [path for path in inputs if path is not None]
-    seen = {_as_compared(file): "an input" for path in given for file in [real_path(path), *data_files(path), *_importance_mask(path)]}
-    folders = {_as_compared(real_path(path)) for path in given if path.is_dir()}
+    seen = {as_compared(file): "an input" for path in given for file in [real_path(path), *data_files(path), *_importance_mask(path)]}
+    folders = {as_compared(real_path(path)) for path in given if path.is_dir()}
     for path in outputs:
         if path is None:
             continue
-        for name, file in {_as_compared(file): file for file in [real_path(path), *_companions(path)]}.items():
-            within = file.exists() and any(_as_compared(parent) in folders for parent in file.parents)
+        for name, file in {as_compared(file): file for file in [real_path(path), *_companions(path)]}.items():
+            within = file.exists() and any(as_compared(parent) in folders for parent in file.parents)
             if name in seen or within:
                 raise OutputError(
                     "{path} would overwrite {other} ({file}). Choose another name.",
@@ -356,7 +356,7 @@ def real_path(path: Path) -> Path:
     return Path(os.path.realpath(path))
 
 
-def _as_compared(path: Path) -> str:
+def as_compared(path: Path) -> str:
     """A name as the disk compares it: on Windows and macOS Sweep.mha is sweep.mha."""
     return str(path).casefold() if sys.platform in ("win32", "darwin") else str(path)
 

@@ -77,7 +77,7 @@ def seen_bone_inputs(arguments: argparse.Namespace) -> list[Path | None]:
 
 def beside(model: Path) -> Path | None:
     """The description of a model, where there is one."""
-    path = model.with_suffix(".json")
+    path = model.parent / f"{model.stem}.json"
     return path if path.is_file() else None
 
 

@@ -1,17 +1,21 @@
 """Folders to write in, beside the file that is to come.
 
-While one is in use it is locked; so those that a killed program has left behind can be told, and are removed the next time.
+While one is in use it is locked; so those that a killed program has left behind can be told, and are removed the next time. Locks of other
+computers are not seen on every disk, so the name of a folder says whose it is, and only the same computer removes it.
 """
 
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
+import platform
 import re
 import shutil
 import tempfile
 import time
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 try:
@@ -20,7 +24,10 @@ except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]  # a module elsewhere
 
 PREFIX = ".aifrecon-"
-_NAME = re.compile(re.escape(PREFIX) + r"[a-z0-9_]{8}")
+_NAME = re.compile(re.escape(PREFIX) + r"(?:(?P<computer>[0-9a-f]{8})-(?P<process>[0-9]{1,10})-)?[a-z0-9_]{8}")
+"""Older versions did not say whose it is."""
+
+_MACHINE_ID = Path("/etc/machine-id")
 
 LEFT_BEHIND = 24 * 3600.0
 """s without a change after which a folder counts as left behind where folders cannot be locked: Windows, some network disks."""
@@ -51,7 +58,7 @@ def remove_left_behind(parent: Path) -> None:
     """Remove the folders of this kind in `parent` that no running program uses; what cannot be removed stays."""
     try:
         with os.scandir(parent) as entries:
-            found = [Path(entry.path) for entry in entries if _NAME.fullmatch(entry.name) and entry.is_dir(follow_symlinks=False)]
+            found = [Path(entry.path) for entry in entries if _may_be_left(entry.name) and entry.is_dir(follow_symlinks=False)]
     except OSError:
         return
     for folder in found:
@@ -64,10 +71,41 @@ def remove_left_behind(parent: Path) -> None:
         _release(lock)
 
 
+def _may_be_left(name: str) -> bool:
+    """Whether a name is of a folder of this kind, whose program, as far as its name tells, no longer runs."""
+    found = _NAME.fullmatch(name)
+    if found is None or found["computer"] is None:
+        return found is not None
+    return found["computer"] == _this_computer() and not _runs_beside(int(found["process"]))
+
+
+@cache
+def _this_computer() -> str:
+    """What tells this computer from others that see the same disk."""
+    try:
+        of_system = _MACHINE_ID.read_bytes()
+    except OSError:
+        of_system = b""
+    return hashlib.sha256(platform.node().encode() + of_system).hexdigest()[:8]
+
+
+def _runs_beside(process: int) -> bool:
+    """Whether another program with this number runs; of its own folders a program knows by their locks."""
+    if fcntl is None or process == os.getpid():
+        return False  # Windows would end it
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:
+        pass  # somebody else's
+    return True
+
+
 def _create(parent: Path) -> tuple[Path, int | None]:
     """A new folder, and what holds its lock."""
     for _ in range(_TRIES):
-        folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))
+        folder = Path(tempfile.mkdtemp(prefix=f"{PREFIX}{_this_computer()}-{os.getpid()}-", dir=parent))
         try:
             lock = _lock(folder)
         except (BlockingIOError, FileNotFoundError):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
+from os import SEEK_CUR
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
 import numpy as np
 
@@ -13,10 +14,17 @@ from ...arrays import Floats, Numbers
 from ...errors import FileFormatError
 from ...message import Message
 from ..sequence.file_images import MAXIMUM_FRAMES
+from .bounds import check_pixels, check_scans
 from .images import DecodedImages, ImportedImages, decoding, describe_stack, library
 
 if TYPE_CHECKING:
     from pydicom import Dataset
+
+_JPEG = ("1.2.840.10008.1.2.4.5", "1.2.840.10008.1.2.4.6", "1.2.840.10008.1.2.4.70")
+"""How the transfer syntaxes of JPEG begin."""
+
+_BEFORE_FRAGMENTS = 12
+"""Bytes of tag, kind and length."""
 
 _CENTIMETERS = 3
 """PhysicalUnitsXDirection of an ultrasound region in cm."""
@@ -112,7 +120,12 @@ def _as_shown(pixels: ModuleType, header: Dataset, image: Numbers) -> Numbers:
 def _header(pydicom: ModuleType, path: Path) -> Dataset:
     header: Dataset
     with decoding(Message("{path}: it cannot be read as DICOM", path=path), Message("Export it again.")):
-        header = pydicom.dcmread(path, stop_before_pixels=True)
+        # pydicom would inflate all of it, whatever that becomes, and then not find its pixels
+        if pydicom.filereader.read_file_meta_info(path).get("TransferSyntaxUID") == pydicom.uid.DeflatedExplicitVRLittleEndian:
+            raise FileFormatError("{path}: DICOM files that are deflated as a whole are not read. Export it uncompressed.", path=path)
+        with open(path, "rb") as file:
+            header = pydicom.dcmread(file, stop_before_pixels=True)
+            _check_pixels(path, header, file)
         # Values are decoded when first asked for, so what is wrong with one shows here
         count = _frame_count(header)
         _ = _times(header, min(count, MAXIMUM_FRAMES)), _spacing(header), _number(header)
@@ -131,6 +144,18 @@ def _header(pydicom: ModuleType, path: Path) -> Dataset:
 def _number(header: Dataset) -> int | None:
     value = getattr(header, "InstanceNumber", None)
     return None if value in (None, "") else int(value)
+
+
+def _check_pixels(path: Path, header: Dataset, file: IO[bytes]) -> None:
+    """Return if a frame is no larger than one may be, and JPEG has no more scans; the file is at its pixels."""
+    rows, columns = (int(getattr(header, name, 0) or 0) for name in ("Rows", "Columns"))
+    bits = int(getattr(header, "BitsAllocated", 8) or 8) * int(getattr(header, "SamplesPerPixel", 1) or 1)
+    check_pixels(path, columns, rows, -(-bits // 8))
+    if getattr(header.file_meta, "TransferSyntaxUID", "").startswith(_JPEG):
+        fragments = library("pydicom.encaps", Message("DICOM files"))
+        file.seek(_BEFORE_FRAGMENTS, SEEK_CUR)
+        count, _ = fragments.parse_fragments(file)
+        check_scans(fragments.generate_fragments(file), path, rows * columns, min(_frame_count(header), max(count - 1, 1)))
 
 
 def _frame_count(header: Dataset) -> int:

@@ -12,6 +12,7 @@ from ...arrays import Numbers
 from ...errors import FileFormatError
 from ...message import Message
 from ..disk.regular_files import file_stamp
+from .bounds import check_picture, check_pixels, check_scans, pieces_of
 from .images import DecodedImages, ImportedImages, decoding, describe_stack, library
 
 _FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "MPO")
@@ -46,6 +47,7 @@ def open_pictures(files: list[Path]) -> ImportedImages:
         # From a file object, not a path: Pillow maps some files into memory, and one that is cut while mapped ends the program
         with _readable(path), open(path, "rb") as file, image_module.open(file, formats=_FORMATS) as picture:
             picture.seek(page)
+            check_pixels(path, picture.width, picture.height, 4)
             if picture.mode == "1":
                 return np.asarray(picture.convert("L"))
             return np.asarray(picture if picture.mode in _AS_THEY_ARE else picture.convert("RGB"))
@@ -62,8 +64,14 @@ def open_pictures(files: list[Path]) -> ImportedImages:
 
 
 def _page_count(image_module: ModuleType, path: Path) -> int:
-    with _readable(path), open(path, "rb") as file, image_module.open(file, formats=_FORMATS) as picture:
-        return int(getattr(picture, "n_frames", 1))
+    with _readable(path), open(path, "rb") as file:
+        check_picture(file, path)
+        file.seek(0)
+        with image_module.open(file, formats=_FORMATS) as picture:
+            count = int(getattr(picture, "n_frames", 1))
+            if picture.format in ("JPEG", "MPO") or picture.info.get("compression") == "jpeg":
+                check_scans(pieces_of(file), path, picture.width * picture.height // max(len(picture.tile), 1), count)
+            return count
 
 
 def _readable(path: Path) -> AbstractContextManager[None]:

@@ -117,7 +117,8 @@ def read_label_names(path: str | Path) -> dict[int, str]:
     if any(re.fullmatch(r"Segment\d+_Layer", key) and text.strip() != "0" for key, text in fields.items()):
         return {}  # of several layers `read_labels` keeps no numbers
     numbers = {key: fields.get(key.replace("_Name", "_LabelValue"), "") for key in fields if re.fullmatch(r"Segment\d+_Name", key)}
-    return {int(number): fields[key] for key, number in numbers.items() if number.strip().isdecimal()}
+    # The longest that a voxel can hold
+    return {int(number): fields[key] for key, number in numbers.items() if re.fullmatch(r"\s*[0-9]{1,20}\s*", number)}
 
 
 def write_volume(volume: Volume, path: str | Path) -> None:

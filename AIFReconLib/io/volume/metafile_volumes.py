@@ -13,8 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ...arrays import Floats, Matrix, Numbers
-from ...errors import InsufficientMemoryError
-from ...machine.memory import SAFETY, available_memory
+from ...machine.memory import available_memory, require_bytes
 from ...message import shorten
 from ..metafile.metafile import RAW, Metafile
 from ..metafile.opening import METAIMAGE_SUFFIXES
@@ -103,14 +102,7 @@ def _space_axes(metafile: Metafile) -> list[int]:
 
 def _payload(metafile: Metafile) -> Numbers:
     """All values in the order of the file, 1D, in the file's byte order."""
-    available = available_memory()
-    if available is not None and metafile.pixel_bytes > SAFETY * available:
-        raise InsufficientMemoryError(
-            "{path}: its voxels need {needed:.1f} GB of memory, and {available:.1f} GB are free. Resample it, or free some memory.",
-            path=metafile.path,
-            needed=metafile.pixel_bytes / 1e9,
-            available=available / 1e9,
-        )
+    require_bytes(metafile.path, metafile.pixel_bytes, available_memory())
     values = np.empty(metafile.pixel_bytes // metafile.dtype.itemsize, metafile.dtype)
     view = values.view(np.uint8).data
     with metafile.open_payload() as file:

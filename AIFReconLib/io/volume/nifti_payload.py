@@ -11,6 +11,7 @@ import scipy
 
 from ...arrays import Matrix
 from ...errors import FileFormatError
+from ...machine.memory import available_memory, require_bytes
 from ..disk.regular_files import require_regular_file
 from ..metafile.payload import Inflater, PayloadError
 
@@ -26,6 +27,9 @@ _PLACES = {348: (76, "8f", 123, "B", 252, "2h", 256, "6f", 280, "12f"), 540: (10
 
 _UNIT_MM = {1: 1e3, 3: 1e-3}
 """By NIfTI's number of a unit: meters and microns; all others are taken as mm."""
+
+ITK_COPIES = 2
+"""SimpleITK's image, and the array that is made of it."""
 
 
 def check_nifti(path: Path, error: type[FileFormatError]) -> bytes:
@@ -47,12 +51,15 @@ def check_nifti(path: Path, error: type[FileFormatError]) -> bytes:
                     raise PayloadError(
                         "are cut short: the header promises {needed} bytes, there are {length}", needed=needed, length=length
                     )
+                require_bytes(path, ITK_COPIES * needed, available_memory())
                 return head
             stream = Inflater(0, length)
             head = stream.read(file, min(_HEADERS))
             if _header_length(head) != len(head):
                 head += stream.read(file, max(_HEADERS) - len(head))
-            stream.skip(file, _needed_bytes(head) - len(head))
+            needed = _needed_bytes(head)
+            require_bytes(path, ITK_COPIES * needed, available_memory())
+            stream.skip(file, needed - len(head))
             stream.drain(file)
             return head
     except PayloadError as cause:

@@ -26,7 +26,9 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.own.method import load_method
 from AIFReconLib.errors import SettingsError
 
-pytest.importorskip("distributed", reason="dask.distributed is not installed")
+distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
+pytest.importorskip("cryptography", reason="cryptography is not installed")
+config = pytest.importorskip("dask.config", reason="dask is not installed")
 parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
 
 MEMORY = 3_000_000_000
@@ -287,19 +289,44 @@ def test_work_whose_process_ends_is_lost_and_no_other_work(client):
     assert made == {"1": 2, "2": 4, "3": 6, "4": 8}
 
 
-def test_a_scheduler_that_is_there_is_used(lab, client):
-    with cluster_at(client.scheduler.address, lab.folder) as other:
-        assert dict(completed(other, double_or_die, {"a": 1})) == {"a": 2}
+def keys_of(keys):
+    found = {"ca-file": keys.tls_ca_file, "client.key": keys.tls_client_key, "client.cert": keys.tls_client_cert}
+    return {f"distributed.comm.tls.{name}": value for name, value in found.items()}
 
 
-def test_workers_of_another_version_are_refused(lab, client, monkeypatch):
-    monkeypatch.setattr(engine, "__version__", "9.9")
-    with pytest.raises(SettingsError, match=r"has AIFRecon .*, and this is 9\.9"), cluster_at(client.scheduler.address, lab.folder):
+@pytest.fixture
+def address(client):
+    """Of the scheduler, to whoever has its key in Dask's own configuration."""
+    with config.set(keys_of(client.security)):
+        yield client.scheduler.address
+
+
+def test_nobody_without_its_key_uses_the_scheduler_of_a_batch(client, monkeypatch):
+    monkeypatch.setattr(engine, "SCHEDULER_WAIT", 1)
+    assert client.scheduler.address.startswith("tls://")
+    other = keys_of(distributed.Security.temporary())
+    with config.set(other), pytest.raises(SettingsError, match="Dask scheduler"), cluster_at(client.scheduler.address, Path("/")):
         pass
 
 
-def test_workers_that_do_not_see_the_folder_are_refused(lab, client):
-    with pytest.raises(SettingsError, match="does not see the folder"), cluster_at(client.scheduler.address, lab.folder / "nowhere"):
+def test_a_scheduler_with_tls_and_no_certificates_for_it_is_one_sentence(client):
+    with pytest.raises(SettingsError, match="certificates in Dask's configuration"), cluster_at(client.scheduler.address, Path("/")):
+        pass
+
+
+def test_a_scheduler_that_is_there_is_used(lab, address):
+    with cluster_at(address, lab.folder) as other:
+        assert dict(completed(other, double_or_die, {"a": 1})) == {"a": 2}
+
+
+def test_workers_of_another_version_are_refused(lab, address, monkeypatch):
+    monkeypatch.setattr(engine, "__version__", "9.9")
+    with pytest.raises(SettingsError, match=r"has AIFRecon .*, and this is 9\.9"), cluster_at(address, lab.folder):
+        pass
+
+
+def test_workers_that_do_not_see_the_folder_are_refused(lab, address):
+    with pytest.raises(SettingsError, match="does not see the folder"), cluster_at(address, lab.folder / "nowhere"):
         pass
 
 

@@ -12,10 +12,11 @@ import pytest
 pytest.importorskip("onnxruntime")
 pytest.importorskip("onnx")
 
-from onnx import helper
+from onnx import TensorProto, helper
 from onnx_models import echo_score, graph_of, saved, scaling
 from seen_planes import IMAGING, PlaneSweep
 
+from AIFReconLib.bone import onnx_process
 from AIFReconLib.bone.estimators import bone_from_frames
 from AIFReconLib.bone.from_sweep import BoneEchoFinder
 from AIFReconLib.bone.model import OnnxModel
@@ -222,6 +223,75 @@ def test_the_network_that_is_trained_on_simulated_frames_knows_an_echo_over_dark
     depth = sweep.depths(256, 256)[0]
     assert said[np.abs(depth) < 1].mean() > 0.5
     assert said[np.abs(depth) > 4].mean() < 0.01
+
+
+def endless(path):
+    """Loops as often as a number can say."""
+    node = helper.make_node
+    body = helper.make_graph(
+        [node("Identity", ["go"], ["on"]), node("Identity", ["value"], ["next"])],
+        "body",
+        [
+            helper.make_tensor_value_info("n", TensorProto.INT64, []),
+            helper.make_tensor_value_info("go", TensorProto.BOOL, []),
+            helper.make_tensor_value_info("value", TensorProto.FLOAT, [1, 1, 8, 8]),
+        ],
+        [helper.make_tensor_value_info("on", TensorProto.BOOL, []), helper.make_tensor_value_info("next", TensorProto.FLOAT, [1, 1, 8, 8])],
+    )
+    loop = node("Loop", ["times", "yes", "image"], ["bone"], body=body)
+    saved(graph_of([loop], {"times": np.int64(2**62), "yes": np.bool_(True)}, [1, 1, 8, 8], [1, 1, 8, 8]), path)
+
+
+def of_gigabytes(path, side=2**17):
+    expand = helper.make_node("Expand", ["image", "shape"], ["bone"])
+    saved(graph_of([expand], {"shape": np.array([1, 1, side, side])}, [1, 1, 1, 1], [1, 1, "h", "w"]), path)
+
+
+def test_a_model_that_runs_without_end_is_ended(tmp_path, monkeypatch):
+    monkeypatch.setattr(onnx_process, "LONGEST", 5.0)
+    endless(tmp_path / "model.onnx")
+    with pytest.raises(ModelError, match=r"the model was ended: it takes more than 5 s"):
+        OnnxModel(tmp_path / "model.onnx")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory of a process can be bounded on Linux only")
+def test_a_model_that_wants_more_memory_than_it_may_take_is_refused(tmp_path):
+    of_gigabytes(tmp_path / "model.onnx")
+    with pytest.raises(ModelError, match=r"the model (fails|was ended)"):
+        OnnxModel(tmp_path / "model.onnx")
+
+
+def test_an_answer_that_is_larger_than_any_image_is_refused(tmp_path):
+    of_gigabytes(tmp_path / "model.onnx", 8200)
+    with pytest.raises(ModelError, match=r"fails .*its answer is float32 of \(1, 1, 8200, 8200\)"):
+        OnnxModel(tmp_path / "model.onnx")
+
+
+def test_a_crash_within_a_model_is_a_sentence_and_ends_nothing_else(tmp_path):
+    model = OnnxModel(model_in(tmp_path, scaling()))
+    model._process._process.kill()
+    with pytest.raises(ModelError, match="the model was ended"):
+        model.estimate(TrackedFrame(GRAY, np.eye(4)))
+
+
+def test_an_interrupt_ends_the_process_of_a_model(tmp_path, monkeypatch):
+    model = OnnxModel(model_in(tmp_path, scaling()))
+
+    def interrupted(_stream):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(onnx_process, "_received", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        model.estimate(TrackedFrame(GRAY, np.eye(4)))
+    assert model._process._process.poll() is not None
+
+
+def test_the_process_of_a_model_ends_with_it(tmp_path):
+    model = OnnxModel(model_in(tmp_path, scaling()))
+    process = model._process._process
+    assert process.poll() is None
+    del model
+    assert process.poll() is not None
 
 
 def test_data_in_another_file_is_not_opened(tmp_path):

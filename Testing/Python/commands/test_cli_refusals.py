@@ -44,6 +44,16 @@ def test_the_data_file_beside_an_output_header_never_overwrites_that_of_an_input
     assert (tmp_path / "frames.zraw").read_bytes() == before
 
 
+@pytest.mark.parametrize("option", ["--bone-model", "--config", "--bone-labels", "--save-settings", "--output"])
+def test_an_empty_name_is_refused(patient, results, capsys, option):
+    assert "must be the name of a file" in refused([*patient.reconstruct, "--output", results / "v.nrrd", option, ""], capsys, results)
+
+
+def test_a_folder_is_no_model(patient, results, capsys):
+    line = refused([*patient.reconstruct, "--output", results / "v.nrrd", "--bone-model", "."], capsys, results)
+    assert "this is a folder" in line
+
+
 def test_a_missing_sequence_is_named(patient, results, capsys):
     line = refused(["reconstruct", results / "no.mha", "--output", results / "v.nrrd"], capsys, results)
     assert "no.mha" in line

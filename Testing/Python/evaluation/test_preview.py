@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import io
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -157,3 +161,47 @@ def test_a_volume_and_a_bone_map_show_themselves_in_a_line_and_as_a_table():
     assert repr(bone).startswith("<BoneMap: holds probability")
     for each in (volume, bone):
         assert "<td style='text-align:left'>41 x 31 x 21</td>" in each._repr_html_()
+
+
+# ---- a file matplotlibrc that came with a recording
+
+DRAWS = """
+import sys
+import numpy as np
+from AIFReconLib.errors import OutputError
+from AIFReconLib.evaluation.preview import preview
+from AIFReconLib.geometry.volume import Volume
+try:
+    picture = preview(Volume(np.arange(8000, dtype=np.float32).reshape(20, 20, 20), np.eye(4)), title="a")
+except OutputError as error:
+    sys.exit(str(error))
+sys.stdout.buffer.write(picture.png)
+"""
+
+
+def drawn_in(folder, settings):
+    """What a program draws in a folder that holds such a file."""
+    (folder / "matplotlibrc").write_bytes(settings)
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[3])}
+    return subprocess.run([sys.executable, "-c", DRAWS], cwd=folder, env=environment, capture_output=True, check=False)
+
+
+def test_a_matplotlibrc_of_the_working_folder_changes_no_picture(tmp_path):
+    settings = b"text.usetex: True\nfont.size: 30\nsavefig.bbox: tight\nimage.interpolation: nearest\n"
+    found = drawn_in(tmp_path, settings)
+    assert found.stdout == drawn_in(tmp_path, b"").stdout
+    assert found.stdout.startswith(b"\x89PNG"), found.stderr
+
+
+def test_a_matplotlibrc_that_is_no_text_is_a_sentence(tmp_path):
+    assert b"matplotlib cannot be loaded" in drawn_in(tmp_path, b"\xff\xfe\x00").stderr
+
+
+def test_a_program_keeps_its_own_looks(monkeypatch):
+    import matplotlib
+
+    monkeypatch.setitem(matplotlib.rcParams, "font.size", 30.0)
+    backend = matplotlib.rcParams._get("backend")
+    preview(volume_with(RIGHT))
+    assert matplotlib.rcParams["font.size"] == 30.0
+    assert matplotlib.rcParams._get("backend") == backend

@@ -6,6 +6,7 @@ import base64
 import csv
 import io
 import re
+import unicodedata
 from dataclasses import fields, replace
 from html.parser import HTMLParser
 
@@ -350,3 +351,12 @@ def test_sections_say_what_they_are_given_as_text_and_a_page_may_do_without_metr
         assert words in page.text
     assert page.resources == ["data:image/png;base64," + base64.b64encode(PNG).decode()]
     assert "How clearly" not in page.text
+
+
+@pytest.mark.parametrize("name", ["=cmd|' /C calc'!A0", "@SUM(1)", "-2+3", "+1", "\tx=1", "\uff1d1+1", " =1"])
+def test_a_name_is_no_formula_in_a_spreadsheet(metrics, name):
+    (first, *_) = metrics.values()
+    (row,) = csv.DictReader(io.StringIO(metrics_csv({name: first}, 3)))
+    assert not unicodedata.normalize("NFKC", row["volume"]).strip().startswith(tuple("=@-+"))
+    # Numbers stay numbers
+    assert float(row["shadow_mean"]) == pytest.approx(first.to_dict()["shadow_mean"], rel=1e-5)

@@ -29,6 +29,8 @@ CALLS = frozenset(
 ALLOWED = {
     # ffmpeg, told to follow nothing; test_security.py
     ("AIFReconLib/io/foreign/video.py", "subprocess"),
+    # this Python, for a model that must end nobody else
+    ("AIFReconLib/bone/onnx_process.py", "subprocess"),
     # the error of a failed installation is caught, nothing is started
     ("AIFRecon/AIFReconGui/packages.py", "subprocess"),
 }

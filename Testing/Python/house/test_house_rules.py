@@ -18,7 +18,7 @@ PYTHON_FILES = [
 ]
 EVERYWHERE = {"numpy", "scipy", "AIFReconLib"}
 IN_ROOMS = {
-    "batch": {"dask", "distributed", "pyarrow"},
+    "batch": {"cryptography", "dask", "distributed", "pyarrow"},
     "bone": {"onnxruntime"},
     "evaluation": {"matplotlib", "vtk"},
     "io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg"},

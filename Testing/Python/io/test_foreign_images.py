@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import re
+import struct
 import subprocess
 import tracemalloc
+import zlib
 
 import numpy as np
 import pytest
@@ -398,3 +401,70 @@ def test_images_are_turned_to_marked_far(code, flip):
 def test_every_kind_of_file_has_its_opener():
     suffixes = [suffix for known, _ in openers._KINDS for suffix in known]
     assert len(suffixes) == len(set(suffixes))
+
+
+# ---- small files that ask for hours and gigabytes
+
+
+def jpeg_of_scans(pil, scans, side=1000):
+    """A JPEG whose last scan is repeated."""
+    file = io.BytesIO()
+    pil.fromarray(np.zeros((side, side), np.uint8)).save(file, "JPEG", progressive=True)
+    data = file.getvalue()
+    last = data.rindex(b"\xff\xda")
+    return data[:last] + scans * data[last:-2] + data[-2:]
+
+
+def test_a_jpeg_of_thousands_of_scans_is_refused(pil, tmp_path):
+    (tmp_path / "a.jpg").write_bytes(jpeg_of_scans(pil, 3000))
+    with pytest.raises(FileFormatError, match="3005 scans, which would take too long"):
+        open_images([tmp_path / "a.jpg"])
+
+
+def test_a_jpeg_within_dicom_of_thousands_of_scans_is_refused(pil, dicom, tmp_path):
+    path = tmp_path / "a.dcm"
+    write_dicom(dicom, path, np.zeros((1000, 1000), np.uint8))
+    dataset = dicom.dcmread(path)
+    dataset.file_meta.TransferSyntaxUID = dicom.uid.JPEGExtended12Bit
+    data = jpeg_of_scans(pil, 3000)
+    # In pieces, as one frame may come
+    dataset.PixelData = dicom.encaps.encapsulate([data + b"\0" * (len(data) % 2)], fragments_per_frame=4)
+    dataset["PixelData"].is_undefined_length = True
+    dataset.save_as(path)
+    with pytest.raises(FileFormatError, match="3005 scans"):
+        open_images([path])
+
+
+def test_a_progressive_jpeg_is_read(pil, tmp_path):
+    pil.fromarray(FRAMES[0]).resize((1000, 1000)).save(tmp_path / "a.jpg", progressive=True)
+    assert len(open_images([tmp_path / "a.jpg"]).stack) == 1
+
+
+@pytest.mark.parametrize(("count", "size"), [(2000, 1), (3, 2**19)], ids=["many", "large"])
+@pytest.mark.parametrize("at_end", [False, True], ids=["in front", "at the end"])
+def test_a_png_of_megabytes_of_text_is_refused(pil, tmp_path, count, size, at_end):
+    path = tmp_path / "a.png"
+    pil.fromarray(FRAMES[0]).save(path)
+    data = path.read_bytes()
+    body = b"tEXtk\0" + b"x" * size
+    chunk = struct.pack(">I", len(body) - 4) + body + struct.pack(">I", zlib.crc32(body))
+    place = len(data) - 12 if at_end else 33
+    path.write_bytes(data[:place] + count * chunk + data[place:])
+    with pytest.raises(FileFormatError, match="more text and other chunks than pictures do"):
+        open_images([path])
+
+
+def test_a_deflated_dicom_file_is_refused_before_it_becomes_gigabytes(dicom, tmp_path, monkeypatch):
+    path = write_dicom(dicom, tmp_path / "a.dcm", FRAMES[0])
+    dataset = dicom.dcmread(path)
+    dataset.file_meta.TransferSyntaxUID = dicom.uid.DeflatedExplicitVRLittleEndian
+    dataset.save_as(path)
+    monkeypatch.setattr(dicom.filereader.zlib, "decompress", None)
+    with pytest.raises(FileFormatError, match="deflated as a whole are not read"):
+        open_images([path])
+
+
+def test_a_dicom_image_of_more_pixels_than_a_frame_has_is_refused_before_it_is_decoded(dicom, tmp_path):
+    path = write_dicom(dicom, tmp_path / "a.dcm", FRAMES[0], Rows=60000, Columns=60000)
+    with pytest.raises(FileFormatError, match="60000 x 60000 pixels"):
+        open_images([path])

@@ -363,6 +363,7 @@ def test_segments_have_names(tmp_path):
     path = tmp_path / "bone.seg.nrrd"
     Volume(np.ones((2, 3, 4), np.uint8), np.eye(4), {}).write(path)
     fields = b"Segment0_LabelValue:=7\nSegment0_Layer:=0\nSegment0_Name:=vertebra L3\nSegment1_Name:=no number\n"
+    fields += b"Segment2_Name:=too long\nSegment2_LabelValue:=" + b"7" * 5000 + b"\n"
     path.write_bytes(path.read_bytes().replace(b"\n\n", b"\n" + fields + b"\n", 1))
     assert read_label_names(path) == {7: "vertebra L3"}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import platform
 import subprocess
 import sys
 import time
@@ -77,6 +78,32 @@ def test_a_folder_in_use_by_another_program_stays_until_that_is_killed(tmp_path)
         other.kill()
     remove_left_behind(tmp_path)
     assert not folder.exists()
+
+
+OTHER = """import platform, sys, time
+from pathlib import Path
+from AIFReconLib.io.disk import workspace as module
+platform.node = lambda: sys.argv[2]
+with module.workspace(Path(sys.argv[1])) as folder:
+    print(folder, flush=True); time.sleep(60)
+"""
+
+
+@needs_locks
+@pytest.mark.parametrize("computer", [platform.node(), "elsewhere"], ids=["this computer", "another computer"])
+def test_a_folder_in_use_whose_lock_is_not_seen_stays(tmp_path, monkeypatch, computer):
+    # As on a network disk: whoever asks gets the lock
+    monkeypatch.setattr(module.fcntl, "flock", lambda *_: None)
+    other = subprocess.Popen([sys.executable, "-c", OTHER, str(tmp_path), computer], stdout=subprocess.PIPE, text=True)
+    with other:
+        folder = tmp_path / other.stdout.readline().strip().rpartition(os.sep)[2]
+        for path in (folder, *folder.iterdir()):
+            os.utime(path, (1, 1))
+        write_text(tmp_path / "a.txt", "x")
+        assert folder.is_dir()
+        other.kill()
+    remove_left_behind(tmp_path)
+    assert folder.exists() == (computer == "elsewhere")
 
 
 @pytest.mark.parametrize(("age", "stays"), [(LEFT_BEHIND - 60, True), (LEFT_BEHIND + 60, False)], ids=["younger", "older than a day"])

@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import re
+import tracemalloc
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from AIFReconLib.bone import map as bone_map
+from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.errors import InsufficientMemoryError
+from AIFReconLib.evaluation import surface
+from AIFReconLib.evaluation.surface import distance_from_labels
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.io.volume.files import read_labels, write_volume
 from AIFReconLib.machine import memory
 from AIFReconLib.machine.memory import HANDY_SPACINGS, MAXIMUM_VOXELS, available_memory, require_memory
+from AIFReconLib.registration import bone_field
+from AIFReconLib.registration.bone_field import BoneField
 
 GB = 10**9
 HALF = (0.5, 0.5, 0.5)
@@ -168,3 +178,46 @@ def test_a_container_without_a_limit_limits_nothing(monkeypatch, tmp_path):
 def test_no_container_limits_nothing(monkeypatch, tmp_path):
     monkeypatch.setattr(memory, "CONTROL_GROUP", tmp_path)
     assert memory._cgroup_free() is None
+
+
+# ---- what is made of labels
+
+
+def labeled(n=40):
+    array = np.zeros((n, n, n), np.uint8)
+    array[5:-5, 5:-5, 5:-5] = 1
+    return Volume(array, np.eye(4))
+
+
+@pytest.mark.parametrize("make", [BoneMap.from_labels, BoneField.from_labels, distance_from_labels, guided_bone])
+def test_labels_of_which_more_would_be_made_than_memory_holds_are_refused_before_it_is(make, monkeypatch):
+    monkeypatch.setattr(memory, "available_memory", lambda: 500_000)
+    with pytest.raises(InsufficientMemoryError, match=r"A volume of \d+ x \d+ x \d+ voxels .* needs"):
+        make(labeled())
+
+
+@pytest.mark.parametrize("make", [BoneMap.from_labels, BoneField.from_labels, distance_from_labels, guided_bone])
+def test_what_is_made_of_labels_takes_no_more_memory_than_was_asked_for(make, monkeypatch):
+    asked = []
+    original = memory.require_memory
+
+    def require(size, spacing, each, **options):
+        asked.append(np.prod(size) * each)
+        original(size, spacing, each, **options)
+
+    for module in (bone_map, bone_field, surface):
+        monkeypatch.setattr(module, "require_memory", require)
+    tracemalloc.start()
+    try:
+        make(labeled(96))
+        assert tracemalloc.get_traced_memory()[1] < max(asked)
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_nifti_volume_that_memory_does_not_hold_is_refused_before_it_is_read(tmp_path, monkeypatch):
+    path = tmp_path / "labels.nii.gz"
+    write_volume(labeled(), path)
+    monkeypatch.setattr("AIFReconLib.io.volume.nifti_payload.available_memory", lambda: 100_000)
+    with pytest.raises(InsufficientMemoryError, match=r"labels\.nii\.gz: its voxels need"):
+        read_labels(path)

@@ -109,3 +109,19 @@ def test_what_python_makes_says_how(tmp_path):
     settings = settings_of(result.intensity)
     assert (settings["image_to_reference"], settings["grid_size"]) == (CHAIN, [7, 8, 9])
     assert "best_cosine" not in settings
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("s.toml", ".".join(["a"] * 500_000) + " = 1", "longer than 65536 bytes"),
+        ("s.toml", "\n".join(".".join(["a"] * 900) + f".b{n} = 1" for n in range(500)), "longer than 65536 bytes"),
+        ("s.json", "{" + ",".join(f'"k{n}": 1' for n in range(70_000)) + ', "k69999": 1}', "'k69999' is there twice"),
+    ],
+    ids=["dotted key", "dotted keys", "late duplicate"],
+)
+def test_a_settings_file_that_would_take_minutes_is_refused_at_once(tmp_path, name, text, words):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(SettingsFileError, match=words):
+        read_settings(tmp_path / name)

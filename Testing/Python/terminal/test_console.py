@@ -11,7 +11,7 @@ import pytest
 
 from AIFReconLib.message import columns
 from AIFReconLib.terminal import console
-from AIFReconLib.terminal.console import ProgressBar, program
+from AIFReconLib.terminal.console import PlainStream, ProgressBar, program
 
 
 class Terminal(io.StringIO):
@@ -81,3 +81,48 @@ def test_a_path_with_spaces_is_quoted(monkeypatch):
     monkeypatch.setattr(sys, "argv", ["/my programs/aifrecon"])
     monkeypatch.setattr(shutil, "which", lambda name: None)
     assert program() == "'/my programs/aifrecon'"
+
+
+# ---- what a terminal would obey
+
+
+@pytest.mark.parametrize("name", ["\x1b[2J", "\x9b31m", "\x07", "\u202egpj", "a\rb", "\x08", "\x7f"], ids=ascii)
+def test_what_a_terminal_would_obey_is_shown(name):
+    stream = io.StringIO()
+    print("label", name, "was met", file=PlainStream(stream))
+    assert stream.getvalue().startswith("label ")
+    assert "?" in stream.getvalue()
+    assert stream.getvalue()[:-1].isprintable()
+
+
+def test_lines_may_still_be_drawn_anew_and_hold_every_letter():
+    stream = io.StringIO()
+    for text in ("\rinserted \xe9\u0394\u4e2d\n", "\r   \r", "a\tb\n"):
+        PlainStream(stream).write(text)
+    assert stream.getvalue() == "\rinserted \xe9\u0394\u4e2d\n\r   \ra\tb\n"
+
+
+def test_names_in_files_reach_the_terminal_as_words(tmp_path, capsys):
+    from files import write_patient
+
+    from AIFReconLib.commands.parser import main
+
+    config = write_patient(tmp_path).config
+    sweep = tmp_path / "sweep.igs.mha"
+    data = sweep.read_bytes().replace(b"Seq_Frame0000_Timestamp", b"Own\x1b]0;mine\x07 = \x1b[31m\nSeq_Frame0000_Timestamp", 1)
+    sweep.write_bytes(data)
+    for command in (
+        ["info", str(sweep)],
+        ["reconstruct", str(sweep), "--config", str(config), "--output", str(tmp_path / "\x1b[31m.nrrd")],
+    ):
+        main(command)
+    said = capsys.readouterr()
+    assert "\x1b" not in said.out + said.err
+    assert "wrote" in said.out
+
+
+def test_a_log_holds_nothing_that_a_terminal_would_obey(tmp_path, capsys):
+    from AIFReconLib.commands.parser import main
+
+    main(["info", str(tmp_path / "\x1b[31m.mha"), "--log", str(tmp_path / "log.txt")])
+    assert "\x1b" not in (tmp_path / "log.txt").read_text()

@@ -137,3 +137,13 @@ def test_what_a_workflow_calls_exists(path):
     assert set(re.findall(r"\bmake ([a-z-]+)", text)) - targets == set()
     assert [name for name in re.findall(r"(?:Testing|docs)/[\w/.-]+\.\w+", text) if not (REPOSITORY / name).exists()] == []
     assert set(re.findall(r"\.\[(\w+)\]", text)) - set(extras()) == set()
+
+
+@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.name)
+def test_an_action_is_a_commit_and_what_is_downloaded_has_a_sum(path):
+    text = path.read_text("utf-8")
+    used = re.findall(r"uses: (.*)", text)
+    assert [each for each in used if not re.fullmatch(r"[\w./-]+@[0-9a-f]{40} # v[0-9.]+", each)] == []
+    # One command that fetches, and the next that compares
+    fetched = re.findall(r"(?:curl|wget)\b.*\n(.*)", text)
+    assert [each for each in fetched if "sum --check" not in each] == []

@@ -1,0 +1,229 @@
+"""A process of its own that runs a model, which is a program: it may run on and on, take all memory or crash, and must end nobody else."""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import json
+import os
+import shutil
+import subprocess
+import sys
+import threading
+import weakref
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import IO, Any, cast
+
+import numpy as np
+
+from ..arrays import Numbers, Singles
+from ..errors import ModelError
+from ..machine.memory import SAFETY, available_memory
+from ..message import shorten
+
+LONGEST = 30.0
+"""s that a model may take to load, and then for an image."""
+
+MOST_MEMORY = 4_000_000_000
+"""Bytes that a model may take beside three times its own, where the system can hold it to that (Linux), and less where less is free."""
+
+MOST_ANSWER = 2**28
+"""Bytes of an answer."""
+
+_THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+class ModelProcess:
+    """A session of onnxruntime in another process, ended with this object.
+
+    Parameters
+    ----------
+    path : Path
+        For sentences.
+    data : bytes
+        The model.
+    threads : int
+        How many onnxruntime uses.
+
+    Attributes
+    ----------
+    inputs : list of (name, type, shape)
+    outputs : list of str
+
+    Raises
+    ------
+    ModelError
+        When the model cannot be run.
+    """
+
+    def __init__(self, path: Path, data: bytes, threads: int):
+        self._path = path
+        self._turn = threading.Lock()
+        free = available_memory()
+        most = MOST_MEMORY + 3 * len(data)
+        most = most if free is None else min(int(SAFETY * free), most)
+        code = f"import sys; sys.path[:] = sys.argv[1:]; from {__name__} import serve; serve()"
+        try:
+            self._process = subprocess.Popen(
+                [_python(), "-c", code, *sys.path],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                env={**os.environ, **_THREADS},
+                # Ctrl-C is for who waits; Windows would open a window
+                start_new_session=True,
+                creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+            )
+        except OSError as error:
+            raise ModelError(
+                "{path}: no process can be started to run the model ({reason}). Close other programs.", path=path, reason=str(error)
+            ) from None
+        self.end = weakref.finalize(self, _end, self._process)
+        facts, _ = self._answer({"threads": threads, "seconds": LONGEST, "memory": most}, data)
+        if "error" in facts:
+            self.end()
+            raise ModelError(
+                "{path}: onnxruntime {version} cannot run this model ({why}). Export it with standard operators that this version has.",
+                path=path,
+                version=str(facts.get("version")),
+                why=_reason(str(facts["error"])),
+            )
+        self.inputs: list[tuple[str, str, list[int | str | None]]] = facts["inputs"]
+        self.outputs: list[str] = facts["outputs"]
+
+    def run(self, image: Singles) -> Numbers:
+        """What the first output is for an image, (1, channels, rows, columns).
+
+        Raises
+        ------
+        ModelError
+            When the model fails, or takes more time or memory than it may.
+        """
+        facts, data = self._answer({"shape": image.shape}, np.ascontiguousarray(image, dtype=np.float32).tobytes())
+        if "error" in facts:
+            raise ModelError(
+                "{path}: the model fails with an input of {shape} ({why}). Check input_size in the JSON file beside it.",
+                path=self._path,
+                shape=" x ".join(map(str, image.shape)),
+                why=_reason(str(facts["error"])),
+            )
+        answer: Numbers = np.frombuffer(data, np.dtype(facts["kind"])).reshape(facts["shape"])
+        return answer
+
+    def _answer(self, told: dict[str, Any], data: bytes) -> tuple[dict[str, Any], bytes]:
+        """What the process answers to a line and bytes: the same."""
+        asking, answering = cast("tuple[IO[bytes], IO[bytes]]", (self._process.stdin, self._process.stdout))
+        with self._turn:
+            try:
+                _send(asking, told, data)
+                return _received(answering)
+            except (OSError, ValueError):
+                self.end()
+                raise ModelError(
+                    "{path}: the model was ended: it takes more than {seconds:g} s or more memory than it may, or crashes. Use another.",
+                    path=self._path,
+                    seconds=LONGEST,
+                ) from None
+            except BaseException:
+                self.end()
+                raise
+
+
+def _python() -> str:
+    """The Python that runs this; within Slicer, whose program is another, the one that Slicer brings."""
+    program = sys.executable or ""
+    return program if Path(program).name.lower().startswith("python") else shutil.which("PythonSlicer") or program
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    process.kill()
+    for stream in (process.stdin, process.stdout):
+        with contextlib.suppress(OSError):
+            cast("IO[bytes]", stream).close()
+    process.wait()
+
+
+def _send(stream: IO[bytes], told: dict[str, Any], data: bytes) -> None:
+    stream.write(json.dumps({**told, "length": len(data)}).encode() + b"\n")
+    stream.write(data)
+    stream.flush()
+
+
+def _received(stream: IO[bytes]) -> tuple[dict[str, Any], bytes]:
+    told: dict[str, Any] = json.loads(stream.readline(2**20))
+    data = stream.read(told["length"])
+    if len(data) != told["length"]:
+        raise EOFError
+    return told, data
+
+
+def _reason(error: str) -> str:
+    """What onnxruntime says, without its place in a source file."""
+    line = " ".join(error.split())
+    return shorten(line.split(" : ", 3)[-1], 200).rstrip(". ")
+
+
+# ---- in the other process
+
+
+def serve() -> None:
+    """Load the model that comes, and answer images until no more come."""
+    # What libraries print must not be taken for an answer
+    asked, answers = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    told, data = _received(asked)
+    with _within(told["seconds"]):
+        runtime = import_module("onnxruntime")
+        _limit_memory(told["memory"])
+        try:
+            session = _session(runtime, data, told["threads"])
+            inputs = [(each.name, each.type, each.shape) for each in session.get_inputs()]
+            outputs = [each.name for each in session.get_outputs()]
+        except Exception as error:  # onnxruntime has classes of its own for each failure
+            _send(answers, {"error": str(error), "version": runtime.__version__}, b"")
+            return
+    del data
+    seconds = told["seconds"]
+    _send(answers, {"inputs": inputs, "outputs": outputs}, b"")
+    while True:
+        told, data = _received(asked)
+        with _within(seconds):
+            try:
+                image = np.frombuffer(data, np.float32).reshape(told["shape"])
+                answer = np.asarray(session.run(outputs[:1], {inputs[0][0]: image})[0])
+                if answer.dtype.kind not in "fiub" or answer.nbytes > MOST_ANSWER:
+                    raise ValueError(f"its answer is {answer.dtype} of {answer.shape}")
+            except Exception as error:
+                _send(answers, {"error": str(error)}, b"")
+                continue
+        _send(answers, {"kind": answer.dtype.str, "shape": answer.shape}, answer.tobytes())
+
+
+@contextlib.contextmanager
+def _within(seconds: float) -> Iterator[None]:
+    """End this process, whatever holds it, when the block takes longer."""
+    faulthandler.dump_traceback_later(seconds, exit=True)
+    yield
+    faulthandler.cancel_dump_traceback_later()
+
+
+def _limit_memory(most: int) -> None:
+    with contextlib.suppress(ImportError, OSError, ValueError):
+        import resource
+
+        hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
+        resource.setrlimit(resource.RLIMIT_DATA, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+
+
+def _session(runtime: Any, data: bytes, threads: int) -> Any:  # onnxruntime has no types
+    """A session that runs a model."""
+    options = runtime.SessionOptions()
+    options.intra_op_num_threads, options.inter_op_num_threads = threads, 1
+    # Threads that wait for work would take the cores from the reconstruction
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    # Given as bytes, a file of its own format would be taken too
+    options.add_session_config_entry("session.load_model_format", "ONNX")
+    options.log_severity_level = 4
+    return runtime.InferenceSession(data, options, providers=["CPUExecutionProvider"])

@@ -1,0 +1,235 @@
+"""Results replace results only: whatever else lies in their place is refused before any work, and stays."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict, replace
+
+import pytest
+from files import write_patient
+
+from AIFReconLib.batch import case as module
+from AIFReconLib.batch.case import Task, carry_out
+from AIFReconLib.batch.cohort import Cohort
+from AIFReconLib.batch.engine import Lost
+from AIFReconLib.batch.page import page
+from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, RUNNING, Record, is_current, made_of, read_record, stamps, write_record
+from AIFReconLib.batch.results import flat_rows
+from AIFReconLib.batch.table import read_cases
+from AIFReconLib.commands.parser import main
+from AIFReconLib.errors import OutputError
+from AIFReconLib.message import Message
+
+HEAD = "case,sweeps,config,spacing,preview\n"
+needs_links = pytest.mark.skipif(os.name == "nt", reason="links need rights on Windows")
+
+
+@pytest.fixture
+def lab(tmp_path):
+    """A folder whose patient P1 lies as docs/cohorts.md has it."""
+    (tmp_path / "P1").mkdir()
+    write_patient(tmp_path / "P1")
+    (tmp_path / "cases.csv").write_text(HEAD + "P1,P1/sweep.igs.mha,P1/PlusDeviceSet.xml,1,no\n")
+    return tmp_path
+
+
+def first_case(lab):
+    return read_cases(lab / "cases.csv").cases[0]
+
+
+def done(lab, output):
+    """Results of the case, as a run leaves them."""
+    (output / RECORDS).mkdir(parents=True, exist_ok=True)
+    record = carry_out(Task(first_case(lab), lab, output, "tonight"))
+    assert record.state == DONE, record.message
+    return record
+
+
+def tree(folder):
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def refused(lab, output, capsys, *options):
+    """What the command says; it must refuse and leave everything as it is."""
+    before = tree(lab)
+    assert main(["batch", str(lab / "cases.csv"), "--output", str(output), *options]) == 2
+    assert tree(lab) == before
+    return capsys.readouterr().err
+
+
+@pytest.mark.parametrize("options", [[], ["--dry-run"]], ids=["run", "dry run"])
+@pytest.mark.parametrize("output", [".", "P1", "P1/.."])
+def test_a_folder_that_holds_inputs_is_refused(lab, capsys, options, output):
+    assert "it holds" in refused(lab, lab / output, capsys, *options)
+
+
+@needs_links
+def test_a_folder_that_holds_inputs_is_known_by_another_name(lab, tmp_path_factory, capsys):
+    link = tmp_path_factory.mktemp("elsewhere") / "results"
+    link.symlink_to(lab, target_is_directory=True)
+    assert "an input of P1" in refused(lab, link, capsys)
+
+
+def test_an_input_that_is_a_result_of_the_same_folder_is_refused(lab, capsys):
+    done(lab, lab / "out")
+    with (lab / "cases.csv").open("a") as file:
+        file.write("P2,out/P1/average.nrrd,P1/PlusDeviceSet.xml,1,no\n")
+    assert "an input of P2" in refused(lab, lab / "out", capsys)
+
+
+@pytest.mark.parametrize("options", [[], ["--dry-run"]], ids=["run", "dry run"])
+@pytest.mark.parametrize("name", ["P1/notes.txt", "P1/deep/er/notes.txt", "P1", "index.html", "results.csv", ".batch/P1.json", ".batch"])
+def test_a_file_that_no_record_lists_is_refused(lab, capsys, name, options):
+    path = lab / "out" / name
+    path.parent.mkdir(parents=True)
+    path.write_text("mine")
+    assert str(path) in refused(lab, lab / "out", capsys, *options)
+
+
+def test_a_file_beside_results_that_are_known_is_refused(lab, capsys):
+    done(lab, lab / "out")
+    (lab / "out" / "P1" / "mine.mrk.json").write_text("mine")
+    assert "mine.mrk.json" in refused(lab, lab / "out", capsys)
+
+
+def test_the_table_is_not_replaced_by_a_table_of_results(lab, capsys):
+    (lab / "out" / RECORDS).mkdir(parents=True)
+    (lab / "out" / "results.csv").write_text(HEAD + "P1,../P1/sweep.igs.mha,../P1/PlusDeviceSet.xml,1,no\n")
+    assert main(["batch", str(lab / "out" / "results.csv"), "--output", str(lab / "out")]) == 2
+    assert "results.csv is in their place" in capsys.readouterr().err
+
+
+@needs_links
+@pytest.mark.parametrize("name", [RECORDS, "P1", "results.csv", ".batch/P1.json", ".batch/P1.json.registration"])
+def test_a_link_is_not_followed(lab, capsys, name):
+    (lab / "mine").mkdir()
+    (lab / "out" / name).parent.mkdir(parents=True, exist_ok=True)
+    (lab / "out" / name).symlink_to(lab / "mine")
+    assert name.rpartition("/")[2] in refused(lab, lab / "out", capsys)
+
+
+def test_a_case_that_has_the_name_of_a_table_is_refused(lab, capsys):
+    (lab / "cases.csv").write_text(HEAD + "index.html,P1/sweep.igs.mha,P1/PlusDeviceSet.xml,1,no\n")
+    assert "index.html" in refused(lab, lab / "out", capsys)
+
+
+def test_a_folder_of_results_is_replaced_by_results(lab):
+    done(lab, lab / "out")
+    (lab / "out" / "P1" / ".DS_Store").touch()
+    first = (lab / "out" / "P1" / "average.nrrd").stat().st_ino
+    done(lab, lab / "out")
+    assert (lab / "out" / "P1" / "average.nrrd").stat().st_ino != first
+    assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
+
+
+def test_a_file_that_comes_while_a_case_is_computed_stays(lab, monkeypatch):
+    done(lab, lab / "out")
+    work = module._Work.results
+
+    def results(self):
+        (lab / "out" / "P1" / "mine.txt").write_text("mine")
+        return work(self)
+
+    monkeypatch.setattr(module._Work, "results", results)
+    record = carry_out(Task(first_case(lab), lab, lab / "out", "tonight"))
+    assert (record.state, "mine.txt" in record.message) == (LOST, True)
+    assert {path.name for path in (lab / "out" / "P1").iterdir()} == {"average.nrrd", "report.json", "mine.txt"}
+
+
+def test_results_of_a_run_that_was_ended_before_it_said_so_are_replaced(lab, monkeypatch):
+    kept = []
+    monkeypatch.setattr(module, "write_record", lambda output, record: (kept.append(record.state), write_record(output, record)))
+    (lab / "out" / RECORDS).mkdir(parents=True)
+    carry_out(Task(first_case(lab), lab, lab / "out", "tonight"))
+    # As it was between the results and the last record
+    assert kept == [RUNNING, RUNNING, DONE]
+    write_record(lab / "out", replace(read_record(lab / "out", "P1"), state=RUNNING, results=[]))
+    monkeypatch.undo()
+    done(lab, lab / "out")
+
+
+@pytest.mark.parametrize("state", [FAILED, LOST])
+def test_results_of_before_are_known_after_a_case_has_failed(lab, monkeypatch, state):
+    done(lab, lab / "out")
+    error = OutputError("full") if state == LOST else ValueError("mistake")
+    monkeypatch.setattr(module._Work, "results", lambda self: (_ for _ in ()).throw(error))
+    assert carry_out(Task(first_case(lab), lab, lab / "out", "tomorrow")).state == state
+    monkeypatch.undo()
+    done(lab, lab / "out")
+
+
+def test_results_of_before_are_known_after_a_process_was_lost(lab):
+    known = done(lab, lab / "out").outputs
+    task = Task(first_case(lab), lab, lab / "out", "tomorrow")
+    record = Cohort([task.case], lab, lab / "out")._lost(task, Lost(Message("it was ended")))
+    assert (record.state, record.outputs, record.results) == (LOST, known, [])
+
+
+def test_a_rename_that_reports_failure_after_it_was_done_costs_nothing(lab, monkeypatch):
+    done(lab, lab / "out")
+    rename = os.rename
+
+    def late(old, new):
+        rename(old, new)
+        raise OSError(5, "Input/output error")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "rename", late)
+        record = carry_out(Task(first_case(lab), lab, lab / "out", "tonight"))
+    assert record.state == DONE
+    assert stamps(lab / "out" / "P1") == record.outputs
+
+
+def test_results_of_another_run_are_not_taken_for_those_of_a_record(lab):
+    record = done(lab, lab / "out")
+    made = made_of(first_case(lab), lab)
+    assert is_current(record, made, lab / "out")
+    # As a second batch in the same folder leaves them: the same sizes
+    os.utime(lab / "out" / "P1" / "average.nrrd", ns=(1, 1))
+    assert not is_current(record, made, lab / "out")
+
+
+# ---- records that others made up
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"results": [{"method": ["<script>"]}]},
+        {"results": [1]},
+        {"results": {"a": 1}},
+        {"results": [{"bone_cnr": 10**4000}]},
+        {"outputs": ["notes.txt"]},
+        {"state": "<script>alert(1)</script>"},
+        {"message": ["x"]},
+        {"seconds": "long"},
+        {"made_of": 3},
+        {"more": 1},
+    ],
+    ids=lambda change: str(change)[:40],
+)
+def test_a_record_whose_parts_are_of_another_kind_is_none(tmp_path, change):
+    (tmp_path / RECORDS).mkdir()
+    kept = asdict(Record("P1", DONE, {})) | change
+    (tmp_path / RECORDS / "P1.json").write_text(json.dumps(kept))
+    assert read_record(tmp_path, "P1") is None
+
+
+def test_a_made_up_record_cannot_write_into_the_page(lab):
+    evil = "<script>alert(1)</script>"
+    result = {
+        **dict.fromkeys(("case", "state", "message", "method", "volume", "bone_cnr", "notes"), evil),
+        "preview": f"//evil.example/{evil}",
+    }
+    case = first_case(lab)
+    text = page("cases", flat_rows([case], {"P1": Record("P1", DONE, {}, evil, results=[result])}))
+    assert "<script>alert" not in text
+    assert 'src="//' not in text
+    assert ">P1<" in text
+
+
+def test_a_number_without_end_in_a_record_does_not_cost_the_page(lab):
+    result = {"method": "average", "bone_cnr": float("inf"), "sweep_met": float("nan")}
+    rows = flat_rows([first_case(lab)], {"P1": Record("P1", DONE, {}, results=[result, {"method": "b", "bone_cnr": 1.0}])})
+    assert "<svg" in page("cases", rows)
