@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, fields
 from numbers import Integral, Real
 from typing import TypedDict, TypeVar, cast
 
-from .compounding.methods.table import BUILT_IN, METHODS, OWN_METHOD, is_own_method
+from .compounding.methods.table import METHODS, OWN_METHOD, is_own_method
 from .errors import SettingsError
 
 ENGINES = ("auto", "numpy", "numba")
@@ -75,7 +75,7 @@ class ReconstructionSettings:
 
     method: str | None = parameter(
         None,
-        f"how pixels of a voxel are combined: {', '.join(f'{method.name}: {method.words}' for method in BUILT_IN)}; {OWN_METHOD}: your own "
+        "how pixels of a voxel are combined; the last: a method of your own "
         f"(default: {DEFAULT_METHOD_WITH_BONE} with bone, else the configuration's, else {DEFAULT_METHOD_WITHOUT_BONE})",
         choices=METHODS,
         own=True,

@@ -7,7 +7,7 @@ from typing import Any
 
 from slicer.i18n import tr as _
 
-from AIFReconLib.compounding.methods.table import is_own_method, method_named, registered_methods
+from AIFReconLib.compounding.methods.table import METHODS, method_named, registered_methods
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle
 from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
@@ -140,7 +140,7 @@ def methodOf(parameterNode) -> str:
 
 def needsBone(method: str) -> bool:
     """Whether a method weights by where bone is; of one that is not known nothing is asked yet."""
-    return (not is_own_method(method) or method in ownMethods()) and method_named(method).needs_bone
+    return method in (*METHODS, *ownMethods()) and method_named(method).needs_bone
 
 
 def fileFrom(path: Path) -> Path | None:
