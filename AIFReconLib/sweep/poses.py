@@ -169,7 +169,7 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     count = len(sequence)
     matrices = np.full((count, 4, 4), np.nan)
     problems: list[str | None] = []
-    pairs: dict[Ways, dict[int, list[tuple[Matrix, Matrix]]]] = {}
+    pairs: dict[Ways, dict[int, list[Matrix]]] = {}
     left: dict[frozenset[TransformName], Ways | None] = {frozenset(): ways}
     for number, record in enumerate(sequence.records):
         if record.image_status is not TransformStatus.OK:
@@ -184,7 +184,7 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
             problems.append(next(iter(broken.values())))
             continue
         try:
-            matrix, twice = seen.follow([samples[link.stored].matrix for link in seen.links])
+            matrix, loops = seen.follow({name: sample.matrix for name, sample in samples.items()})
         except GeometryError as error:
             problems.append(Message("{problem}", problem=error))
             continue
@@ -192,8 +192,8 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         problems.append(Message("image pose {problem}", problem=problem) if problem else None)
         if problem is None:
             matrices[number] = matrix
-            if twice:
-                pairs.setdefault(seen, {})[number] = twice
+            if loops:
+                pairs.setdefault(seen, {})[number] = loops
     for seen, frames in pairs.items():
         _require_agreement(sequence, seen, frames)
     path = tuple(link.name for link in ways.path)
@@ -386,7 +386,7 @@ def _judge(
     """One frame's transforms on the ways, and what is wrong with those that cannot be used, what says most first."""
     samples: dict[TransformName, TransformSample] = {}
     broken: dict[TransformName, str] = {}
-    for name in ways.by_doubt:
+    for name in ways.names:
         sample = recorded.get(name) or static.get(name) or _inverse(recorded.get(name.inverse))
         if sample is None:
             broken[name] = Message("{transform} not recorded", transform=name)
@@ -409,7 +409,7 @@ def _inverse(sample: TransformSample | None) -> TransformSample | None:
     return TransformSample(invert(sample.matrix))
 
 
-def _require_agreement(sequence: TrackedSequence, ways: Ways, pairs: Mapping[int, list[tuple[Matrix, Matrix]]]) -> None:
+def _require_agreement(sequence: TrackedSequence, ways: Ways, pairs: Mapping[int, list[Matrix]]) -> None:
     """Return if the ways put the image's corners to one place in each of these frames."""
     columns, rows = sequence.frame_size
     corners = np.array([(x, y, 0.0, 1.0) for x in (0.0, max(columns - 1, 1)) for y in (0.0, max(rows - 1, 1))]).T

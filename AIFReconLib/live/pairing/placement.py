@@ -135,14 +135,14 @@ class Placement:
         frame = self._used_frame(message, names)
         if frame is None:
             chain = self._chain(self.wanted.source, self.wanted.target, self._fewest(sent, names), self._named)
-            return None if chain is None else names & set(chain.by_doubt)
+            return None if chain is None else names & set(chain.names)
         deciding = self._deciding(message, frame, names, told)
         if deciding is None:
             return frozenset() if self._trusting and frame == self.wanted.target else None
         if frame == self.wanted.target:
             return names & set(deciding)
         chain = self._chain(frame, self.wanted.target, names)
-        return None if chain is None else names & {*deciding, *chain.by_doubt}
+        return None if chain is None else names & {*deciding, *chain.names}
 
     def place(
         self,
@@ -228,7 +228,7 @@ class Placement:
         for start in (self.wanted.source, PROBE):
             ways = self._chain(start, frame, moving)
             if ways is not None:
-                return tuple(name for name in ways.by_doubt if name in moving), ways
+                return tuple(name for name in ways.names if name in moving), ways
         tools = tuple(sorted(told & moving, key=str))
         return (tools, None) if tools else None
 
@@ -269,7 +269,7 @@ class Placement:
             except TransformError as error:
                 self.problem = Message("{problem} {advice}", problem=error, advice=self._advice(transforms))
             return Placed(None, Message("no transform leads from {source} to {target}", **ends), transforms)
-        if not transforms.keys() & set(chain.by_doubt):
+        if not transforms.keys() & set(chain.names):
             self.problem = Message(
                 "By the configuration alone {source} is fixed to {target}, so all images would lie in one plane. {advice}",
                 advice=self._advice(transforms),
