@@ -151,11 +151,13 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         return _joined_poses(sequence, image_to_reference, reference)
     wanted, _ = chain_ends(sequence.configuration, image_to_reference, reference)
     recorded = sequence.transform_names()
-    configured = sequence.configuration.transforms
+    configured = dict(sequence.configuration.transforms)
     notes = list(sequence.notes)
-    both = [name for name in recorded if name in configured]
-    notes += [Message("{name} is in the recording and in the configuration; the recording's is used.", name=name) for name in both]
-    ways = _find_ways(sequence, wanted, image_to_reference, recorded)
+    # A frame that lacks a recorded transform is a frame without a pose: the configuration's must not stand in for it
+    for name in [name for name in configured if {name, name.inverse} & {*recorded}]:
+        notes.append(Message("{name} is in the recording and in the configuration; the recording's is used.", name=name))
+        del configured[name]
+    ways = _find_ways(sequence, wanted, image_to_reference, recorded, configured)
     if ways.path[0].name == CROPPED.inverse:
         notes.append(
             Message(
@@ -164,8 +166,7 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
                 transform=CROPPED,
             )
         )
-    # A frame that lacks a recorded transform is a frame without a pose: the configuration's must not stand in for it
-    static = {**{name: sample for name, sample in configured.items() if name not in recorded}, **sequence.transforms}
+    static = {**configured, **sequence.transforms}
     count = len(sequence)
     matrices = np.full((count, 4, 4), np.nan)
     problems: list[str | None] = []
@@ -337,13 +338,18 @@ def _size(spacing: Floats) -> str:
     return f"{spacing[0]:.4g} x {spacing[1]:.4g}"
 
 
-def _find_ways(sequence: TrackedSequence, wanted: TransformName, image_to_reference: str | None, recorded: Iterable[TransformName]) -> Ways:
+def _find_ways(
+    sequence: TrackedSequence,
+    wanted: TransformName,
+    image_to_reference: str | None,
+    recorded: Iterable[TransformName],
+    configured: Iterable[TransformName],
+) -> Ways:
     """The ways from image to reference over everything that any frame or the configuration holds."""
     if wanted.source == wanted.target:
         raise TransformError(
             "{sequence}: Image and reference must be two frames; got {frame} for both.", sequence=sequence.name, frame=wanted.source
         )
-    configured = sequence.configuration.transforms
     try:
         return image_ways(wanted, image_to_reference, recorded, configured)
     except TransformError as error:

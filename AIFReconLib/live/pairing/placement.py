@@ -72,7 +72,7 @@ def stream_name(text: str) -> TransformName | None:
     except TransformError:
         return None
     # A name that would not come back from a sequence file as itself cannot be recorded
-    writable = len(text) <= LONGEST_NAME and text.isprintable() and not set("=:#\\") & set(text)
+    writable = len(text) <= LONGEST_NAME and text.isprintable() and text == text.strip() and not set("=:#\\") & set(text)
     return name if writable and str(name) == capital(text) else None
 
 

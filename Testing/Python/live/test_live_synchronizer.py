@@ -218,6 +218,7 @@ def test_a_transform_that_is_called_as_the_image_is_no_tool():
         "Probe\x85ToTracker",
         "Pro:beToTracker",
         "ProbeToTracker\r",
+        "   ",
         "A" * 300 + "ToTracker",
     ],
 )
