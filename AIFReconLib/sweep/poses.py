@@ -151,12 +151,10 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         return _joined_poses(sequence, image_to_reference, reference)
     wanted, _ = chain_ends(sequence.configuration, image_to_reference, reference)
     recorded = sequence.transform_names()
-    configured = dict(sequence.configuration.transforms)
+    configured = sequence.configured()
     notes = list(sequence.notes)
-    # A frame that lacks a recorded transform is a frame without a pose: the configuration's must not stand in for it
-    for name in [name for name in configured if {name, name.inverse} & {*recorded}]:
-        notes.append(Message("{name} is in the recording and in the configuration; the recording's is used.", name=name))
-        del configured[name]
+    both = [name for name in sequence.configuration.transforms if name not in configured]
+    notes += [Message("{name} is in the recording and in the configuration; the recording's is used.", name=name) for name in both]
     ways = _find_ways(sequence, wanted, image_to_reference, recorded, configured)
     if ways.path[0].name == CROPPED.inverse:
         notes.append(
