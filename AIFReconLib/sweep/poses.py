@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Floats, Integers, Matrix
+from ..arrays import Integers, Matrix
 from ..errors import GeometryError, NoUsableFramesError, TransformError
 from ..geometry.transform_graph import (
     AGREE,
@@ -28,12 +28,10 @@ from ..message import Message, listed
 from .configuration import PlusConfiguration
 from .frames import CROPPED, TrackedFrame, TrackedSequence
 from .joined import JoinedSequence, names_of
+from .pixel_size import about_pixel_size
 
 FARTHEST_APART = 1000.0
 """mm between two sweeps that no patient's spine spans."""
-
-SIZES_DIFFER = 0.05
-"""Part by which the size of a pixel that a recording states differs from that of its poses: calibrations find it more exactly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +194,7 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     for seen, frames in pairs.items():
         _require_agreement(sequence, seen, frames)
     path = tuple(link.name for link in ways.path)
-    return SweepPoses(matrices, tuple(problems), path, (*notes, *_about_pixel_size(sequence, wanted, matrices)))
+    return SweepPoses(matrices, tuple(problems), path, (*notes, *about_pixel_size(sequence, wanted, matrices)))
 
 
 def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str | None, reference: str | None) -> list[SweepPoses]:
@@ -296,44 +294,6 @@ def describe_skipped(skipped: Mapping[str, Sequence[int]]) -> Message:
     """Frames by reason, in words: ``no image: 1 frame (3); ProbeToTracker OUT_OF_VIEW: 2 frames (5-6)``."""
     words = (Message("{reason}: {frames}", reason=reason, frames=describe_frames(numbers)) for reason, numbers in skipped.items())
     return listed(words, "; ")
-
-
-def _about_pixel_size(sequence: TrackedSequence, wanted: TransformName, image_to_reference: Matrix) -> list[Message]:
-    """A sentence where the size of a pixel that the recording states, for all frames or for each, is not that of the poses (n, 4, 4)."""
-    found = np.linalg.norm(image_to_reference[:, :3, :2], axis=1)
-    stated = np.array([record.stated_spacing or (np.nan, np.nan) for record in sequence.records]).reshape(-1, 2)
-    with np.errstate(all="ignore"):  # whatever numbers a header holds
-        contradicted = np.flatnonzero((np.abs(found / stated - 1) > SIZES_DIFFER).any(axis=1))
-    if not contradicted.size:
-        return []
-    first = contradicted[0]
-    known = np.flatnonzero(np.isfinite(found + stated).all(axis=1))
-    changed = known[(np.abs(stated[known] / stated[known[0]] - 1) > SIZES_DIFFER).any(axis=1)]
-    why = Message("is the calibration that of another depth?")
-    if changed.size:
-        why = Message(
-            "the size changes in frame {number} from {before} to {after} mm, and a calibration holds for one depth.",
-            number=changed[0],
-            before=_size(stated[known[0]]),
-            after=_size(stated[changed[0]]),
-        )
-    elif np.allclose(found[first], 1.0, rtol=0.0, atol=1e-3):
-        why = Message("it is rigid, so it may lack the size of a pixel, which belongs into the calibration.")
-    return [
-        Message(
-            "The recording says that a pixel of frame {number} is {stated} mm, but {transform} places pixels {found} mm apart, and so they "
-            "are placed, as in Plus: {why}",
-            number=first,
-            stated=_size(stated[first]),
-            transform=wanted,
-            found=_size(found[first]),
-            why=why,
-        )
-    ]
-
-
-def _size(spacing: Floats) -> str:
-    return f"{spacing[0]:.4g} x {spacing[1]:.4g}"
 
 
 def _find_ways(
