@@ -377,6 +377,13 @@ def test_a_time_offset_is_added_to_the_times_of_the_images():
     np.testing.assert_allclose(frame.image_to_reference, expected, atol=1e-6)
 
 
+def test_what_metadata_tell_at_another_time_is_no_second_way_beside_what_was_sent():
+    told = metadata(ProbeToTracker="OK", ReferenceToTracker="OK")
+    messages = [transform(t, "ProbeToReference") for t in (1.0, 1.02, 1.04)]
+    messages.insert(2, image(1.113, "Image_Image", metadata=told, version=2))
+    assert statuses(messages, calibrated=configuration(), time_offset=-0.1) == ["OK"]
+
+
 def test_poses_that_lie_too_far_apart_are_stale():
     assert statuses(separate([1.2], [1.0, 1.4]), calibrated=configuration()) == ["ProbeToReference stale"]
 
