@@ -9,10 +9,11 @@ over a tool that is not seen is none, and where that tool is on another way too,
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -126,83 +127,80 @@ class Link:
         return self.stored if self.forward else self.stored.inverse
 
 
+Way = tuple[Link, ...]
+
+
 @dataclass(frozen=True)
 class Ways:
     """Every way from one frame to another.
 
     Parameters
     ----------
-    path : tuple of Link
-        The way with the fewest links.
-    links : tuple of Link
-        The links of all ways. Each begins where the first does, or where one before it leads.
+    path : Way
+        The one with the fewest links.
+    loops : tuple of pairs of Way
+        Two ways to one frame, for each link by which there is more than one.
     """
 
-    path: tuple[Link, ...]
-    links: tuple[Link, ...]
+    path: Way
+    loops: tuple[tuple[Way, Way], ...]
 
     @cached_property
-    def by_doubt(self) -> tuple[TransformName, ...]:
+    def names(self) -> tuple[TransformName, ...]:
         """The stored transforms as a trouble is told of the first: a tool of the path says more than what was computed of it."""
-        frames = {link.name.source for link in self.path} | {link.name.target for link in self.path}
+        frames = {frame for link in self.path for frame in (link.stored.source, link.stored.target)}
+        links = dict.fromkeys(link for way in (self.path, *chain(*self.loops)) for link in way)
 
         def doubt(link: Link) -> int:
             return 1 if link in self.path else 0 if link.stored.source in frames else 2
 
-        return tuple(link.stored for link in sorted(self.links, key=doubt))
+        return tuple(link.stored for link in sorted(links, key=doubt))
 
     def without(self, broken: Collection[TransformName]) -> Ways | None:
         """The ways that are left where these transforms are not valid; None where none is, or it leads over a tool of theirs."""
         if not broken:
             return self
-        names = [link.stored for link in self.links if link.stored not in broken]
         try:
-            left = find_ways(names, self.path[0].name.source, self.path[-1].name.target)
+            left = find_ways([name for name in self.names if name not in broken], self.path[0].name.source, self.path[-1].name.target)
         except TransformError:
             return None
-        frames = {frame for link in left.links for frame in (link.stored.source, link.stored.target)}
+        frames = {frame for name in left.names for frame in (name.source, name.target)}
         return None if any(name.source in frames for name in broken) else left
 
-    def follow(self, matrices: Sequence[Matrix]) -> tuple[Matrix, list[tuple[Matrix, Matrix]]]:
-        """The product along `path` of the stored matrices of `links`, and what they say twice: pairs of matrices to one frame.
+    def follow(self, matrices: Mapping[TransformName, Matrix]) -> tuple[Matrix, list[Matrix]]:
+        """The product along `path`, (4, 4), and those along the two ways of each of `loops`, (2, 4, 4).
 
         Raises
         ------
         GeometryError
-            When one would have to be inverted that is singular.
+            When a matrix would have to be inverted that is singular.
         """
-        placed: dict[str, Matrix] = {}
-        twice: list[tuple[Matrix, Matrix]] = []
-        matrix = here = np.eye(4)
-        for link, stored in zip(self.links, matrices, strict=True):
-            name = link.name
-            try:
-                here = (stored if link.forward else invert(stored)) @ placed.get(name.source, matrix)
-            except GeometryError:
-                raise GeometryError("{transform} singular", transform=link.stored) from None
-            if name.target in placed:
-                twice.append((placed[name.target], here))
-            else:
-                placed[name.target] = here
-        return (placed[self.path[-1].name.target] if self.path else matrix), twice
+        return _product(self.path, matrices), [np.stack([_product(way, matrices) for way in loop]) for loop in self.loops]
 
     def describe(self, number: int) -> Message:
-        """The two ways that the pair `number` of `follow` is about, in words."""
-        source, target = self.path[0].name.source, self.path[-1].name.target
-        to: dict[str, tuple[Link, ...]] = {source: ()}
-        ways = [(to.setdefault(link.name.target, way := (*to[link.name.source], link)), way) for link in self.links]
-        one, other = [(first, way) for first, way in ways if first is not way][number]
-        # The shortest way, led round by the other side of the loop, where it meets the loop
+        """The two ways of a loop, in words."""
+        one, other = self.loops[number]
+        source = one[0].name.source
+        # The path, led round by the other side of the loop, where it meets the loop
         stored = [{link.stored for link in way} for way in (self.path, one, other)]
-        around = find_ways(stored[0] ^ stored[1] ^ stored[2], source, target).path
+        around = find_ways(stored[0] ^ stored[1] ^ stored[2], source, self.path[-1].name.target).path
         if set(around) != set(self.path):
             one, other = self.path, around
         spelled = {"one": self._spell(one), "other": self._spell(other)}
         return Message("Two paths lead from {source} to {target}: {one}; and {other}", source=source, target=one[-1].name.target, **spelled)
 
-    def _spell(self, way: tuple[Link, ...]) -> str:
-        stored = {link.stored for link in self.links}
-        return " > ".join(f"inverse of {link.stored}" if not link.forward and link.name in stored else str(link.name) for link in way)
+    def _spell(self, way: Way) -> str:
+        return " > ".join(f"inverse of {link.stored}" if not link.forward and link.name in self.names else str(link.name) for link in way)
+
+
+def _product(way: Way, matrices: Mapping[TransformName, Matrix]) -> Matrix:
+    matrix = np.eye(4)
+    for link in way:
+        try:
+            matrix = (matrices[link.stored] if link.forward else invert(matrices[link.stored])) @ matrix
+        except GeometryError:
+            raise GeometryError("{transform} singular", transform=link.stored) from None
+    return matrix
 
 
 def find_ways(names: Iterable[TransformName], source: str, target: str) -> Ways:
@@ -229,8 +227,8 @@ def find_ways(names: Iterable[TransformName], source: str, target: str) -> Ways:
     # A frame that a single other frame cuts off from both ends is on no way between them
     for cut in sorted(on_way):
         on_way &= _reached(leaving, {source, target} - {cut}, without=cut) | {cut}
-    links: list[Link] = []
-    path_to: dict[str, tuple[Link, ...]] = {source: ()}
+    ways: dict[str, Way] = {source: ()}
+    loops: list[tuple[Way, Way]] = []
     used: set[TransformName] = set()
     for here in (nearest_first := [source]):
         for link in leaving.get(here, ()):
@@ -238,11 +236,13 @@ def find_ways(names: Iterable[TransformName], source: str, target: str) -> Ways:
             if there not in on_way or link.stored in used:
                 continue
             used.add(link.stored)
-            links.append(link)
-            if there not in path_to:
-                path_to[there] = (*path_to[here], link)
+            way = (*ways[here], link)
+            if there in ways:
+                loops.append((ways[there], way))
+            else:
+                ways[there] = way
                 nearest_first.append(there)
-    return Ways(path_to[target], tuple(links))
+    return Ways(ways[target], tuple(loops))
 
 
 def connected(names: Iterable[TransformName], frame: str) -> set[str]:
@@ -271,9 +271,9 @@ def _reached(leaving: Mapping[str, list[Link]], starts: set[str], without: str |
     return found
 
 
-def largest_gap(twice: Floats, points: Floats) -> Floats:
+def largest_gap(pairs: Floats, points: Floats) -> Floats:
     """How far apart pairs of matrices (..., 2, 4, 4) put `points` (4, n), homogeneous columns, at most: (...), mm."""
-    apart = (twice[..., 1, :, :] - twice[..., 0, :, :]) @ points
+    apart = (pairs[..., 1, :, :] - pairs[..., 0, :, :]) @ points
     return np.asarray(np.linalg.norm(apart[..., :3, :], axis=-2).max(axis=-1))
 
 
@@ -338,14 +338,14 @@ class TransformGraph:
             When a singular matrix would have to be inverted.
         """
         ways = find_ways(self._transforms, source, target)
-        statuses = {name: _status_of(self._transforms[name]) for name in ways.by_doubt}
+        statuses = {name: _status_of(self._transforms[name]) for name in ways.names}
         broken = [name for name, status in statuses.items() if status is not TransformStatus.OK]
         left = ways.without(broken)
         if left is None:
             return FoundTransform(np.full((4, 4), np.nan), statuses[broken[0]], tuple(link.name for link in ways.path))
-        matrix, twice = left.follow([self._transforms[link.stored].matrix for link in left.links])
-        for number, pair in enumerate(twice):
-            gap = float(largest_gap(np.stack(pair), NEAR))
+        matrix, pairs = left.follow({name: self._transforms[name].matrix for name in left.names})
+        for number, pair in enumerate(pairs):
+            gap = float(largest_gap(pair, NEAR))
             if gap > AGREE:
                 raise TransformError(
                     "{paths}. They differ by {gap:.3g} mm. Remove one of their transforms.", paths=left.describe(number), gap=gap

@@ -209,10 +209,7 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, 
 
 def with_configured_transforms(sequence: TrackedSequence) -> TrackedSequence:
     """The sequence with the transforms of its configuration in its header, those excepted that it holds already."""
-    configured = sequence.configuration.transforms
-    recorded = {name for known in sequence.transform_names() for name in (known, known.inverse)}
-    added = {name: sample for name, sample in configured.items() if name not in recorded}
-    return replace(sequence, transforms={**sequence.transforms, **added})
+    return replace(sequence, transforms={**sequence.transforms, **sequence.configured()})
 
 
 def _with_images_moved(sequence: TrackedSequence, new_to_old: Matrix, image_frame: str) -> TrackedSequence:

@@ -234,6 +234,14 @@ class TrackedSequence(Described):
         """The sweeps that it is made of: itself, or those that were joined."""
         return (self,)
 
+    def configured(self) -> dict[TransformName, TransformSample]:
+        """The configuration's transforms but for those that are recorded, whichever way round.
+
+        A frame that lacks a recorded transform is a frame without a pose: the configuration's must not stand in for it.
+        """
+        recorded = set(self.transform_names())
+        return {name: sample for name, sample in self.configuration.transforms.items() if not recorded & {name, name.inverse}}
+
     def transform_names(self) -> list[TransformName]:
         """Every transform that occurs in any frame or in the header, in order of appearance."""
         names = dict.fromkeys(self.transforms)

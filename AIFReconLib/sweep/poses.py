@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Floats, Integers, Matrix
+from ..arrays import Integers, Matrix
 from ..errors import GeometryError, NoUsableFramesError, TransformError
 from ..geometry.transform_graph import (
     AGREE,
@@ -28,12 +28,10 @@ from ..message import Message, listed
 from .configuration import PlusConfiguration
 from .frames import CROPPED, TrackedFrame, TrackedSequence
 from .joined import JoinedSequence, names_of
+from .pixel_size import about_pixel_size
 
 FARTHEST_APART = 1000.0
 """mm between two sweeps that no patient's spine spans."""
-
-SIZES_DIFFER = 0.05
-"""Part by which the size of a pixel that a recording states differs from that of its poses: calibrations find it more exactly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,11 +149,11 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         return _joined_poses(sequence, image_to_reference, reference)
     wanted, _ = chain_ends(sequence.configuration, image_to_reference, reference)
     recorded = sequence.transform_names()
-    configured = sequence.configuration.transforms
+    configured = sequence.configured()
     notes = list(sequence.notes)
-    both = [name for name in recorded if name in configured]
+    both = [name for name in sequence.configuration.transforms if name not in configured]
     notes += [Message("{name} is in the recording and in the configuration; the recording's is used.", name=name) for name in both]
-    ways = _find_ways(sequence, wanted, image_to_reference, recorded)
+    ways = _find_ways(sequence, wanted, image_to_reference, recorded, configured)
     if ways.path[0].name == CROPPED.inverse:
         notes.append(
             Message(
@@ -164,12 +162,11 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
                 transform=CROPPED,
             )
         )
-    # A frame that lacks a recorded transform is a frame without a pose: the configuration's must not stand in for it
-    static = {**{name: sample for name, sample in configured.items() if name not in recorded}, **sequence.transforms}
+    static = {**configured, **sequence.transforms}
     count = len(sequence)
     matrices = np.full((count, 4, 4), np.nan)
     problems: list[str | None] = []
-    pairs: dict[Ways, dict[int, list[tuple[Matrix, Matrix]]]] = {}
+    pairs: dict[Ways, dict[int, list[Matrix]]] = {}
     left: dict[frozenset[TransformName], Ways | None] = {frozenset(): ways}
     for number, record in enumerate(sequence.records):
         if record.image_status is not TransformStatus.OK:
@@ -184,7 +181,7 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
             problems.append(next(iter(broken.values())))
             continue
         try:
-            matrix, twice = seen.follow([samples[link.stored].matrix for link in seen.links])
+            matrix, loops = seen.follow({name: sample.matrix for name, sample in samples.items()})
         except GeometryError as error:
             problems.append(Message("{problem}", problem=error))
             continue
@@ -192,12 +189,12 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         problems.append(Message("image pose {problem}", problem=problem) if problem else None)
         if problem is None:
             matrices[number] = matrix
-            if twice:
-                pairs.setdefault(seen, {})[number] = twice
+            if loops:
+                pairs.setdefault(seen, {})[number] = loops
     for seen, frames in pairs.items():
         _require_agreement(sequence, seen, frames)
     path = tuple(link.name for link in ways.path)
-    return SweepPoses(matrices, tuple(problems), path, (*notes, *_about_pixel_size(sequence, wanted, matrices)))
+    return SweepPoses(matrices, tuple(problems), path, (*notes, *about_pixel_size(sequence, wanted, matrices)))
 
 
 def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str | None, reference: str | None) -> list[SweepPoses]:
@@ -299,51 +296,18 @@ def describe_skipped(skipped: Mapping[str, Sequence[int]]) -> Message:
     return listed(words, "; ")
 
 
-def _about_pixel_size(sequence: TrackedSequence, wanted: TransformName, image_to_reference: Matrix) -> list[Message]:
-    """A sentence where the size of a pixel that the recording states, for all frames or for each, is not that of the poses (n, 4, 4)."""
-    found = np.linalg.norm(image_to_reference[:, :3, :2], axis=1)
-    stated = np.array([record.stated_spacing or (np.nan, np.nan) for record in sequence.records]).reshape(-1, 2)
-    with np.errstate(all="ignore"):  # whatever numbers a header holds
-        contradicted = np.flatnonzero((np.abs(found / stated - 1) > SIZES_DIFFER).any(axis=1))
-    if not contradicted.size:
-        return []
-    first = contradicted[0]
-    known = np.flatnonzero(np.isfinite(found + stated).all(axis=1))
-    changed = known[(np.abs(stated[known] / stated[known[0]] - 1) > SIZES_DIFFER).any(axis=1)]
-    why = Message("is the calibration that of another depth?")
-    if changed.size:
-        why = Message(
-            "the size changes in frame {number} from {before} to {after} mm, and a calibration holds for one depth.",
-            number=changed[0],
-            before=_size(stated[known[0]]),
-            after=_size(stated[changed[0]]),
-        )
-    elif np.allclose(found[first], 1.0, rtol=0.0, atol=1e-3):
-        why = Message("it is rigid, so it may lack the size of a pixel, which belongs into the calibration.")
-    return [
-        Message(
-            "The recording says that a pixel of frame {number} is {stated} mm, but {transform} places pixels {found} mm apart, and so they "
-            "are placed, as in Plus: {why}",
-            number=first,
-            stated=_size(stated[first]),
-            transform=wanted,
-            found=_size(found[first]),
-            why=why,
-        )
-    ]
-
-
-def _size(spacing: Floats) -> str:
-    return f"{spacing[0]:.4g} x {spacing[1]:.4g}"
-
-
-def _find_ways(sequence: TrackedSequence, wanted: TransformName, image_to_reference: str | None, recorded: Iterable[TransformName]) -> Ways:
+def _find_ways(
+    sequence: TrackedSequence,
+    wanted: TransformName,
+    image_to_reference: str | None,
+    recorded: Iterable[TransformName],
+    configured: Iterable[TransformName],
+) -> Ways:
     """The ways from image to reference over everything that any frame or the configuration holds."""
     if wanted.source == wanted.target:
         raise TransformError(
             "{sequence}: Image and reference must be two frames; got {frame} for both.", sequence=sequence.name, frame=wanted.source
         )
-    configured = sequence.configuration.transforms
     try:
         return image_ways(wanted, image_to_reference, recorded, configured)
     except TransformError as error:
@@ -386,7 +350,7 @@ def _judge(
     """One frame's transforms on the ways, and what is wrong with those that cannot be used, what says most first."""
     samples: dict[TransformName, TransformSample] = {}
     broken: dict[TransformName, str] = {}
-    for name in ways.by_doubt:
+    for name in ways.names:
         sample = recorded.get(name) or static.get(name) or _inverse(recorded.get(name.inverse))
         if sample is None:
             broken[name] = Message("{transform} not recorded", transform=name)
@@ -409,7 +373,7 @@ def _inverse(sample: TransformSample | None) -> TransformSample | None:
     return TransformSample(invert(sample.matrix))
 
 
-def _require_agreement(sequence: TrackedSequence, ways: Ways, pairs: Mapping[int, list[tuple[Matrix, Matrix]]]) -> None:
+def _require_agreement(sequence: TrackedSequence, ways: Ways, pairs: Mapping[int, list[Matrix]]) -> None:
     """Return if the ways put the image's corners to one place in each of these frames."""
     columns, rows = sequence.frame_size
     corners = np.array([(x, y, 0.0, 1.0) for x in (0.0, max(columns - 1, 1)) for y in (0.0, max(rows - 1, 1))]).T

@@ -72,24 +72,20 @@ def logging_as_asked(arguments: argparse.Namespace, words: list[str]) -> Iterato
     OutputError
         When the log cannot be written, or its file is something else.
     """
-    handlers: list[logging.Handler] = []
+    logger = logging.getLogger(__package__.partition(".")[0])
+    # What files contradict themselves in concerns everybody
+    shown, level = (logger, logging.INFO) if arguments.verbose else (logger.getChild("io"), logging.WARNING)
+    handlers: list[tuple[logging.Logger, logging.Handler]] = [(shown, _Terminal(level))]
     if arguments.log is not None:
         others = [path for name, value in vars(arguments).items() if name != "log" for path in _paths(value)]
-        handlers.append(_log_file(arguments.log, others))
-    # What files contradict themselves in concerns everybody
-    of_files = None if arguments.verbose else _Terminal(logging.WARNING)
-    if arguments.verbose:
-        handlers.append(_Terminal(logging.INFO))
-    logger = logging.getLogger(__package__.partition(".")[0])
+        handlers.append((logger, _log_file(arguments.log, others)))
     level, propagate = logger.level, logger.propagate
-    if handlers:
+    if arguments.verbose or arguments.log is not None:
         logger.setLevel(logging.DEBUG if arguments.log is not None else logging.INFO)
         # A program around ours, as a test, may show everything that it gets
         logger.propagate = False
-    for handler in handlers:
-        logger.addHandler(handler)
-    if of_files is not None:
-        logger.getChild("io").addHandler(of_files)
+    for where, handler in handlers:
+        where.addHandler(handler)
     try:
         logger.debug("AIFRecon %s: aifrecon %s", __version__, one_line(shlex.join(words)))
         yield
@@ -98,12 +94,10 @@ def logging_as_asked(arguments: argparse.Namespace, words: list[str]) -> Iterato
         logger.debug("ended by %s", type(error).__name__, exc_info=True)
         raise
     finally:
-        if of_files is not None:
-            logger.getChild("io").removeHandler(of_files)
         logger.setLevel(level)
         logger.propagate = propagate
-        for handler in handlers:
-            logger.removeHandler(handler)
+        for where, handler in handlers:
+            where.removeHandler(handler)
             handler.close()
 
 

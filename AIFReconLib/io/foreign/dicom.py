@@ -176,7 +176,11 @@ def _spacing(header: Dataset) -> tuple[tuple[float, float] | None, Message | Non
 
     Beside it, why what regions say is not that of the whole image, where it is not.
     """
-    regions = [region for region in getattr(header, "SequenceOfUltrasoundRegions", None) or () if _in_centimeters(region)]
+    regions = [
+        region
+        for region in getattr(header, "SequenceOfUltrasoundRegions", None) or ()
+        if {getattr(region, f"PhysicalUnits{axis}Direction", 0) for axis in "XY"} == {_CENTIMETERS}
+    ]
     spacing = getattr(header, "PixelSpacing", None)
     sizes = [(abs(10.0 * float(region.PhysicalDeltaX)), abs(10.0 * float(region.PhysicalDeltaY))) for region in regions]
     sizes = sizes or ([(float(spacing[1]), float(spacing[0]))] if spacing else [])
@@ -207,11 +211,6 @@ def _spacing(header: Dataset) -> tuple[tuple[float, float] | None, Message | Non
             rows=rows,
         )
     return sizes[0], None
-
-
-def _in_centimeters(region: Dataset) -> bool:
-    units = (getattr(region, "PhysicalUnitsXDirection", 0), getattr(region, "PhysicalUnitsYDirection", 0))
-    return units == (_CENTIMETERS, _CENTIMETERS)
 
 
 def _box(region: Dataset) -> tuple[int, ...] | None:

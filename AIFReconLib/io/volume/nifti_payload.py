@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import struct
 from pathlib import Path
@@ -77,9 +78,10 @@ def nifti_forms(head: bytes) -> dict[str, Matrix]:
     if qform_code > 0:
         handed, *sizes = struct.unpack_from(order + pixels, head, pixels_at)[:4]
         b, c, d, *offset = struct.unpack_from(order + turn, head, turn_at)
-        rotation = scipy.spatial.transform.Rotation.from_quat((b, c, d, math.sqrt(max(1 - b * b - c * c - d * d, 0.0))))
         sizes[2] *= -1 if handed < 0 else 1
-        forms["qform"] = np.column_stack([rotation.as_matrix() * sizes, offset])
+        with contextlib.suppress(ValueError):  # no numbers
+            rotation = scipy.spatial.transform.Rotation.from_quat((b, c, d, math.sqrt(max(1 - b * b - c * c - d * d, 0.0))))
+            forms["qform"] = np.column_stack([rotation.as_matrix() * sizes, offset])
     if sform_code > 0:
         forms["sform"] = np.reshape(struct.unpack_from(order + rows, head, rows_at), (3, 4))
     scale = _UNIT_MM.get(struct.unpack_from(order + unit, head, unit_at)[0] & 7, 1.0)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from ...arrays import Matrix, Numbers
 from ...errors import TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, Ways, capital
 from ...message import Message, said
-from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
+from ...sweep.configuration import PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.poses import chain_ends, image_ways, missing_link, sweep_poses
 from ..wire.messages import ImageMessage
@@ -26,34 +25,6 @@ LONGEST_NAME = 200
 """Characters in the name of a transform; metadata may hold millions."""
 
 UNCONFIRMED = "pose not confirmed (no transform or status of its tool is sent)"
-
-
-Doubt = str | tuple[TransformName, TransformStatus]
-"""What makes an image's own matrix unusable: a sentence, or a transform's name with its status."""
-
-
-class PlacementSettings(Protocol):
-    """What `SynchronizerSettings` say of poses; see there."""
-
-    @property
-    def image_to_reference(self) -> str | None:
-        """The transform that places the image."""
-        ...
-
-    @property
-    def reference(self) -> str | None:
-        """The frame to reconstruct in."""
-        ...
-
-    @property
-    def time_offset(self) -> float:
-        """Seconds that images are late."""
-        ...
-
-    @property
-    def trust_image_pose(self) -> bool:
-        """Whether an image's own pose needs no confirmation."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +43,7 @@ def stream_name(text: str) -> TransformName | None:
     except TransformError:
         return None
     # A name that would not come back from a sequence file as itself cannot be recorded
-    writable = len(text) <= LONGEST_NAME and text.isprintable() and not set("=:#\\") & set(text)
+    writable = len(text) <= LONGEST_NAME and text.isprintable() and text == text.strip() and not set("=:#\\") & set(text)
     return name if writable and str(name) == capital(text) else None
 
 
@@ -81,8 +52,11 @@ class Placement:
 
     Parameters
     ----------
-    settings : PlacementSettings
     configuration : PlusConfiguration
+    image_to_reference, reference : str or None
+        As in `SynchronizerSettings`.
+    uses_image_matrix, trusting : bool
+        Whether the matrix that comes with an image may place it, and that without a confirmation.
 
     Notes
     -----
@@ -93,15 +67,20 @@ class Placement:
     of transforms from Image to Reference.
     """
 
-    def __init__(self, settings: PlacementSettings, configuration: PlusConfiguration = NO_CONFIGURATION):
+    def __init__(
+        self,
+        configuration: PlusConfiguration,
+        image_to_reference: str | None,
+        reference: str | None,
+        uses_image_matrix: bool,
+        trusting: bool,
+    ):
         self.problem: str | None = None
-        self._trusting = settings.trust_image_pose
-        # Who spells out a chain wants that one
-        self._uses_image_matrix = settings.time_offset == 0.0 and "," not in (settings.image_to_reference or "")
+        self._trusting, self._uses_image_matrix = trusting, uses_image_matrix
         self._configuration = configuration
         self._configured = configuration.transforms
-        self._named = settings.image_to_reference
-        self.wanted, _ = chain_ends(configuration, self._named, settings.reference)
+        self._named = image_to_reference
+        self.wanted, _ = chain_ends(configuration, image_to_reference, reference)
         self._ways: dict[tuple[str, str, frozenset[TransformName], str | None], Ways | None] = {}
         self._first: dict[TransformName, Matrix] = {}
         self._moving: set[TransformName] = set()
@@ -135,14 +114,14 @@ class Placement:
         frame = self._used_frame(message, names)
         if frame is None:
             chain = self._chain(self.wanted.source, self.wanted.target, self._fewest(sent, names), self._named)
-            return None if chain is None else names & set(chain.by_doubt)
+            return None if chain is None else names & set(chain.names)
         deciding = self._deciding(message, frame, names, told)
         if deciding is None:
             return frozenset() if self._trusting and frame == self.wanted.target else None
         if frame == self.wanted.target:
             return names & set(deciding)
         chain = self._chain(frame, self.wanted.target, names)
-        return None if chain is None else names & {*deciding, *chain.by_doubt}
+        return None if chain is None else names & {*deciding, *chain.names}
 
     def place(
         self,
@@ -172,11 +151,11 @@ class Placement:
             transforms = {name: sample for name, sample in transforms.items() if name in fewest}
             return self._follow(message.image, transforms, problems, self._named)
         own = TransformName(self.wanted.source, frame)
-        status, doubt = self._confirm(message, frame, transforms, frozenset(told))
+        status, doubt = self._confirm(message, frame, transforms, frozenset(told), problems)
         transforms.pop(own.inverse, None)
         transforms[own] = TransformSample(message.image_to_sender, status)
         if doubt is not None:
-            return Placed(None, self._word(doubt, problems), transforms)
+            return Placed(None, doubt, transforms)
         # The server has followed the other ways
         named = str(self.wanted) if frame == self.wanted.target else self._named
         return self._follow(message.image, transforms, problems, named)
@@ -186,9 +165,14 @@ class Placement:
         return sent if self._chain(self.wanted.source, self.wanted.target, sent, self._named) is not None else names
 
     def _confirm(
-        self, message: ImageMessage, frame: str, transforms: Mapping[TransformName, TransformSample], told: frozenset[TransformName]
-    ) -> tuple[TransformStatus, Doubt | None]:
-        """Status of the image's own matrix, and what makes it unusable: a transform's name with its status, or a sentence."""
+        self,
+        message: ImageMessage,
+        frame: str,
+        transforms: Mapping[TransformName, TransformSample],
+        told: frozenset[TransformName],
+        problems: Mapping[TransformName, str],
+    ) -> tuple[TransformStatus, str | None]:
+        """Status of the image's own matrix, and what makes it unusable."""
         names = frozenset(transforms)
         deciding = self._deciding(message, frame, names, told)
         if deciding is None:
@@ -200,11 +184,12 @@ class Placement:
         direct = self._direct(message, frame, names)
         enough = {TransformStatus.OK, TransformStatus.MISSING} if confirmed else {TransformStatus.OK}
         bad = [name for name in direct if transforms[name].status not in enough]
-        if direct and not bad:
-            return TransformStatus.OK, None
         # The tool that was not seen says more than the chain that broke
         culprit = next(iter((*broken, *bad)), None)
-        return (TransformStatus.OK, None) if culprit is None else (transforms[culprit].status, (culprit, transforms[culprit].status))
+        if culprit is None or (direct and not bad):
+            return TransformStatus.OK, None
+        status = transforms[culprit].status
+        return status, Message("{transform} {problem}", transform=culprit, problem=problems.get(culprit, status.value))
 
     def _deciding(
         self, message: ImageMessage, frame: str, names: frozenset[TransformName], told: frozenset[TransformName]
@@ -228,7 +213,7 @@ class Placement:
         for start in (self.wanted.source, PROBE):
             ways = self._chain(start, frame, moving)
             if ways is not None:
-                return tuple(name for name in ways.by_doubt if name in moving), ways
+                return tuple(name for name in ways.names if name in moving), ways
         tools = tuple(sorted(told & moving, key=str))
         return (tools, None) if tools else None
 
@@ -269,7 +254,7 @@ class Placement:
             except TransformError as error:
                 self.problem = Message("{problem} {advice}", problem=error, advice=self._advice(transforms))
             return Placed(None, Message("no transform leads from {source} to {target}", **ends), transforms)
-        if not transforms.keys() & set(chain.by_doubt):
+        if not transforms.keys() & set(chain.names):
             self.problem = Message(
                 "By the configuration alone {source} is fixed to {target}, so all images would lie in one plane. {advice}",
                 advice=self._advice(transforms),
@@ -303,13 +288,6 @@ class Placement:
                 reference=self.wanted.target,
             )
         return missing_link(self.wanted, list(dict.fromkeys([*self._configured, *transforms])), list(self._moving))
-
-    @staticmethod
-    def _word(doubt: Doubt, problems: Mapping[TransformName, str]) -> str:
-        if isinstance(doubt, str):
-            return doubt
-        name, status = doubt
-        return Message("{transform} {problem}", transform=name, problem=problems.get(name, status.value))
 
 
 def metadata_transforms(message: ImageMessage) -> dict[TransformName, TransformSample]:

@@ -124,7 +124,11 @@ class Synchronizer:
         self.other_images = 0
         self.unused_transforms = 0
         self._unused: dict[str, Message] = {}
-        self._placement = Placement(self.settings, configuration or NO_CONFIGURATION)
+        given = self.settings
+        # Who spells out a chain wants that one
+        by_image = given.time_offset == 0.0 and "," not in (given.image_to_reference or "")
+        configuration = configuration or NO_CONFIGURATION
+        self._placement = Placement(configuration, given.image_to_reference, given.reference, by_image, given.trust_image_pose)
         self._histories: dict[TransformName, PoseHistory] = {}
         self._expected: frozenset[TransformName] = frozenset()
         self._waiting: deque[_Waiting] = deque()

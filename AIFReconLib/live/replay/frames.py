@@ -10,7 +10,7 @@ from ...arrays import Floats, Integers, Matrix
 from ...errors import GeometryError, SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, find_ways
 from ...geometry.transforms import invert, why_not_affine
-from ...sweep.frames import FrameRecord, TrackedSequence
+from ...sweep.frames import CROPPED, FrameRecord, TrackedSequence
 from ...sweep.poses import chain_ends, sweep_poses, time_order
 from ..wire.encoding import encode_image, encode_transform, why_not_sendable
 
@@ -77,9 +77,8 @@ class ReplayFrames:
         self._order = time_order(sequence)
         self.offsets, self.period = _times(sequence, self._order, rate)
         recorded = sequence.transform_names()
-        configured = sequence.configuration.transforms
-        # A frame that lacks a recorded transform has none: the configuration's must not stand in for it
-        self._static = {**{name: sample for name, sample in configured.items() if name not in recorded}, **sequence.transforms}
+        configured = sequence.configured()
+        self._static = {**configured, **sequence.transforms}
         self._known = {*recorded, *configured}
         named = image_to_reference is not None or reference is not None
         image, self._image_path = self._image_chain(image_to_reference, reference, named)
@@ -120,7 +119,9 @@ class ReplayFrames:
         """The transform that places the image, and the chain that it is made of; no chain where nothing leads there and none was named."""
         image, _ = chain_ends(self._sequence.configuration, image_to_reference, reference)
         try:
-            return image, sweep_poses(self._sequence, image_to_reference, reference).path
+            path = sweep_poses(self._sequence, image_to_reference, reference).path
+            # As Plus does, for the receiver: what was cropped is told by a transform of its own
+            return image, path[1:] if path[0] == CROPPED.inverse else path
         except TransformError:
             if named:
                 raise

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -35,19 +34,6 @@ MOST_TRACKS = 8
 """Places between which poses jump that are kept in mind."""
 
 
-@dataclass(eq=False)
-class _Track:
-    """Poses of which each can be reached from the one before."""
-
-    last: LiveFrame
-    middle: Floats
-    poses: list[Matrix] = field(default_factory=list)
-
-    def reaches(self, frame: LiveFrame, middle: Floats) -> bool:
-        elapsed = min(max(abs(frame.timestamp - self.last.timestamp), frame.received - self.last.received), LONGEST_REACH)
-        return math.dist(middle, self.middle) <= FARTHEST_STEP + LARGEST_SPEED * elapsed
-
-
 class ScoutedFrames:
     """Frames that wait for a volume.
 
@@ -62,7 +48,8 @@ class ScoutedFrames:
         self.usable = 0
         self._kept: list[tuple[LiveFrame, int]] = []
         self._others: dict[tuple[str, int], array[int]] = {}
-        self._tracks: list[_Track] = []
+        self._poses: list[Matrix] = []
+        self._times: list[tuple[float, float]] = []
         self.notes: tuple[Message, ...] = ()
         self._left = byte_limit
 
@@ -71,7 +58,8 @@ class ScoutedFrames:
         if frame.status == "OK":
             image, image_to_reference = frame.placed()
             self.usable += 1
-            self._follow(frame, image_to_reference, image.shape)
+            self._poses.append(image_to_reference)
+            self._times.append((frame.timestamp, frame.received))
             self._left -= image.nbytes
         if frame.status == "OK" and self._left >= 0:
             self._kept.append((frame, round_))
@@ -80,16 +68,21 @@ class ScoutedFrames:
             status = SCOUTED if frame.status == "OK" else frame.status
             self._others.setdefault((status, round_), array("q")).append(frame.number)
 
-    def _follow(self, frame: LiveFrame, pose: Matrix, shape: tuple[int, ...]) -> None:
-        """Add a pose to the largest of the tracks that reach it, else to one of its own."""
-        middle = (pose @ (shape[1] / 2, shape[0] / 2, 0.0, 1.0))[:3]
-        track = next((track for track in self._tracks if track.reaches(frame, middle)), None)
-        if track is None:
-            track = _Track(frame, middle)
-            self._tracks = [*self._tracks[: MOST_TRACKS - 1], track]
-        track.last, track.middle = replace(frame, image=None), middle
-        track.poses.append(pose)
-        self._tracks.sort(key=lambda track: -len(track.poses))
+    def _reachable(self, middles: Floats) -> list[int]:
+        """Numbers of the poses of which each can be reached from the one before; of several such tracks, the longest. Middles are in mm."""
+        tracks: list[list[int]] = []
+        for number, middle in enumerate(middles):
+            track = next((track for track in tracks if self._reaches(track[-1], number, math.dist(middles[track[-1]], middle))), None)
+            if track is None:
+                tracks = [*tracks[: MOST_TRACKS - 1], track := []]
+            track.append(number)
+            tracks.sort(key=lambda track: -len(track))
+        return tracks[0]
+
+    def _reaches(self, before: int, now: int, distance: float) -> bool:
+        (stamped, received), (stamped_now, received_now) = self._times[before], self._times[now]
+        elapsed = min(max(abs(stamped_now - stamped), received_now - received), LONGEST_REACH)
+        return distance <= FARTHEST_STEP + LARGEST_SPEED * elapsed
 
     def __iter__(self) -> Iterator[tuple[LiveFrame, int]]:
         """Every frame and its count: first those without an image, by reason, then the usable ones in order of arrival."""
@@ -140,8 +133,9 @@ class ScoutedFrames:
         ------
         NoUsableFramesError, GeometryError, InsufficientMemoryError
         """
-        (columns, rows), counted = self.sequence()[0].frame_size, self._tracks[0].poses
-        if astray := self.usable - len(counted):
+        (columns, rows), poses = self.sequence()[0].frame_size, np.stack(self._poses)
+        poses = poses[self._reachable((poses @ (columns / 2, rows / 2, 0.0, 1.0))[:, :3])]
+        if astray := self.usable - len(poses):
             self.notes = (
                 Message(
                     "{count} of {all} frames seen while scouting lie where no hand reaches between two frames: the box is that of others.",
@@ -149,7 +143,6 @@ class ScoutedFrames:
                     all=self.usable,
                 ),
             )
-        poses = np.stack(counted)
         scale = depth_scale(settings, imaging.region.mask(columns, rows), imaging.probe, pixel_spacing(poses[0]))
         spacing = settings.spacing_xyz()
         grid = grid_around_sweep(poses, (columns, rows), imaging.region, spacing, bytes_per_voxel, scale, fits_spacing)

@@ -417,6 +417,14 @@ def test_the_forms_of_a_nifti_are_told_in_one_line_without_those_of_itk(tmp_path
     assert [line.partition(" place")[0] for line in capfd.readouterr().err.splitlines()] == [f"{path}: its qform and sform"]
 
 
+def test_a_nifti_whose_quaternion_is_no_number_lies_where_itk_puts_it(tmp_path):
+    path = two_forms(tmp_path / "ct.nii")
+    head = bytearray(path.read_bytes())
+    struct.pack_into("<f", head, 256, np.nan)
+    path.write_bytes(head)
+    np.testing.assert_allclose(read_volume(path).ijk_to_reference[:3, 3] * (-1, -1, 1), sitk.ReadImage(str(path)).GetOrigin(), atol=1e-5)
+
+
 @pytest.mark.parametrize("order", ["<", ">"])
 def test_the_forms_of_a_nifti_2_file_are_read(order):
     head = bytearray(540)

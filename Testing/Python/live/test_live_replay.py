@@ -22,15 +22,17 @@ from AIFReconLib.errors import LiveConnectionError, SequenceFormatError, Setting
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.live.pairing.synchronizer import Synchronizer
 from AIFReconLib.live.replay import server as replay
 from AIFReconLib.live.replay.frames import ReplayFrames
 from AIFReconLib.live.replay.peer import QUEUE_BYTES, Peer
 from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.live.wire.decoding import decode
 from AIFReconLib.live.wire.encoding import encode_message
 from AIFReconLib.live.wire.framing import Frame, Framer, parse_header
 from AIFReconLib.live.wire.messages import ImageMessage, StatusMessage, TransformMessage
-from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.frames import CROPPED, FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
 TEMPLATES = sorted((Path(__file__).resolve().parents[3] / "Resources" / "PlusConfiguration").glob("*.xml"))
@@ -176,6 +178,16 @@ def test_a_missing_transform_is_not_taken_from_the_configuration(sequence):
     frames = ReplayFrames(changed(sequence, 0, transforms=reference_only))
     devices = [part.header.device for part in Framer().feed(frames.messages(0, 1.0, 1))]
     assert devices == ["Image_Reference", "ReferenceToTracker"]
+
+
+@pytest.mark.parametrize("version", [1, 2])
+def test_a_cropped_recording_is_placed_by_its_receiver_as_by_a_reader(sequence, version):
+    cropped = TransformSample(np.array([[1.0, 0, 0, -5], [0, 1, 0, -7], [0, 0, 1, 0], [0, 0, 0, 1]]))
+    sequence = changed(sequence, 0, transforms={**sequence.records[0].transforms, CROPPED: cropped})
+    synchronizer, parts = Synchronizer(), Framer().feed(ReplayFrames(sequence).messages(0, 1.0, version))
+    placed = [frame for part in parts for message in decode(part) for frame in synchronizer.feed(message)] + synchronizer.flush()
+    expected = sweep_poses(sequence).image_to_reference[0]
+    np.testing.assert_allclose(placed[0].image_to_reference, expected, atol=1e-3)
 
 
 # ---- header versions

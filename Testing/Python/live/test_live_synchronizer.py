@@ -218,6 +218,7 @@ def test_a_transform_that_is_called_as_the_image_is_no_tool():
         "Probe\x85ToTracker",
         "Pro:beToTracker",
         "ProbeToTracker\r",
+        "   ",
         "A" * 300 + "ToTracker",
     ],
 )
@@ -374,6 +375,13 @@ def test_a_time_offset_is_added_to_the_times_of_the_images():
     frame = feed(separate([1.113], [1.0, 1.02, 1.04]), calibrated=configuration(), time_offset=-0.1)[0]
     expected = interpolate_pose(transform(1.0, "").matrix, transform(1.02, "").matrix, 0.65) @ IMAGE_TO_PROBE
     np.testing.assert_allclose(frame.image_to_reference, expected, atol=1e-6)
+
+
+def test_what_metadata_tell_at_another_time_is_no_second_way_beside_what_was_sent():
+    told = metadata(ProbeToTracker="OK", ReferenceToTracker="OK")
+    messages = [transform(t, "ProbeToReference") for t in (1.0, 1.02, 1.04)]
+    messages.insert(2, image(1.113, "Image_Image", metadata=told, version=2))
+    assert statuses(messages, calibrated=configuration(), time_offset=-0.1) == ["OK"]
 
 
 def test_poses_that_lie_too_far_apart_are_stale():

@@ -61,6 +61,14 @@ def test_the_chain_is_reported():
     assert [str(name) for name in sweep_poses(sweep(record())).path] == ["ImageToProbe", "ProbeToTracker", "TrackerToReference"]
 
 
+@pytest.mark.parametrize("name", ["ReferenceToTracker", "TrackerToReference"])
+def test_what_is_recorded_goes_before_a_configuration_whichever_way_round_that_says_it(name):
+    older = configuration({"ImageToProbe": IMAGE_TO_PROBE, name: rigid((0.3, 0.0, 0.0), (1.0, 2.0, 3.0))})
+    poses = sweep_poses(sweep(record(), configuration=older))
+    np.testing.assert_allclose(poses.image_to_reference[0], IMAGE_TO_REFERENCE, atol=1e-9)
+    assert poses.notes == (f"{name} is in the recording and in the configuration; the recording's is used.",)
+
+
 def test_every_frame_has_its_own_pose():
     moved = rigid((0, 0, 0), (1.0, 2.0, 3.0)) @ PROBE_TO_TRACKER
     poses = sweep_poses(sweep(record(), record({"ProbeToTracker": moved})))

@@ -1,0 +1,51 @@
+"""Whether the size of a pixel that a recording states is that of its poses."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Floats, Matrix
+from ..geometry.transform_graph import TransformName
+from ..message import Message
+from .frames import TrackedSequence
+
+SIZES_DIFFER = 0.05
+"""Part by which the size of a pixel that a recording states differs from that of its poses: calibrations find it more exactly."""
+
+
+def about_pixel_size(sequence: TrackedSequence, wanted: TransformName, image_to_reference: Matrix) -> list[Message]:
+    """A sentence where the size of a pixel that the recording states, for all frames or for each, is not that of the poses (n, 4, 4)."""
+    found = np.linalg.norm(image_to_reference[:, :3, :2], axis=1)
+    stated = np.array([record.stated_spacing or (np.nan, np.nan) for record in sequence.records]).reshape(-1, 2)
+    with np.errstate(all="ignore"):  # whatever numbers a header holds
+        contradicted = np.flatnonzero((np.abs(found / stated - 1) > SIZES_DIFFER).any(axis=1))
+    if not contradicted.size:
+        return []
+    first = contradicted[0]
+    known = np.flatnonzero(np.isfinite(found + stated).all(axis=1))
+    changed = known[(np.abs(stated[known] / stated[known[0]] - 1) > SIZES_DIFFER).any(axis=1)]
+    why = Message("is the calibration that of another depth?")
+    if changed.size:
+        why = Message(
+            "the size changes in frame {number} from {before} to {after} mm, and a calibration holds for one depth.",
+            number=changed[0],
+            before=_size(stated[known[0]]),
+            after=_size(stated[changed[0]]),
+        )
+    elif np.allclose(found[first], 1.0, rtol=0.0, atol=1e-3):
+        why = Message("it is rigid, so it may lack the size of a pixel, which belongs into the calibration.")
+    return [
+        Message(
+            "The recording says that a pixel of frame {number} is {stated} mm, but {transform} places pixels {found} mm apart, and so they "
+            "are placed, as in Plus: {why}",
+            number=first,
+            stated=_size(stated[first]),
+            transform=wanted,
+            found=_size(found[first]),
+            why=why,
+        )
+    ]
+
+
+def _size(spacing: Floats) -> str:
+    return f"{spacing[0]:.4g} x {spacing[1]:.4g}"
