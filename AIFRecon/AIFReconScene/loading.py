@@ -11,7 +11,7 @@ from AIFReconScene.background import inBackground
 
 HEAVY = (
     *("AIFReconLib.reconstruction", "AIFReconLib.evaluation.metrics"),
-    *("scipy.fft", "scipy.ndimage", "scipy.optimize", "scipy.sparse", "scipy.spatial", "scipy.special"),
+    *("scipy.fft", "scipy.interpolate", "scipy.ndimage", "scipy.optimize", "scipy.sparse", "scipy.spatial", "scipy.special"),
 )
 """All that the library computes with. It would load the parts of SciPy where it first names them, be that while windows stand still."""
 

@@ -25,9 +25,9 @@ _SENTENCES = {
     "Choose another frame to reconstruct in with --reference, one of: {frames}.": lambda: _(
         "Its transforms lead to {frames}: put the one that leads farthest under a transform to the world, named for both."
     ),
-    "Two paths lead from {source} to {target}: {one}; and {other}. "
-    "Remove one of them, or take the recorded one with --image-to-reference {source}To{target}.": lambda: _(
-        "Two paths lead from {source} to {target}: {one}; and {other}. Remove one of them."
+    "{sequence}: {paths}. They differ by {gap:.3g} mm in frame {number}. "
+    "Say which one is right, as in --image-to-reference {chain}.": lambda: _(
+        "{sequence}: {paths}. They differ by {gap:.3g} mm in frame {number}. Remove one of their transforms."
     ),
     "{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, "
     "if it is Slicer's sequence of a transform, give it with the images as --transform-sequence NAME=FILE.": lambda: _(

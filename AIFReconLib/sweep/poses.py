@@ -100,7 +100,8 @@ def ends_of(image_to_reference: str) -> TransformName:
 
 
 def _spelled(image_to_reference: str) -> tuple[TransformName, ...]:
-    return tuple(TransformName.parse(name.strip()) for name in image_to_reference.split(","))
+    names = image_to_reference.split(",") if isinstance(image_to_reference, str) else [image_to_reference]
+    return tuple(map(TransformName.parse, names))
 
 
 def image_ways(

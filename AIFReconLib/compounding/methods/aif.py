@@ -95,7 +95,6 @@ def _insert(kept: Kept, pixels: Pixels, compensated: bool) -> None:
 
 AIF = BuiltInMethod(
     name="aif",
-    words="the paper's running average",
     kept=_kept,
     insert=partial(_insert, compensated=False),
     reads_bone="everywhere",
@@ -104,7 +103,6 @@ AIF = BuiltInMethod(
 
 AIF_COMPENSATED = BuiltInMethod(
     name="aif-compensated",
-    words="the same with oblique beams compensated",
     kept=_kept,
     insert=partial(_insert, compensated=True),
     reads_bone="everywhere",

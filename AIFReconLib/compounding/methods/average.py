@@ -27,7 +27,6 @@ def _spread(kept: Kept, voxels: Integers, values: Singles, shares: Reals) -> Non
 
 AVERAGE = BuiltInMethod(
     name="average",
-    words="their mean",
     kept=_kept,
     insert=_insert,
     spread=_spread,

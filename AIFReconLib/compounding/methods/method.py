@@ -99,8 +99,6 @@ class Method:
     Parameters
     ----------
     name : str
-    words : str
-        What it does with the pixels of a voxel, for people.
     kept : callable
         `Kinds` by whether pixels are whole numbers of 8 bits, and whether they spread over voxels or count unequally.
     spread : callable, or None
@@ -128,7 +126,6 @@ class Method:
     """
 
     name: str
-    words: str
     kept: Callable[[bool, bool], Kinds]
     spread: Callable[[Kept, Integers, Singles, Reals], None] | None = None
     least_share: float = 0.0

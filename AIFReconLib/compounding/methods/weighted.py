@@ -31,7 +31,6 @@ def _insert(kept: Kept, pixels: Pixels) -> None:
 
 WEIGHTED = BuiltInMethod(
     name="weighted",
-    words="a mean in which bone that frame and map agree on counts most",
     kept=_kept,
     insert=_insert,
     reads_bone="at onsets",

@@ -212,7 +212,6 @@ def register_method(function: Callable[..., Answer]) -> Method:
     sees_bone = not set(arrays).isdisjoint(OF_BONE)
     method = Method(
         name=name,
-        words="a mean of your own",
         kept=_kept,
         reads_bone="everywhere" if sees_bone else "nowhere",
         works_in_parts=not sees_bone,
