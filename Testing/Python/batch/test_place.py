@@ -14,7 +14,7 @@ from AIFReconLib.batch.case import Task, carry_out
 from AIFReconLib.batch.cohort import Cohort
 from AIFReconLib.batch.engine import Lost
 from AIFReconLib.batch.page import page
-from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, RUNNING, Record, is_current, made_of, read_record, stamps, write_record
+from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, RUNNING, Record, is_current, made_of, read_record, stamp, write_record
 from AIFReconLib.batch.results import flat_rows
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import main
@@ -79,12 +79,12 @@ def test_an_input_that_is_a_result_of_the_same_folder_is_refused(lab, capsys):
 
 
 @pytest.mark.parametrize("options", [[], ["--dry-run"]], ids=["run", "dry run"])
-@pytest.mark.parametrize("name", ["P1/notes.txt", "P1/deep/er/notes.txt", "P1", "index.html", "results.csv", ".batch/P1.json", ".batch"])
+@pytest.mark.parametrize("name", ["P1/notes.txt", "P1/deep/notes.txt", "P1", "index.html", "results.csv", ".batch/P1.json", ".batch"])
 def test_a_file_that_no_record_lists_is_refused(lab, capsys, name, options):
     path = lab / "out" / name
     path.parent.mkdir(parents=True)
     path.write_text("mine")
-    assert str(path) in refused(lab, lab / "out", capsys, *options)
+    assert f"{lab / 'out' / name.removesuffix('/notes.txt')}" in refused(lab, lab / "out", capsys, *options)
 
 
 def test_a_file_beside_results_that_are_known_is_refused(lab, capsys):
@@ -155,14 +155,14 @@ def test_results_of_before_are_known_after_a_case_has_failed(lab, monkeypatch, s
     error = OutputError("full") if state == LOST else ValueError("mistake")
     monkeypatch.setattr(module._Work, "results", lambda self: (_ for _ in ()).throw(error))
     assert carry_out(Task(first_case(lab), lab, lab / "out", "tomorrow")).state == state
-    monkeypatch.undo()
-    done(lab, lab / "out")
+    assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
 
 
 def test_results_of_before_are_known_after_a_process_was_lost(lab):
     known = done(lab, lab / "out").outputs
     task = Task(first_case(lab), lab, lab / "out", "tomorrow")
-    record = Cohort([task.case], lab, lab / "out")._lost(task, Lost(Message("it was ended")))
+    write_record(lab / "out", Cohort([task.case], lab, lab / "out")._lost(task, Lost(Message("it was ended"))))
+    record = read_record(lab / "out", "P1")
     assert (record.state, record.outputs, record.results) == (LOST, known, [])
 
 
@@ -178,7 +178,33 @@ def test_a_rename_that_reports_failure_after_it_was_done_costs_nothing(lab, monk
         patched.setattr(os, "rename", late)
         record = carry_out(Task(first_case(lab), lab, lab / "out", "tonight"))
     assert record.state == DONE
-    assert stamps(lab / "out" / "P1") == record.outputs
+    assert {path.name: stamp(path) for path in (lab / "out" / "P1").iterdir()} == record.outputs
+
+
+@pytest.mark.parametrize("name", ["a/b", "..", "."])
+def test_a_case_whose_name_is_no_folder_is_a_problem_of_its_row(lab, capsys, name):
+    (lab / "out").mkdir()
+    (lab / "cases.csv").write_text(HEAD + f"{name},P1/sweep.igs.mha,P1/PlusDeviceSet.xml,1,no\n")
+    refused(lab, lab / "out", capsys, "--dry-run")
+    assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 2
+    assert "row 2, case" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("state", [DONE, LOST])
+def test_two_batches_in_one_folder_know_each_others_results(lab, monkeypatch, state):
+    work = module._Work.results
+
+    def results(self):
+        monkeypatch.undo()
+        done(lab, lab / "out")
+        if state == LOST:
+            raise OutputError("full")
+        return work(self)
+
+    monkeypatch.setattr(module._Work, "results", results)
+    (lab / "out" / RECORDS).mkdir(parents=True)
+    assert carry_out(Task(first_case(lab), lab, lab / "out", "tonight")).state == state
+    assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
 
 
 def test_results_of_another_run_are_not_taken_for_those_of_a_record(lab):
@@ -204,7 +230,6 @@ def test_results_of_another_run_are_not_taken_for_those_of_a_record(lab):
         {"state": "<script>alert(1)</script>"},
         {"message": ["x"]},
         {"seconds": "long"},
-        {"made_of": 3},
         {"more": 1},
     ],
     ids=lambda change: str(change)[:40],
