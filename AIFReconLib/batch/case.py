@@ -141,26 +141,17 @@ def _computed(case: Case, output: Path, record: Record) -> Record:
 
 
 def _replace_folder(new: Path, target: Path, aside: Path, known: Collection[str]) -> None:
-    """Put a folder of results in the place of another, which holds known results only; should that fail, the other is back."""
-    if os.path.lexists(target):
-        _rename(target, aside)
+    """Put a folder of results in the place of another, which holds known results only; should that fail, one of them is there."""
     try:
+        if os.path.lexists(target):
+            os.rename(target, aside)
         # Where it can no longer be changed by others
         require_results(aside, known, target)
-        _rename(new, target)
+        os.rename(new, target)
     except BaseException:
         if os.path.lexists(aside) and not os.path.lexists(target):
             os.rename(aside, target)
         raise
-
-
-def _rename(old: Path, new: Path) -> None:
-    """Rename; some network disks report a failure after they have done it."""
-    try:
-        os.rename(old, new)
-    except OSError:
-        if os.path.lexists(old) or not os.path.lexists(new):
-            raise
 
 
 class _Work:
