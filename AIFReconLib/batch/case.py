@@ -50,7 +50,7 @@ from .columns import in_column_words
 from .engine import own_memory
 from .memory import OVER_PLAN
 from .place import require_results
-from .records import ALTERNATIVES, DONE, FAILED, LOST, RECORDS, RUNNING, Record, Row, made_of, read_record, stamps, write_record
+from .records import ALTERNATIVES, DONE, FAILED, LOST, RECORDS, RUNNING, Facts, Record, Row, made_of, read_record, stamp, write_record
 from .table import Case, with_method
 
 TRANSFORM, LABELS, REPORT = "CTToReference.tfm", "labels-as-scanned.nrrd", "report.json"
@@ -89,8 +89,7 @@ def carry_out(task: Task) -> Record:
     case, output = task.case, task.output
     before = read_record(output, case.name)
     attempts = before.attempts + 1 if before is not None and before.run == task.run else 1
-    outputs = {} if before is None else before.outputs
-    record = Record(case.name, RUNNING, made_of(case, task.table_folder), run=task.run, attempts=attempts, outputs=outputs)
+    record = Record(case.name, RUNNING, made_of(case, task.table_folder), run=task.run, attempts=attempts)
     try:
         _require_version(task)
         write_record(output, record)
@@ -133,34 +132,26 @@ def _computed(case: Case, output: Path, record: Record) -> Record:
         folder = room / case.name
         folder.mkdir()
         results = _Work(case, folder).results()
-        outputs = stamps(folder)
+        outputs: Facts = {path.name: stamp(path) for path in sorted(folder.iterdir())}
         # Said before they are there: who ends the program now leaves results that the next run may replace
-        write_record(output, replace(record, outputs={**record.outputs, **outputs}))
-        _replace_folder(folder, output / case.name, room / "before", record.outputs)
+        write_record(output, replace(record, outputs=outputs))
+        known = read_record(output, case.name)
+        _replace_folder(folder, output / case.name, room / "before", () if known is None else known.outputs)
     return replace(record, state=DONE, results=results, outputs=outputs)
 
 
 def _replace_folder(new: Path, target: Path, aside: Path, known: Collection[str]) -> None:
-    """Put a folder of results in the place of another, which holds known results only; should that fail, the other is back."""
-    if os.path.lexists(target):
-        _rename(target, aside)
+    """Put a folder of results in the place of another, which holds known results only; should that fail, one of them is there."""
     try:
+        if os.path.lexists(target):
+            os.rename(target, aside)
         # Where it can no longer be changed by others
         require_results(aside, known, target)
-        _rename(new, target)
+        os.rename(new, target)
     except BaseException:
         if os.path.lexists(aside) and not os.path.lexists(target):
             os.rename(aside, target)
         raise
-
-
-def _rename(old: Path, new: Path) -> None:
-    """Rename; some network disks report a failure after they have done it."""
-    try:
-        os.rename(old, new)
-    except OSError:
-        if os.path.lexists(old) or not os.path.lexists(new):
-            raise
 
 
 class _Work:

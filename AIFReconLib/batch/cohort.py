@@ -6,7 +6,7 @@ import time
 import uuid
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -124,11 +124,7 @@ class Cohort:
             "Run the same again, with more --memory or fewer --workers.",
             reason=lost.reason,
         )
-        name = task.case.name
-        # What its folder holds is known from before
-        record = read_record(self.output, name) or Record(name, LOST, {})
-        made = made_of(task.case, self.table_folder)
-        return replace(record, state=LOST, made_of=made, message=sentence, run=task.run, attempts=TRIES, results=[])
+        return Record(task.case.name, LOST, made_of(task.case, self.table_folder), sentence, task.run, TRIES)
 
     def _so_far(self, started: float, done: int) -> tuple[float, Message]:
         """How far the work is, from 0 to 1 and in words."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 from ..errors import OutputError
@@ -47,68 +46,35 @@ def require_place(cases: Iterable[Case], table: Path, output: Path) -> None:
                         path=path,
                         case=case.name,
                     )
-    names = [as_compared(Path(name)) for name in OF_ALL]
+    of_all = [output / name for name in OF_ALL]
     with output_errors(output):
-        strangers = [
-            *(path for path in _of_all(cases, output) if path.is_symlink()),
-            *(output / case.name for case in cases if as_compared(Path(case.name)) in names),
-            *(output / name for name in OF_ALL if as_compared(real_path(output / name)) == as_compared(real_path(table))),
-            *(path for case in cases for path in _strangers_of(output, case.name)),
-        ]
-        if not (output / RECORDS).is_dir():
-            strangers += [path for path in _of_all([], output) if os.path.lexists(path)]
-    if strangers:
-        raise _refused(strangers[0])
-
-
-def _of_all(cases: Iterable[Case], output: Path) -> Iterator[Path]:
-    """Everything that is written but for the folders of the cases, which may be no link: it would be followed."""
-    yield from (output / name for name in (RECORDS, *OF_ALL))
-    for case in cases:
-        path = record_path(output, case.name)
-        yield from (path, path.with_name(f"{case.name}{ALTERNATIVES}"))
-
-
-def _strangers_of(output: Path, name: str) -> Iterator[Path]:
-    record = read_record(output, name)
-    if record is None and record_path(output, name).exists():
-        yield record_path(output, name)
-    yield from strangers(output / name, () if record is None else record.outputs)
+        new = not (output / RECORDS).is_dir()
+        for path in (output / RECORDS, *of_all):
+            if path.is_symlink() or (new and path.exists()) or as_compared(real_path(path)) == as_compared(real_path(table)):
+                raise _refused(path)
+        for name in (case.name for case in cases):
+            kept, record = record_path(output, name), read_record(output, name)
+            # A link would be followed
+            for path in (kept, kept.with_name(f"{name}{ALTERNATIVES}")):
+                if path.is_symlink() or (path == kept and record is None and path.exists()):
+                    raise _refused(path)
+            if as_compared(output / name) in map(as_compared, of_all):
+                raise _refused(output / name)
+            require_results(output / name, () if record is None else record.outputs, output / name)
 
 
 def require_results(folder: Path, known: Collection[str], where: Path) -> None:
-    """Return if a folder, which lay at `where`, holds nothing but known results.
+    """Return if a folder, which belongs at `where`, is none yet or holds nothing but results, known by their names.
 
     Raises
     ------
     OutputError
     """
-    for path in strangers(folder, known):
-        raise _refused(where / path.relative_to(folder))
-
-
-def strangers(folder: Path, known: Collection[str]) -> Iterator[Path]:
-    """What lies in the place of a folder of results and is none.
-
-    Parameters
-    ----------
-    folder : Path
-    known : collection of str
-        Results, by their paths within the folder.
-    """
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-        yield folder
-        return
-    for root, folders, files in os.walk(folder, onerror=_raise):
-        for path in [Path(root, name) for name in (*files, *folders)]:
-            is_one = path.is_symlink() or not path.is_dir()
-            if is_one and path.name not in OF_THE_DESKTOP and path.relative_to(folder).as_posix() not in known:
-                yield path
-
-
-def _raise(error: OSError) -> None:
-    if not isinstance(error, FileNotFoundError):
-        raise error
+        raise _refused(where)
+    for path in folder.iterdir() if folder.exists() else ():
+        if path.name not in (*known, *OF_THE_DESKTOP) or path.is_symlink() or path.is_dir():
+            raise _refused(where / path.name)
 
 
 def _refused(path: Path) -> OutputError:

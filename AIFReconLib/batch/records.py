@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -53,7 +53,7 @@ class Record:
     results : list of dict
         A flat table of what was measured, a row per method.
     outputs : dict of str to list of 2 int
-        Files that runs have written into its folder, and the size and time of each.
+        Files that runs have written into its folder, and the size and time of each as `stamp` has them.
     """
 
     case: str
@@ -64,26 +64,21 @@ class Record:
     attempts: int = 0
     seconds: float = 0.0
     results: list[Row] = field(default_factory=list)
-    outputs: dict[str, list[int]] = field(default_factory=dict)
+    outputs: Facts = field(default_factory=dict)
 
 
 def made_of(case: Case, folder: Path) -> Facts:
     """What the results of a case depend on; inputs are named from `folder`, that of the table, so that both may move together."""
     files = [*case.inputs, *method_files(case)]
-    return {"version": __version__, "settings": case.given, "inputs": {_named(path, folder): _stamp(path) for path in files}}
+    return {"version": __version__, "settings": case.given, "inputs": {_named(path, folder): stamp(path) for path in files}}
 
 
 def _named(path: Path, folder: Path) -> str:
     return (path.relative_to(folder) if path.is_relative_to(folder) else path).as_posix()
 
 
-def stamps(folder: Path) -> dict[str, list[int]]:
-    """The files of a folder as a record has them."""
-    found = {path.relative_to(folder).as_posix(): file_stamp(path) for path in sorted(folder.rglob("*")) if path.is_file()}
-    return {name: list(stamp) for name, stamp in found.items() if stamp is not None}
-
-
-def _stamp(path: Path) -> list[int] | None:
+def stamp(path: Path) -> list[int] | None:
+    """Size and time of a file as a record has them; None where there is none."""
     found = file_stamp(path)
     return None if found is None else list(found)
 
@@ -104,16 +99,14 @@ def read_record(output: Path, name: str) -> Record | None:
 
 def _holds_together(record: Record) -> bool:
     """Whether all in a record is of its kind: it comes from a file, and ends in tables and on a page."""
-    texts = (record.case, record.state, record.message, record.run)
     return (
-        all(isinstance(text, str) for text in texts)
-        and record.state in (DONE, FAILED, LOST, RUNNING)
-        and isinstance(record.made_of, dict)
+        record.state in (DONE, FAILED, LOST, RUNNING)
+        and isinstance(record.message, str)
         and all(map(_is_number, (record.attempts, record.seconds)))
+        and isinstance(record.outputs, dict)
         and isinstance(record.results, list)
         and all(isinstance(row, dict) for row in record.results)
         and all(each is None or isinstance(each, str) or _is_number(each) for row in record.results for each in row.values())
-        and isinstance(record.outputs, dict)
     )
 
 
@@ -122,12 +115,15 @@ def _is_number(value: object) -> bool:
 
 
 def write_record(output: Path, record: Record) -> None:
-    """Keep a record.
+    """Keep a record. Of a case that is not done, what was in its folder before goes on being known, whoever computes it.
 
     Raises
     ------
     OutputError
     """
+    before = None if record.state == DONE else read_record(output, record.case)
+    if before is not None:
+        record = replace(record, outputs={**before.outputs, **record.outputs})
     write_text(record_path(output, record.case), json.dumps(asdict(record), indent=1) + "\n")
 
 
@@ -144,4 +140,4 @@ def is_current(record: Record | None, made: Mapping[str, object], output: Path) 
     """Whether a record is of what is there: the same inputs, settings and version, and, of what is done, the same files."""
     if record is None or record.made_of != made:
         return False
-    return record.state != DONE or all(_stamp(output / record.case / name) == kept for name, kept in record.outputs.items())
+    return record.state != DONE or all(stamp(output / record.case / name) == kept for name, kept in record.outputs.items())

@@ -20,19 +20,16 @@ import numpy as np
 
 from ..arrays import Numbers, Singles
 from ..errors import ModelError
-from ..machine.memory import SAFETY, available_memory
 from ..message import shorten
 
 LONGEST = 30.0
 """s that a model may take to load, and then for an image."""
 
 MOST_MEMORY = 4_000_000_000
-"""Bytes that a model may take beside three times its own, where the system can hold it to that (Linux), and less where less is free."""
+"""Bytes that a model may take beside three times its own, where the system can hold it to that (Linux)."""
 
 MOST_ANSWER = 2**28
 """Bytes of an answer."""
-
-_THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
 class ModelProcess:
@@ -59,11 +56,7 @@ class ModelProcess:
     """
 
     def __init__(self, path: Path, data: bytes, threads: int):
-        self._path = path
-        self._turn = threading.Lock()
-        free = available_memory()
-        most = MOST_MEMORY + 3 * len(data)
-        most = most if free is None else min(int(SAFETY * free), most)
+        self._path, self._turn = path, threading.Lock()
         code = f"import sys; sys.path[:] = sys.argv[1:]; from {__name__} import serve; serve()"
         try:
             self._process = subprocess.Popen(
@@ -71,8 +64,7 @@ class ModelProcess:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
-                env={**os.environ, **_THREADS},
-                # Ctrl-C is for who waits; Windows would open a window
+                # Ctrl-C is for who waits, and Windows would open a window
                 start_new_session=True,
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             )
@@ -81,7 +73,7 @@ class ModelProcess:
                 "{path}: no process can be started to run the model ({reason}). Close other programs.", path=path, reason=str(error)
             ) from None
         self.end = weakref.finalize(self, _end, self._process)
-        facts, _ = self._answer({"threads": threads, "seconds": LONGEST, "memory": most}, data)
+        facts, _ = self._answer({"threads": threads, "seconds": LONGEST, "memory": MOST_MEMORY + 3 * len(data)}, data)
         if "error" in facts:
             self.end()
             raise ModelError(
@@ -115,20 +107,19 @@ class ModelProcess:
     def _answer(self, told: dict[str, Any], data: bytes) -> tuple[dict[str, Any], bytes]:
         """What the process answers to a line and bytes: the same."""
         asking, answering = cast("tuple[IO[bytes], IO[bytes]]", (self._process.stdin, self._process.stdout))
-        with self._turn:
-            try:
+        try:
+            with self._turn:
                 _send(asking, told, data)
                 return _received(answering)
-            except (OSError, ValueError):
-                self.end()
-                raise ModelError(
-                    "{path}: the model was ended: it takes more than {seconds:g} s or more memory than it may, or crashes. Use another.",
-                    path=self._path,
-                    seconds=LONGEST,
-                ) from None
-            except BaseException:
-                self.end()
+        except BaseException as error:
+            self.end()
+            if not isinstance(error, (OSError, ValueError, EOFError)):
                 raise
+            raise ModelError(
+                "{path}: the model was ended: it takes more than {seconds:g} s or more memory than it may, or crashes. Use another.",
+                path=self._path,
+                seconds=LONGEST,
+            ) from None
 
 
 def _python() -> str:
@@ -139,10 +130,9 @@ def _python() -> str:
 
 def _end(process: subprocess.Popen[bytes]) -> None:
     process.kill()
-    for stream in (process.stdin, process.stdout):
-        with contextlib.suppress(OSError):
-            cast("IO[bytes]", stream).close()
-    process.wait()
+    # Closes its streams, one of which may still hold what it was to be told
+    with contextlib.suppress(OSError), process:
+        pass
 
 
 def _send(stream: IO[bytes], told: dict[str, Any], data: bytes) -> None:
@@ -184,7 +174,6 @@ def serve() -> None:
         except Exception as error:  # onnxruntime has classes of its own for each failure
             _send(answers, {"error": str(error), "version": runtime.__version__}, b"")
             return
-    del data
     seconds = told["seconds"]
     _send(answers, {"inputs": inputs, "outputs": outputs}, b"")
     while True:
@@ -210,11 +199,10 @@ def _within(seconds: float) -> Iterator[None]:
 
 
 def _limit_memory(most: int) -> None:
+    # Refused where less is allowed already, and not there on Windows
     with contextlib.suppress(ImportError, OSError, ValueError):
-        import resource
-
-        hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
-        resource.setrlimit(resource.RLIMIT_DATA, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+        resource = import_module("resource")
+        resource.setrlimit(resource.RLIMIT_DATA, (most, most))
 
 
 def _session(runtime: Any, data: bytes, threads: int) -> Any:  # onnxruntime has no types

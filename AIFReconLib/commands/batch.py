@@ -75,7 +75,8 @@ def run(arguments: argparse.Namespace) -> int:
     for name in arguments.method:
         load_method_here(name)
     table = read_cases(arguments.table)
-    require_place(table.cases, arguments.table, arguments.output.absolute())
+    if not table.problems:  # names among them
+        require_place(table.cases, arguments.table, arguments.output.absolute())
     if arguments.dry_run:
         return _dry_run(table)
     if table.problems:

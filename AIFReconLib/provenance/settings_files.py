@@ -26,7 +26,7 @@ WRITTEN_BY = "version"
 """Key of a settings file for the version that wrote it."""
 
 MOST_BYTES = 2**20
-MOST_TOML_BYTES = 2**16
+MOST_TOML_BYTES = 2**14
 """Python's reader takes time that grows with the square of a name's parts."""
 
 

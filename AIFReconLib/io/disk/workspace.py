@@ -24,8 +24,8 @@ except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]  # a module elsewhere
 
 PREFIX = ".aifrecon-"
-_NAME = re.compile(re.escape(PREFIX) + r"(?:(?P<computer>[0-9a-f]{8})-(?P<process>[0-9]{1,10})-)?[a-z0-9_]{8}")
-"""Older versions did not say whose it is."""
+_NAME = re.compile(re.escape(PREFIX) + r"(?:([0-9a-f]{8})-)?[a-z0-9_]{8}")
+"""Its computer, which older versions did not say."""
 
 _MACHINE_ID = Path("/etc/machine-id")
 
@@ -72,11 +72,9 @@ def remove_left_behind(parent: Path) -> None:
 
 
 def _may_be_left(name: str) -> bool:
-    """Whether a name is of a folder of this kind, whose program, as far as its name tells, no longer runs."""
+    """Whether a name is of a folder of this kind that no other computer has made."""
     found = _NAME.fullmatch(name)
-    if found is None or found["computer"] is None:
-        return found is not None
-    return found["computer"] == _this_computer() and not _runs_beside(int(found["process"]))
+    return found is not None and found[1] in (None, _this_computer())
 
 
 @cache
@@ -89,23 +87,10 @@ def _this_computer() -> str:
     return hashlib.sha256(platform.node().encode() + of_system).hexdigest()[:8]
 
 
-def _runs_beside(process: int) -> bool:
-    """Whether another program with this number runs; of its own folders a program knows by their locks."""
-    if fcntl is None or process == os.getpid():
-        return False  # Windows would end it
-    try:
-        os.kill(process, 0)
-    except (ProcessLookupError, OverflowError):
-        return False
-    except OSError:
-        pass  # somebody else's
-    return True
-
-
 def _create(parent: Path) -> tuple[Path, int | None]:
     """A new folder, and what holds its lock."""
     for _ in range(_TRIES):
-        folder = Path(tempfile.mkdtemp(prefix=f"{PREFIX}{_this_computer()}-{os.getpid()}-", dir=parent))
+        folder = Path(tempfile.mkdtemp(prefix=f"{PREFIX}{_this_computer()}-", dir=parent))
         try:
             lock = _lock(folder)
         except (BlockingIOError, FileNotFoundError):

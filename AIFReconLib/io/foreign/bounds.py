@@ -15,10 +15,8 @@ from ..sequence.file_images import MAXIMUM_FRAME_BYTES
 MOST_WORK = 2**28
 """Pixels of a JPEG image times its scans: each goes through all pixels. Cameras write some ten."""
 
-MOST_BESIDE, MOST_BESIDE_BYTES = 1000, 2**20
-"""Chunks of a PNG file that hold no pixels, and their bytes."""
-
-MOST_CHUNKS = 2**18
+MOST_CHUNKS, MOST_BESIDE = 2**18, 2**20
+"""Chunks of a PNG file, and the bytes of those that hold no pixels."""
 
 _PIXEL_CHUNKS = (b"IHDR", b"PLTE", b"IDAT", b"fcTL", b"fdAT", b"IEND")
 _SCAN = b"\xff\xda"
@@ -34,13 +32,13 @@ def check_picture(file: IO[bytes], path: Path) -> None:
     """
     if file.read(8) != b"\x89PNG\r\n\x1a\n":
         return
-    chunks = beside = size = 0
+    chunks = beside = 0
     while len(head := file.read(8)) == 8:
         length, kind = struct.unpack(">I4s", head)
         chunks += 1
-        if kind not in _PIXEL_CHUNKS:
-            beside, size = beside + 1, size + length
-        if chunks > MOST_CHUNKS or beside > MOST_BESIDE or size > MOST_BESIDE_BYTES:
+        # Each takes twelve bytes more
+        beside += 0 if kind in _PIXEL_CHUNKS else length + 12
+        if chunks > MOST_CHUNKS or beside > MOST_BESIDE:
             raise _too_much(path, Message("it holds more text and other chunks than pictures do"))
         file.seek(length + 4, io.SEEK_CUR)
 

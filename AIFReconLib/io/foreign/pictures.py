@@ -12,6 +12,7 @@ from ...arrays import Numbers
 from ...errors import FileFormatError
 from ...message import Message
 from ..disk.regular_files import file_stamp
+from ..sequence.file_images import MAXIMUM_FRAMES
 from .bounds import check_picture, check_pixels, check_scans, pieces_of
 from .images import DecodedImages, ImportedImages, decoding, describe_stack, library
 
@@ -68,7 +69,8 @@ def _page_count(image_module: ModuleType, path: Path) -> int:
         check_picture(file, path)
         file.seek(0)
         with image_module.open(file, formats=_FORMATS) as picture:
-            count = int(getattr(picture, "n_frames", 1))
+            # One more is refused as any recording of so many frames is
+            count = min(int(getattr(picture, "n_frames", 1)), MAXIMUM_FRAMES + 1)
             if picture.format in ("JPEG", "MPO") or picture.info.get("compression") == "jpeg":
                 check_scans(pieces_of(file), path, picture.width * picture.height // max(len(picture.tile), 1), count)
             return count

@@ -14,7 +14,7 @@ from AIFReconLib.batch.case import Task, carry_out
 from AIFReconLib.batch.cohort import Cohort
 from AIFReconLib.batch.engine import Lost
 from AIFReconLib.batch.page import page
-from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, RUNNING, Record, is_current, made_of, read_record, stamps, write_record
+from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, RUNNING, Record, is_current, made_of, read_record, write_record
 from AIFReconLib.batch.results import flat_rows
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import main
@@ -79,12 +79,12 @@ def test_an_input_that_is_a_result_of_the_same_folder_is_refused(lab, capsys):
 
 
 @pytest.mark.parametrize("options", [[], ["--dry-run"]], ids=["run", "dry run"])
-@pytest.mark.parametrize("name", ["P1/notes.txt", "P1/deep/er/notes.txt", "P1", "index.html", "results.csv", ".batch/P1.json", ".batch"])
+@pytest.mark.parametrize("name", ["P1/notes.txt", "P1/deep/notes.txt", "P1", "index.html", "results.csv", ".batch/P1.json", ".batch"])
 def test_a_file_that_no_record_lists_is_refused(lab, capsys, name, options):
     path = lab / "out" / name
     path.parent.mkdir(parents=True)
     path.write_text("mine")
-    assert str(path) in refused(lab, lab / "out", capsys, *options)
+    assert f"{lab / 'out' / name.removesuffix('/notes.txt')}" in refused(lab, lab / "out", capsys, *options)
 
 
 def test_a_file_beside_results_that_are_known_is_refused(lab, capsys):
@@ -155,30 +155,50 @@ def test_results_of_before_are_known_after_a_case_has_failed(lab, monkeypatch, s
     error = OutputError("full") if state == LOST else ValueError("mistake")
     monkeypatch.setattr(module._Work, "results", lambda self: (_ for _ in ()).throw(error))
     assert carry_out(Task(first_case(lab), lab, lab / "out", "tomorrow")).state == state
-    monkeypatch.undo()
-    done(lab, lab / "out")
+    assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
 
 
 def test_results_of_before_are_known_after_a_process_was_lost(lab):
     known = done(lab, lab / "out").outputs
     task = Task(first_case(lab), lab, lab / "out", "tomorrow")
-    record = Cohort([task.case], lab, lab / "out")._lost(task, Lost(Message("it was ended")))
+    write_record(lab / "out", Cohort([task.case], lab, lab / "out")._lost(task, Lost(Message("it was ended"))))
+    record = read_record(lab / "out", "P1")
     assert (record.state, record.outputs, record.results) == (LOST, known, [])
 
 
-def test_a_rename_that_reports_failure_after_it_was_done_costs_nothing(lab, monkeypatch):
-    done(lab, lab / "out")
+@pytest.mark.parametrize("failing", ["old", "new"])
+def test_a_rename_that_reports_failure_after_it_was_done_costs_no_results(lab, monkeypatch, failing):
+    before = done(lab, lab / "out").outputs
     rename = os.rename
 
     def late(old, new):
+        """Of the two renames of folders: the old one goes aside, the new one comes."""
         rename(old, new)
-        raise OSError(5, "Input/output error")
+        if new == (lab / "out" / "P1" if failing == "new" else new.parent / "before"):
+            raise OSError(5, "Input/output error")
 
     with monkeypatch.context() as patched:
         patched.setattr(os, "rename", late)
-        record = carry_out(Task(first_case(lab), lab, lab / "out", "tonight"))
-    assert record.state == DONE
-    assert stamps(lab / "out" / "P1") == record.outputs
+        assert carry_out(Task(first_case(lab), lab, lab / "out", "tonight")).state == LOST
+    assert {path.name for path in (lab / "out" / "P1").iterdir()} == set(before)
+    assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
+
+
+@pytest.mark.parametrize("state", [DONE, LOST])
+def test_two_batches_in_one_folder_know_each_others_results(lab, monkeypatch, state):
+    work = module._Work.results
+
+    def results(self):
+        monkeypatch.undo()
+        done(lab, lab / "out")
+        if state == LOST:
+            raise OutputError("full")
+        return work(self)
+
+    monkeypatch.setattr(module._Work, "results", results)
+    (lab / "out" / RECORDS).mkdir(parents=True)
+    assert carry_out(Task(first_case(lab), lab, lab / "out", "tonight")).state == state
+    assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
 
 
 def test_results_of_another_run_are_not_taken_for_those_of_a_record(lab):
@@ -204,7 +224,6 @@ def test_results_of_another_run_are_not_taken_for_those_of_a_record(lab):
         {"state": "<script>alert(1)</script>"},
         {"message": ["x"]},
         {"seconds": "long"},
-        {"made_of": 3},
         {"more": 1},
     ],
     ids=lambda change: str(change)[:40],
