@@ -77,7 +77,7 @@ def add_to(commands: Commands) -> None:
         "live",
         help="reconstruct while scanning, from an OpenIGTLink server",
         description="Receive images and poses over OpenIGTLink, from Plus for example, and reconstruct while they come. "
-        "Ctrl-C ends the scan and saves the volume. Without --grid-like the first seconds find the box: move over the whole region.",
+        "Ctrl-C ends the scan and saves the volume. Without --grid-like, move over the whole region at first.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
