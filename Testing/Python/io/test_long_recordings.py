@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from AIFReconLib.errors import OperationCanceled, SequenceFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.inspection.diagnosis import diagnose
 from AIFReconLib.io.metafile import frame_lines, header
 from AIFReconLib.io.sequence import file_images
 from AIFReconLib.io.sequence.files import read_sequence
@@ -138,11 +140,20 @@ def test_a_long_header_says_what_holds_for_the_whole_recording(many_frames):
     assert len(sequence.transform_names()) == 10
 
 
+def test_a_diagnosis_reads_each_record_of_a_long_recording_twice_at_most():
+    read = []
+    sequence = tracked_by_ten_tools(300)
+    of_frame = sequence.records
+    counted = RecordsOnDemand(300, lambda number: (read.append(number), of_frame[number])[1])
+    diagnose(replace(sequence, records=counted), "Tool0ToTracker")
+    assert len(read) <= 2 * 300
+
+
 def test_a_long_header_that_changes_is_not_read_on(many_frames):
     sequence = read_sequence(many_frames)
     many_frames.write_bytes(many_frames.read_bytes().replace(b"Seq_Frame0299", b"Seq_Frame0001"))
     with pytest.raises(SequenceFormatError, match="header has changed"):
-        sequence.records[299]
+        sequence.records[0]
 
 
 def test_damage_in_a_long_header_is_found_when_it_is_opened(many_frames):
