@@ -152,6 +152,13 @@ class RecordsOnDemand(Sequence[FrameRecord]):
         return self._read(number % self._count)
 
 
+def records_from(count: int, read: Callable[[int], FrameRecord], *sources: Sequence[FrameRecord]) -> Sequence[FrameRecord]:
+    """Records that are made of others, from a frame's number: on demand where the others are."""
+    if any(isinstance(records, RecordsOnDemand) for records in sources):
+        return RecordsOnDemand(count, read)
+    return [read(number) for number in range(count)]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class TrackedSequence(Described):
     """A recorded sweep: images, and per frame its transforms, statuses and times.

@@ -12,7 +12,7 @@ from collections.abc import Callable
 LONG_HEADER = 2**25
 """Bytes. All fields of shorter headers are kept in memory."""
 
-FRAME_KEY = re.compile(r"Seq_Frame([0-9]{1,12})_")
+FRAME_KEY = re.compile(r"Seq_Frame0*([0-9]{1,12})_")
 _PIECE = 2**20
 """Bytes that are read at a time, lines of many frames."""
 
