@@ -73,13 +73,14 @@ def _prepare(
     image_to_reference: str | None,
     reference: str | None,
     beside: Collection[str] = BESIDE,
+    poses: SweepPoses | None = None,
 ) -> _Prepared:
     """Everything that is chosen before the first frame enters; the arguments are those of `reconstruct`."""
     asked = asked or ReconstructionSettings()
     settings = resolve_settings(asked, sequence.configuration, has_bone, importance is not None)
     parts = reconstructor_parts(asked, settings, sequence.configuration, importance)
     method = settings.method_for(has_bone)
-    poses = sweep_poses(sequence, image_to_reference, reference)
+    poses = sweep_poses(sequence, image_to_reference, reference) if poses is None else poses
     poses.require_usable(sequence.name)
     order = time_order(sequence)[:: settings.skip]
     chosen = order[[poses.problems[number] is None for number in order]]
@@ -141,13 +142,17 @@ def plan(
     has_bone: bool = False,
     image_to_reference: str | None = None,
     reference: str | None = None,
+    poses: SweepPoses | None = None,
 ) -> Plan:
-    """What `reconstruct` with these arguments would choose, without reconstructing; it raises the same errors."""
+    """What `reconstruct` with these arguments would choose, without reconstructing; it raises the same errors.
+
+    `poses` are those that `sweep_poses` finds with these arguments, where they are known already.
+    """
     sequence = joined(sequence)
-    prepared = _prepare(sequence, settings, has_bone, None, None, None, None, image_to_reference, reference)
+    prepared = _prepare(sequence, settings, has_bone, None, None, None, None, image_to_reference, reference, poses=poses)
     shown = prepared.imaging.region.mask(*sequence.frame_size)
-    poses = prepared.poses.image_to_reference[prepared.chosen][:, :3]
-    chosen, notes = with_limit(prepared.settings, prepared.parts.holes, poses, shown, prepared.grid)
+    placed = prepared.poses.image_to_reference[prepared.chosen][:, :3]
+    chosen, notes = with_limit(prepared.settings, prepared.parts.holes, placed, shown, prepared.grid)
     memory = prepared.grid.voxels * prepared.costs.whole
     return Plan(prepared.settings.method_for(has_bone), prepared.grid, memory, float(chosen.hole_limit), notes)
 

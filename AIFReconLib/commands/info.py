@@ -60,7 +60,7 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     if not report.ready:
         return text, as_dict
     try:
-        planned = plan(sequence, image_to_reference=arguments.image_to_reference, reference=arguments.reference)
+        planned = plan(sequence, image_to_reference=arguments.image_to_reference, reference=arguments.reference, poses=report.poses)
     except AIFReconError as error:
         return f"{text}\nCannot be reconstructed like this. {said(error)}", {**as_dict, "ready": False, "problem": said(error)}
     command = f"{program()} {shell_words(_command(arguments))}"

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Floats, Mask, Matrix
+from ..arrays import Floats, Integers, Mask, Matrix
 from ..geometry.volume import VoxelGrid
 from ..message import Message, listed
 from ..settings import AUTOMATIC, ReconstructionSettings
@@ -120,9 +120,10 @@ def distances_between_frames(poses: Matrix, shown: Mask, grid: VoxelGrid) -> Flo
     normals = np.cross(poses[:, :, 0], poses[:, :, 1])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     pixels = _lattice(shown)
-    start = poses[:-1, :, :2] @ pixels.T + poses[:-1, :, 3:]
-    way = poses[1:, :, :2] @ pixels.T + poses[1:, :, 3:] - start
-    gaps = np.abs(np.einsum("fx,fxp->fp", normals[:-1], way))
+    gaps = np.empty((len(poses) - 1, len(pixels)))
+    for first in range(0, len(gaps), FRAMES_AT_ONCE):
+        some = slice(first, min(first + FRAMES_AT_ONCE, len(gaps)))
+        gaps[some] = np.abs(np.einsum("fx,fxp->fp", normals[some], _starts_and_ways(poses, np.arange(len(gaps))[some], pixels)[1]))
     gaps[_is_jump(gaps.mean(axis=1))] = 0.0
     upto = np.cumsum(gaps)
     if not upto.size or upto[-1] <= 0:
@@ -132,7 +133,8 @@ def distances_between_frames(poses: Matrix, shown: Mask, grid: VoxelGrid) -> Flo
     which = np.minimum(np.searchsorted(upto, steps, side="right"), upto.size - 1)
     part = 1 - (upto[which] - steps) / gaps.reshape(-1)[which]
     frame, pixel = np.divmod(which, len(pixels))
-    places = start[frame, :, pixel] + part[:, None] * way[frame, :, pixel]
+    start, way = (ends[np.arange(count), :, pixel] for ends in _starts_and_ways(poses, frame, pixels))
+    places = start + part[:, None] * way
     nearest: Floats = np.minimum(part, 1 - part) * gaps[frame, pixel]
     ijk = places @ grid.reference_to_ijk[:3, :3].T + grid.reference_to_ijk[:3, 3]
     inside = ((ijk > -0.5) & (ijk < np.array(grid.size) - 0.5)).all(axis=1)
@@ -141,6 +143,12 @@ def distances_between_frames(poses: Matrix, shown: Mask, grid: VoxelGrid) -> Flo
         some = slice(first, first + FRAMES_AT_ONCE)
         _approach(nearest, places, poses[some], normals[some], shown)
     return nearest
+
+
+def _starts_and_ways(poses: Matrix, frames: Integers, pixels: Floats) -> tuple[Floats, Floats]:
+    """Where `pixels` (p, 2) of some frames lie, and from there to those of the next ones, (frames, 3, p), mm."""
+    start, end = (poses[some, :, :2] @ pixels.T + poses[some, :, 3:] for some in (frames, frames + 1))
+    return start, end - start
 
 
 def _lattice(shown: Mask) -> Floats:

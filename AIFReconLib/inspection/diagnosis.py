@@ -35,6 +35,8 @@ class SequenceReport:
         None when no chain leads from image to reference.
     time_offset : OffsetEstimate or None
         Whether images and poses are in step; None when no frame can be placed.
+    poses : SweepPoses or None
+        None when no chain leads from image to reference.
     """
 
     facts: tuple[tuple[str, str], ...]
@@ -43,6 +45,7 @@ class SequenceReport:
     ready: bool
     tracking: TrackingReport | None = None
     time_offset: OffsetEstimate | None = None
+    poses: SweepPoses | None = None
 
     def to_text(self) -> str:
         """The report for a terminal."""
@@ -91,7 +94,7 @@ def diagnose(
         ("orientation", _orientation(sequence)),
         ("time", _describe_time(sequence)),
     ]
-    findings, ready, spacing, tracking, offset = [], False, (1.0, 1.0), None, None
+    findings, ready, spacing, tracking, offset, poses = [], False, (1.0, 1.0), None, None, None
     try:
         poses = sweep_poses(sequence, image_to_reference, reference)
         tracking = tracking_report(sequence, poses)
@@ -116,7 +119,7 @@ def diagnose(
     findings += sequence.configuration.warnings
     names = sequence.transform_names()
     statuses = tuple((str(name), _describe_statuses(sequence, name)) for name in names)
-    return SequenceReport(tuple(facts), statuses, tuple(findings), ready, tracking, offset)
+    return SequenceReport(tuple(facts), statuses, tuple(findings), ready, tracking, offset, poses)
 
 
 def _orientation(sequence: TrackedSequence) -> str:
@@ -158,8 +161,8 @@ def _describe_statuses(sequence: TrackedSequence, name: TransformName) -> str:
 
 
 def _timestamps(sequence: TrackedSequence) -> Floats | None:
-    times = np.array([record.timestamp for record in sequence.records if record.timestamp is not None], dtype=np.float64)
-    return times if len(times) == len(sequence) and np.isfinite(times).all() else None
+    times = sequence.timestamps
+    return times if np.isfinite(times).all() else None
 
 
 def _about_time(sequence: TrackedSequence) -> list[str]:

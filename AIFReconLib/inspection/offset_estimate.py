@@ -103,10 +103,10 @@ def estimate_time_offset(sequence: TrackedSequence, poses: SweepPoses, progress:
     OffsetEstimate
     """
     usable = poses.usable
-    stamps = [stamp for number in usable if (stamp := sequence.records[number].timestamp) is not None]
-    if len(stamps) < len(usable) or not np.isfinite(stamps).all():
+    stamps = sequence.timestamps[usable]
+    if not np.isfinite(stamps).all():
         return OffsetEstimate(reason="not every frame has a time stamp")
-    times, first = np.unique(np.array(stamps, dtype=np.float64), return_index=True)
+    times, first = np.unique(stamps, return_index=True)
     if len(times) < FEWEST_FRAMES:
         return OffsetEstimate(reason=f"there are only {len(times)} frames with a pose and a time of their own")
     track = _Track(times, corner_track(poses.image_to_reference[usable[first]], sequence.frame_size))

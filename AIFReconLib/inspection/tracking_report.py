@@ -171,9 +171,9 @@ def tracking_report(sequence: TrackedSequence, poses: SweepPoses, result: Recons
         track = corner_track(poses.image_to_reference[numbers], sequence.frame_size)
         steps = np.linalg.norm(np.diff(track, axis=0), axis=1)
         found = replace(found, median_step=float(np.median(steps)), largest_step=float(steps.max()))
-        stamps = [stamp for n in numbers if (stamp := sequence.records[n].timestamp) is not None]
-        if len(stamps) == len(numbers) and np.isfinite(stamps).all():
-            found = _with_times(found, numbers, steps, np.array(stamps, dtype=np.float64))
+        stamps = sequence.timestamps[numbers]
+        if np.isfinite(stamps).all():
+            found = _with_times(found, numbers, steps, stamps)
     return found
 
 

@@ -17,7 +17,7 @@ from ..geometry.transform_graph import TransformName, TransformSample, Transform
 from ..geometry.transforms import as_matrix, invert
 from ..imaging.images import ImageStack
 from ..message import Message
-from .frames import CROPPED, TrackedSequence
+from .frames import CROPPED, FrameRecord, TrackedSequence, records_from
 
 Transforms = dict[TransformName, TransformSample]
 
@@ -81,7 +81,8 @@ def select_frames(sequence: TrackedSequence, first: int = 0, last: int | None = 
     if every < 1:
         raise SettingsError("Input every must be 1 or more; got {every}.", every=every)
     numbers = range(first, last + 1, every)
-    return replace(sequence, images=ImageView(sequence.images, numbers), records=[sequence.records[number] for number in numbers])
+    records = records_from(len(numbers), lambda number: sequence.records[numbers[number]], sequence.records)
+    return replace(sequence, images=ImageView(sequence.images, numbers), records=records)
 
 
 def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, image_frame: str = "Image") -> TrackedSequence:
@@ -234,7 +235,12 @@ def _with_images_moved(sequence: TrackedSequence, new_to_old: Matrix, image_fram
 
 def _map_transforms(sequence: TrackedSequence, change: Callable[[Transforms], Transforms]) -> TrackedSequence:
     """The sequence with `change` done to the transforms of the header and of each frame."""
-    records = [replace(record, transforms=change(record.transforms)) for record in sequence.records]
+
+    def changed(number: int) -> FrameRecord:
+        record = sequence.records[number]
+        return replace(record, transforms=change(record.transforms))
+
+    records = records_from(len(sequence), changed, sequence.records)
     return replace(sequence, records=records, transforms=change(sequence.transforms))
 
 

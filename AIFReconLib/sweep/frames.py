@@ -7,9 +7,10 @@ is at the last column (on the right), the transducer at row 0.
 from __future__ import annotations
 
 import operator
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import cast, overload
 
@@ -87,6 +88,34 @@ class FrameRecord:
     stated_spacing: tuple[float, float] | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class RecordsSummary:
+    """What is asked of all records of a sequence at once.
+
+    Parameters
+    ----------
+    timestamps : (frames,) float64 array, s
+        NaN for a frame without one.
+    statuses : dict of TransformName to Counter of TransformStatus
+        Of every transform that occurs in any of them, in order of appearance.
+    """
+
+    timestamps: Floats
+    statuses: dict[TransformName, Counter[TransformStatus]]
+
+    @classmethod
+    def of(cls, records: Sequence[FrameRecord]) -> RecordsSummary:
+        """That of these records, each of which is asked for once."""
+        timestamps = np.full(len(records), np.nan)
+        statuses: dict[TransformName, Counter[TransformStatus]] = defaultdict(Counter)
+        for number, record in enumerate(records):
+            if record.timestamp is not None:
+                timestamps[number] = record.timestamp
+            for name, sample in record.transforms.items():
+                statuses[name][sample.status] += 1
+        return cls(timestamps, statuses)
+
+
 class RecordsOnDemand(Sequence[FrameRecord]):
     """The records of a very long recording, each made anew whenever it is asked for.
 
@@ -94,16 +123,16 @@ class RecordsOnDemand(Sequence[FrameRecord]):
     ----------
     count : int
     read : callable
-        From a frame's number to its record. It is asked for all of them once, so that it raises here what it has to raise.
+        From a frame's number to its record.
     """
 
     def __init__(self, count: int, read: Callable[[int], FrameRecord]):
         self._count, self._read = count, read
-        names: dict[TransformName, None] = {}
-        for number in range(count):
-            names.update(dict.fromkeys(read(number).transforms))
-        self.transform_names = tuple(names)
-        """Every transform that occurs in any of them."""
+
+    @cached_property
+    def summary(self) -> RecordsSummary:
+        """What is kept of all of them once they were read."""
+        return RecordsSummary.of(self)
 
     def __len__(self) -> int:
         return self._count
@@ -121,6 +150,13 @@ class RecordsOnDemand(Sequence[FrameRecord]):
         if not -self._count <= number < self._count:
             raise IndexError(f"Input frame must be below {self._count}; got {number}.")
         return self._read(number % self._count)
+
+
+def records_from(count: int, read: Callable[[int], FrameRecord], *sources: Sequence[FrameRecord]) -> Sequence[FrameRecord]:
+    """Records that are made of others, from a frame's number: on demand where the others are."""
+    if any(isinstance(records, RecordsOnDemand) for records in sources):
+        return RecordsOnDemand(count, read)
+    return [read(number) for number in range(count)]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -244,17 +280,22 @@ class TrackedSequence(Described):
 
     def transform_names(self) -> list[TransformName]:
         """Every transform that occurs in any frame or in the header, in order of appearance."""
-        names = dict.fromkeys(self.transforms)
-        if isinstance(self.records, RecordsOnDemand):
-            return list(names | dict.fromkeys(self.records.transform_names))
-        for record in self.records:
-            names.update(dict.fromkeys(record.transforms))
-        return list(names)
+        return list(dict.fromkeys([*self.transforms, *self._summary.statuses]))
 
     def status_counts(self, name: TransformName) -> Counter[TransformStatus]:
         """How many frames have this transform with which status; frames without it count as MISSING, unless the header has it."""
-        otherwise = self.transforms.get(name, TransformSample(np.eye(4), TransformStatus.MISSING))
-        return Counter(record.transforms.get(name, otherwise).status for record in self.records)
+        counts = Counter(self._summary.statuses.get(name))
+        otherwise = self.transforms[name].status if name in self.transforms else TransformStatus.MISSING
+        return counts + Counter({otherwise: len(self) - counts.total()})
+
+    @property
+    def timestamps(self) -> Floats:
+        """Time of each frame (frames,), s; NaN for a frame without one."""
+        return self._summary.timestamps
+
+    @cached_property
+    def _summary(self) -> RecordsSummary:
+        return self.records.summary if isinstance(self.records, RecordsOnDemand) else RecordsSummary.of(self.records)
 
 
 def _as_images(images: ImageStack | ArrayLike) -> ImageStack:

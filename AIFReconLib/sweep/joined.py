@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
@@ -13,7 +14,7 @@ from ..errors import GeometryError, require_kind
 from ..imaging.images import ImageStack
 from ..message import Message
 from .configuration import PlusConfiguration
-from .frames import TrackedSequence
+from .frames import FrameRecord, TrackedSequence, records_from
 
 OF_THE_VOLUME = (
     "spacing",
@@ -124,6 +125,7 @@ def joined(sequences: TrackedSequence | Iterable[TrackedSequence]) -> TrackedSeq
     if len(parts) == 1:
         return parts[0]
     first, names = parts[0], names_of(parts)
+    ends = list(accumulate(map(len, parts)))
     notes = []
     for other, name in zip(parts[1:], names[1:], strict=True):
         if (first.frame_size, np.dtype(first.images.dtype)) != (other.frame_size, np.dtype(other.images.dtype)):
@@ -144,11 +146,16 @@ def joined(sequences: TrackedSequence | Iterable[TrackedSequence]) -> TrackedSeq
             )
     return JoinedSequence(
         JoinedImages([part.images for part in parts]),
-        [record for part in parts for record in part.records],
+        records_from(ends[-1], lambda number: _of_parts(parts, ends, number), *(part.records for part in parts)),
         configuration=first.configuration,
         notes=tuple(notes),
         of=parts,
     )
+
+
+def _of_parts(parts: Sequence[TrackedSequence], ends: Sequence[int], number: int) -> FrameRecord:
+    part = bisect_right(ends, number)
+    return parts[part].records[number - ends[part]]
 
 
 def _kind(sequence: TrackedSequence) -> str:

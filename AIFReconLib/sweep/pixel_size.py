@@ -7,16 +7,14 @@ import numpy as np
 from ..arrays import Floats, Matrix
 from ..geometry.transform_graph import TransformName
 from ..message import Message
-from .frames import TrackedSequence
 
 SIZES_DIFFER = 0.05
 """Part by which the size of a pixel that a recording states differs from that of its poses: calibrations find it more exactly."""
 
 
-def about_pixel_size(sequence: TrackedSequence, wanted: TransformName, image_to_reference: Matrix) -> list[Message]:
-    """A sentence where the size of a pixel that the recording states, for all frames or for each, is not that of the poses (n, 4, 4)."""
+def about_pixel_size(stated: Floats, wanted: TransformName, image_to_reference: Matrix) -> list[Message]:
+    """A sentence where the size of a pixel that the recording states for each frame (n, 2), mm, is not that of the poses (n, 4, 4)."""
     found = np.linalg.norm(image_to_reference[:, :3, :2], axis=1)
-    stated = np.array([record.stated_spacing or (np.nan, np.nan) for record in sequence.records]).reshape(-1, 2)
     with np.errstate(all="ignore"):  # whatever numbers a header holds
         contradicted = np.flatnonzero((np.abs(found / stated - 1) > SIZES_DIFFER).any(axis=1))
     if not contradicted.size:

@@ -167,9 +167,12 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     count = len(sequence)
     matrices = np.full((count, 4, 4), np.nan)
     problems: list[str | None] = []
+    stated = np.full((count, 2), np.nan)
     pairs: dict[Ways, dict[int, list[Matrix]]] = {}
     left: dict[frozenset[TransformName], Ways | None] = {frozenset(): ways}
     for number, record in enumerate(sequence.records):
+        if record.stated_spacing is not None:
+            stated[number] = record.stated_spacing
         if record.image_status is not TransformStatus.OK:
             problems.append(Message("no image ({status})", status=record.image_status.value))
             continue
@@ -195,7 +198,7 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     for seen, frames in pairs.items():
         _require_agreement(sequence, seen, frames)
     path = tuple(link.name for link in ways.path)
-    return SweepPoses(matrices, tuple(problems), path, (*notes, *about_pixel_size(sequence, wanted, matrices)))
+    return SweepPoses(matrices, tuple(problems), path, (*notes, *about_pixel_size(stated, wanted, matrices)))
 
 
 def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str | None, reference: str | None) -> list[SweepPoses]:
@@ -251,12 +254,13 @@ def _joined_poses(sequence: JoinedSequence, image_to_reference: str | None, refe
 
 def tracked_frames(sequence: TrackedSequence, poses: SweepPoses, numbers: Iterable[int]) -> Iterable[TrackedFrame]:
     """The frames with these numbers, one after the other, images read when asked for."""
+    timestamps = sequence.timestamps
     for number in numbers:
-        record, problem = sequence.records[number], poses.problems[number]
+        problem = poses.problems[number]
         yield TrackedFrame(
             image=sequence.images[number] if problem is None else None,
             image_to_reference=poses.image_to_reference[number] if problem is None else None,
-            timestamp=record.timestamp if record.timestamp is not None else float(number),
+            timestamp=float(number if np.isnan(timestamps[number]) else timestamps[number]),
             status=problem or "OK",
             number=number,
         )
@@ -270,10 +274,8 @@ def time_order(sequence: TrackedSequence) -> Integers:
     if len(sequence.parts) > 1:
         starts = np.cumsum([0, *map(len, sequence.parts[:-1])])
         return np.concatenate([start + time_order(part) for start, part in zip(starts, sequence.parts, strict=True)])
-    timestamps = [record.timestamp for record in sequence.records]
-    if any(t is None or not np.isfinite(t) for t in timestamps):
-        return np.arange(len(sequence))
-    return np.argsort(np.array(timestamps), kind="stable")
+    timestamps = sequence.timestamps
+    return np.argsort(timestamps, kind="stable") if np.isfinite(timestamps).all() else np.arange(len(sequence))
 
 
 def describe_frames(numbers: Sequence[int], at_most: int = 4) -> Message:

@@ -54,8 +54,8 @@ def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap:
         raise SettingsError("Input longest_gap must be above 0 s; got {longest_gap!r}. Give it in seconds.", longest_gap=longest_gap)
     if time_offset == 0:
         return sequence
-    times = [record.timestamp for record in sequence.records if record.timestamp is not None]
-    if len(times) < len(sequence) or not np.isfinite(times).all() or len(set(times)) < 2:
+    times = sequence.timestamps.tolist()
+    if not np.isfinite(times).all() or len(set(times)) < 2:
         raise SettingsError(
             "{sequence}: a time offset needs a time stamp for every frame, and they must differ. Leave out --time-offset, or record "
             "the sweep with time stamps.",

@@ -8,12 +8,11 @@ from __future__ import annotations
 import re
 from array import array
 from collections.abc import Callable
-from typing import BinaryIO
 
 LONG_HEADER = 2**25
 """Bytes. All fields of shorter headers are kept in memory."""
 
-FRAME_KEY = re.compile(r"Seq_Frame([0-9]{1,12})_")
+FRAME_KEY = re.compile(r"Seq_Frame0*([0-9]{1,12})_")
 _PIECE = 2**20
 """Bytes that are read at a time, lines of many frames."""
 
@@ -56,8 +55,14 @@ class FrameLines:
             self._ends.extend([start] * (number - last))
         self._ends[number] = end
 
-    def read(self, file: BinaryIO, number: int) -> list[tuple[str, str]]:
+    def read(self, read_at: Callable[[int, int], bytes], number: int) -> list[tuple[str, str]]:
         """Keys and values in the lines of one frame, and in lines of the whole sequence that lie between them.
+
+        Parameters
+        ----------
+        read_at : callable
+            From a place in the file and a number of bytes to these bytes, or fewer at its end.
+        number : int
 
         Raises
         ------
@@ -69,8 +74,7 @@ class FrameLines:
         start, end = self._starts[number], self._ends[number]
         begin, piece = self._piece
         if not begin <= start <= end <= begin + len(piece):
-            file.seek(start)
-            begin, piece = self._piece = (start, file.read(max(end - start, _PIECE)))
+            begin, piece = self._piece = (start, read_at(start, max(end - start, _PIECE)))
         if end > begin + len(piece):
             raise OSError(0, "it ends before its length")
         text = piece[start - begin : end - begin].decode("utf-8", errors="surrogateescape")

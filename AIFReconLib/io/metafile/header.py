@@ -48,6 +48,8 @@ class HeaderLines:
     def __init__(self, file: BinaryIO, path: Path, error: type[FileFormatError], in_memory: bool = True):
         self._file = file
         self._start = self._asked = 0
+        self.position = file.tell()
+        """Offset of the first byte behind the lines that were read."""
         self._in_memory = in_memory
         self._lines: FrameLines | None = None
         self.frames: FrameLines | None = None
@@ -58,15 +60,10 @@ class HeaderLines:
         """The error to raise for this header: a sentence with its values, on one line whatever the file holds."""
         return self.error("{path}: {problem}", path=self.path, problem=Message(problem, **values))
 
-    @property
-    def position(self) -> int:
-        """Offset of the first byte behind the lines that were read."""
-        return self._file.tell()
-
     def next(self) -> str | None:
         """The next line without its end; None at the end of the file."""
-        self._start = self._file.tell()
         line = self._file.readline(MAXIMUM_LINE + 1)
+        self._start, self.position = self.position, self.position + len(line)
         if not line:
             return None
         if len(line) > MAXIMUM_LINE or b"\0" in line:

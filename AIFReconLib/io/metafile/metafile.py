@@ -88,12 +88,16 @@ class Metafile:
         if self.frame_lines is None:
             return []
         try:
-            with open(self.path, "rb") as file:
-                if stamp(os.fstat(file.fileno())) != self.header_stamp:
-                    raise self.failure("the header has changed since it was opened. Read the file again.")
-                return self.frame_lines.read(file, number)
+            return self.frame_lines.read(self._header_bytes, number)
         except OSError as error:
             raise self.failure("the header cannot be read ({reason}). Copy the file again.", reason=error.strerror) from error
+
+    def _header_bytes(self, start: int, count: int) -> bytes:
+        with open(self.path, "rb") as file:
+            if stamp(os.fstat(file.fileno())) != self.header_stamp:
+                raise self.failure("the header has changed since it was opened. Read the file again.")
+            file.seek(start)
+            return file.read(count)
 
     @contextlib.contextmanager
     def open_payload(self) -> Iterator[BufferedReader]:

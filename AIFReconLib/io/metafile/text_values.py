@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 
@@ -13,6 +14,7 @@ __all__ = ["NotANumberError", "format_number", "one_line", "parse_number", "pars
 
 # Written so that there is one way to match a run of digits: with two, a long run takes the square of its length
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_PLAIN_NUMBERS = re.compile(r"[-+.eE0-9 ]*")
 _NOT_A_NUMBER = re.compile(r"[+-]?(nan(\(\w*\))?|1\.#(ind|qnan|snan)\d*)", re.IGNORECASE | re.ASCII)
 _INFINITY = re.compile(r"[+-]?(inf(inity)?|1\.#inf\d*)", re.IGNORECASE | re.ASCII)
 
@@ -47,6 +49,9 @@ def parse_numbers(text: str) -> list[float]:
     NotANumberError
         When a word is not a number; the message quotes it.
     """
+    if _PLAIN_NUMBERS.fullmatch(text):  # of these letters Python makes the same numbers, ten times as fast
+        with contextlib.suppress(ValueError):
+            return [float(word) for word in text.split()]
     return [parse_number(word) for word in text.split()]
 
 

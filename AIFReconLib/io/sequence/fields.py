@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -50,16 +51,19 @@ def split_fields(
         Names the key when a number is none, a matrix has not 16 of them, or a frame does not exist.
     """
     per_frame, header = _by_frame(metafile, metafile.fields.items(), frames)
-    transforms, fields = _take_transforms(metafile, "", header)
+    transforms, fields = _take_transforms(metafile, None, header)
     if metafile.frame_lines is None:
-        return [_of_frame(metafile, per_frame, number, spacing) for number in range(frames)], fields, transforms
+        return [_record(metafile, number, per_frame.get(number, {}), spacing) for number in range(frames)], fields, transforms
     if len(metafile.frame_lines) > frames:
         _by_frame(metafile, metafile.frame_fields(len(metafile.frame_lines) - 1), frames)
 
     def record(number: int) -> FrameRecord:
-        return _of_frame(metafile, _by_frame(metafile, metafile.frame_fields(number), frames)[0], number, spacing)
+        of_frame, _ = _by_frame(metafile, metafile.frame_fields(number), frames)
+        return _record(metafile, number, of_frame.get(number, {}), spacing)
 
-    return RecordsOnDemand(frames, record), fields, transforms
+    records = RecordsOnDemand(frames, record)
+    records.summary  # noqa: B018 (reads all of them once: what is wrong with one is said now)
+    return records, fields, transforms
 
 
 def _by_frame(metafile: Metafile, fields: Iterable[tuple[str, str]], frames: int) -> tuple[dict[int, dict[str, str]], dict[str, str]]:
@@ -93,10 +97,6 @@ def _by_frame(metafile: Metafile, fields: Iterable[tuple[str, str]], frames: int
             )
         per_frame.setdefault(number, {})[name] = value
     return per_frame, header
-
-
-def _of_frame(metafile: Metafile, per_frame: dict[int, dict[str, str]], number: int, spacing: tuple[float, float] | None) -> FrameRecord:
-    return _record(metafile, Message("frame {number}, ", number=number), per_frame.get(number, {}), spacing)
 
 
 def frame_entries(records: Iterable[FrameRecord], image_status: str = IMAGE_STATUS) -> Iterator[tuple[str, str]]:
@@ -159,16 +159,16 @@ def stated_spacing(text: str | None, unit: float = 1.0) -> tuple[float, float] |
     return (x, y) if min(x, y) > 0 and max(x, y) < math.inf and (x, y) != (1, 1) else None
 
 
-def _record(metafile: Metafile, where: str, fields: dict[str, str], spacing: tuple[float, float] | None) -> FrameRecord:
+def _record(metafile: Metafile, number: int, fields: dict[str, str], spacing: tuple[float, float] | None) -> FrameRecord:
     """One frame's fields, with those of known meaning parsed."""
-    transforms, others = _take_transforms(metafile, where, fields)
-    times = [_time(metafile, where, name, others.pop(name, None)) for name in _TIMES]
+    transforms, others = _take_transforms(metafile, number, fields)
+    times = [_time(metafile, number, name, others.pop(name, None)) for name in _TIMES]
     statuses = [IMAGE_STATUS, IMAGE_STATUS_IN_NRRD] if metafile.path.suffix.lower() in NRRD_SUFFIXES else [IMAGE_STATUS]
     said = {name: TransformStatus.parse(others.pop(name)) for name in statuses if name in others}
     if len(set(said.values())) > 1:
         raise metafile.failure(
             "{where}{one} is {first} and {other} is {second}, which are two names of one thing. Remove one of them from the header.",
-            where=where,
+            where=_where(number),
             one=IMAGE_STATUS,
             first=said[IMAGE_STATUS].value,
             other=IMAGE_STATUS_IN_NRRD,
@@ -180,7 +180,13 @@ def _record(metafile: Metafile, where: str, fields: dict[str, str], spacing: tup
     return FrameRecord(times[0], times[1], status, transforms, others, spacing)
 
 
-def _take_transforms(metafile: Metafile, where: str, fields: dict[str, str]) -> tuple[dict[TransformName, TransformSample], dict[str, str]]:
+def _where(number: int | None) -> str:
+    return "" if number is None else Message("frame {number}, ", number=number)
+
+
+def _take_transforms(
+    metafile: Metafile, number: int | None, fields: dict[str, str]
+) -> tuple[dict[TransformName, TransformSample], dict[str, str]]:
     """The transforms among `fields`, and the rest. A status alone makes a transform that is NaN."""
     matrices: dict[TransformName, Matrix] = {}
     statuses: dict[TransformName, TransformStatus] = {}
@@ -196,7 +202,7 @@ def _take_transforms(metafile: Metafile, where: str, fields: dict[str, str]) -> 
         if other != key:
             raise metafile.failure(
                 "{where}{name} is given twice, as {other} and as {second}. Remove one of them from the header.",
-                where=where,
+                where=_where(number),
                 name=name,
                 other=other,
                 second=key,
@@ -205,11 +211,12 @@ def _take_transforms(metafile: Metafile, where: str, fields: dict[str, str]) -> 
         if key.endswith(_STATUS_SUFFIX):
             statuses[name] = TransformStatus.parse(value)
         else:
-            matrices[name] = _matrix(metafile, Message("{where}{key}", where=where, key=one_line(key)), value)
+            matrices[name] = _matrix(metafile, number, key, value)
     missing = np.full((4, 4), np.nan)
     return {name: TransformSample(matrices.get(name, missing), statuses.get(name, TransformStatus.OK)) for name in order}, others
 
 
+@lru_cache(maxsize=256)  # the same few in every frame
 def _transform_name(key: str) -> TransformName | None:
     """The transform whose matrix or status `key` holds; None for any other field."""
     for suffix in (_STATUS_SUFFIX, _MATRIX_SUFFIX):
@@ -223,22 +230,28 @@ def _transform_name(key: str) -> TransformName | None:
     return None
 
 
-def _matrix(metafile: Metafile, where: str, text: str) -> Matrix:
+def _matrix(metafile: Metafile, number: int | None, key: str, text: str) -> Matrix:
     """(4, 4) float64. NaN is allowed: recorders write it for poses that they do not have."""
     try:
         numbers = parse_numbers(text)
     except NotANumberError as error:
         raise metafile.failure(
-            "{where} must be 16 numbers; {problem}. Correct the header, or set its status to INVALID.", where=where, problem=error
+            "{where}{key} must be 16 numbers; {problem}. Correct the header, or set its status to INVALID.",
+            where=_where(number),
+            key=one_line(key),
+            problem=error,
         ) from error
     if len(numbers) != 16:
         raise metafile.failure(
-            "{where} must be 16 numbers; got {count}. Correct the header, or remove the entry.", where=where, count=len(numbers)
+            "{where}{key} must be 16 numbers; got {count}. Correct the header, or remove the entry.",
+            where=_where(number),
+            key=one_line(key),
+            count=len(numbers),
         )
     return np.array(numbers).reshape(4, 4)
 
 
-def _time(metafile: Metafile, where: str, name: str, text: str | None) -> float | None:
+def _time(metafile: Metafile, number: int, name: str, text: str | None) -> float | None:
     if text is None:
         return None
     try:
@@ -248,7 +261,7 @@ def _time(metafile: Metafile, where: str, name: str, text: str | None) -> float 
     if not math.isfinite(time):
         raise metafile.failure(
             "{where}{name} must be a number of seconds; got {text!r}. Correct the header, or remove the entry.",
-            where=where,
+            where=_where(number),
             name=name,
             text=shorten(text),
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,13 +13,16 @@ from AIFReconLib.errors import OperationCanceled, SequenceFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.inspection.diagnosis import diagnose
 from AIFReconLib.io.metafile import frame_lines, header
 from AIFReconLib.io.sequence import file_images
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.sweep.edits import rename, select_frames
 from AIFReconLib.sweep.frames import FrameRecord, RecordsOnDemand, TrackedSequence
+from AIFReconLib.sweep.joined import joined
 
 FRAMES, ROWS, COLUMNS = 300, 120, 160
 GRID = VoxelGrid.from_spacing((0, 0, 0), (32, 24, 30), 1.0)
@@ -138,11 +142,45 @@ def test_a_long_header_says_what_holds_for_the_whole_recording(many_frames):
     assert len(sequence.transform_names()) == 10
 
 
+def test_a_diagnosis_reads_each_record_of_a_long_recording_twice_at_most():
+    read = []
+    sequence = tracked_by_ten_tools(300)
+    of_frame = sequence.records
+    counted = RecordsOnDemand(300, lambda number: (read.append(number), of_frame[number])[1])
+    diagnose(replace(sequence, records=counted), "Tool0ToTracker")
+    assert len(read) <= 2 * 300
+
+
 def test_a_long_header_that_changes_is_not_read_on(many_frames):
     sequence = read_sequence(many_frames)
     many_frames.write_bytes(many_frames.read_bytes().replace(b"Seq_Frame0299", b"Seq_Frame0001"))
     with pytest.raises(SequenceFormatError, match="header has changed"):
-        sequence.records[299]
+        sequence.records[0]
+
+
+def test_a_frame_number_of_many_digits_counts_in_a_long_header(many_frames):
+    many_frames.write_bytes(many_frames.read_bytes().replace(b"Seq_Frame0299_Note", b"Seq_Frame" + b"0" * 20 + b"299_Note"))
+    assert read_sequence(many_frames).records[299].fields["Note"] == "299"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda sequence: select_frames(sequence, 0, 298),
+        lambda sequence: rename(sequence, {"Tracker": "Camera"}),
+        lambda sequence: joined([sequence, sequence]),
+    ],
+    ids=["selected", "renamed", "joined"],
+)
+def test_what_is_made_of_a_long_recording_does_not_keep_its_records(many_frames, change):
+    sequence = read_sequence(many_frames)
+    assert peak_of(lambda: change(sequence)) < 4e5
+
+
+def test_long_recordings_that_are_joined_keep_their_records_apart(many_frames):
+    sequence = read_sequence(many_frames)
+    found = joined([sequence, select_frames(sequence, 5, 299)]).records
+    assert [found[number].fields["Note"] for number in (0, 299, 300, 594)] == ["0", "299", "5", "299"]
 
 
 def test_damage_in_a_long_header_is_found_when_it_is_opened(many_frames):
