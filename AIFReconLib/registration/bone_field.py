@@ -28,7 +28,7 @@ THINNEST = 8
 BYTES_PER_BLOCK = 80
 """Bytes for each voxel of the field while it is made: two distances with their helpers."""
 
-SMOOTHING, WIDER = 0.7, 2.0
+SMOOTHING, WIDER = 0.9, 2.0
 """Voxels. Gaussian that takes the stairs off the distance, and the one that tells by how much that moves what is curved."""
 
 

@@ -100,8 +100,9 @@ def ends_of(image_to_reference: str) -> TransformName:
 
 
 def _spelled(image_to_reference: str) -> tuple[TransformName, ...]:
-    names = image_to_reference.split(",") if isinstance(image_to_reference, str) else [image_to_reference]
-    return tuple(map(TransformName.parse, names))
+    if not isinstance(image_to_reference, str):
+        return (TransformName.parse(image_to_reference),)
+    return tuple(TransformName.parse(name.strip()) for name in image_to_reference.split(","))
 
 
 def image_ways(

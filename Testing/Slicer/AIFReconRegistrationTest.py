@@ -83,7 +83,7 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.displace(tinyScene.moved(300.0, 200.0, -150.0) @ tinyScene.rotation(1, 100.0))
         self.parameters.registrationStart = RegistrationStart.ANYWHERE
         self.ui.placeButton.click()
-        self.assertLess(self.error(), 1.0)
+        self.assertLess(self.error(), 1.0, self.ui.registrationLabel.text + self.ui.statusLabel.text)
 
     def test_windows_stay_alive_while_the_agreement_is_told(self):
         from AIFReconLib.registration import agreement

@@ -113,6 +113,14 @@ class ProbeOverlay:
         display.SetVisibility2D(False)
         return node
 
+    def hideProbe(self) -> None:
+        """Remove the sector and its beams."""
+        self._remove("probe")
+
+    def hideOutlines(self) -> None:
+        """Remove the outlines of the frames."""
+        self._remove("outlines")
+
     def hide(self) -> None:
         """Remove everything."""
         for role in list(self._ids):

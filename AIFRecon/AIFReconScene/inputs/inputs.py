@@ -212,7 +212,7 @@ class Inputs:
         from AIFReconLib.registration.labeled_bone import UNKNOWN_WIDTH
 
         if not self._hasWidth:
-            return {"bone_sigma_mm": UNKNOWN_WIDTH} if method_named(method).follows_agreement else {}
+            return {"bone_sigma_mm": UNKNOWN_WIDTH} if method and method_named(method).follows_agreement else {}
         return {"bone_sigma_voxels": self.boneSigmaVoxels} if self.boneSigmaMm is None else {"bone_sigma_mm": self.boneSigmaMm}
 
     @property
