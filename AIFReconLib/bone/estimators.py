@@ -107,16 +107,10 @@ def bone_from_frames(
         `RecordedPredictions` of files, an `OnnxModel`, an `EchoEstimator`, or one of your own.
     poses, imaging : SweepPoses, Imaging or None
         Where they are known already, as `sweep_poses` and `resolve_imaging` return them.
-    progress : Progress or None
     region, probe, image_to_reference, reference
         As in `reconstruct`; what `poses` or `imaging` tell comes before them.
 
-    Raises
-    ------
-    BeamGeometryError
-        When the probe is not known.
-    GeometryError
-        When no frame shows bone.
+    Raises BeamGeometryError when the probe is not known; GeometryError when no frame shows bone.
     """
     sequence = joined(sequence)
     poses = sweep_poses(sequence, image_to_reference, reference) if poses is None else poses

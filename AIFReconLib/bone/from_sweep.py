@@ -67,21 +67,11 @@ SLAB = 4.0
 
 @dataclass(frozen=True, eq=False)
 class BoneEchoes:
-    """What one frame shows of bone: at most one echo per scan line.
+    """What one frame shows of bone: at most one echo per scan line."""
 
-    Parameters
-    ----------
-    pixels : (n, 2) float64 array
-        Column and row of each.
-    beams : (n, 2) float64 array
-        One mm along the sound there, in pixels (column, row).
-    scores : (n,) float32 array
-        `LEAST_SCORE` to 1.
-    """
-
-    pixels: Floats
-    beams: Floats
-    scores: Singles
+    pixels: Floats  #: (n, 2). Column and row of each.
+    beams: Floats  #: (n, 2). One mm along the sound there, in pixels (column, row).
+    scores: Singles  #: (n,). `LEAST_SCORE` to 1.
 
 
 class BoneEchoFinder:
@@ -209,7 +199,6 @@ def bone_from_sweep(
         Where they are known already, as `sweep_poses` and `resolve_imaging` return them.
     spacing : float, mm
         Of the map, not of the reconstruction.
-    progress : Progress or None
     region, probe, image_to_reference, reference
         As in `reconstruct`; what `poses` or `imaging` tell comes before them.
 

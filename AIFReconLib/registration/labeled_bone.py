@@ -33,7 +33,6 @@ class LabeledBone:
         Rigid; None where they lie in Reference already.
     sequence : TrackedSequence, several, or None
         What is reconstructed; None where it is still to come.
-    sigma_voxels : float or None
     sigma_mm : float, "auto" or None
         Width of the map, as in `BoneMap.from_labels`, or by how well CT and sweep agree. With neither it is "auto" for `weighted`, and the
         paper's 10 voxels for the paper's methods and one's own.
