@@ -121,7 +121,7 @@ class Intake:
 
     def kept(self, image: Numbers) -> Mask | None:
         """Which pixels of an image may enter, (rows, columns); None: all."""
-        return self._filter.kept(image)
+        return self._filter.entering(image)
 
     def put(self, batch: FrameBatch, image: Numbers, pose: Matrix, image_to_ijk: Matrix, number: int, kept: Mask | None) -> None:
         """Copy a frame that fits the layout into a batch; of its pixels only those `kept` count."""

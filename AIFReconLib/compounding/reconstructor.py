@@ -305,7 +305,7 @@ class Reconstructor:
         place = bone.on_grid if self._on_grid else bone.at_voxels
         placed = place(self.grid, self.settings.bone_direction, progress, self._part)
         self.notes += bone.notes
-        if not placed.overlaps:
+        if not (placed.overlaps or bone.grows):
             self.notes.append(BESIDE_BONE)
         return placed
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from ..arrays import Singles
-from ..bone.from_sweep import bone_from_sweep
+from ..bone.echo_bone import bone_from_sweep
 from ..bone.map import SIGMA_VOXELS, BoneMap
 from ..compounding.methods.table import OWN_METHOD, is_own_method
 from ..compounding.own.method import load_method

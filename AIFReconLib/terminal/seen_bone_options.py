@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..bone.estimators import BoneEstimator, bone_from_frames
 from ..bone.map import BoneMap
 from ..bone.model import OnnxModel
-from ..bone.recorded import RecordedPredictions
+from ..bone.predicted_bone import BoneEstimator, bone_from_frames
+from ..bone.recorded_predictions import RecordedPredictions
 from ..errors import SettingsError
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion

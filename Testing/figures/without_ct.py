@@ -16,7 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from scipy import ndimage
 
-from AIFReconLib.bone.from_sweep import BoneEchoFinder, bone_from_sweep
+from AIFReconLib.bone.echo_bone import BoneEchoFinder, bone_from_sweep
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.detection import detect_imaging

@@ -28,7 +28,7 @@ def kindOf(path: Path) -> str:
     FileFormatError
         When it is none that is known, or cannot be read.
     """
-    from AIFReconLib.bone.recorded import COVERS
+    from AIFReconLib.bone.recorded_predictions import COVERS
     from AIFReconLib.errors import FileFormatError
     from AIFReconLib.io.metafile.opening import read_metafile
     from AIFReconLib.io.sequence.slicer import is_slicer_sequence

@@ -56,20 +56,7 @@ def test_a_name_splits_at_its_to(text, source, target):
 
 @pytest.mark.parametrize(
     "text",
-    [
-        "",
-        "To",
-        "Probe",
-        "ToTracker",
-        "ProbeTo",
-        "Probetotracker",
-        "ProbeTotracker",
-        "AToBToC",
-        "Transform",
-        "ProbeToTransform",
-        "ToAToB",
-        "GoTo Transform",
-    ],
+    ["", "To", "ToTracker", "ProbeTo", "Probetotracker", "ProbeTotracker", "AToBToC", "ProbeToTransform", "ToAToB", "GoTo Transform"],
 )
 def test_a_name_that_does_not_say_from_and_to_is_refused(text):
     with pytest.raises(TransformError, match="FromToTo"):
@@ -89,25 +76,21 @@ def test_a_status_is_read_in_any_case(text, status):
     assert TransformStatus.parse(text) is TransformStatus[status]
 
 
-def test_a_chain_is_the_product_of_its_links(graph):
-    expected = np.linalg.inv(REFERENCE_TO_TRACKER) @ PROBE_TO_TRACKER @ IMAGE_TO_PROBE
-    np.testing.assert_allclose(graph.lookup("Image", "Reference").matrix, expected, atol=1e-9)
-
-
-def test_a_chain_the_other_way_is_the_inverse(graph):
-    there, back = graph.lookup("Image", "Reference").matrix, graph.lookup("Reference", "Image").matrix
-    np.testing.assert_allclose(back @ there, np.eye(4), atol=1e-9)
-
-
 def test_the_path_names_every_link_in_the_direction_of_travel(graph):
-    assert graph.lookup("Image", "Reference").describe_path() == "ImageToProbe, ProbeToTracker, TrackerToReference"
+    path = graph.lookup("Image", "Reference").path
+    assert [str(name) for name in path] == ["ImageToProbe", "ProbeToTracker", "TrackerToReference"]
 
 
 def test_a_frame_lies_in_itself_by_the_identity(graph):
     np.testing.assert_array_equal(graph.lookup("Probe", "Probe").matrix, np.eye(4))
 
 
-def test_a_chain_over_ok_links_is_ok_whatever_hangs_beside_it(graph):
+@pytest.mark.parametrize(
+    "others", [[], ["StylusTipToStylus", "StylusTipToNeedle", "NeedleToStylus"], ["TrackerToStylus"], ["ProbeToProbe"]], ids=str
+)
+def test_what_is_on_no_way_between_two_frames_is_not_asked(graph, others):
+    for name in others:
+        graph.put(name, rigid((1, 2, 3), (4, 5, 6)))
     assert graph.lookup("Image", "Reference").status is TransformStatus.OK
 
 
@@ -128,15 +111,15 @@ def test_nobody_can_use_the_matrix_of_a_chain_that_is_not_ok(graph):
     assert np.isnan(graph.lookup("Stylus", "Reference").matrix).all()
 
 
-def test_a_link_that_is_ok_but_not_finite_counts_as_invalid(graph):
-    moved = graph.updated({TransformName("Probe", "Tracker"): TransformSample(np.full((4, 4), np.nan))})
-    assert moved.lookup("Image", "Reference").status is TransformStatus.INVALID
+def test_a_link_that_is_ok_but_not_finite_counts_as_invalid():
+    graph = TransformGraph({TransformName("Probe", "Tracker"): TransformSample(np.full((4, 4), np.nan))})
+    assert graph.lookup("Tracker", "Probe").status is TransformStatus.INVALID
 
 
-def test_a_singular_link_that_must_be_inverted_is_an_error_of_the_library(graph):
-    moved = graph.updated({TransformName("Reference", "Tracker"): TransformSample(scaled(1, 1, 0))})
+def test_a_singular_link_that_must_be_inverted_is_an_error_of_the_library():
+    graph = TransformGraph({TransformName("Reference", "Tracker"): TransformSample(scaled(1, 1, 0))})
     with pytest.raises(GeometryError, match="singular"):
-        moved.lookup("Image", "Reference")
+        graph.lookup("Tracker", "Reference")
 
 
 def test_two_paths_are_an_error_that_names_both(graph):
@@ -154,21 +137,11 @@ def test_a_second_path_through_other_frames_is_found(graph):
         graph.lookup("Image", "Reference")
 
 
-def test_a_loop_elsewhere_does_not_make_a_path_ambiguous(graph):
-    for name in ("StylusTipToStylus", "StylusTipToNeedle", "NeedleToStylus"):
-        graph.put(name, np.eye(4))
-    assert graph.lookup("Image", "Reference").status is TransformStatus.OK
-
-
-def test_a_missing_path_names_both_frames(graph):
-    graph.put("CtToPhantom", np.eye(4))
-    with pytest.raises(TransformError, match="No transform leads from Ct to Reference"):
-        graph.lookup("Ct", "Reference")
-
-
 def test_a_missing_path_says_what_each_end_is_connected_to(graph):
     graph.put("CtToPhantom", np.eye(4))
-    with pytest.raises(TransformError, match="Ct is connected to Phantom, Reference to Image, Probe, Stylus, Tracker"):
+    with pytest.raises(
+        TransformError, match=r"from Ct to Reference\..* Ct is connected to Phantom, Reference to Image, Probe, Stylus, Tracker"
+    ):
         graph.lookup("Ct", "Reference")
 
 
@@ -191,7 +164,7 @@ def test_ways_that_agree_are_one(graph):
 
 
 def test_of_ways_that_agree_the_shortest_is_followed(graph):
-    assert agreeing(graph).lookup("Image", "Reference").describe_path() == "ImageToReference"
+    assert [str(name) for name in agreeing(graph).lookup("Image", "Reference").path] == ["ImageToReference"]
 
 
 @pytest.mark.parametrize("link", ["ProbeToTracker", "ReferenceToTracker", "ImageToProbe"])
@@ -214,16 +187,6 @@ def test_an_inverse_that_contradicts_is_named_as_it_is_stored(graph):
         graph.lookup("Image", "Reference")
 
 
-def test_a_pair_of_inverses_beside_the_way_is_not_asked(graph):
-    graph.put("TrackerToStylus", rigid((1, 2, 3), (4, 5, 6)))
-    assert graph.lookup("Image", "Reference").status is TransformStatus.OK
-
-
-def test_a_transform_from_a_frame_to_itself_says_nothing(graph):
-    graph.put("ProbeToProbe", rigid((1, 2, 3), (4, 5, 6)))
-    assert graph.lookup("Image", "Reference").status is TransformStatus.OK
-
-
 def test_setting_a_transform_again_replaces_it(graph):
     graph.put("ProbeToTracker", np.eye(4))
     np.testing.assert_array_equal(graph.lookup("Probe", "Tracker").matrix, np.eye(4))
@@ -233,18 +196,6 @@ def test_setting_a_transform_again_replaces_it(graph):
 def test_a_matrix_that_is_no_transform_is_refused_by_name(graph, matrix):
     with pytest.raises(GeometryError, match="ProbeToTracker"):
         graph.put("ProbeToTracker", matrix)
-
-
-def test_a_graph_does_not_see_later_changes_of_a_matrix(graph):
-    matrix = np.eye(4)
-    graph.put("CtToReference", matrix)
-    matrix[0, 3] = 7.0
-    assert graph.lookup("Ct", "Reference").matrix[0, 3] == 0.0
-
-
-def test_an_update_leaves_the_graph_it_came_from_alone(graph):
-    graph.updated({TransformName("Probe", "Tracker"): TransformSample(np.eye(4))})
-    np.testing.assert_array_equal(graph.lookup("Probe", "Tracker").matrix, PROBE_TO_TRACKER)
 
 
 def test_names_come_in_the_order_in_which_they_were_set(graph):

@@ -108,10 +108,3 @@ def test_what_cannot_be_written_is_refused_before_work(patient, results, capsys,
     bone = ["--bone-labels", str(patient.labels), "--bone-transform", str(patient.transform)]
     assert main(["coverage", str(patient.sweep), "--config", str(patient.config), *bone, option, str(results / name)]) == 2
     assert expected in capsys.readouterr().err
-
-
-def test_labels_without_bone_are_a_sentence(patient, results, capsys):
-    empty = results / "empty.nrrd"
-    Volume(np.zeros((6, 6, 6), np.uint8), np.eye(4)).write(empty)
-    assert main(["coverage", str(patient.sweep), "--config", str(patient.config), "--bone-labels", str(empty)]) == 2
-    assert "voxels above 0" in capsys.readouterr().err

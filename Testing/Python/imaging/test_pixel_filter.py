@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
+from AIFReconLib.compounding.methods.table import BONE_METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion, PixelFilter
@@ -57,14 +57,8 @@ def test_pixels_that_are_not_numbers_let_no_dark_pixel_in(engine):
     np.testing.assert_array_equal(ours.hits.array, theirs.hits.array)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_threshold_of_zero_rejects_nothing(method):
-    frames = oblique_frames(seed=4, count=2)
-    np.testing.assert_array_equal(reconstructed(frames, method, rejection=0).hits.array, reconstructed(frames, method).hits.array)
-
-
 def test_a_pixel_at_the_threshold_enters():
-    kept = PixelFilter(30, ImageRegion()).kept(np.array([[29, 30, 31]], np.uint8))
+    kept = PixelFilter(30, ImageRegion()).entering(np.array([[29, 30, 31]], np.uint8))
     assert kept.tolist() == [[False, True, True]]
 
 
@@ -130,13 +124,13 @@ def test_arcs_outside_the_image_are_not_looked_at():
 
 
 def test_a_detected_fan_is_the_region_of_its_frame():
-    kept = PixelFilter(None, ImageRegion(fan=FAN, fan_detection=DETECTION)).kept(lit(-30, 20))
+    kept = PixelFilter(None, ImageRegion(fan=FAN, fan_detection=DETECTION)).entering(lit(-30, 20))
     angles = DETECTION.angles(lit(-30, 20), FAN)
     np.testing.assert_array_equal(kept, replace(FAN, angles_deg=angles).mask(201, 160))
 
 
 def test_without_detection_nothing_is_looked_at():
-    assert PixelFilter(None, ImageRegion(fan=FAN)).kept(lit(-30, 20)) is None
+    assert PixelFilter(None, ImageRegion(fan=FAN)).entering(lit(-30, 20)) is None
 
 
 def test_a_frame_without_contact_is_counted_as_skipped():

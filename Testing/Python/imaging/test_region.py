@@ -127,27 +127,6 @@ def test_a_fan_that_is_no_sector_is_refused(fan):
         Fan(*fan)
 
 
-def test_radii_of_a_fan_are_mm_where_pixels_are():
-    fan = Fan((0.0, 0.0), (-45, 45), (0.0, 5.0), (0.5, 0.25))
-    assert np.flatnonzero(fan.mask(1, 40)[:, 0]).max() == 20
-
-
-def test_angles_of_a_fan_are_angles_in_mm():
-    column, row = 20, 40
-    assert Fan((0.0, 0.0), (0, 45.001), (0, 99), (0.5, 0.25)).mask(41, 41)[row, column]
-    assert not Fan((0.0, 0.0), (0, 44.999), (0, 99), (0.5, 0.25)).mask(41, 41)[row, column]
-
-
-def test_a_fan_beside_the_image_leaves_nothing_and_says_so():
-    with pytest.raises(SettingsError, match="leave no pixel"):
-        ImageRegion(fan=Fan((5, 100), (-45, 45), (0, 50))).mask(20, 10)
-
-
-def test_no_region_keeps_every_pixel():
-    assert ImageRegion().mask(7, 5).shape == (5, 7)
-    assert ImageRegion().mask(7, 5).all()
-
-
 @given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 2**32 - 1))
 @settings(max_examples=60, deadline=None)
 def test_extreme_pixels_reach_as_far_as_all_pixels_in_every_direction(rows, columns, seed):

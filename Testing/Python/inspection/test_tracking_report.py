@@ -114,8 +114,3 @@ def test_reconstruct_writes_the_report_with_the_coverage_of_the_grid(patient, re
     assert coverage["voxels"] == np.prod(found["grid"]["size"])
     assert 0 < coverage["measured"] < coverage["measured"] + coverage["filled"] <= coverage["voxels"]
     assert found["tracking"]["frames_used"] == 6
-
-
-def test_the_report_cannot_overwrite_the_sweep(patient, results, capsys):
-    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd"), "--report", str(patient.sweep)]) == 2
-    assert "would overwrite an input" in capsys.readouterr().err

@@ -14,11 +14,12 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample,
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.sweep.frames import FrameRecord, TrackedFrame, TrackedSequence
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
 PROBE = TransformName("Probe", "Tracker")
 STYLUS = TransformName("Stylus", "Tracker")
+NEEDLE = TransformName("Needle", "Tracker")
 
 
 def sequence_of(*records: FrameRecord, **others) -> TrackedSequence:
@@ -40,26 +41,14 @@ def test_a_record_too_few_is_refused():
         TrackedSequence(np.zeros((2, 4, 5), np.uint8), [FrameRecord()])
 
 
-def test_a_sequence_may_be_empty():
-    assert len(sequence_of()) == 0
-
-
-def test_a_sequence_is_named_after_its_file():
+def test_a_sequence_is_named_after_its_file_if_it_has_one():
+    assert sequence_of().name == "sequence"
     assert sequence_of(path=Path("folder") / "sweep.igs.mha").name == "sweep.igs.mha"
 
 
-def test_a_sequence_without_a_file_has_a_name():
-    assert sequence_of().name == "sequence"
-
-
-def test_transforms_are_named_in_order_of_appearance():
-    sequence = sequence_of(tracked(STYLUS), tracked(PROBE), tracked(STYLUS))
-    assert sequence.transform_names() == [STYLUS, PROBE]
-
-
-def test_transforms_of_the_header_are_named_too():
-    sequence = sequence_of(tracked(PROBE), transforms={STYLUS: TransformSample(np.eye(4))})
-    assert sequence.transform_names() == [STYLUS, PROBE]
+def test_transforms_are_named_in_order_of_appearance_those_of_the_header_first():
+    sequence = sequence_of(tracked(STYLUS), tracked(PROBE), tracked(STYLUS), transforms={NEEDLE: TransformSample(np.eye(4))})
+    assert sequence.transform_names() == [NEEDLE, STYLUS, PROBE]
 
 
 def test_statuses_are_counted():
@@ -74,10 +63,6 @@ def test_a_frame_without_the_transform_counts_as_missing():
 def test_the_transform_of_the_header_stands_in_where_a_frame_has_none():
     sequence = sequence_of(tracked(PROBE, TransformStatus.INVALID), tracked(STYLUS), transforms={PROBE: TransformSample(np.eye(4))})
     assert sequence.status_counts(PROBE) == {TransformStatus.INVALID: 1, TransformStatus.OK: 1}
-
-
-def test_a_frame_is_ok_unless_it_says_otherwise():
-    assert TrackedFrame(np.zeros((2, 2)), np.eye(4)).status == "OK"
 
 
 # ---- a sweep of arrays

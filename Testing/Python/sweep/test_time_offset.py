@@ -13,7 +13,6 @@ from sweeps import rigid
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.pose_tracks import PoseTrack
 from AIFReconLib.sweep.poses import sweep_poses
@@ -169,11 +168,3 @@ def test_info_takes_the_offset_and_the_longest_gap(tmp_path, capsys):
     out = capsys.readouterr().out
     assert "ProbeToTracker MISSING: 12 frames (0-11)" in out
     assert "12 frames have no pose then" in out
-
-
-def test_an_offset_written_to_a_file_is_read_back(tmp_path):
-    from AIFReconLib.io.sequence.writer import write_sequence
-
-    shifted = with_time_offset(sweep(), 0.05)
-    write_sequence(shifted, tmp_path / "sweep.mha")
-    assert [p.tolist() for p in probe_poses(read_sequence(tmp_path / "sweep.mha"))[:11]] == [p.tolist() for p in probe_poses(shifted)[:11]]

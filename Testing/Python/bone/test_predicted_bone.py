@@ -7,9 +7,10 @@ import pytest
 from files import refused, tracked_sequence, write_patient
 from seen_planes import IMAGING, PlaneSweep, as_sequence
 
-from AIFReconLib.bone.estimators import EchoEstimator, bone_from_frames
-from AIFReconLib.bone.recorded import RecordedPredictions
-from AIFReconLib.bone.seen import Prediction, SeenBone
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.bone.predicted_bone import EchoEstimator, bone_from_frames
+from AIFReconLib.bone.predictions import Prediction
+from AIFReconLib.bone.recorded_predictions import RecordedPredictions
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import BeamGeometryError, GeometryError, SequenceFormatError
 from AIFReconLib.geometry.transforms import transform_points
@@ -25,13 +26,13 @@ from AIFReconLib.settings import ReconstructionSettings
 SWEEP = PlaneSweep()
 
 
-def bone_of(predictions, rectangle=None, times=None, sweep=SWEEP) -> SeenBone:
+def bone_of(predictions, rectangle=None, times=None, sweep=SWEEP) -> BoneMap:
     said = RecordedPredictions(sweep.sequence, as_sequence(predictions, times), rectangle)
     return bone_from_frames(sweep.sequence, said, sweep.swept, IMAGING)
 
 
 @pytest.fixture(scope="module")
-def known() -> SeenBone:
+def known() -> BoneMap:
     return bone_of(SWEEP.predictions())
 
 
@@ -116,12 +117,10 @@ def test_without_a_probe_there_are_no_beams_to_weigh_by():
 # Predictions beside the frames
 
 
-def test_eight_bits_say_what_fractions_say(known):
-    np.testing.assert_allclose(bone_of((255 * SWEEP.predictions()).astype(np.uint8)).probability.array, known.probability.array, atol=1e-6)
-
-
-def test_masks_of_0_and_1_are_certain(known):
-    np.testing.assert_allclose(bone_of(SWEEP.predictions().astype(np.uint8)).probability.array, known.probability.array, atol=1e-6)
+@pytest.mark.parametrize("certain", [255, 1])
+def test_eight_bits_and_masks_say_what_fractions_say(known, certain):
+    whole = bone_of((certain * SWEEP.predictions()).astype(np.uint8))
+    np.testing.assert_allclose(whole.probability.array, known.probability.array, atol=1e-6)
 
 
 @pytest.mark.parametrize(

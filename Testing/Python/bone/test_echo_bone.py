@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from files import tracked_sequence, write_patient
 from sweeps import image_pose
 
-from AIFReconLib.bone.from_sweep import LEAST_SCORE, SKIN, BoneEchoFinder, bone_from_sweep
+from AIFReconLib.bone.echo_bone import SKIN, BoneEchoFinder, bone_from_sweep
 from AIFReconLib.commands.parser import main
-from AIFReconLib.errors import BeamGeometryError, GeometryError, NoUsableFramesError, OperationCanceled
+from AIFReconLib.errors import BeamGeometryError, GeometryError, OperationCanceled
 from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.imaging.detection import detect_imaging
@@ -101,10 +100,6 @@ def test_echoes_lie_on_a_bright_arc_over_darkness(kind):
     assert np.abs(off).max() < 0.6
 
 
-def test_nearly_every_scan_line_finds_a_clear_surface():
-    assert len(find(bone_image()).pixels) > 0.95 * finder().lines
-
-
 @pytest.mark.parametrize("kind", [LINEAR, SECTOR])
 @pytest.mark.parametrize("seed", range(3))
 def test_speckle_alone_is_no_bone(kind, seed):
@@ -170,11 +165,6 @@ def test_scores_do_not_depend_on_the_gain():
     np.testing.assert_allclose(find(3 * image).scores, find(image).scores, rtol=1e-4)
 
 
-def test_scores_lie_between_the_threshold_and_one():
-    scores = find(bone_image()).scores
-    assert LEAST_SCORE <= scores.min() <= scores.max() <= 1.0
-
-
 @pytest.mark.parametrize("kind", [LINEAR, SECTOR])
 def test_beams_advance_one_millimeter(kind):
     beams = find(bone_image(), kind).beams * SPACING
@@ -224,11 +214,6 @@ def test_the_map_peaks_at_the_right_millimeter():
     assert (offsets * high).sum() / high.sum() == pytest.approx(0.0, abs=0.5)
 
 
-def test_probabilities_lie_between_zero_and_one():
-    array = bone_from_sweep(*oblique_sweep()).probability.array
-    assert (array.min(), array.max()) == (0.0, 1.0)
-
-
 @pytest.mark.parametrize(("depth", "expected"), [(-2.5, 0), (2.5, 1)])
 def test_the_inside_of_bone_is_behind_the_surface(depth, expected):
     sequence, poses, imaging = oblique_sweep()
@@ -262,12 +247,6 @@ def test_a_sweep_without_bone_says_so():
     sequence, poses = sweep_of(np.stack([speckle(n) for n in range(2)]).astype(np.uint8), [image_pose(SPACING)] * 2)
     with pytest.raises(GeometryError, match="no frame shows bone"):
         bone_from_sweep(sequence, poses, REGIONS[LINEAR])
-
-
-def test_a_sweep_without_poses_says_so():
-    sequence, poses, imaging = oblique_sweep()
-    with pytest.raises(NoUsableFramesError):
-        bone_from_sweep(sequence, replace(poses, problems=("OUT_OF_VIEW",) * len(sequence)), imaging)
 
 
 def test_it_can_be_canceled():
