@@ -51,7 +51,7 @@ LOOKED = 0.01
 SNAPSHOT_EVERY = 1.0
 """s on the wall."""
 
-DEADLINE = 300.0
+DEADLINE = 1200.0
 """s in which the last frames must arrive and be worked on."""
 
 

@@ -40,7 +40,7 @@ def test_a_run_ends_with_tables_and_a_page_and_ctrl_c_with_whole_cases(table, tm
         while process.poll() is None and len(list(results.glob("[PQ]*/average.nrrd"))) < 2:
             time.sleep(0.05)
         process.send_signal(signal.SIGINT) if os.name == "posix" else process.terminate()
-        out, err = process.communicate(timeout=120)
+        out, err = process.communicate()
     if os.name == "posix":
         assert process.returncode == 130, err
         assert "process(es) with" in err

@@ -348,7 +348,7 @@ def test_directions_on_a_turned_finer_grid_are_interpolated_before_they_are_norm
 
 
 @given(rigid_poses)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_moving_ct_and_grid_together_turns_the_directions_with_them(motion):
     bone_map = BoneMap.from_labels(Volume(block((14, 15, 16), (5, 5, 6), (3, 4, 5)), np.eye(4)), sigma_voxels=1.5)
     grid = VoxelGrid((8, 9, 7), rigid((0.2, 0.1, -0.3), (3.0, 4.0, 5.0)) @ scaled(0.7, 0.8, 0.9))
@@ -360,7 +360,7 @@ def test_moving_ct_and_grid_together_turns_the_directions_with_them(motion):
 
 
 @given(rigid_poses)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_voxels_on_the_border_of_the_map_are_kept_by_an_aligned_grid(pose):
     bone_map = BoneMap.from_probability(Volume(np.ones((4, 5, 6), np.float32), pose))
     one_voxel_larger = VoxelGrid((8, 7, 6), pose @ rigid((0, 0, 0), (-1, -1, -1)))
@@ -382,7 +382,7 @@ def test_one_voxel_beyond_the_map_there_is_no_bone():
     size=st.tuples(*[st.integers(1, 14)] * 3),
     seed=st.integers(0, 1000),
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_a_map_has_the_same_voxels_with_and_without_numba(turn, spacing, shape, size, seed):
     probability = np.random.default_rng(seed).random(shape, dtype=np.float32)
     bone_map = BoneMap.from_probability(Volume(probability, scaled(1.0, 0.8, 1.3)))
@@ -411,7 +411,7 @@ WITHOUT_NUMBA = pytest.param(True, id="scipy")
     direction=st.sampled_from(["gradient", "surface"]),
     seed=st.integers(0, 1000),
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_a_map_says_the_same_at_some_voxels_as_on_all(by_scipy, turn, spacing, shape, size, part, direction, seed):
     rng = np.random.default_rng(seed)
     # With voxels where there is no bone

@@ -6,13 +6,13 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from files import refused, tracked_sequence, write_patient
 from sweeps import rigid
+from waiting import until
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.volume import Volume
@@ -289,12 +289,9 @@ def test_labels_are_called_as_in_the_reconstruction(patient, results, capsys):
 def test_ctrl_c_stops_with_130_and_leaves_no_partial_file(results):
     output = results / "demo"
     demo = subprocess.Popen([sys.executable, "-m", "AIFReconLib", "demo", "--output", str(output)], stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 60
-    while not (output / "ct.nrrd").exists() and time.monotonic() < deadline:
-        time.sleep(0.1)
-    time.sleep(0.5)
+    assert until(lambda: (output / "ct.nrrd").exists())
     demo.send_signal(signal.SIGINT)
-    _, error = demo.communicate(timeout=60)
+    _, error = demo.communicate()
     assert demo.returncode == 130, error
     assert error.count("\n") == 1, error
     assert not [path for path in output.rglob("*") if path.name.startswith(".") or path.name in ("sweep.igs.mha", "comparison.png")]

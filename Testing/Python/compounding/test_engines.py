@@ -50,7 +50,7 @@ def assert_same(ours, theirs):
 
 
 @needs_numba
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     method=st.sampled_from(METHODS),
     seed=st.integers(0, 10_000),

@@ -137,7 +137,7 @@ def test_importance_counts_by_its_ratios_alone(interpolation):
 
 
 @pytest.mark.skipif(optional_module("AIFReconLib.compounding.compiled.numba_splat") is None, reason="numba is not installed")
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     method=st.sampled_from(METHODS),
     seed=st.integers(0, 10_000),

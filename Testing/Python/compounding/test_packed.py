@@ -58,7 +58,7 @@ def test_voxels_stay_packed_where_a_probe_rests_and_not_where_one_batch_could_fi
     assert not coarse.packed
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     turn=st.tuples(*[st.floats(-180, 180)] * 3),
     spacing=st.tuples(*[st.floats(0.3, 2.5)] * 3),

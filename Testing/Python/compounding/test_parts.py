@@ -65,7 +65,7 @@ def assert_same(ours, theirs):
     assert ours[1] == theirs[1]
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(
     method=st.sampled_from(METHODS),
     engine=st.sampled_from(ENGINES),
@@ -157,7 +157,7 @@ def test_frames_are_read_once_where_they_fit_beside_the_parts(left, monkeypatch)
 COSTS = Costs(whole=28, results=2, part=28)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(size=st.tuples(*[st.integers(1, 400)] * 3), memory=st.integers(1, 10**9))
 def test_parts_lie_side_by_side_and_keep_within_the_memory(size, memory):
     grid = VoxelGrid(size, np.eye(4))

@@ -93,7 +93,7 @@ def test_the_best_cosine_is_that_of_the_plain_loop_to_three_digits(method):
     np.testing.assert_allclose(ours.cosine.array, theirs.cosine, atol=5e-4)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     method=st.sampled_from(METHODS),
     seed=st.integers(0, 10_000),

@@ -17,7 +17,7 @@ fractions = st.floats(0, 1)
 
 
 @given(vectors, vectors, fractions)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_rotations_follow_scipys_slerp(a, b, fraction):
     turns = Rotation.from_rotvec(np.deg2rad([a, b]))
     if (turns[0].inv() * turns[1]).magnitude() > np.pi - 1e-3:
@@ -27,14 +27,14 @@ def test_rotations_follow_scipys_slerp(a, b, fraction):
 
 
 @given(vectors, vectors, fractions)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_rigid_pose_stays_rigid(a, b, fraction):
     rotation = interpolate_pose(rigid(a, b), rigid(b, a), fraction)[:3, :3]
     np.testing.assert_allclose(rotation.T @ rotation, np.eye(3), atol=1e-9)
 
 
 @given(vectors, vectors, fractions)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_the_way_back_passes_the_same_pose(a, b, fraction):
     first, second = rigid(a, b), rigid(b, a)
     if pose_change(first, second)[1] > np.pi - 1e-3:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 from geometry_strategies import rigid, rigid_poses, scaled
@@ -77,7 +75,7 @@ def test_a_name_that_does_not_say_from_and_to_is_refused(text):
 
 
 @given(st.from_regex(r"[A-Z][a-z]{1,8}", fullmatch=True), st.from_regex(r"[A-Z][a-z]{1,8}", fullmatch=True))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_a_name_survives_being_written_and_read(source, target):
     assert TransformName.parse(str(TransformName(source, target))) == TransformName(source, target)
 
@@ -257,18 +255,17 @@ def test_connected_frames_are_those_of_every_chain(graph):
 
 
 def test_a_tangle_of_frames_is_searched_in_no_time():
+    """Every way through it would take years."""
     graph = TransformGraph()
     for a in range(14):
         for b in range(a):
             graph.put(TransformName(f"Tool{a}", f"Tool{b}"), np.eye(4))
-    started = time.perf_counter()
     with pytest.raises(TransformError):
         graph.lookup("Tool0", "Nowhere")
-    assert time.perf_counter() - started < 1.0
 
 
 @given(st.lists(st.tuples(rigid_poses, st.booleans()), min_size=1, max_size=6))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_a_chain_of_any_length_and_direction_equals_the_plain_product(links):
     graph, expected = TransformGraph(), np.eye(4)
     for number, (pose, forward) in enumerate(links):

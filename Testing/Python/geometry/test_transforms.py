@@ -85,13 +85,13 @@ def test_a_matrix_is_not_singular_for_being_small_or_large(size):
 
 
 @given(rigid_poses)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_every_rotation_and_translation_is_rigid(pose):
     assert why_not_rigid(pose) is None
 
 
 @given(rigid_poses, spacings)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_a_matrix_times_its_inverse_is_the_identity(pose, spacing):
     matrix = pose @ scaled(*spacing)
     np.testing.assert_allclose(invert(matrix) @ matrix, np.eye(4), atol=1e-9)
@@ -158,7 +158,7 @@ def test_an_affine_matrix_has_nothing_against_it():
 
 
 @given(rigid_poses, triples(-100, 100))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_points_are_transformed_like_homogeneous_columns(pose, point):
     np.testing.assert_allclose(transform_points(pose, [point])[0], (pose @ [*point, 1.0])[:3], atol=1e-9)
 
@@ -168,20 +168,20 @@ def test_points_keep_the_shape_of_their_array():
 
 
 @given(rigid_poses, numbers(0.01, 5), numbers(0.01, 5))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_pixel_spacing_does_not_depend_on_the_pose(pose, x, y):
     np.testing.assert_allclose(pixel_spacing(pose @ scaled(x, y, 1.0)), (x, y), rtol=1e-12)
 
 
 @given(rigid_poses, numbers(0.01, 5), numbers(0.01, 5))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_the_axes_of_a_rigid_image_are_its_normalized_columns(pose, x, y):
     axes = image_plane_axes(pose @ scaled(x, y, 1.0))
     np.testing.assert_allclose(np.stack(axes, axis=1), pose[:3, :2], atol=1e-12)
 
 
 @given(rigid_poses, numbers(0.01, 5), numbers(0.01, 5), numbers(-0.3, 0.3))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_the_axes_of_a_sheared_image_are_orthonormal(pose, x, y, shear):
     sheared = np.array([[1, shear, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
     axes = np.stack(image_plane_axes(pose @ sheared @ scaled(x, y, 1.0)))

@@ -89,7 +89,7 @@ def test_a_spacing_that_is_none_is_refused(spacing):
 
 
 @given(rigid_poses, spacings, triples(-20, 20))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_to_reference_and_back_is_the_same_voxel(pose, spacing, ijk):
     grid = VoxelGrid((3, 4, 5), pose @ scaled(*spacing))
     there = grid.ijk_to_reference @ [*ijk, 1.0]

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from sweeps import rigid, two_vertebrae
+from waiting import until
 
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
@@ -33,13 +34,6 @@ class Session:
     def wait_for_rest(self, timeout):
         time.sleep(0.001)
         return 1.0
-
-
-def until(condition, seconds=20.0) -> bool:
-    end = time.monotonic() + seconds
-    while not condition() and time.monotonic() < end:
-        time.sleep(0.005)
-    return condition()
 
 
 @pytest.fixture(scope="module")

@@ -70,7 +70,7 @@ def line(*measured: float) -> tuple[np.ndarray, np.ndarray]:
     st.one_of(st.just((1.0, 1.0, 1.0)), st.just((0.5, 0.5, 1.0)), st.just((0.3, 0.4, 0.5)), triples(0.2, 2.0)),
     st.sampled_from([0.3, 0.5, 1.0, 1.5, 2.0, 3.0, 20.0]),
 )
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=list(HealthCheck))
 def test_filling_equals_the_search_through_every_voxel(shape, share, seed, spacing, limit):
     values, mask = scattered(shape, share, seed)
     expected = filled_by_search(values, mask, spacing, limit)

@@ -30,7 +30,7 @@ def test_every_beam_of_a_linear_array_goes_down_its_column():
 
 
 @given(apexes, pitches)
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_beams_of_a_sector_equal_the_plain_loop(apex, spacing):
     directions = ProbeGeometry(SECTOR, apex).directions(7, 6, spacing)
     expected = [[direction_by_loop(apex, column, row, spacing) for column in range(7)] for row in range(6)]
@@ -38,7 +38,7 @@ def test_beams_of_a_sector_equal_the_plain_loop(apex, spacing):
 
 
 @given(apexes, pitches)
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_beams_of_a_sector_have_length_1_except_at_the_apex(apex, spacing):
     lengths = np.linalg.norm(ProbeGeometry(SECTOR, apex).directions(7, 6, spacing), axis=2)
     at_apex = [[(column, row) == apex for column in range(7)] for row in range(6)]

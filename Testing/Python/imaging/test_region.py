@@ -68,7 +68,7 @@ def test_a_clip_beside_the_image_leaves_nothing_and_says_so(clip):
 
 
 @given(st.tuples(numbers(-30, 40), numbers(-30, 40)), st.tuples(numbers(0, 50), numbers(0, 50)))
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_a_clip_equals_the_plain_loop(origin, size):
     expected = kept_by_loop(13, 9, clip=(origin, size))
     assume(expected.any())
@@ -87,7 +87,7 @@ def test_a_clip_that_is_no_rectangle_is_refused(clip):
     st.tuples(numbers(0, 15), numbers(1, 40)),
     st.tuples(numbers(0.1, 3), numbers(0.1, 3)),
 )
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_a_fan_equals_the_plain_loop(apex, angles, radii, pixel_size):
     angles = tuple(sorted(angles))
     assume(angles[0] < angles[1])
@@ -149,7 +149,7 @@ def test_no_region_keeps_every_pixel():
 
 
 @given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 2**32 - 1))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_extreme_pixels_reach_as_far_as_all_pixels_in_every_direction(rows, columns, seed):
     rng = np.random.default_rng(seed)
     mask = rng.random((rows, columns)) < 0.3

@@ -265,7 +265,7 @@ def test_a_binary_file_is_refused(tmp_path):
         read_poses(tmp_path / "p.csv")
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=list(HealthCheck))
 @given(text=st.text(st.characters(exclude_categories=["Cs"]), max_size=200), suffix=st.sampled_from([".csv", ".txt", ".json"]))
 def test_no_text_is_more_than_a_clear_refusal(tmp_path, text, suffix):
     with contextlib.suppress(AIFReconError):

@@ -312,7 +312,7 @@ def test_reading_a_long_compressed_recording_needs_the_memory_of_a_few_frames(tm
         tracemalloc.stop()
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=150, suppress_health_check=list(HealthCheck))
 @given(position=st.integers(0, 900), replacement=st.binary(min_size=1, max_size=6), nrrd_file=st.booleans(), compressed=st.booleans())
 def test_whatever_the_damage_the_answer_is_images_or_one_error(tmp_path, position, replacement, nrrd_file, compressed):
     path = tmp_path / ("sweep.nrrd" if nrrd_file else "sweep.mha")

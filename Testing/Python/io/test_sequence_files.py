@@ -344,7 +344,7 @@ TRANSFORMS = st.dictionaries(st.sampled_from([PROBE_TO_TRACKER, TransformName("I
 RECORDS = st.builds(FrameRecord, TIMES, TIMES, st.sampled_from(list(TransformStatus)), TRANSFORMS, st.dictionaries(NAMES, TEXT, max_size=3))
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=list(HealthCheck))
 @given(
     records=st.lists(RECORDS, min_size=1, max_size=3),
     fields=st.dictionaries(NAMES, TEXT, max_size=3),

@@ -73,7 +73,7 @@ def test_it_is_a_memory_error_too():
     st.integers(1, 40),
     st.sampled_from([10**5, 10**7, 10**9, 10**11]),
 )
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_the_suggested_spacing_passes_for_any_sweep_of_that_size(size, spacing, cost, available):
     try:
         require_memory(size, spacing, cost, available)

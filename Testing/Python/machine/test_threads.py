@@ -8,6 +8,7 @@ import threading
 import time
 
 import pytest
+from waiting import until
 
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.machine.read_ahead import read_ahead
@@ -70,16 +71,15 @@ def test_a_part_that_takes_long_is_canceled_between_its_steps():
 
 
 def test_an_error_stops_the_parts_of_other_threads_between_their_steps():
-    failed, done = threading.Event(), []
+    done = []
 
     def work(part):
         if part == 0:
             while not done:
                 time.sleep(0.001)
-            failed.set()
             raise ValueError("part 0")
-        for _ in range(2000):
-            done.append(failed.is_set())
+        while True:  # until it is stopped
+            done.append(part)
             time.sleep(0.001)
             yield
 
@@ -87,8 +87,6 @@ def test_an_error_stops_the_parts_of_other_threads_between_their_steps():
     with pytest.raises(ValueError, match="part 0"):
         in_parts(work, 2, 2)
     assert threading.active_count() == before
-    # It was stopped within moments of the error, not at its end
-    assert sum(done) < 200
 
 
 @pytest.mark.parametrize("items", [0, 1, 7, 100])
@@ -139,11 +137,7 @@ def test_the_next_items_are_read_while_one_is_worked_on():
 
     with read_ahead(items(), ahead=2) as ours:
         next(ours)
-        for _ in range(500):
-            if len(read) >= 3:
-                break
-            time.sleep(0.01)
-        assert len(read) >= 3
+        assert until(lambda: len(read) >= 3)
 
 
 def test_no_more_is_read_ahead_than_allowed():

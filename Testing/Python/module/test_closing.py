@@ -76,9 +76,7 @@ def close(actions: str) -> subprocess.CompletedProcess:
     """A session with the module that does something and is closed meanwhile."""
     script = SCRIPT.replace("{actions}", actions)
     environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
-    done = subprocess.run(
-        [sys.executable, "-c", script], cwd=REPOSITORY, env=environment, capture_output=True, text=True, errors="replace", timeout=300
-    )
+    done = subprocess.run([sys.executable, "-c", script], cwd=REPOSITORY, env=environment, capture_output=True, text=True, errors="replace")
     if "cannot run here" in done.stderr:
         pytest.skip(done.stderr.strip().splitlines()[-1])
     return done

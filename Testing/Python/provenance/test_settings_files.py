@@ -111,7 +111,6 @@ def test_what_python_makes_says_how(tmp_path):
     assert "best_cosine" not in settings
 
 
-@pytest.mark.timeout(60)
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [

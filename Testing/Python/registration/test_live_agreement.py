@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from sweeps import rigid
+from waiting import until
 
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.io.plus.configuration import read_plus_configuration
@@ -173,13 +174,6 @@ class Session:
     def wait_for_rest(self, timeout):
         time.sleep(0.001)
         return 1.0
-
-
-def until(condition, seconds=60.0) -> bool:
-    end = time.monotonic() + seconds
-    while not condition() and time.monotonic() < end:
-        time.sleep(0.01)
-    return condition()
 
 
 @pytest.fixture

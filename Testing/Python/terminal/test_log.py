@@ -6,10 +6,10 @@ import logging
 import subprocess
 import sys
 import threading
-import time
 
 import pytest
 from files import write_patient
+from waiting import until
 
 from AIFReconLib.commands.parser import COMMANDS, build_parser, main
 from AIFReconLib.compounding import engines
@@ -147,9 +147,7 @@ def test_a_program_that_asks_for_nothing_is_shown_nothing():
 def test_a_server_that_is_not_there_is_noted_for_every_attempt(caplog):
     client = OpenIGTLinkClient("127.0.0.1", 9, retry_delays=(0.01,))
     with caplog.at_level(logging.INFO, "AIFReconLib"), client:
-        deadline = time.monotonic() + 10.0
-        while len(caplog.records) < 2 and time.monotonic() < deadline:
-            time.sleep(0.01)
+        assert until(lambda: len(caplog.records) >= 2)
     assert {record.name for record in caplog.records} == {"AIFReconLib.live.wire.client"}
     assert all(record.levelno == logging.WARNING and "Connecting again" in record.getMessage() for record in caplog.records[:2])
 
