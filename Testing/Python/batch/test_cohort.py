@@ -20,7 +20,6 @@ from AIFReconLib.batch import engine
 from AIFReconLib.batch.case import Task, carry_out
 from AIFReconLib.batch.cohort import Cohort
 from AIFReconLib.batch.engine import Lost, cluster_at, completed, local_workers, own_memory
-from AIFReconLib.batch.page import page
 from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, Record, read_record, write_record
 from AIFReconLib.batch.results import flat_rows, write_tables
 from AIFReconLib.batch.table import read_cases
@@ -174,16 +173,6 @@ def test_both_tables_hold_a_row_for_each_case_and_method(finished, tmp_path):
     table = parquet.read_table(tmp_path / "results.parquet").to_pydict()
     assert table["case"] == [each["case"] for each in text]
     assert [f"{value:.6g}" for value in table["bone_cnr"] if value is not None] == [each["bone_cnr"] for each in text if each["bone_cnr"]]
-
-
-def test_the_page_names_every_case_and_says_what_went_wrong(finished):
-    lab, cohort, _ = finished
-    text = page("cases", flat_rows(cohort.cases, cohort.records))
-    assert all(f">{name}<" in text for name in ("P1", "P2", "P3", "P4"))
-    assert "no such file" in text
-    assert 'src="P1/weighted.png"' in text
-    assert (lab.output / "P1" / "weighted.png").is_file()
-    assert "http" not in text.replace("http://www.w3.org", "")
 
 
 # ---- a second run

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from AIFReconLib.errors import FileFormatError
-from AIFReconLib.io.foreign import openers
 from AIFReconLib.io.foreign.images import FlippedImages
 from AIFReconLib.io.foreign.openers import open_images
 
@@ -161,12 +160,6 @@ def test_an_array_that_is_no_sweep_is_refused(tmp_path, array, message):
         open_images([tmp_path / "a.npy"])
 
 
-def test_an_array_of_objects_is_never_unpickled(tmp_path):
-    np.save(tmp_path / "a.npy", np.array([{"a": 1}], dtype=object), allow_pickle=True)
-    with pytest.raises(FileFormatError, match="numpy cannot read it"):
-        open_images([tmp_path / "a.npy"])
-
-
 def test_the_frames_of_one_dicom_file_have_their_times_and_pixel_size(dicom, tmp_path):
     region = dicom.dataset.Dataset()
     region.PhysicalUnitsXDirection = region.PhysicalUnitsYDirection = 3
@@ -266,10 +259,6 @@ def test_an_order_that_the_files_do_not_tell_is_not_known(dicom, tmp_path, first
     assert open_images([tmp_path]).unknown_order == expected
 
 
-def test_one_file_needs_no_number(dicom, tmp_path):
-    assert open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES)]).unknown_order is None
-
-
 def test_a_pixel_size_of_zero_is_none(dicom, tmp_path):
     assert open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES[0], PixelSpacing=[0.0, 0.5])]).spacing is None
 
@@ -323,30 +312,6 @@ def test_the_frames_of_a_video_come_near_and_have_times(tmp_path):
     assert [abs(int(np.median(found.stack[n])) - 20 * n) <= 4 for n in (8, 0, 3)] == [True] * 3
 
 
-def test_a_video_of_odd_size_is_read_as_it_is(tmp_path):
-    frames = np.stack([np.full((47, 63), 90, np.uint8)] * 3)
-    ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="imageio-ffmpeg is not installed").get_ffmpeg_exe()
-    command = [
-        ffmpeg,
-        "-v",
-        "error",
-        "-f",
-        "rawvideo",
-        "-pix_fmt",
-        "gray",
-        "-s",
-        "63x47",
-        "-i",
-        "-",
-        "-c:v",
-        "mjpeg",
-        "-y",
-        tmp_path / "a.avi",
-    ]
-    subprocess.run(list(map(str, command)), input=frames.tobytes(), check=True)
-    assert open_images([tmp_path / "a.avi"]).stack.shape == (3, 47, 63)
-
-
 def test_a_video_that_is_none_is_named(tmp_path):
     pytest.importorskip("imageio_ffmpeg", reason="imageio-ffmpeg is not installed")
     (tmp_path / "a.mp4").write_bytes(b"x" * 500)
@@ -383,24 +348,9 @@ def test_a_file_of_an_unknown_kind_is_refused_with_those_that_are_known(tmp_path
         open_images([tmp_path / name])
 
 
-def test_an_empty_folder_is_refused(tmp_path):
-    with pytest.raises(FileFormatError, match="no images in this folder"):
-        open_images([tmp_path])
-
-
-def test_a_file_that_is_not_there_is_refused(tmp_path):
-    with pytest.raises(FileFormatError, match="no such file"):
-        open_images([tmp_path / "a.png"])
-
-
 @pytest.mark.parametrize(("code", "flip"), [("MF", np.s_[:, :]), ("UF", np.s_[:, ::-1]), ("MN", np.s_[::-1]), ("UN", np.s_[::-1, ::-1])])
 def test_images_are_turned_to_marked_far(code, flip):
     np.testing.assert_array_equal(FlippedImages(FRAMES, code)[3], FRAMES[3][flip])
-
-
-def test_every_kind_of_file_has_its_opener():
-    suffixes = [suffix for known, _ in openers._KINDS for suffix in known]
-    assert len(suffixes) == len(set(suffixes))
 
 
 # ---- small files that ask for hours and gigabytes
@@ -444,11 +394,6 @@ def test_a_picture_that_says_it_has_billions_of_pages_is_refused(pil, tmp_path):
     path.write_bytes(data[:control] + said + struct.pack(">I", zlib.crc32(said)) + data[control + 16 :])
     with pytest.raises(FileFormatError, match=r"1000001 frames of .* are beyond the limits"):
         open_images([path])
-
-
-def test_a_progressive_jpeg_is_read(pil, tmp_path):
-    pil.fromarray(FRAMES[0]).resize((1000, 1000)).save(tmp_path / "a.jpg", progressive=True)
-    assert len(open_images([tmp_path / "a.jpg"]).stack) == 1
 
 
 @pytest.mark.parametrize(("count", "size"), [(100_000, 1), (3, 2**19)], ids=["many", "large"])
