@@ -69,8 +69,3 @@ LABELS = library.Volume(np.pad(np.ones((1, 1, 1), np.uint8), 1), np.eye(4))
 def test_another_kind_of_thing_is_refused_with_what_to_do(call, words):
     with pytest.raises(InputTypeError, match=words):
         call()
-
-
-def test_what_is_of_the_wrong_kind_is_a_type_error_for_others_too():
-    with pytest.raises(TypeError):
-        library.reconstruct("sweep.igs.mha", library.ReconstructionSettings())

@@ -10,7 +10,7 @@ import pytest
 from files import IMAGE_TO_PROBE, tracked_sequence, write_patient
 from sweeps import sphere_bone
 
-from AIFReconLib.errors import BeamGeometryError, NoUsableFramesError, OperationCanceled, SequenceFormatError, TransformError
+from AIFReconLib.errors import BeamGeometryError, NoUsableFramesError, OperationCanceled, SequenceFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
@@ -47,17 +47,6 @@ def test_a_clip_rectangle_that_is_the_whole_image_is_told_of_its_black_surround(
     assert (columns.min(), columns.max(), rows.min(), rows.max()) == (5, 34, 3, 26)
 
 
-def test_a_whole_image_of_ultrasound_is_told_of_no_surround():
-    assert not [note for note in reconstruct(calibrated(region=FULL, spacing=(2.0,) * 3)).notes if "clip rectangle" in note]
-
-
-def test_skipped_frames_are_plain_lists_of_whole_numbers():
-    statuses = {1: TransformStatus.OUT_OF_VIEW, 3: TransformStatus.OUT_OF_VIEW}
-    skipped = reconstruct(calibrated(tracked_sequence(statuses=statuses), spacing=(2.0,) * 3), region=FULL).skipped
-    assert list(skipped.values()) == [[1, 3]]
-    assert {type(number) for numbers in skipped.values() for number in numbers} == {int}
-
-
 def test_the_configurations_spacing_is_used_where_none_is_given():
     result = reconstruct(calibrated(spacing=(1.5, 2.0, 2.5)), region=FULL)
     np.testing.assert_allclose(result.grid.spacing, (1.5, 2.0, 2.5))
@@ -88,10 +77,6 @@ def test_the_region_of_a_scan_conversion_is_used_where_there_is_no_other():
     assert reconstruct(sequence, ReconstructionSettings(spacing=1.0)).hits.array.sum() == 6 * 100
 
 
-def test_images_that_tell_nothing_are_taken_whole_when_no_beam_is_needed():
-    assert reconstruct(calibrated(), ReconstructionSettings(spacing=1.0)).hits.array.sum() == 6 * 30 * 40
-
-
 def test_images_that_tell_nothing_are_an_error_when_beams_are_needed():
     with pytest.raises(BeamGeometryError, match=r'probe=ProbeGeometry."linear"'):
         reconstruct(calibrated(), ReconstructionSettings(method="aif", spacing=1.0), sphere_bone())
@@ -113,11 +98,6 @@ def test_skipping_past_every_tracked_frame_is_an_error():
 def test_another_reference_frame_can_be_chosen():
     result = reconstruct(calibrated(region=FULL), ReconstructionSettings(spacing=2.0), reference="Tracker")
     assert result.grid.origin[2] < -800
-
-
-def test_an_unknown_reference_frame_names_the_known_ones():
-    with pytest.raises(TransformError, match="Probe, Reference, Tracker"):
-        reconstruct(calibrated(region=FULL), reference="Bed")
 
 
 def test_what_the_configuration_asks_for_and_does_not_get_is_told():

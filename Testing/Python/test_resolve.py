@@ -12,7 +12,6 @@ from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import sphere_bone
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.errors import ConfigurationError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.holes.plus_ways import fill_holes_by_kind
@@ -64,11 +63,6 @@ def test_an_interpolation_that_does_not_go_with_the_method_is_told():
     configured = configuration(interpolation="linear")
     (note,) = reconstructor_parts(asked, resolve_settings(asked, configured, True), configured).notes
     assert "Interpolation=LINEAR is not used: it is for methods average, latest, maximum, and this is weighted." in note
-
-
-def test_a_way_to_fill_holes_needs_a_limit():
-    with pytest.raises(SettingsError, match="hole_limit must be above 0 mm to fill holes by stick"):
-        resolved(holes="stick", hole_limit=0.0)
 
 
 def test_the_box_of_the_configuration_is_the_grid():
@@ -140,12 +134,6 @@ def test_a_configured_importance_mask_weights_the_average(tmp_path):
     assert (configured.intensity.array != plain.intensity.array).any()
 
 
-def test_an_importance_mask_without_a_file_is_asked_for():
-    sequence = replace(tracked_sequence(), configuration=configuration(uses_importance_mask=True, method="average"))
-    with pytest.raises(ConfigurationError, match=r"ImportanceMaskFilename is missing.* or give an importance mask"):
-        reconstruct(sequence)
-
-
 def test_an_importance_mask_of_the_configuration_gives_way_to_a_method_of_the_caller():
     sequence = replace(tracked_sequence(), configuration=configuration(uses_importance_mask=True, method="average", spacing=(2.0,) * 3))
     result = reconstruct(sequence, ReconstructionSettings(method="maximum"))
@@ -187,13 +175,6 @@ def test_a_plus_configuration_drives_the_command(recording, capsys):
     assert run(recording, "--mask", str(recording / "mask.nrrd")) == 0
     assert "Optimization=PARTIAL has no effect" in capsys.readouterr().out
     assert (read_volume(recording / "mask.nrrd").array == 2).any()
-
-
-def test_options_win_over_the_configuration(recording):
-    assert run(recording) == 0
-    configured = read_volume(recording / "volume.nrrd").array
-    assert run(recording, "--interpolation", "nearest", "--holes", "off", "--pixel-rejection", "0", "--method", "average") == 0
-    assert (read_volume(recording / "volume.nrrd").array != configured).any()
 
 
 @pytest.mark.parametrize(

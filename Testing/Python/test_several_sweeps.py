@@ -13,7 +13,7 @@ from sweeps import rigid, sphere_bone
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.methods.table import METHODS
-from AIFReconLib.errors import BeamGeometryError, GeometryError, NoUsableFramesError
+from AIFReconLib.errors import BeamGeometryError, GeometryError
 from AIFReconLib.evaluation.visibility import SweepBeams
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.imaging.beams import ProbeGeometry
@@ -173,22 +173,11 @@ def test_configurations_that_show_other_parts_of_the_image_are_refused_unless_on
     assert reconstruct(sweeps, region=region).frames_inserted == 12
 
 
-def test_a_sweep_without_any_pose_is_named():
-    lost = sweep(2, "b.mha", statuses=dict.fromkeys(range(6), TransformStatus.OUT_OF_VIEW))
-    with pytest.raises(NoUsableFramesError, match=r"b\.mha: no frame has a position"):
-        reconstruct([sweep(1, "a.mha"), lost])
-
-
 def test_a_second_configuration_that_asks_for_another_volume_is_named():
     second = sweep(2, "b.mha", configuration=replace(CONFIGURED, spacing=(2.0, 2.0, 2.0)))
     result = reconstruct([sweep(1, "a.mha"), second])
     assert result.grid.spacing == pytest.approx((0.9, 1.1, 1.3))
     assert "What the configuration of b.mha says of the volume is not used: that of a.mha is." in result.notes
-
-
-def test_none_is_refused():
-    with pytest.raises(GeometryError, match="one or more sweeps; got none"):
-        reconstruct([])
 
 
 # ---- from the command line
@@ -217,21 +206,10 @@ def test_the_command_line_joins_them_and_reports_on_each(recordings, results, ca
     np.testing.assert_array_equal(read_volume(output).array, read_volume(results / "w.nrrd").array)
 
 
-def test_configurations_are_one_or_as_many(recordings, results, capsys):
-    sweeps, (config, other) = recordings
-    options = ["--config", config, "--config", other, "-o", results / "v.nrrd"]
-    assert "given 2 times for 3 sequence(s)" in refused(["reconstruct", *sweeps, sweeps[0], *options], capsys, results)
-
-
 def test_transforms_of_one_sequence_are_not_taken_for_several(recordings, results, capsys):
     sweeps, (config, _) = recordings
     options = ["--config", config, "--transform-sequence", "ImageToReference=t.mha", "-o", results / "v.nrrd"]
     assert "belongs to one sequence" in refused(["reconstruct", *sweeps, *options], capsys, results)
-
-
-def test_no_output_overwrites_the_second_sweep(recordings, results, capsys):
-    sweeps, (config, _) = recordings
-    assert "overwrite an input" in refused(["reconstruct", *sweeps, "--config", config, "-o", sweeps[1]], capsys, results)
 
 
 def test_a_volume_of_several_sweeps_is_measured_under_all_of_them(recordings, results, patient, capsys):

@@ -58,18 +58,6 @@ def test_gray_levels_go_in_as_fractions_of_white_less_mean_over_std(tmp_path):
     np.testing.assert_allclose(answer(path), expected, atol=1e-6)
 
 
-def test_images_of_16_bits_have_another_white(tmp_path):
-    path = model_in(tmp_path, scaling(), output="probability")
-    np.testing.assert_allclose(answer(path, GRAY.astype(np.uint16) * 257), GRAY / 255, atol=1e-6)
-
-
-def test_a_model_of_three_channels_gets_three(tmp_path):
-    path = model_in(tmp_path, scaling(0.25, shape=(1, 3, None, None)), mean=[0.0, 0.1, 0.2], std=[1.0, 1.0, 2.0], output="probability")
-    image = GRAY // 2 + 100
-    level = image / 255
-    np.testing.assert_allclose(answer(path, image), 0.25 * (level + (level - 0.1) + (level - 0.2) / 2), atol=1e-6)
-
-
 def test_of_several_classes_bone_is_the_one_that_is_named(tmp_path):
     model = scaling(channels=3)
     path = model_in(tmp_path, model, output="classes", bone_class=2)
@@ -286,14 +274,6 @@ def test_an_interrupt_ends_the_process_of_a_model(tmp_path, monkeypatch):
     assert model._process._process.poll() is not None
 
 
-def test_the_process_of_a_model_ends_with_it(tmp_path):
-    model = OnnxModel(model_in(tmp_path, scaling()))
-    process = model._process._process
-    assert process.poll() is None
-    del model
-    assert process.poll() is not None
-
-
 def test_data_in_another_file_is_not_opened(tmp_path):
     opened = []
     external(tmp_path / "model.onnx")
@@ -302,12 +282,6 @@ def test_data_in_another_file_is_not_opened(tmp_path):
         OnnxModel(tmp_path / "model.onnx")
     assert [Path(name).name for name in opened if str(tmp_path) in name] == ["model.onnx"]
     opened.clear()
-
-
-def test_without_onnxruntime_the_message_says_how_to_get_it(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "onnxruntime", None)
-    with pytest.raises(ModelError, match="pip install onnxruntime"):
-        OnnxModel(model_in(tmp_path, scaling()))
 
 
 def test_the_command_takes_a_model_and_refuses_what_is_none(tmp_path, capsys):

@@ -46,13 +46,6 @@ def test_no_header_names_a_folder(patient, results):
     assert str(patient.sweep.parent) not in "".join(fields_of(output).values())
 
 
-def test_a_method_that_nobody_named_is_named(patient, results):
-    output = results / "v.nrrd"
-    assert main([*patient.reconstruct, "-q", "-o", str(output)]) == 0
-    assert fields_of(output)["AIFRecon_method"] == "average"
-    assert float(fields_of(output)["AIFRecon_hole_limit_mm"]) > 0
-
-
 @pytest.mark.parametrize("suffix", [*SUFFIXES, ".nii", ".nii.gz"])
 def test_fields_leave_voxels_and_place_alone(suffix, tmp_path):
     volume = Volume(np.arange(24, dtype=np.uint8).reshape(2, 3, 4), np.diag([0.5, 0.6, 0.7, 1.0]), {"AIFRecon_method": "average"})

@@ -48,11 +48,6 @@ def test_the_ends_are_the_samples_to_the_bit():
     np.testing.assert_array_equal(interpolate_pose(first, second, 1.0), second)
 
 
-def test_translation_is_linear():
-    pose = interpolate_pose(rigid(translation=(0, 0, 0)), rigid((90, 0, 0), (4, 8, -2)), 0.25)
-    np.testing.assert_allclose(pose[:3, 3], (1, 2, -0.5))
-
-
 def test_an_image_pose_keeps_its_pixel_spacing():
     pose = interpolate_pose(image_pose((0.4, 0.7), (0, 0, 0)), image_pose((0.4, 0.7), (0, 80, 30)), 0.3)
     np.testing.assert_allclose(np.linalg.norm(pose[:3, :2], axis=0), (0.4, 0.7), atol=1e-12)
@@ -88,15 +83,3 @@ def test_at_a_samples_time_the_sample_is_the_answer_to_the_bit():
 def test_poses_are_not_extrapolated(time):
     with pytest.raises(GeometryError, match="not extrapolated"):
         interpolate_at(np.array([0.0, 3.0]), np.stack([np.eye(4)] * 2), time)
-
-
-@pytest.mark.parametrize("fraction", [-0.01, 1.01, np.nan])
-def test_a_fraction_outside_the_two_poses_is_refused(fraction):
-    with pytest.raises(GeometryError, match="fraction"):
-        interpolate_pose(np.eye(4), np.eye(4), fraction)
-
-
-@pytest.mark.parametrize("bad", [np.full((4, 4), np.nan), np.zeros((4, 4)), np.diag([-1.0, 1.0, 1.0, 1.0])])
-def test_what_is_no_pose_or_mirrored_is_refused(bad):
-    with pytest.raises(GeometryError):
-        interpolate_pose(np.eye(4), bad, 0.5)

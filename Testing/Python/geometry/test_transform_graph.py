@@ -74,35 +74,8 @@ def test_a_name_that_does_not_say_from_and_to_is_refused(text):
         TransformName.parse(text)
 
 
-@given(st.from_regex(r"[A-Z][a-z]{1,8}", fullmatch=True), st.from_regex(r"[A-Z][a-z]{1,8}", fullmatch=True))
-@settings(max_examples=30)
-def test_a_name_survives_being_written_and_read(source, target):
-    assert TransformName.parse(str(TransformName(source, target))) == TransformName(source, target)
-
-
-@pytest.mark.parametrize(
-    ("text", "status"), [("ok", "OK"), (" OK ", "OK"), ("Out_Of_View", "OUT_OF_VIEW"), ("", "UNKNOWN"), ("fine", "UNKNOWN")]
-)
-def test_a_status_is_read_in_any_case(text, status):
-    assert TransformStatus.parse(text) is TransformStatus[status]
-
-
-def test_a_chain_is_the_product_of_its_links(graph):
-    expected = np.linalg.inv(REFERENCE_TO_TRACKER) @ PROBE_TO_TRACKER @ IMAGE_TO_PROBE
-    np.testing.assert_allclose(graph.lookup("Image", "Reference").matrix, expected, atol=1e-9)
-
-
-def test_a_chain_the_other_way_is_the_inverse(graph):
-    there, back = graph.lookup("Image", "Reference").matrix, graph.lookup("Reference", "Image").matrix
-    np.testing.assert_allclose(back @ there, np.eye(4), atol=1e-9)
-
-
 def test_the_path_names_every_link_in_the_direction_of_travel(graph):
     assert graph.lookup("Image", "Reference").describe_path() == "ImageToProbe, ProbeToTracker, TrackerToReference"
-
-
-def test_a_frame_lies_in_itself_by_the_identity(graph):
-    np.testing.assert_array_equal(graph.lookup("Probe", "Probe").matrix, np.eye(4))
 
 
 def test_a_chain_over_ok_links_is_ok_whatever_hangs_beside_it(graph):
@@ -158,21 +131,10 @@ def test_a_loop_elsewhere_does_not_make_a_path_ambiguous(graph):
     assert graph.lookup("Image", "Reference").status is TransformStatus.OK
 
 
-def test_a_missing_path_names_both_frames(graph):
-    graph.put("CtToPhantom", np.eye(4))
-    with pytest.raises(TransformError, match="No transform leads from Ct to Reference"):
-        graph.lookup("Ct", "Reference")
-
-
 def test_a_missing_path_says_what_each_end_is_connected_to(graph):
     graph.put("CtToPhantom", np.eye(4))
     with pytest.raises(TransformError, match="Ct is connected to Phantom, Reference to Image, Probe, Stylus, Tracker"):
         graph.lookup("Ct", "Reference")
-
-
-def test_a_missing_path_in_an_empty_graph_says_that_nothing_is_known():
-    with pytest.raises(TransformError, match="Known transforms: none"):
-        TransformGraph().lookup("Image", "Reference")
 
 
 def agreeing(graph: TransformGraph) -> TransformGraph:
@@ -217,16 +179,6 @@ def test_a_pair_of_inverses_beside_the_way_is_not_asked(graph):
     assert graph.lookup("Image", "Reference").status is TransformStatus.OK
 
 
-def test_a_transform_from_a_frame_to_itself_says_nothing(graph):
-    graph.put("ProbeToProbe", rigid((1, 2, 3), (4, 5, 6)))
-    assert graph.lookup("Image", "Reference").status is TransformStatus.OK
-
-
-def test_setting_a_transform_again_replaces_it(graph):
-    graph.put("ProbeToTracker", np.eye(4))
-    np.testing.assert_array_equal(graph.lookup("Probe", "Tracker").matrix, np.eye(4))
-
-
 @pytest.mark.parametrize("matrix", [np.full((4, 4), np.nan), np.zeros((4, 4)), np.eye(3)])
 def test_a_matrix_that_is_no_transform_is_refused_by_name(graph, matrix):
     with pytest.raises(GeometryError, match="ProbeToTracker"):
@@ -243,15 +195,6 @@ def test_a_graph_does_not_see_later_changes_of_a_matrix(graph):
 def test_an_update_leaves_the_graph_it_came_from_alone(graph):
     graph.updated({TransformName("Probe", "Tracker"): TransformSample(np.eye(4))})
     np.testing.assert_array_equal(graph.lookup("Probe", "Tracker").matrix, PROBE_TO_TRACKER)
-
-
-def test_names_come_in_the_order_in_which_they_were_set(graph):
-    assert [str(name) for name in graph.names] == ["ImageToProbe", "ProbeToTracker", "ReferenceToTracker", "StylusToTracker"]
-
-
-def test_connected_frames_are_those_of_every_chain(graph):
-    graph.put("CtToPhantom", np.eye(4))
-    assert graph.connected("Stylus") == {"Stylus", "Tracker", "Probe", "Image", "Reference"}
 
 
 def test_a_tangle_of_frames_is_searched_in_no_time():

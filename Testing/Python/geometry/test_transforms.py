@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from geometry_strategies import numbers, rigid, rigid_poses, scaled, spacings, triples
 from hypothesis import given, settings
-from scipy.spatial.transform import Rotation
 
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import (
@@ -30,10 +29,6 @@ def with_entry(row: int, column: int, value: float) -> np.ndarray:
     matrix = TILTED.copy()
     matrix[row, column] = value
     return matrix
-
-
-def test_sixteen_numbers_are_read_row_by_row():
-    np.testing.assert_array_equal(as_matrix(TILTED.ravel().tolist()), TILTED)
 
 
 def test_a_matrix_is_copied_so_that_its_giver_may_go_on_changing_it():
@@ -74,20 +69,9 @@ def test_the_last_row_may_be_off_by_the_last_recorded_digit(column, value, good)
     assert (why_not_affine(with_entry(3, column, value)) is None) == good
 
 
-def test_the_error_names_the_matrix():
-    with pytest.raises(GeometryError, match="Input transform ProbeToTracker must"):
-        as_matrix(np.eye(3), "transform ProbeToTracker")
-
-
 @pytest.mark.parametrize("size", [1e-4, 1e4])
 def test_a_matrix_is_not_singular_for_being_small_or_large(size):
     np.testing.assert_array_equal(as_matrix(scaled(size, size, size)), scaled(size, size, size))
-
-
-@given(rigid_poses)
-@settings(max_examples=30)
-def test_every_rotation_and_translation_is_rigid(pose):
-    assert why_not_rigid(pose) is None
 
 
 @given(rigid_poses, spacings)
@@ -145,26 +129,14 @@ def test_an_image_pose_that_cannot_place_pixels_says_why(matrix, words):
     assert words in why_not_an_image_pose(matrix)
 
 
-def test_an_image_pose_needs_no_third_column():
-    assert why_not_an_image_pose(TILTED @ scaled(0.2, 0.3, 0.0)) is None
-
-
 def test_an_image_pose_may_be_mirrored():
     assert why_not_an_image_pose(TILTED @ scaled(-0.2, 0.3, 1.0)) is None
-
-
-def test_an_affine_matrix_has_nothing_against_it():
-    assert why_not_affine(TILTED @ scaled(0.1, 7.0, -3.0)) is None
 
 
 @given(rigid_poses, triples(-100, 100))
 @settings(max_examples=30)
 def test_points_are_transformed_like_homogeneous_columns(pose, point):
     np.testing.assert_allclose(transform_points(pose, [point])[0], (pose @ [*point, 1.0])[:3], atol=1e-9)
-
-
-def test_points_keep_the_shape_of_their_array():
-    assert transform_points(TILTED, np.zeros((2, 5, 3))).shape == (2, 5, 3)
 
 
 @given(rigid_poses, numbers(0.01, 5), numbers(0.01, 5))
@@ -214,11 +186,3 @@ def test_right_becomes_left_and_anterior_becomes_posterior():
 def test_a_transform_between_lps_frames_does_the_same_to_the_same_place():
     point_ras = np.array([5.0, -7.0, 11.0, 1.0])
     np.testing.assert_allclose(ras_to_lps(TILTED) @ LPS_FROM_RAS @ point_ras, LPS_FROM_RAS @ TILTED @ point_ras)
-
-
-def test_flipping_twice_changes_nothing():
-    np.testing.assert_array_equal(ras_to_lps(ras_to_lps(TILTED)), TILTED)
-
-
-def test_a_flip_keeps_a_rotation_a_rotation():
-    assert Rotation.from_matrix(ras_to_lps(TILTED)[:3, :3]).magnitude() == pytest.approx(Rotation.from_matrix(TILTED[:3, :3]).magnitude())

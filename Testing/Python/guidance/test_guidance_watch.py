@@ -13,14 +13,12 @@ from waiting import until
 
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, Advisor
+from AIFReconLib.guidance.guidance import NOT_IN_BOX, Advisor
 from AIFReconLib.guidance.met import BoneMet, FrameGeometry
 from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
-from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
 from AIFReconLib.live.session.guidance_watch import GuidanceWatch
-from AIFReconLib.live.session.session import FRAMES_LOOKED_AT
 
 IMAGES = ProbeImages.simulated()
 MOVED = rigid(translation=(0.0, 3.0, 12.0))
@@ -140,21 +138,6 @@ def test_labels_that_lose_their_bone_in_mid_scan_are_a_sentence_and_come_back(wa
     assert until(lambda: watch._bone is not None)
     session.latest = frames[3]
     assert until(lambda: watch.state.problem is None and watch.state.coverage is not None)
-
-
-def test_an_unknown_probe_is_a_sentence(watching, frames):
-    session, watch = watching(region=ImageRegion())
-    show(session, watch, [replace(frames[0], number=number) for number in range(FRAMES_LOOKED_AT)])
-    assert until(lambda: watch.state.problem is not None)
-    assert "--probe" in str(watch.state.problem)
-
-
-def test_frames_that_pass_far_from_the_bone_are_a_sentence(watching, frames, monkeypatch):
-    monkeypatch.setattr(guidance_watch, "FAR_AFTER", 3)
-    session, watch = watching()
-    far = [replace(frame, image_to_reference=rigid(translation=(300.0, 0.0, 0.0)) @ frame.image_to_reference) for frame in frames]
-    show(session, watch, far)
-    assert until(lambda: watch.state.problem == FAR)
 
 
 def test_a_box_without_bone_is_a_sentence_and_another_one_brings_the_colors(watching, frames):

@@ -7,11 +7,11 @@ import itertools
 import numpy as np
 import pytest
 
-from AIFReconLib.errors import OperationCanceled, SettingsError
+from AIFReconLib.errors import SettingsError
 from AIFReconLib.holes import plus_ways
 from AIFReconLib.holes.fill import fill_as_asked
-from AIFReconLib.holes.filling import KINDS, HoleFilling
-from AIFReconLib.holes.nearest import FILLED, MEASURED, fill_holes
+from AIFReconLib.holes.filling import HoleFilling
+from AIFReconLib.holes.nearest import FILLED, MEASURED
 from AIFReconLib.holes.plus_ways import fill_holes_by_kind
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.settings import ReconstructionSettings
@@ -197,37 +197,6 @@ def test_a_stick_does_not_bridge_a_longer_gap():
     assert fill_holes_by_kind(values, mask, (HoleFilling("stick", 4),)) == 0
 
 
-@pytest.mark.parametrize("kind", ["gaussian", "gaussian by hits", "inverse distance", "cube"])
-def test_equal_neighbors_average_to_themselves(kind):
-    values, mask = scattered(0.2, seed=1)
-    values[mask == MEASURED] = 77
-    fill_holes_by_kind(values, mask, (HoleFilling(kind, 7, 1.3),), score=np.arange(values.size).reshape(SHAPE) + 1)
-    np.testing.assert_allclose(values[mask == FILLED], 77, rtol=1e-6)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_volume_without_measured_voxels_stays_empty(kind):
-    values, mask = np.zeros((2, *SHAPE), np.float32)[0], np.zeros(SHAPE, np.uint8)
-    assert fill_holes_by_kind(values, mask, (HoleFilling(kind, 5),)) == 0
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_size_of_one_voxel_reaches_nothing(kind):
-    values, mask = scattered(0.3, seed=2)
-    assert fill_holes_by_kind(values, mask, (HoleFilling(kind, 1),)) == 0
-
-
-def test_gray_levels_are_rounded_where_a_volume_holds_them():
-    values = np.array([[[10, 0, 11]]], np.uint8)
-    fill_holes_by_kind(values, np.array([[[1, 0, 1]]], np.uint8), (HoleFilling("stick", 3),))
-    assert values.tolist() == [[[10, 11, 11]]]
-
-
-def test_filling_can_be_stopped():
-    with pytest.raises(OperationCanceled):
-        fill_holes_by_kind(*scattered(0.3, seed=2), (HoleFilling("stick", 5),), lambda fraction, text: False)
-
-
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
@@ -277,12 +246,4 @@ STICK = HoleFilling("stick", 9)
 )
 def test_settings_come_before_the_configuration(configured, settings, kinds):
     for ours, theirs in zip(asked(configured, **settings), expected_of(*kinds), strict=True):
-        np.testing.assert_array_equal(ours, theirs)
-
-
-@pytest.mark.parametrize("settings", [{"hole_limit": 1.0}, {"hole_limit": 1.0, "holes": "nearest"}])
-def test_a_limit_alone_means_the_nearest_measured_voxel(settings):
-    values, mask = scattered(0.1, seed=4)
-    fill_holes(values, mask, SPACING, 1.0)
-    for ours, theirs in zip(asked((STICK,), **settings), (values, mask), strict=True):
         np.testing.assert_array_equal(ours, theirs)
