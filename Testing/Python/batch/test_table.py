@@ -7,7 +7,7 @@ import argparse
 import pytest
 from files import write_patient
 
-from AIFReconLib.batch.columns import CASE, SWEEPS, Columns
+from AIFReconLib.batch.columns import Columns
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import build_parser
 from AIFReconLib.errors import FileFormatError
@@ -91,16 +91,6 @@ def test_a_table_as_spreadsheets_save_it_is_read(folder, delimiter, encoding):
 def test_what_is_wrong_is_said_with_row_and_column(folder, columns, cells, where, words):
     said = [str(problem) for problem in read(folder, f"{HEAD}{columns}\n{ROW}\n{cells}\n").all_problems]
     assert [line for line in said if line.startswith(f"{where}: ") and words in line], said
-
-
-def test_all_that_is_wrong_is_listed_from_top_to_bottom(folder):
-    table = read(folder, f"{HEAD},alpha,beta\n{ROW},x,y\nP2,nowhere.mha,PlusDeviceSet.xml,-1,\n")
-    assert [(each.row, each.column) for each in table.all_problems] == [(2, "alpha"), (2, "beta"), (3, "sweeps"), (3, "alpha")]
-
-
-def test_a_table_without_cases_says_so(folder):
-    assert "no cases" in str(read(folder, f"{HEAD}\n").all_problems[0])
-    assert {each.column for each in read(folder, "a,b\n1,2\n").problems} >= {CASE, SWEEPS}
 
 
 @pytest.mark.parametrize(("data", "words"), [(b"case\n\xff\xfe", "not text in UTF-8"), (b'case\n"P1\n', "cannot be read as CSV")])

@@ -16,7 +16,7 @@ from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.compounding.reconstructor import FrameCounts, Reconstructor
-from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMemoryError, OperationCanceled, SettingsError
+from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMemoryError, OperationCanceled
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
@@ -176,15 +176,6 @@ def test_moving_poses_bone_and_grid_together_changes_nothing(method):
     np.testing.assert_allclose(here.finish().intensity.array, there.finish().intensity.array, atol=2e-2)
 
 
-@pytest.mark.parametrize("method", [m for m in METHODS if m not in ("aif", "aif-compensated", "weighted")])
-def test_equal_pixels_stay_what_they_are(method):
-    frames = [TrackedFrame(np.full_like(f.image, 77), f.image_to_reference) for f in oblique_frames()]
-    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method=method))
-    reconstructor.insert(frames)
-    result = reconstructor.finish()
-    assert set(np.unique(result.intensity.array[result.mask.array == 1])) == {77}
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_no_voxel_is_brighter_than_its_brightest_pixel_allows(method):
     """The bound of the method page: 1 for plain methods, 1 + alpha, 1 + alpha / beta, 1 + 3 gain for the others."""
@@ -198,16 +189,6 @@ def test_no_voxel_is_brighter_than_its_brightest_pixel_allows(method):
     reconstructor.insert(frames)
     bound = {"aif": 1.3, "aif-compensated": 1 + 0.3 / 0.2, "weighted": 1 + 3 * 1.5}.get(method, 1.0)
     assert (reconstructor.finish().intensity.array <= bound * brightest.finish().intensity.array * (1 + 1e-5)).all()
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_black_pixels_stay_black_whatever_the_bone_map_expects(method):
-    frames = [TrackedFrame(np.zeros_like(f.image), f.image_to_reference) for f in oblique_frames()]
-    reconstructor = Reconstructor(
-        turned_grid(), ReconstructionSettings(method=method, alpha=10.0, bone_gain=10.0), sphere_bone(), probe=SECTOR
-    )
-    reconstructor.insert(frames)
-    assert reconstructor.finish().intensity.array.max() == 0
 
 
 def test_a_point_seen_in_a_frame_ends_within_half_a_voxel_of_where_it_is():
@@ -266,13 +247,6 @@ def test_frames_that_are_not_ok_are_counted_by_reason_and_change_nothing():
     assert result.skipped == {"ProbeToTracker OUT_OF_VIEW": [4], "no image": [5], "no pose": [6], "image pose not finite": [7]}
 
 
-def test_a_frame_beside_the_grid_is_counted_as_outside():
-    frame = oblique_frames(count=1)[0]
-    reconstructor = Reconstructor(turned_grid())
-    reconstructor.insert(TrackedFrame(frame.image, rigid(translation=(500, 0, 0)) @ frame.image_to_reference, number=9))
-    assert reconstructor.reconstruction().skipped == {"outside the volume": [9]}
-
-
 def test_images_of_another_size_are_refused_with_the_frame_number():
     frames = oblique_frames(count=2)
     reconstructor = Reconstructor(turned_grid())
@@ -291,20 +265,6 @@ def test_an_image_that_is_not_one_of_gray_pixels_is_refused_with_the_frame_numbe
     reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(engine=engine))
     with pytest.raises(GeometryError, match=rf"must be gray.*{said}.*frame 3"):
         reconstructor.insert(TrackedFrame(np.zeros(shape, dtype), np.eye(4), number=3))
-
-
-@pytest.mark.parametrize("what", ["insert", "reconstruction", "finish"])
-def test_a_finished_reconstructor_says_that_it_is_used_up(what):
-    reconstructor = Reconstructor(turned_grid())
-    reconstructor.finish()
-    with pytest.raises(RuntimeError, match=r"finish\(\) was called"):
-        getattr(reconstructor, what)(*oblique_frames(count=1) if what == "insert" else ())
-
-
-@pytest.mark.parametrize("method", BONE_METHODS)
-def test_methods_that_weight_by_incidence_ask_for_bone(method):
-    with pytest.raises(SettingsError, match=f"{method} needs to know where bone is"):
-        Reconstructor(turned_grid(), ReconstructionSettings(method=method), probe=LINEAR)
 
 
 def test_methods_that_weight_by_incidence_ask_for_the_probe():
@@ -361,13 +321,6 @@ def test_a_volume_made_of_what_was_captured_leaves_the_rest_as_it_was(method):
     np.testing.assert_array_equal(looked_at.finish().intensity.array, straight.finish().intensity.array)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_memory_per_voxel_stays_within_the_promised_32_bytes(method):
-    from AIFReconLib.compounding.state import bytes_per_voxel
-
-    assert bytes_per_voxel(method, map_on_grid=True, best_cosine=True) <= 32
-
-
 def test_frames_that_are_skipped_for_hours_take_little_memory():
     counts = FrameCounts()
     tracemalloc.start()
@@ -399,12 +352,3 @@ def test_frames_that_are_computed_together_can_be_canceled_meanwhile(method):
         reconstructor.insert(oblique_frames(count=5), lambda fraction, _: heard.append(fraction) or len(heard) < 6, 5)
     assert reconstructor.counts.inserted == 0
     assert heard == [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
-
-
-def test_more_frames_than_were_told_of_leave_the_fraction_at_1():
-    heard = []
-    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method="average"))
-    reconstructor.insert(oblique_frames(count=20), lambda fraction, _: heard.append(fraction), 2)
-    assert heard[:3] == [0.0, 0.5, 1.0]
-    assert heard == sorted(heard)
-    assert heard[-1] == 1.0

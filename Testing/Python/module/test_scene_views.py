@@ -12,7 +12,6 @@ slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 import vtk  # noqa: E402
 from scene_host import class_counts, transform_node, volume_node  # noqa: E402
 
-from AIFReconLib.errors import SettingsError  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
 from AIFReconLib.imaging.region import Fan, ImageRegion  # noqa: E402
@@ -88,15 +87,6 @@ def test_without_a_ct_the_output_is_the_background(logic, output):
     assert not composite(logic, "Red").GetForegroundVolumeID()
 
 
-def test_opacity_changes_where_the_output_is_shown(logic, ct, output):
-    from AIFReconScene.display.sliceDisplay import setOpacity, showOverCT
-
-    showOverCT(output, ct, 0.5, logic)
-    composite(logic, "Green").SetForegroundVolumeID(ct.GetID())
-    setOpacity(output, 0.9, logic)
-    assert [composite(logic, view).GetForegroundOpacity() for view in ("Red", "Green")] == [0.9, 0.5]
-
-
 # ---- side by side
 
 
@@ -108,36 +98,12 @@ def side_by_side(scene, logic, ct, count=3):
     return nodes
 
 
-def test_every_volume_gets_a_view_of_its_own(scene, logic, ct):
-    nodes = side_by_side(scene, logic, ct)
-    views = [composite(logic, f"AIFRecon{n}") for n in (1, 2, 3)]
-    assert [view.GetForegroundVolumeID() for view in views] == [node.GetID() for node in nodes]
-    assert {view.GetBackgroundVolumeID() for view in views} == {ct.GetID()}
-
-
-def test_views_side_by_side_are_linked(scene, logic, ct):
-    side_by_side(scene, logic, ct)
-    assert all(composite(logic, f"AIFRecon{n}").GetLinkedControl() for n in (1, 2, 3))
-
-
 def test_views_side_by_side_show_the_same_plane(scene, logic, ct):
     side_by_side(scene, logic, ct)
     nodes = [logic.GetSliceLogicByLayoutName(f"AIFRecon{n}").GetSliceNode() for n in (1, 2, 3)]
     matrices = [slicer.util.arrayFromVTKMatrix(node.GetSliceToRAS()) for node in nodes]
     assert all(np.allclose(matrix, matrices[0], atol=1e-9) for matrix in matrices)
     assert {node.GetOrientation() for node in nodes} == {"Sagittal"}
-
-
-def test_views_side_by_side_say_what_they_show(scene, logic, ct):
-    side_by_side(scene, logic, ct)
-    assert [logic.GetSliceLogicByLayoutName(f"AIFRecon{n}").GetSliceNode().GetLayoutLabel() for n in (1, 2)] == ["method 1", "method 2"]
-
-
-def test_the_red_view_is_left_alone(scene, logic, ct):
-    red = logic.GetSliceLogicByLayoutName("Red").GetSliceNode()
-    before = slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()).copy()
-    side_by_side(scene, logic, ct)
-    assert np.array_equal(slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()), before)
 
 
 def test_the_layout_of_before_comes_back(scene, logic, ct):
@@ -165,25 +131,6 @@ def test_a_layout_that_the_user_chose_meanwhile_stays(scene, logic, ct):
     assert layout.GetViewArrangement() == slicer.vtkMRMLLayoutNode.SlicerLayoutOneUp3DView
 
 
-@pytest.mark.parametrize("count", [0, 10])
-def test_too_few_or_too_many_views_are_refused(scene, logic, ct, count):
-    from AIFReconScene.display.sliceDisplay import showSideBySide
-
-    with pytest.raises(SettingsError, match="1 to 9"):
-        showSideBySide([(ct, "x")] * count, ct, applicationLogic=logic)
-
-
-@pytest.mark.parametrize(("count", "rows"), [(1, 1), (3, 1), (4, 2), (6, 2), (9, 3)])
-def test_views_fill_rows(count, rows):
-    from xml.etree import ElementTree
-
-    from AIFReconScene.display.sliceDisplay import layoutDescription
-
-    layout = ElementTree.fromstring(layoutDescription(count))
-    assert len(layout) == rows
-    assert len(list(layout.iter("view"))) == count
-
-
 # ---- volume rendering
 
 
@@ -194,14 +141,6 @@ def test_volume_rendering_is_turned_on_and_off(logic, output):
     assert display.GetVisibility()
     assert showVolumeRendering(output, False, logic) is display
     assert not display.GetVisibility()
-
-
-def test_turning_off_what_never_was_on_adds_nothing(scene, logic, output):
-    from AIFReconScene.display.sliceDisplay import showVolumeRendering
-
-    before = class_counts(scene)
-    assert showVolumeRendering(output, False, logic) is None
-    assert class_counts(scene) == before
 
 
 def test_soft_tissue_is_transparent_and_bone_is_not(logic, output):
@@ -304,15 +243,6 @@ def test_beams_of_a_turned_image_are_turned_with_it(browser, overlay):
     assert np.linalg.norm(points_in_world(node) - apex, axis=1).min() < 1e-5
 
 
-def test_showing_the_probe_again_uses_the_same_node(scene, browser, overlay):
-    first = overlay.showProbe(browser, None, SECTOR, FAN)
-    assert overlay.showProbe(browser, None, ProbeGeometry("linear"), FAN) is first
-
-
-def test_beams_are_drawn_in_the_slice_views(browser, overlay):
-    assert overlay.showProbe(browser, None, SECTOR, FAN).GetDisplayNode().GetVisibility2D()
-
-
 def sequence_of(browser):
     from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
@@ -348,16 +278,6 @@ def test_hiding_removes_everything_that_was_drawn(scene, browser, overlay):
     overlay.showOutlines(browser, sequence_of(browser), FAN)
     overlay.hide()
     assert class_counts(scene) == before
-
-
-def test_what_is_drawn_is_not_saved_with_the_scene(browser, overlay):
-    assert not overlay.showProbe(browser, None, SECTOR, FAN).GetSaveWithScene()
-
-
-def test_hiding_after_the_scene_was_closed_does_nothing(scene, browser, overlay):
-    overlay.showProbe(browser, None, SECTOR, FAN)
-    scene.Clear(False)
-    overlay.hide()
 
 
 def test_the_probe_of_a_sweep_under_a_transform_lies_where_the_image_does(scene, browser, overlay):

@@ -9,7 +9,6 @@ import pytest
 from files import tracked_sequence, write_patient
 
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.errors import OperationCanceled, SettingsError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.io.plus.configuration import read_plus_configuration
@@ -35,11 +34,6 @@ def test_a_sweep_without_bone_is_said_to_be_not_compared(sequence, labels):
     (line,) = compared(sequence, labels, np.eye(4), probe=ProbeGeometry(LINEAR)).lines
     assert line.startswith("CT and sweep were not compared. ")
     assert "too few" in line
-
-
-def test_a_cancel_is_no_finding(sequence, labels):
-    with pytest.raises(OperationCanceled):
-        compared(sequence, labels, np.eye(4), probe=ProbeGeometry(LINEAR), progress=lambda fraction, step: False)
 
 
 # ---- the width of the bone map
@@ -105,14 +99,3 @@ def test_a_map_that_is_believed_by_half_has_half_the_probability(labels):
     half = LabeledBone(labels, sigma_mm=2.0, belief=0.5)
     assert half.settings("weighted") == {"bone_sigma_mm": 2.0, "bone_belief": 0.5}
     np.testing.assert_allclose(half.map("weighted").probability.array, 0.5 * BoneMap.from_labels(labels, sigma_mm=2.0).probability.array)
-
-
-@pytest.mark.parametrize("belief", [0.0, -1.0, 1.5, float("nan")])
-def test_a_belief_that_is_no_share_is_refused(belief, labels):
-    with pytest.raises(SettingsError, match="bone_belief must be above 0 and at most 1"):
-        LabeledBone(labels, belief=belief)
-
-
-def test_another_word_is_no_width(labels):
-    with pytest.raises(SettingsError, match="sigma_mm must be a number or auto; got 'wide'"):
-        LabeledBone(labels, sigma_mm="wide")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from sweeps import oblique_frames, rigid, turned_grid
@@ -14,7 +12,7 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample,
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
-from AIFReconLib.sweep.frames import FrameRecord, TrackedFrame, TrackedSequence
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
 PROBE = TransformName("Probe", "Tracker")
@@ -31,30 +29,9 @@ def tracked(name: TransformName, status: TransformStatus = TransformStatus.OK) -
     return FrameRecord(transforms={name: TransformSample(np.eye(4), status)})
 
 
-def test_a_frame_size_is_columns_and_rows():
-    assert sequence_of(FrameRecord()).frame_size == (5, 4)
-
-
 def test_a_record_too_few_is_refused():
     with pytest.raises(ValueError, match="got 1 for 2 images"):
         TrackedSequence(np.zeros((2, 4, 5), np.uint8), [FrameRecord()])
-
-
-def test_a_sequence_may_be_empty():
-    assert len(sequence_of()) == 0
-
-
-def test_a_sequence_is_named_after_its_file():
-    assert sequence_of(path=Path("folder") / "sweep.igs.mha").name == "sweep.igs.mha"
-
-
-def test_a_sequence_without_a_file_has_a_name():
-    assert sequence_of().name == "sequence"
-
-
-def test_transforms_are_named_in_order_of_appearance():
-    sequence = sequence_of(tracked(STYLUS), tracked(PROBE), tracked(STYLUS))
-    assert sequence.transform_names() == [STYLUS, PROBE]
 
 
 def test_transforms_of_the_header_are_named_too():
@@ -62,22 +39,9 @@ def test_transforms_of_the_header_are_named_too():
     assert sequence.transform_names() == [STYLUS, PROBE]
 
 
-def test_statuses_are_counted():
-    sequence = sequence_of(tracked(PROBE), tracked(PROBE, TransformStatus.OUT_OF_VIEW), tracked(PROBE))
-    assert sequence.status_counts(PROBE) == {TransformStatus.OK: 2, TransformStatus.OUT_OF_VIEW: 1}
-
-
-def test_a_frame_without_the_transform_counts_as_missing():
-    assert sequence_of(tracked(PROBE), tracked(STYLUS)).status_counts(PROBE) == {TransformStatus.OK: 1, TransformStatus.MISSING: 1}
-
-
 def test_the_transform_of_the_header_stands_in_where_a_frame_has_none():
     sequence = sequence_of(tracked(PROBE, TransformStatus.INVALID), tracked(STYLUS), transforms={PROBE: TransformSample(np.eye(4))})
     assert sequence.status_counts(PROBE) == {TransformStatus.INVALID: 1, TransformStatus.OK: 1}
-
-
-def test_a_frame_is_ok_unless_it_says_otherwise():
-    assert TrackedFrame(np.zeros((2, 2)), np.eye(4)).status == "OK"
 
 
 # ---- a sweep of arrays
@@ -112,10 +76,6 @@ def test_a_frame_without_a_pose_is_skipped_with_its_reason():
     poses[2] = np.nan
     result = reconstruct(TrackedSequence.from_arrays(IMAGES, poses), grid=turned_grid(), region=ImageRegion())
     assert result.skipped == {"ImageToReference not finite": [2]}
-
-
-def test_a_list_of_images_is_a_stack():
-    assert TrackedSequence.from_arrays(list(IMAGES), list(POSES)).frame_size == (34, 26)
 
 
 def test_the_arrays_stay_the_giver_s():
