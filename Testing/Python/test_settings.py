@@ -16,11 +16,6 @@ BOUNDED = [(name, spec.metadata) for name, spec in FIELDS.items() if spec.metada
 NUMBERS = [name for name, spec in FIELDS.items() if spec.metadata["choices"] is None and spec.default is not False]
 
 
-def as_default(name: str, value: float) -> float:
-    """`value` as the type of a field's default, so that whole numbers stay whole."""
-    return int(value) if isinstance(FIELDS[name].default, int) else value
-
-
 @pytest.mark.parametrize("name", FIELDS)
 def test_every_field_says_what_it_does(name):
     assert len(FIELDS[name].metadata["help"]) > 15

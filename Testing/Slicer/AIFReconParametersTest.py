@@ -57,13 +57,6 @@ class AIFReconParametersTest(unittest.TestCase):
                     with self.assertRaises(ValueError):
                         setattr(self.parameters, camelCase(name), limit + beyond * abs(limit) + beyond * 1e-3)
 
-    def test_a_step_below_no_filling_leaves_the_hole_limit_to_the_library(self):
-        from AIFReconScene.inputs.parameters import settingsFrom
-
-        for asked, limit in ((-0.5, "auto"), (0.0, 0.0), (1.5, 1.5)):
-            self.parameters.holeLimit = asked
-            self.assertEqual(settingsFrom(self.parameters).hole_limit, limit)
-
     def test_choices_are_the_library_s(self):
         from AIFReconScene.inputs.parameters import PARAMETERS, camelCase
 
@@ -80,10 +73,6 @@ class AIFReconParametersTest(unittest.TestCase):
         settings = settingsFrom(self.parameters)
         self.assertIsNone(settings.skip)
         self.assertIsNone(settings.intensity_maximum)
-
-    def test_a_choice_is_kept_in_the_scene_by_its_name(self):
-        self.parameters.method = type(self.parameters.method)["AIF_COMPENSATED"]
-        self.assertEqual(self.parameters.parameterNode.GetParameter("method"), "AIF_COMPENSATED")
 
     def test_the_node_of_a_new_scene_changes_once(self):
         from AIFReconGui.parameterNode import parametersOf
@@ -105,8 +94,3 @@ class AIFReconParametersTest(unittest.TestCase):
         self.assertIsNotNone(self.parameters.sweep)
         self.assertIsNotNone(self.parameters.bone)
         self.assertEqual(len(changes), 1)
-
-    def test_there_is_one_set_of_parameters_in_a_scene(self):
-        again = self.logic().getParameterNode()
-        self.parameters.alpha = 0.7
-        self.assertAlmostEqual(again.alpha, 0.7)

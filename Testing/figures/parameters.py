@@ -43,7 +43,6 @@ PANEL, GAP, TITLE, CAPTION = 2.15, 0.06, 0.24, 0.34
 """Inches: width of a panel, between panels, above a row for its parameter and above each panel for its value and numbers."""
 
 DPI = 105
-HOLE_LIMITS = (0.0, 1.0, 2.0, 5.0)
 DEFAULT = ", default"
 BELIEVED_COLOR = "#45c8e8"
 

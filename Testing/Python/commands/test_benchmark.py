@@ -25,18 +25,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from benchmark import limits, speed, spine
 from benchmark.cases import turned
-from benchmark.table import BenchmarkResult, Timing
 
 LOOPS = optional_module("benchmark.numba_yardstick")
 needs_numba = pytest.mark.skipif(LOOPS is None, reason="numba is not installed")
-RESULT = BenchmarkResult(
-    "a machine",
-    "1.0",
-    12,
-    5,
-    0.0,
-    (Timing("average", "numba", 2, 0.5, 0.012, 3.25, 1000.0, 4.5, 22), Timing("reading", "file", 1, None, 0.5)),
-)
 
 
 @needs_numba

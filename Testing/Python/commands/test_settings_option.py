@@ -53,15 +53,6 @@ def test_what_was_chosen_is_repeated_whatever_is_chosen_now(suffix, make, patien
     assert fewer["intensity"].fields["AIFRecon_hole_limit_mm"] == once["intensity"].fields["AIFRecon_hole_limit_mm"]
 
 
-GIVEN = [
-    ["--method", "latest", "--spacing", "0.9", "1.1", "1.3", "--hole-limit", "0", "--output-type", "float32"],
-    ["--hole-limit", "2.5", "--holes", "gaussian", "--skip", "2", "--pixel-rejection", "40"],
-    ["--clip-px", "3.5", "2", "30", "21", "--time-offset", "0.02", "--longest-gap", "0.3", "--speed-of-sound", "1400"],
-    ["--probe", "sector", "--apex-px", "19.3", "-30.1", "--fan-angles-deg", "-20", "25", "--fan-radius-px", "31", "57.7"],
-    ["--reference", "Tracker", "--orientation", "UN"],
-]
-
-
 @pytest.mark.parametrize("sigma", [["--bone-sigma-mm", "1.6"], ["--bone-sigma-voxels", "2.5"], []], ids=" ".join)
 def test_how_the_bone_map_was_made_is_repeated(sigma, make, patient, results):
     files = ["--bone-labels", patient.labels, "--bone-transform", patient.transform]

@@ -42,11 +42,6 @@ def weighted_again(intensity, cosine, probability, reach, onset, floor=0.003, ga
 
 
 @register_method
-def square_beams(intensity, cosine, probability):
-    return probability * cosine**2, intensity
-
-
-@register_method
 def reached(intensity, reach):
     return reach, intensity
 

@@ -15,7 +15,6 @@ import AIFReconLib
 REPOSITORY = Path(__file__).resolve().parents[3]
 LIBRARY = REPOSITORY / "AIFReconLib"
 FILES = [path for folder in ("AIFReconLib", "AIFRecon") for path in sorted((REPOSITORY / folder).rglob("*.py"))]
-PROJECT = (REPOSITORY / "pyproject.toml").read_text("utf-8")
 LONGEST_FILE = 400
 LONGEST_NAME = 150
 """Of 260 characters of a path on Windows, what this repository may take; the folder that it lies in has the rest."""

@@ -260,23 +260,6 @@ def test_a_sector_of_which_one_half_is_in_shadow_is_refused_rather_than_guessed(
         detect_imaging(images_of(sector() & (COLUMN > 160)))
 
 
-class CountingStack:
-    """A long sequence on disk that counts how often it is read."""
-
-    shape, dtype = (5000, ROWS, COLUMNS), np.dtype(np.uint8)
-
-    def __init__(self):
-        self.image, self.reads = images_of(sector(), frames=1)[0], 0
-
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __getitem__(self, index: int) -> np.ndarray:
-        assert 0 <= index < len(self)
-        self.reads += 1
-        return self.image
-
-
 @pytest.mark.parametrize(
     ("name", "columns", "rows"),
     [("SpinePhantomFreehand.igs.mha", (187, 631), (12, 601)), ("BoneUltrasound_L14.igs.mha", (176, 642), (1, 614))],

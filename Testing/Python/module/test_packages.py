@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import sys
-import types
 from pathlib import Path
 
 import pytest
@@ -31,16 +30,6 @@ def install(folder: Path, name: str, version: str) -> None:
     record = folder / f"{name}-{version}.dist-info"
     record.mkdir()
     (record / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n", "utf-8")
-
-
-def slicer_packaging(monkeypatch, installed: set[str]) -> list:
-    """Slicer's own module, which notes what it is asked to install."""
-    asked: list = []
-    module = types.ModuleType("slicer.packaging")
-    module.pip_check = lambda requirement: requirement in installed  # type: ignore[attr-defined]
-    module.pip_ensure = lambda requirements, **options: asked.append((requirements, options))  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "slicer.packaging", module)
-    return asked
 
 
 def test_a_package_of_an_older_version_is_missing(packages, tmp_path, monkeypatch):

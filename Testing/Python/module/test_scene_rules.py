@@ -13,7 +13,6 @@ pytest.importorskip("slicer", reason="slicer-core is not installed")
 
 FOLDER = Path(__file__).resolve().parents[3] / "AIFRecon" / "AIFReconScene"
 FILES = sorted(FOLDER.glob("*.py"))
-LONGEST_FILE = 300
 OWN = {
     "boneNodes",
     "browserItems",

@@ -160,13 +160,6 @@ def test_an_axial_view_has_the_patient_s_right_on_its_left(scene):
     assert view_frames.slice_letters(node) == {"left": "R", "right": "L", "top": "A", "bottom": "P"}
 
 
-PANELS = ("panel", "panel-needs", "panel-dark", "live-panel", "step-1-empty", "step-2-inputs", "step-4-progress", "step-6-report")
-VIEWS = (
-    *("slices", "compare", "overlay", "live", "step-3-settings", "step-5-result", "step-7-compare", "step-8-live"),
-    *("step-registration", "step-guidance"),
-)
-
-
 def test_the_picture_of_the_sample_data_has_the_size_that_slicer_asks():
     picture = REPOSITORY / "AIFRecon" / "Resources" / "Icons" / "AIFReconLumbarPhantom.png"
     assert struct.unpack(">II", picture.read_bytes()[16:24]) == (260, 280)

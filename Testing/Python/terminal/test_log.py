@@ -18,8 +18,6 @@ from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.terminal.log import FIRST_WORDS
 
-LIBRARY = logging.getLogger("AIFReconLib")
-
 
 @pytest.fixture
 def patient(tmp_path):

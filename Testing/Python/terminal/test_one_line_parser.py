@@ -7,7 +7,6 @@ import pytest
 from AIFReconLib.commands.parser import build_parser, main
 from AIFReconLib.io.volume.files import read_volume
 
-SCREEN = 44
 """Lines of a terminal window that is not maximized, examples included."""
 
 

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
@@ -96,11 +95,6 @@ def test_average_and_weighted_are_compared_on_the_bone_that_both_show(phantom, s
     )
     assert weighted.metrics["bone_coverage"] > 0.8
     assert average.metrics["bone_localization_error"] < 1.0
-
-
-@register_method
-def all_alike(intensity):
-    return 1.0, intensity
 
 
 def test_a_study_of_a_method_that_is_not_there_is_one_line(tmp_path, capsys):
