@@ -57,7 +57,6 @@ class Result(unittest.TextTestResult):
     host: SlicerHost
 
     def startTest(self, test):
-        """Begins with an empty scene, as in a fresh Slicer."""
         self.host.reset()
         self._files = self._saved()
         super().startTest(test)
@@ -77,7 +76,6 @@ class Result(unittest.TextTestResult):
                 self.addFailure(test, (type(error), error, error.__traceback__))
 
     def _saved(self) -> set[str]:
-        """Names of what lies among the user's files."""
         return {path.name for path in self.host.documents.iterdir()}
 
 

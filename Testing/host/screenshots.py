@@ -51,7 +51,6 @@ class Module:
 
     @property
     def parameters(self):
-        """The panel's parameters."""
         return self.widget._parameterNode
 
     def check(self) -> None:
@@ -61,14 +60,12 @@ class Module:
             raise RuntimeError(messages[0])
 
     def press(self, button) -> None:
-        """Clicks a button that must be enabled."""
         if not button.enabled:
             raise RuntimeError(f"{button.text} cannot be pressed: {button.toolTip}")
         button.click()
         self.check()
 
     def load_sample(self) -> None:
-        """The lumbar phantom, as the Sample Data module loads it."""
         from AIFReconGui.sampleData import loadPhantomSample
 
         loadPhantomSample()

@@ -94,11 +94,9 @@ def install(words: dict[tuple[str, str], str]):
         """Looks texts up by context, as Qt's own does in a compiled file."""
 
         def isEmpty(self):
-            """There are words."""
             return False
 
         def translate(self, context, text, disambiguation=None, n=-1):
-            """The translation, or None."""
             return words.get((context, text))
 
     translator = Translator()
@@ -115,7 +113,6 @@ class Reader:
         self._widgets = {each.get("name") for path in MODULE.rglob("*.ui") for each in ElementTree.parse(path).iter("widget")}
 
     def read(self, where: str, text: str) -> None:
-        """Keep a text with ASCII letters that belong to no name."""
         text = text.replace("\u2060", "")  # a word joiner is not seen
         rest = text
         for name in self._names:
@@ -124,11 +121,9 @@ class Reader:
             self.found.setdefault(text, where)
 
     def know(self, path: str) -> None:
-        """A file's path and name are nobody's to translate."""
         self._names += [path, Path(path).name] if path else []
 
     def panel(self, step: str) -> None:
-        """Read every widget of the .ui file."""
         from PySide6 import QtWidgets
 
         for widget in QtWidgets.QApplication.allWidgets():
@@ -149,7 +144,6 @@ class Reader:
                     self.read(f"{name} item {row}, {step}", widget.itemText(row))
 
     def dialogs(self, step: str, dialogs) -> None:
-        """Read what dialogs have shown, and progress."""
         for dialog in dialogs.shown:
             # The title is Slicer's own, and what is behind "Show details" is for programmers
             self.read(f"{dialog.kind}, {step}", dialog.text.split("\nTraceback")[0])
