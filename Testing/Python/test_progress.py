@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from AIFReconLib.errors import OperationCanceled
-from AIFReconLib.message import translated
 from AIFReconLib.progress import part, report
 
 
@@ -37,12 +36,6 @@ def test_a_fraction_stays_between_0_and_1(told, heard):
 def test_false_stops_the_work():
     with pytest.raises(OperationCanceled):
         report(Listener(stop_after=1), 0.5, "Working")
-
-
-def test_what_the_listener_hears_can_be_translated():
-    listener = Listener()
-    report(listener, 0.25, "Working")
-    assert translated(listener.calls[0][1], {"Working": "Es wird gearbeitet"}.get) == "Es wird gearbeitet"
 
 
 @pytest.mark.parametrize(("inner", "outer"), [(0.0, 0.2), (0.5, 0.3), (1.0, 0.4)])

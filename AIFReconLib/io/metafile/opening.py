@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...errors import FileFormatError
+from ...remedies import Remedy
 from ..disk.regular_files import require_regular_file, stamp
 from .frame_lines import OutOfOrder
 from .header import HeaderLines
@@ -30,12 +31,7 @@ def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
-        raise error(
-            "{path}: its suffix must be one of {suffixes}. Give a MetaImage or NRRD file; aifrecon import makes one of pictures, DICOM "
-            "or video.",
-            path=path,
-            suffixes=", ".join(METAIMAGE_SUFFIXES + NRRD_SUFFIXES),
-        )
+        raise error(f"{path}: its suffix must be one of {', '.join(METAIMAGE_SUFFIXES + NRRD_SUFFIXES)}.", Remedy.IMPORT_IT)
     require_regular_file(path, error)
     try:
         with open(path, "rb") as file:
@@ -53,7 +49,7 @@ def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
                 raise metafile.failure("the file changed while it was read. Read it again when it is complete.")
             return metafile
     except OSError as cause:
-        raise error("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=cause.strerror) from cause
+        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
 
 
 def data_files(path: Path) -> list[Path]:

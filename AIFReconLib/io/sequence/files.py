@@ -11,7 +11,6 @@ from pathlib import Path
 from ...arrays import Matrix
 from ...errors import SequenceFormatError
 from ...imaging.images import ImageStack
-from ...message import Message
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.pose_tracks import LONGEST_GAP
@@ -122,16 +121,12 @@ def _header_spacing(metafile: Metafile) -> tuple[float, float] | None:
     return stated_spacing(" ".join(words))
 
 
-def _placed(records: Sequence[FrameRecord], image_frame: str, geometry: Matrix) -> tuple[Sequence[FrameRecord], Message]:
+def _placed(records: Sequence[FrameRecord], image_frame: str, geometry: Matrix) -> tuple[Sequence[FrameRecord], str]:
     """Records whose transforms of the image include its node's geometry, and a note on what was done."""
     if any(image_frame in (name.source, name.target) for record in records for name in record.transforms):
-        note = Message(
-            "The volume nodes of this Slicer sequence have a geometry of their own, which the transforms of {image_frame} now include.",
-            image_frame=image_frame,
-        )
+        note = f"The volume nodes of this Slicer sequence have a geometry of their own, which the transforms of {image_frame} now include."
         return place_frames(records, image_frame, geometry), note
-    return records, Message(
-        "The volume nodes of this Slicer sequence have a geometry of their own, which nothing includes: none of the recorded transforms is "
-        "of {image_frame}.",
-        image_frame=image_frame,
+    return records, (
+        "The volume nodes of this Slicer sequence have a geometry of their own, which nothing includes: none of the recorded "
+        f"transforms is of {image_frame}."
     )

@@ -93,10 +93,12 @@ def _space_axes(metafile: Metafile) -> list[int]:
     space = [axis for axis, kind in enumerate(kinds) if kind in _IN_SPACE]
     if len(space) != 3:
         raise metafile.failure(
-            "it must be a 3D volume; got {axes} axes in space. If it is a sequence of frames, give it as a sequence.", axes=len(space)
+            f"it must be a 3D volume; got {len(space)} axes in space. If it is a sequence of frames, give it as a sequence."
         )
     if "time" in kinds or len(kinds) > 4:
-        raise metafile.failure("it must be one 3D volume; got axes of the kinds {kinds}. Export one 3D volume.", kinds=" ".join(kinds))
+        raise metafile.failure(
+            "it must be one 3D volume; got axes of the kinds {kinds}. Export one 3D volume.".format(kinds=" ".join(kinds))
+        )
     return space
 
 
@@ -116,9 +118,9 @@ def _payload(metafile: Metafile) -> Numbers:
                 stream.read_into(file, view)
                 stream.finish(file)
         except PayloadError as error:
-            raise metafile.failure("the pixel data {problem}. Copy or write the file again.", problem=error) from error
+            raise metafile.failure(f"the pixel data {error}. Copy or write the file again.") from error
         except OSError as error:
-            raise metafile.failure("the pixel data cannot be read ({reason}). Copy the file again.", reason=error.strerror) from error
+            raise metafile.failure(f"the pixel data cannot be read ({error.strerror}). Copy the file again.") from error
         metafile.require_unchanged(file)
     return values
 
@@ -128,7 +130,7 @@ def _metaimage_place(metafile: Metafile) -> Matrix:
     spacing = _numbers(metafile, ("ElementSpacing", "ElementSize"), 3, "1 1 1")
     directions = _numbers(metafile, ("TransformMatrix", "Rotation", "Orientation"), 9, "1 0 0 0 1 0 0 0 1").reshape(3, 3)
     if spacing.min() <= 0:
-        raise metafile.failure("ElementSpacing must be positive; got {spacing}. Correct the header.", spacing=spacing.tolist())
+        raise metafile.failure(f"ElementSpacing must be positive; got {spacing.tolist()}. Correct the header.")
     return _placed(directions.T * spacing, _numbers(metafile, ("Offset", "Position", "Origin"), 3, "0 0 0"))
 
 
@@ -144,9 +146,8 @@ def _nrrd_place(metafile: Metafile, space: list[int]) -> Matrix:
     name = entries.get("space", "").lower()
     if name not in (*_AXES_TO_LPS, *_OTHER_SPACES, ""):
         raise metafile.failure(
-            "space must be left-posterior-superior, right-anterior-superior or left-anterior-superior; got {space!r}. "
-            "Save the volume from Slicer again.",
-            space=shorten(name),
+            f"space must be left-posterior-superior, right-anterior-superior or left-anterior-superior; got {shorten(name)!r}. Save "
+            "the volume from Slicer again."
         )
     to_lps = np.array(_AXES_TO_LPS.get(name, (1, 1, 1)), dtype=np.float64)
     channel_axes = int(entries.get("dimension", "0")) - len(metafile.size)
@@ -162,8 +163,8 @@ def _nrrd_place(metafile: Metafile, space: list[int]) -> Matrix:
     rest = re.sub(r"none|\([^()]*\)", "", directions)
     if rest.strip() or len(vectors) != len(metafile.size) + channel_axes or any(vectors[axis] == "none" for axis in axes):
         raise metafile.failure(
-            "space directions must be a vector for each axis in space, none for others; got {text!r}. Save the volume from Slicer again.",
-            text=shorten(directions),
+            f"space directions must be a vector for each axis in space, none for others; got {shorten(directions)!r}. Save the volume "
+            "from Slicer again."
         )
     columns = [_vector(metafile, "space directions", vectors[axis]) for axis in axes]
     origin = _vector(metafile, "space origin", entries.get("space origin", "(0,0,0)"))
@@ -178,7 +179,7 @@ def _spacings(metafile: Metafile, axes: list[int]) -> Floats:
     words = text.split()
     spacing = _parse(metafile, "spacings", " ".join(words[axis] for axis in axes if axis < len(words)), 3)
     if spacing.min() <= 0:
-        raise metafile.failure("spacings must be positive; got {text!r}. Correct the header.", text=shorten(text))
+        raise metafile.failure(f"spacings must be positive; got {shorten(text)!r}. Correct the header.")
     return spacing
 
 
@@ -186,7 +187,7 @@ def _vector(metafile: Metafile, key: str, text: str) -> Floats:
     """``(1,0,0)``."""
     inside = text.strip()
     if not (inside.startswith("(") and inside.endswith(")")):
-        raise metafile.failure("{key} must be 3 numbers, as (1,0,0); got {text!r}. Correct the header.", key=key, text=shorten(text))
+        raise metafile.failure(f"{key} must be 3 numbers, as (1,0,0); got {shorten(text)!r}. Correct the header.")
     return _parse(metafile, key, inside[1:-1].replace(",", " "), 3)
 
 
@@ -196,9 +197,7 @@ def _parse(metafile: Metafile, key: str, text: str, count: int) -> Floats:
     except ValueError:
         numbers = np.array([])
     if len(numbers) != count or not np.isfinite(numbers).all():
-        raise metafile.failure(
-            "{key} must be {count} finite numbers; got {text!r}. Correct the header.", key=key, count=count, text=shorten(text)
-        )
+        raise metafile.failure(f"{key} must be {count} finite numbers; got {shorten(text)!r}. Correct the header.")
     return numbers
 
 
