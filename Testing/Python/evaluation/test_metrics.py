@@ -293,7 +293,7 @@ def test_everything_moves_together(uvs, truth):
 def slab_labels() -> Volume:
     """A slab of bone, well within the volume."""
     labels = np.zeros(VOLUME_GRID.shape, np.uint8)
-    labels[6:-6, 6:-6, 6:-6] = 1
+    labels[24:-24, 24:-24, 24:-24] = 1
     return Volume(labels, VOLUME_GRID.ijk_to_reference)
 
 

@@ -177,7 +177,8 @@ def show(session, watch, frames) -> None:
     """Let a watch see every frame."""
     for frame in frames:
         session.latest = frame
-        assert until(lambda frame=frame: watch._last is frame)
+        while watch._last is not frame:
+            time.sleep(0.001)
     assert until(lambda: watch.state.agreement is not None)
 
 
@@ -203,7 +204,8 @@ def test_a_watch_without_region_and_probe_recognizes_them(scan, monkeypatch):
     try:
         for frame in [*scan.at(0.0), *scan.at(2.7)]:
             session.latest = frame
-            assert until(lambda frame=frame: watch._last is frame)
+            while watch._last is not frame:
+                time.sleep(0.001)
         assert until(lambda: watch.state.agreement is not None)
         assert watch.state.problem is None
     finally:
