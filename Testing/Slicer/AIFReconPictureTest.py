@@ -6,7 +6,6 @@ import sys
 import tempfile
 import threading
 import unittest
-import xml.etree.ElementTree
 from unittest import mock
 
 import numpy as np
@@ -167,19 +166,6 @@ class AIFReconPictureTest(unittest.TestCase):
         self.assertFalse(model.GetDisplayVisibility())
         self.assertEqual((bone.GetOpacity3D(), bone.GetBackfaceCulling()), (1.0, 0))
 
-    def test_bone_of_a_scene_that_was_saved_translucent_is_opaque_again_when_the_user_leaves(self):
-        self.showBone()
-        self.parameters.bone.GetDisplayNode().SetOpacity3D(0.9)
-        self.widget.exit()
-        self.assertEqual(self.parameters.bone.GetDisplayNode().GetOpacity3D(), 0.9)
-        self.widget.enter()
-        tinyScene.saveAndOpenAgain(self)
-        display = self.widget._parameterNode.bone.GetDisplayNode()
-        self.assertLess(display.GetOpacity3D(), 0.5)
-        self.widget.exit()
-        self.assertAlmostEqual(display.GetOpacity3D(), 0.9)
-        self.widget.enter()
-
     def test_bone_in_3d_goes_with_the_volume_that_shows_it(self):
         model, output = self.showBone(), self.parameters.output
         self.parameters.output = None
@@ -219,27 +205,6 @@ class AIFReconPictureTest(unittest.TestCase):
     def isTurned(self, name) -> bool:
         """Whether the probe's side is up in a slice view, the last of which is the green one."""
         return slicer.app.layoutManager().sliceWidget(name).mrmlSliceNode().GetOrientation().endswith("ProbeUp")
-
-    def test_what_is_turned_or_named_is_drawn_view_by_view_once_windows_have_their_turn(self):
-        self.parameters.sweep = tinyScene.addSweep()
-        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
-        for box in (self.picture._ui.probeUpCheckBox, self.picture._ui.showLevelsCheckBox):
-            for way in ("on", "off"):
-                with self.subTest(box=box.objectName, way=way), tinyScene.drawingNoted() as drawn:
-                    box.click()
-                    self.assertEqual(drawn, [])
-                    self.assertTrue(waitFor(lambda drawn=drawn: drawn == ["first", "second"]), drawn)
-
-    def test_a_scene_saved_with_the_probe_s_side_up_can_be_opened_again(self):
-        self.parameters.sweep = tinyScene.addSweep()
-        self.picture._ui.probeUpCheckBox.click()
-        self.assertTrue(waitFor(lambda: self.isTurned("Green")))
-        with tempfile.TemporaryDirectory() as folder:
-            scene = pathlib.Path(folder) / "scene.mrml"
-            slicer.mrmlScene.Commit(str(scene))
-            written = xml.etree.ElementTree.parse(scene).getroot()
-        turned = [name for node in written.iter("Slice") for name in node.attrib if name.endswith("ProbeUp")]
-        self.assertEqual(len(turned), 3)
 
     def showNames(self):
         """Set the box; the green view is the last to get its names."""
@@ -298,17 +263,3 @@ class AIFReconPictureTest(unittest.TestCase):
         for words in ("as measured", "CT and sweep", "Bone hit by the beams", "weight_floor", "frames used".capitalize(), "AIFRecon"):
             self.assertIn(words, page)
         self.assertNotIn("://", page)
-
-    def test_where_it_cannot_be_written_one_message_says_so_and_nothing_is_left(self):
-        self.reconstruct()
-        with tempfile.TemporaryDirectory() as folder:
-            place = pathlib.Path(folder) / "missing" / "report.html"
-            said = []
-            shown, slicer.util.infoDisplay = slicer.util.infoDisplay, lambda text, **_more: said.append(text)
-            try:
-                self.picture.saveReport(place)
-            finally:
-                slicer.util.infoDisplay = shown
-            self.assertEqual(list(pathlib.Path(folder).iterdir()), [])
-        self.assertEqual(len(said), 1)
-        self.assertIn("does not exist", said[0])

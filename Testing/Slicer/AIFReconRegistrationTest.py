@@ -155,14 +155,6 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.assertIn("do not agree", self.ui.registrationLabel.text)
         self.assertIn("back where it was", self.ui.registrationLabel.text)
 
-    def test_where_the_ct_has_gone_is_drawn_view_by_view_once_windows_have_their_turn(self):
-        self.displace()
-        with tinyScene.drawingNoted() as drawn:
-            for button in (self.ui.placeButton, self.ui.undoPlaceButton):
-                drawn.clear()
-                button.click()
-                self.assertTrue(waitFor(lambda: drawn == ["first", "second"]), drawn)
-
     # ---- refused
 
     def test_the_ct_of_another_patient_is_not_moved_and_can_be_taken_all_the_same(self):
@@ -227,17 +219,6 @@ class AIFReconRegistrationTest(unittest.TestCase):
         tinyScene.setMatrix(self.transform, self.true)
         self.assertTrue(waitFor(lambda: self.ui.agreementProgressBar.value == high))
 
-    def test_what_is_shown_of_a_refused_answer_is_of_the_place_where_the_ct_is(self):
-        stranger = addPatient(seed=3, frames=9)
-        self.parameters.ctVolume, self.parameters.bone = stranger.ct, stranger.segmentation
-        self.parameters.sweep = self.nodes.browser
-        tinyScene.setMatrix(stranger.ctToReference, self.true @ tinyScene.moved(0.0, 40.0, 0.0))
-        self.ui.checkButton.click()
-        value = self.ui.agreementProgressBar.value
-        self.ui.placeButton.click()
-        self.assertIn("The CT was not moved.", self.ui.registrationLabel.text)
-        self.assertEqual(self.ui.agreementProgressBar.value, value)
-
     def test_a_reconstruction_says_whether_ct_and_sweep_agree(self):
         self.ui.applyButton.click()
         self.assertIn("CT agrees: ", self.ui.registrationVerdictLabel.text)
@@ -252,12 +233,6 @@ class AIFReconRegistrationTest(unittest.TestCase):
         tinyScene.setMatrix(self.transform, self.true)
         self.ui.checkButton.click()
         np.testing.assert_array_equal(slicer.util.arrayFromModelPoints(model), points)
-
-    def test_echoes_go_with_their_sweep(self):
-        self.ui.checkButton.click()
-        self.parameters.sweep = tinyScene.addSweep()
-        self.assertEqual(self.echoModels(), [])
-        self.assertEqual(self.ui.registrationLabel.text, "")
 
     # ---- meanwhile
 
@@ -307,9 +282,3 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.assertFalse(self.widget._work.isRunning)
         self.assertEqual(self.echoModels(), [])
         self.assertFalse(self.ui.placeButton.enabled)
-
-    def test_a_parent_that_is_taken_off_meanwhile_is_told_and_nothing_moves(self):
-        before = self.displace()
-        said = self.messageOf(lambda: self.pressAnd(lambda: self.nodes.ct.SetAndObserveTransformNodeID(None)))
-        self.assertIn("lie under different transforms", said)
-        np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from sweeps import image_pose
 
 from AIFReconLib.bone.from_sweep import SKIN, BoneEchoFinder, bone_from_sweep
 from AIFReconLib.commands.parser import main
-from AIFReconLib.errors import NoUsableFramesError
 from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.imaging.detection import detect_imaging
@@ -143,20 +141,6 @@ def test_echoes_lie_on_the_crest_and_not_on_its_far_flank():
     assert abs(np.median(off)) < 0.3
 
 
-def test_an_echo_without_neighbors_is_no_bone():
-    image = speckle()
-    image[82:, 58:62] *= 0.02
-    image[78:82, 58:62] = 255
-    assert find(image.astype(np.uint8)).scores.size == 0
-
-
-def test_values_that_are_not_finite_count_as_dark():
-    image = bone_image().astype(np.float32)
-    holed = image.copy()
-    image[120:123, 40:44], holed[120:123, 40:44] = 0.0, np.nan
-    np.testing.assert_array_equal(find(holed).pixels, find(image).pixels)
-
-
 def test_scores_do_not_depend_on_the_gain():
     image = bone_image().astype(np.float32)
     np.testing.assert_allclose(find(3 * image).scores, find(image).scores, rtol=1e-4)
@@ -226,12 +210,6 @@ def test_a_frame_that_cannot_be_placed_takes_no_part():
     rest = [n for n in range(len(sequence)) if n != 3]
     expected = bone_from_sweep(*sweep_of(sequence.images[rest], poses.image_to_reference[rest]), imaging)
     np.testing.assert_array_equal(bone_from_sweep(sequence, without, imaging).probability.array, expected.probability.array)
-
-
-def test_a_sweep_without_poses_says_so():
-    sequence, poses, imaging = oblique_sweep()
-    with pytest.raises(NoUsableFramesError):
-        bone_from_sweep(sequence, replace(poses, problems=("OUT_OF_VIEW",) * len(sequence)), imaging)
 
 
 # The command line

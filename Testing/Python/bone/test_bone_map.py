@@ -109,12 +109,6 @@ def test_sigma_in_mm_is_the_same_length_along_every_axis():
     np.testing.assert_allclose(whole, recipe(labels > 0, (1.0, 2.0, 4.0)), atol=2e-6)
 
 
-@pytest.mark.parametrize("dtype", [bool, np.uint8, np.int16, np.uint16, np.float32, np.float64])
-def test_labels_may_be_of_any_type(dtype):
-    of_type = BoneMap.from_labels(Volume(block().astype(dtype), np.eye(4)), sigma_voxels=2.0).probability.array
-    np.testing.assert_array_equal(of_type, BoneMap.from_labels(Volume(block(), np.eye(4)), sigma_voxels=2.0).probability.array)
-
-
 def test_the_inside_of_bone_is_where_the_labels_are():
     labels = block((60, 64, 40), corner=(40, 20, 3))
     bone_map = BoneMap.from_labels(Volume(labels, np.eye(4)), sigma_voxels=2.0)
@@ -139,16 +133,6 @@ def test_a_ready_probability_is_placed_by_its_registration():
 
 
 # ---- directions
-
-
-@pytest.mark.parametrize("matrix", CT_MATRICES.values(), ids=CT_MATRICES)
-def test_directions_equal_the_recipe_on_the_same_voxels(matrix):
-    bone_map = BoneMap.from_labels(Volume(block((14, 15, 16), (5, 5, 6), (3, 4, 5)), matrix), sigma_voxels=1.5)
-    placed = bone_map.on_grid(bone_map.probability.grid)
-    expected = directions_by_recipe(bone_map.probability.array, bone_map.probability.ijk_to_reference)
-    slope = np.linalg.norm([ndimage.sobel(bone_map.probability.array.astype(float), axis=a, mode="nearest") for a in range(3)], axis=0)
-    clear = slope > 1e-3
-    np.testing.assert_allclose(placed.directions_reference[clear], expected[clear], atol=2e-3)
 
 
 @pytest.mark.parametrize("matrix", CT_MATRICES.values(), ids=CT_MATRICES)
@@ -186,13 +170,6 @@ def test_a_step_of_probability_is_faced_squarely():
     array[..., 5:] = 1.0
     placed = BoneMap.from_probability(Volume(array, OBLIQUE)).on_grid(VoxelGrid((9, 7, 7), OBLIQUE))
     np.testing.assert_allclose(placed.directions_reference[3, 3, 4], OBLIQUE[:3, 0], atol=1e-6)
-
-
-def test_a_slope_too_small_for_float32_has_no_direction():
-    array = np.zeros((5, 5, 5), np.float32)
-    array[2, 2, 2] = 1e-42
-    placed = BoneMap.from_probability(Volume(array, np.eye(4))).on_grid(VoxelGrid((5, 5, 5), np.eye(4)))
-    assert not placed.directions_reference.any()
 
 
 def half_space(direction: str) -> np.ndarray:
@@ -289,15 +266,6 @@ def test_moving_ct_and_grid_together_turns_the_directions_with_them(motion):
     there = moved.on_grid(VoxelGrid(grid.size, motion @ grid.ijk_to_reference))
     np.testing.assert_allclose(there.probability, here.probability, atol=1e-5)
     np.testing.assert_allclose(there.directions_reference, here.directions_reference @ motion[:3, :3].T, atol=5e-3)
-
-
-@given(rigid_poses)
-@settings(max_examples=20)
-def test_voxels_on_the_border_of_the_map_are_kept_by_an_aligned_grid(pose):
-    bone_map = BoneMap.from_probability(Volume(np.ones((4, 5, 6), np.float32), pose))
-    one_voxel_larger = VoxelGrid((8, 7, 6), pose @ rigid((0, 0, 0), (-1, -1, -1)))
-    placed = bone_map.on_grid(one_voxel_larger)
-    np.testing.assert_allclose(placed.probability[1:-1, 1:-1, 1:-1], 1.0, atol=1e-6)
 
 
 def test_one_voxel_beyond_the_map_there_is_no_bone():

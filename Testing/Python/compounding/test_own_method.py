@@ -15,9 +15,9 @@ from AIFReconLib.compounding.methods.table import method_named, registered_metho
 from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import Reconstruction
-from AIFReconLib.errors import BeamGeometryError, MethodError, SettingsError
+from AIFReconLib.errors import BeamGeometryError, MethodError
 from AIFReconLib.geometry.volume import VoxelGrid
-from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
+from AIFReconLib.imaging.beams import SECTOR, ProbeGeometry
 from AIFReconLib.imaging.region import Fan, ImageRegion
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.settings import ReconstructionSettings
@@ -116,12 +116,6 @@ def test_the_order_of_frames_makes_no_difference():
     np.testing.assert_array_equal(gray, turned)
 
 
-def test_a_part_of_the_volume_is_that_part_of_the_whole():
-    whole = reconstructed(weighted_again)
-    part = whole.intensity[3:11, 2:, :9]
-    np.testing.assert_array_equal(reconstructed(weighted_again, grid=part.grid).intensity, part)
-
-
 def test_a_frame_without_any_weight_is_skipped_with_the_reason():
     @register_method
     def second_only(intensity):
@@ -197,51 +191,7 @@ def test_an_answer_that_cannot_be_added_up_is_refused_by_the_method_s_name(answe
     assert "\n" not in str(found.value)
 
 
-def of_depth(depth):
-    return depth, depth
-
-
-def of_anything(intensity, *others):
-    return intensity, intensity
-
-
-def of_nothing(power=2):
-    return power, power
-
-
-@pytest.mark.parametrize(
-    ("function", "words"),
-    [
-        (of_depth, "takes depth, which no frame has. Take some of intensity, cosine, probability, reach, onset"),
-        (of_anything, r"takes \*others"),
-        (of_nothing, "must take at least one of"),
-        (lambda intensity: (1, intensity), "one with a name of its own"),
-        ("my_methods:mine", "one with a name of its own"),
-    ],
-)
-def test_what_is_no_method_is_refused_when_it_is_registered(function, words):
-    with pytest.raises(MethodError, match=words):
-        register_method(function)
-
-
-def test_neither_linear_interpolation_nor_an_importance_mask_goes_with_one():
-    with pytest.raises(SettingsError, match="interpolation must be nearest for method"):
-        reconstructed(plain_mean, interpolation="linear")
-    with pytest.raises(SettingsError, match="importance mask weights an average"):
-        Reconstructor(turned_grid(), ReconstructionSettings(method=plain_mean.name), importance=np.ones((26, 34)))
-
-
 # ---- names
-
-
-def test_a_method_that_no_module_registered_is_not_imported_by_its_name(tmp_path, monkeypatch):
-    (tmp_path / "unasked.py").write_text("raise SystemExit('imported')")
-    monkeypatch.syspath_prepend(tmp_path)
-    with pytest.raises(
-        MethodError, match=r"unasked:mine is not known.* Import unasked first; or choose one of average, latest.*plain_mean"
-    ):
-        reconstructed("unasked:mine")
-    assert "unasked" not in sys.modules
 
 
 def test_a_method_registered_again_takes_the_place_of_the_first():
@@ -321,10 +271,3 @@ def test_a_method_that_cannot_be_had_is_one_sentence(folder, tmp_path, capsys, t
     results.mkdir()
     said = refused([*folder.reconstruct, "--method", method, "--output", results / "volume.nrrd"], capsys, results)
     assert words in said
-
-
-def test_a_probe_is_not_asked_for_where_only_the_intensity_counts():
-    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method=plain_mean.name), probe=ProbeGeometry(LINEAR))
-    reconstructor.insert(oblique_frames(count=2))
-    assert reconstructor.engine == "numpy"
-    assert reconstructor.reconstruction().frames_inserted == 2

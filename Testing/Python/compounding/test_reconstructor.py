@@ -16,7 +16,7 @@ from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.compounding.reconstructor import FrameCounts, Reconstructor
-from AIFReconLib.errors import BeamGeometryError, GeometryError, InsufficientMemoryError, OperationCanceled
+from AIFReconLib.errors import GeometryError, InsufficientMemoryError, OperationCanceled
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
@@ -136,19 +136,6 @@ def test_chunks_of_any_size_give_the_same_volume(method, chunk):
     np.testing.assert_array_equal(whole.finish().intensity.array, pieces.finish().intensity.array)
 
 
-@pytest.mark.parametrize("method", ["average", "maximum", "weighted"])
-def test_order_free_methods_do_not_depend_on_the_order_of_frames(method):
-    frames, grid = oblique_frames(count=8), turned_grid()
-    bone = sphere_bone() if method in BONE_METHODS else None
-    forward, backward = (
-        Reconstructor(grid, ReconstructionSettings(hole_limit=0.0, method=method, output_type="float32"), bone, probe=SECTOR)
-        for _ in range(2)
-    )
-    forward.insert(frames)
-    backward.insert(frames[::-1])
-    np.testing.assert_allclose(forward.finish().intensity.array, backward.finish().intensity.array, rtol=2e-6)
-
-
 def test_where_no_good_beam_passes_the_paper_rule_keeps_the_last_frame():
     grid = VoxelGrid.from_spacing((-20, -20, -20), (3, 3, 3), 1.0)
     pose = image_pose((1.0, 1.0), translation=(-20, -20, -20))
@@ -247,14 +234,6 @@ def test_frames_that_are_not_ok_are_counted_by_reason_and_change_nothing():
     assert result.skipped == {"ProbeToTracker OUT_OF_VIEW": [4], "no image": [5], "no pose": [6], "image pose not finite": [7]}
 
 
-def test_images_of_another_size_are_refused_with_the_frame_number():
-    frames = oblique_frames(count=2)
-    reconstructor = Reconstructor(turned_grid())
-    reconstructor.insert(frames[0])
-    with pytest.raises(GeometryError, match="frame 1"):
-        reconstructor.insert(TrackedFrame(frames[1].image[:-1], frames[1].image_to_reference, number=1))
-
-
 @pytest.mark.parametrize(
     ("shape", "dtype", "said"),
     [((4, 5, 3), np.uint8, "4, 5, 3"), ((0, 5), np.uint8, "0, 5"), ((4, 5), np.complex64, "complex64")],
@@ -265,17 +244,6 @@ def test_an_image_that_is_not_one_of_gray_pixels_is_refused_with_the_frame_numbe
     reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(engine=engine))
     with pytest.raises(GeometryError, match=rf"must be gray.*{said}.*frame 3"):
         reconstructor.insert(TrackedFrame(np.zeros(shape, dtype), np.eye(4), number=3))
-
-
-def test_methods_that_weight_by_incidence_ask_for_the_probe():
-    with pytest.raises(BeamGeometryError, match=r'probe=ProbeGeometry."linear"'):
-        Reconstructor(turned_grid(), ReconstructionSettings(method="aif"), sphere_bone())
-
-
-def test_a_bone_map_elsewhere_is_noted():
-    bone = sphere_bone(center=(400.0, 0.0, 0.0))
-    result = Reconstructor(turned_grid(), ReconstructionSettings(method="aif"), bone, probe=LINEAR).reconstruction()
-    assert "does not overlap" in result.notes[0]
 
 
 def test_a_volume_that_does_not_fit_is_refused_before_anything_is_allocated():

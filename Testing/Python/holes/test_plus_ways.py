@@ -8,16 +8,12 @@ import numpy as np
 import pytest
 
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.holes import plus_ways
-from AIFReconLib.holes.fill import fill_as_asked
 from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.holes.nearest import FILLED, MEASURED
 from AIFReconLib.holes.plus_ways import fill_holes_by_kind
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.settings import ReconstructionSettings
 
 SHAPE = (6, 7, 8)
-SPACING = np.array([0.5, 0.5, 0.5])
 
 
 @pytest.fixture(params=["numpy", "numba"])
@@ -138,30 +134,6 @@ def test_filling_equals_the_loop_over_voxels(kind, share, engine):
     np.testing.assert_allclose(values, wanted_values, rtol=1e-6)
 
 
-@pytest.mark.parametrize("planes", [1, 2, 3])
-@pytest.mark.parametrize(
-    "kind",
-    [
-        HoleFilling("stick", 6),
-        HoleFilling("gaussian", 5, 1.0),
-        HoleFilling("gaussian by hits", 5, 1.0),
-        HoleFilling("inverse distance", 5),
-        HoleFilling("cube", 5),
-    ],
-    ids=str,
-)
-def test_slabs_make_no_difference(kind, planes, monkeypatch):
-    whole, slabs = scattered(0.15, seed=5), scattered(0.15, seed=5)
-    score = np.random.default_rng(4).integers(1, 9, SHAPE)
-    fill_holes_by_kind(*whole, (kind,), score=score)
-    monkeypatch.setattr(plus_ways, "VOXELS_AT_ONCE", planes * SHAPE[1] * SHAPE[2])
-    monkeypatch.setattr(plus_ways, "HOLES_AT_ONCE", 17)
-    fill_holes_by_kind(*slabs, (kind,), score=score)
-    # Fourier transforms of slabs round differently
-    np.testing.assert_allclose(slabs[0], whole[0], rtol=1e-6 if kind.kind == "inverse distance" else 0)
-    np.testing.assert_array_equal(slabs[1], whole[1])
-
-
 def test_of_two_neighbors_a_hole_takes_after_the_nearer_one():
     values = np.array([[[90, 0, 0, 30]]], np.float32)
     fill_holes_by_kind(values, (values > 0).astype(np.uint8), (HoleFilling("inverse distance", 5),))
@@ -191,12 +163,6 @@ def test_a_stick_interpolates_between_its_ends():
     np.testing.assert_allclose(values, [[[90, (3 * 90 + 2 * 10) / 5, (2 * 90 + 3 * 10) / 5, (1 * 90 + 4 * 10) / 5, 10]]])
 
 
-def test_a_stick_does_not_bridge_a_longer_gap():
-    values = np.array([[[90, 0, 0, 0, 10]]], np.float32)
-    mask = (values > 0).astype(np.uint8)
-    assert fill_holes_by_kind(values, mask, (HoleFilling("stick", 4),)) == 0
-
-
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
@@ -214,36 +180,3 @@ def test_a_way_that_makes_no_sense_is_refused(arguments, expected):
 
 
 # What the settings ask for
-
-
-def asked(configured=(), **settings):
-    values, mask = scattered(0.1, seed=4)
-    fill_as_asked(values, mask, SPACING, ReconstructionSettings(**{"hole_limit": 0.0, **settings}), configured)
-    return values, mask
-
-
-def expected_of(*kinds):
-    values, mask = scattered(0.1, seed=4)
-    fill_holes_by_kind(values, mask, kinds)
-    return values, mask
-
-
-STICK = HoleFilling("stick", 9)
-
-
-@pytest.mark.parametrize(
-    ("configured", "settings", "kinds"),
-    [
-        ((), {}, ()),
-        ((STICK,), {}, (STICK,)),
-        ((STICK,), {"holes": "off"}, ()),
-        ((STICK,), {"holes": "off", "hole_limit": 1.0}, ()),
-        ((STICK,), {"holes": "cube", "hole_limit": 1.0}, (HoleFilling("cube", 5),)),
-        ((), {"holes": "stick", "hole_limit": 1.2}, (HoleFilling("stick", 5),)),
-        ((), {"holes": "gaussian", "hole_limit": 1.5}, (HoleFilling("gaussian", 7, 1.5),)),
-        ((), {"holes": "stick", "hole_limit": 0.4}, ()),
-    ],
-)
-def test_settings_come_before_the_configuration(configured, settings, kinds):
-    for ours, theirs in zip(asked(configured, **settings), expected_of(*kinds), strict=True):
-        np.testing.assert_array_equal(ours, theirs)

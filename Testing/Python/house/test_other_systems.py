@@ -55,13 +55,6 @@ def test_an_output_that_differs_from_an_input_in_capitals_alone_is_refused(patie
     assert "would overwrite an input" in refused([*patient.reconstruct, "--output", written], capsys, results)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="names that differ in capitals alone are one name")
-def test_elsewhere_they_are_two_files(patient, results):
-    volume, score = results / "volume.nrrd", results / "Volume.nrrd"
-    assert main([*patient.reconstruct, *patient.bone, "--spacing", "2", "--output", str(volume), "--score", str(score)]) == 0
-    assert volume.read_bytes() != score.read_bytes()
-
-
 @pytest.mark.parametrize("name", ["D:\\Daten\\Jürgen\\mask.png", "masks\\mask.png", "..\\mask.png"])
 def test_a_windows_path_in_a_configuration_leads_to_the_same_file_anywhere(tmp_path, name):
     path = tmp_path / "plus" / "plus.xml"

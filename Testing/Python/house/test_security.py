@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import os
-import pickle
 import socket
 import sys
 from collections.abc import Iterator
@@ -122,14 +121,6 @@ def test_an_nrrd_header_names_no_file_elsewhere(inputs, tmp_path, read, key, nam
     assert strays(seen, tmp_path) == []
 
 
-def test_two_data_files_in_one_nrrd_header_are_refused(inputs):
-    """Which of them holds would be a matter of the reader."""
-    (inputs / "a.raw").write_bytes(bytes(24))
-    path = nrrd(inputs / "ct.nhdr", ramp(), {}, data=b"", **{"data file": "a.raw", "datafile": f"../{SECRET}"})
-    with pytest.raises(AIFReconError, match="data file"):
-        read_sequence(path)
-
-
 def test_a_data_file_beside_the_header_is_read(inputs, tmp_path):
     """The refusals above are not for another reason."""
     (inputs / "data.raw").write_bytes(ramp().tobytes())
@@ -229,20 +220,6 @@ def test_an_array_of_objects_is_not_unpickled(inputs, tmp_path):
     assert not (tmp_path / "harm").exists()
 
 
-def test_a_pickle_under_the_name_of_an_array_is_not_unpickled(inputs, tmp_path):
-    (inputs / "images.npy").write_bytes(pickle.dumps(Harm(tmp_path / "harm")))
-    with pytest.raises(AIFReconError, match="numpy cannot read it"):
-        open_images([inputs / "images.npy"])
-    assert not (tmp_path / "harm").exists()
-
-
-def test_the_harm_would_be_done_if_it_were_unpickled(tmp_path):
-    with watched() as seen:
-        pickle.loads(pickle.dumps(Harm(tmp_path / "harm")))
-    assert (tmp_path / "harm").exists()
-    assert [event for event, _ in seen if event.startswith("pickle")] != []
-
-
 POSTSCRIPT = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 8 6\n%%EndComments\nshowpage\n"
 
 
@@ -252,13 +229,6 @@ def test_postscript_under_the_name_of_a_picture_starts_no_interpreter(inputs, tm
     with watched() as seen, pytest.raises(AIFReconError, match="cannot be read as a picture"):
         open_images([inputs / "frame.png"])
     assert [event for event, _ in seen if event != "open"] == []
-
-
-def test_pillow_alone_would_know_it_as_postscript(inputs):
-    image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
-    (inputs / "frame.png").write_bytes(POSTSCRIPT)
-    with image.open(inputs / "frame.png") as picture:
-        assert picture.format == "EPS"
 
 
 @pytest.mark.parametrize(

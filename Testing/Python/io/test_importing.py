@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
@@ -140,13 +139,6 @@ def test_every_way_to_write_poses_puts_the_pixels_in_the_same_place(tmp_path, re
         np.testing.assert_allclose(found @ pixel, IMAGE_TO_REFERENCE @ pixel, atol=1e-8)
 
 
-def test_it_draws_the_sweep(tmp_path, results, frames):
-    poses, options = write_poses(tmp_path, "image to reference, pixels")
-    imported(results, frames, "--poses", poses, *options)
-    drawing = ElementTree.parse(results / "sweep-sweep.svg").getroot()
-    assert len(list(drawing.iter("{http://www.w3.org/2000/svg}polygon"))) == 2 * 6
-
-
 def test_poses_are_paired_by_the_names_of_their_images(tmp_path, results):
     pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
     folder = tmp_path / "frames"
@@ -215,21 +207,6 @@ def test_pictures_stored_mirrored_are_turned(tmp_path, results):
     poses, options = write_poses(tmp_path, "image to reference, pixels")
     sequence = imported(results, tmp_path / "frames.npy", "--poses", poses, *options, "--orientation", "UF")
     np.testing.assert_array_equal(sequence.images[3], SEQUENCE.images[3])
-
-
-def test_without_a_calibration_the_recording_waits_for_one(tmp_path, results, frames, capsys):
-    poses, options = write_poses(tmp_path, "reference to probe")
-    imported(results, frames, "--poses", poses, *options)
-    out = capsys.readouterr().out
-    assert "give ImageToReference with --config" in out or "with --config when reconstructing" in out
-    assert "no drawing: the image cannot be placed without a calibration" in out
-
-
-def test_positions_that_look_like_meters_are_a_doubt(tmp_path, results, frames, capsys):
-    rows = [[*(v / 1000 for v in m[:3, 3]), *np.roll(Rotation.from_matrix(m[:3, :3]).as_quat(), 1)] for m in PROBE_TO_REFERENCE]
-    poses = save(tmp_path / "p.csv", rows)
-    imported(results, frames, "--poses", poses, "--quaternion-order", "wxyz", "--transform", "ProbeToReference")
-    assert "If they are in meters, give --units m" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from AIFReconLib.errors import ConfigurationError, FileFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.plus.importance_mask import configured_importance
 from AIFReconLib.sweep.configuration import PlusConfiguration
@@ -189,23 +189,6 @@ def test_a_hole_filling_element_that_cannot_be_used_is_named(refusal, element, e
     assert expected in refusal(reconstruction('FillHoles="ON"', f"<HoleFilling>{element}</HoleFilling>"))
 
 
-@pytest.mark.parametrize(
-    ("attributes", "detection"),
-    [
-        ("", None),
-        ('EnableFanAnglesAutoDetect="FALSE"', None),
-        ('EnableFanAnglesAutoDetect="TRUE"', FanDetection(30, 10)),
-        (
-            'EnableFanAnglesAutoDetect="TRUE" FanAnglesAutoDetectBrightnessThreshold="42.5" FanAnglesAutoDetectFilterRadiusPixel="6"',
-            FanDetection(42.5, 6),
-        ),
-    ],
-)
-def test_automatic_fan_angles_are_read(read, attributes, detection):
-    region = read(reconstruction(f'FanAnglesDeg="-45 45" {attributes}')).region
-    assert region.fan_detection == detection
-
-
 def test_an_importance_mask_stands_beside_the_configuration(read, tmp_path):
     weights = np.array([[0, 51], [102, 255]], np.uint8)
     sitk.WriteImage(sitk.GetImageFromArray(weights), str(tmp_path / "mask.png"))
@@ -230,12 +213,6 @@ def test_an_importance_mask_that_cannot_be_used_is_named(read, tmp_path, attribu
     with pytest.raises(FileFormatError) as caught:
         configured_importance(configuration)
     assert expected in str(caught.value)
-
-
-def test_the_output_box_becomes_a_grid(read):
-    grid = read(reconstruction('OutputSpacing="0.5 1 2" OutputOrigin="-1 2 3" OutputExtent="2 9 0 19 -1 4"')).grid()
-    assert grid.size == (8, 20, 6)
-    np.testing.assert_allclose(grid.ijk_to_reference, [[0.5, 0, 0, 0], [0, 1, 0, 2], [0, 0, 2, 1], [0, 0, 0, 1]])
 
 
 @pytest.mark.parametrize(
@@ -283,12 +260,6 @@ def test_what_is_not_honored_is_said(read, attributes, named):
 )
 def test_an_attribute_that_cannot_be_used_is_named(refusal, attributes, expected):
     assert expected in refusal(reconstruction(attributes))
-
-
-def test_the_element_may_stand_in_a_volume_reconstructing_device(read):
-    devices = '<DataCollection><Device Id="A" Type="Other"><VolumeReconstruction OutputSpacing="9 9 9"/></Device>'
-    devices += '<Device Id="B" Type="VirtualVolumeReconstructor"><VolumeReconstruction OutputSpacing="1 2 3"/></Device></DataCollection>'
-    assert read(devices).spacing == (1, 2, 3)
 
 
 # Scan conversion

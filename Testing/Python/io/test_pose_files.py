@@ -17,7 +17,6 @@ from AIFReconLib.io.foreign.pose_files import read_poses
 from AIFReconLib.io.foreign.pose_rows import PoseFormat, in_millimeters
 
 POSES = [rigid((10.0 * n - 20.0, 5.0, 30.0 + n), (1.5 * n, -20.0, 7.25)) for n in range(3)]
-TIMES = [3.5, 3.55, 3.625]
 
 
 def words(values) -> str:
@@ -66,10 +65,6 @@ def test_matrices_of_four_lines(tmp_path):
     assert_poses(read(tmp_path, text, name="poses.txt"))
 
 
-def test_matrices_written_column_by_column(tmp_path):
-    assert_poses(read(tmp_path, table([pose.T.ravel().tolist() for pose in POSES]), PoseFormat(column_major=True)))
-
-
 @pytest.mark.parametrize("header", ["x y z qx qy qz qw", "tx ty tz q_x q_y q_z q_w", "Pos_X Pos_Y Pos_Z Quat_X Quat_Y Quat_Z Quat_W"])
 def test_named_quaternions_need_no_order(tmp_path, header):
     rows = [[*pose[:3, 3], *quaternion(pose)] for pose in POSES]
@@ -100,16 +95,6 @@ def test_euler_angles_without_names_come_in_the_order_of_the_turns(tmp_path, ord
     assert_poses(read(tmp_path, table(rows), PoseFormat(euler_order=order)))
 
 
-def test_times_in_milliseconds_become_seconds(tmp_path):
-    rows = [[1000 * t, *row] for t, row in zip(TIMES, BY_ROW)]
-    assert_poses(read(tmp_path, table(rows, ["time_ms", *M00])), TIMES)
-
-
-def test_images_and_statuses_are_kept(tmp_path):
-    found = read(tmp_path, table([[f"f{n}.png", "OK", *row] for n, row in enumerate(BY_ROW)], ["image", "status", *M00]))
-    assert (found.images, found.statuses) == (("f0.png", "f1.png", "f2.png"), ("OK", "OK", "OK"))
-
-
 @pytest.mark.parametrize(
     "missing", [["nan"] * 7, [""] * 7, ["1", "2", "3", "0", "0", "0", "0"]], ids=["nan", "empty", "a quaternion of zeros"]
 )
@@ -138,23 +123,11 @@ def test_poses_in_json(tmp_path, name):
     assert_poses(read(tmp_path, json.dumps(JSON_POSES[name]), name="poses.json"))
 
 
-def test_json_quaternions_in_a_list_take_their_order(tmp_path):
-    text = json.dumps([{"position": pose[:3, 3].tolist(), "rotation": quaternion(pose, "wxyz"), "timestamp": 1.0} for pose in POSES])
-    np.testing.assert_allclose(read(tmp_path, text, PoseFormat(quaternion_order="wxyz"), "p.json").matrices, POSES, atol=1e-9)
-    with pytest.raises(SettingsError, match=r"order of the quaternion's numbers is not known. Give quaternion_order"):
-        read(tmp_path, text, name="p.json")
-
-
 @pytest.mark.parametrize(("unit", "factor"), [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)])
 def test_lengths_become_millimeters(unit, factor):
     found = in_millimeters(np.array(POSES), PoseFormat(length_unit=unit), takes_pixels=False)
     np.testing.assert_allclose(found[:, :3, 3], factor * np.array(POSES)[:, :3, 3])
     np.testing.assert_array_equal(found[:, :3, :3], np.array(POSES)[:, :3, :3])
-
-
-def test_where_poses_take_pixels_their_axes_are_lengths_too():
-    found = in_millimeters(np.array(POSES), PoseFormat(length_unit="m"), takes_pixels=True)
-    np.testing.assert_allclose(found[:, :3], 1000.0 * np.array(POSES)[:, :3])
 
 
 @pytest.mark.parametrize(

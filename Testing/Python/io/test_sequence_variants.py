@@ -197,12 +197,6 @@ def test_transforms_are_taken_at_the_time_of_the_image(tmp_path):
     np.testing.assert_allclose(found, rigid((0, 0, 20.0), (5.0, 0, 0)), atol=1e-9)
 
 
-def test_times_rounded_to_a_millisecond_give_the_very_pose(tmp_path):
-    transforms = slicer_transforms(tmp_path / "t.seq.mha", times=(10.0004, 10.1005, 10.1996))
-    sequence = read_sequence(slicer_images(tmp_path / "i.seq.nrrd"), transform_sequences={"ImageToReference": transforms})
-    assert (sequence.records[1].transforms[TransformName("Image", "Reference")].matrix == IMAGE_TO_REFERENCE[1]).all()
-
-
 def test_a_pose_that_slicer_calls_invalid_costs_its_frame(tmp_path):
     transforms = slicer_transforms(tmp_path / "t.seq.mha", statuses=("OK", "OK", "INVALID"))
     sequence = read_sequence(slicer_images(tmp_path / "i.seq.nrrd"), transform_sequences={"ImageToReference": transforms})
@@ -259,25 +253,6 @@ def test_an_interleaved_sequence_is_never_in_memory_as_a_whole(tmp_path):
         assert tracemalloc.get_traced_memory()[1] < 3.3 * 2**23  # pieces of 8 MB of a recording of 36 MB
     finally:
         tracemalloc.stop()
-
-
-def test_attributes_of_slicers_frames_are_kept(tmp_path):
-    attributes = {"axis 3 item 0001 DICOM.instanceUIDs": "1.2.3", "Operator": "JD"}
-    sequence = read_sequence(slicer_images(tmp_path / "i.seq.nrrd", **attributes))
-    assert sequence.records[1].fields == {"DICOM.instanceUIDs": "1.2.3"}
-    assert sequence.fields["Operator"] == "JD"
-
-
-def test_slicers_attribute_of_the_orientation_is_honored(tmp_path):
-    plain, turned = tmp_path / "plain.seq.nrrd", tmp_path / "turned.seq.nrrd"
-    slicer_images(plain)
-    slicer_images(turned, **{"Sequences.UltrasoundImageOrientation": "UN"})
-    np.testing.assert_array_equal(read_sequence(turned).images[0], read_sequence(plain).images[0][::-1, ::-1])
-
-
-def test_an_index_in_milliseconds_becomes_seconds(tmp_path):
-    path = slicer_images(tmp_path / "i.seq.nrrd", times="0 40 80", unit="ms")
-    assert [record.timestamp for record in read_sequence(path).records] == pytest.approx([0.0, 0.04, 0.08])
 
 
 @pytest.mark.parametrize("compressed", [False, True])

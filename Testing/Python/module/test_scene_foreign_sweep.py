@@ -10,8 +10,6 @@ slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 from scene_host import transform_node  # noqa: E402
 
 from AIFReconLib import read_sequence  # noqa: E402
-from AIFReconLib.errors import TransformError  # noqa: E402
-from AIFReconLib.geometry.pose_interpolation import interpolate_pose  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
 
 CALIBRATION = rigid((5.0, 60.0, -4.0), (1.0, -2.0, 3.0)) @ np.diag([0.3, 0.5, 0.4, 1.0])
@@ -89,10 +87,6 @@ def poses_of(browser, **options) -> np.ndarray:
 # ---- parent transforms
 
 
-def test_static_and_recorded_transforms_multiply(scene):
-    assert np.allclose(poses_of(live(scene)), [probe_pose(n) @ CALIBRATION for n in range(4)], atol=1e-12)
-
-
 def test_reference_to_ras_above_a_live_recording_counts(scene):
     browser = live(scene)
     reference_to_ras = rigid((0.0, 0.0, 90.0), (10.0, 20.0, 30.0))
@@ -165,12 +159,6 @@ def test_an_image_that_slicer_replays_with_several_poses_is_one_frame(scene):
     assert summary(browser_of(scene, recorded, pictures)).lines == ["3 of 3 frames have a position."]
 
 
-def test_a_pose_that_is_out_of_view_places_no_image_beside_it(scene):
-    browser = live(scene, values=["0.000", "0.050", "0.150", "0.250"], statuses=["OK", "OUT_OF_VIEW", "OK", "OK"])
-    between = interpolate_pose(probe_pose(0), probe_pose(2), 2 / 3)
-    assert np.allclose(poses_of(browser)[1], between @ CALIBRATION, atol=1e-12)
-
-
 @pytest.mark.parametrize(("type_name", "values"), [("TextIndex", ["late", "early", "between"]), ("NumericIndex", ["0", "7", "8"])])
 def test_items_that_are_not_numbered_by_time_belong_to_their_like(scene, type_name, values):
     pictures, recorded = sequence_of(scene, "Image", []), sequence_of(scene, "ImageToReference", [])
@@ -217,20 +205,6 @@ def test_a_calibration_of_the_scene_completes_the_chain(scene):
     browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
     transform_node(scene, CALIBRATION, "ImageToProbe")
     assert np.allclose(poses_of(browser)[2], probe_pose(2) @ CALIBRATION, atol=1e-12)
-
-
-def test_a_parent_of_the_last_named_transform_counts(scene):
-    recorded = sequence_of(scene, "ImageToReference", pose_nodes([CALIBRATION] * 3, "ImageToReference"))
-    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
-    browser.GetProxyNode(recorded).SetAndObserveTransformNodeID(transform_node(scene, probe_pose(5), "ReferenceToRAS").GetID())
-    assert np.allclose(poses_of(browser)[0], probe_pose(5) @ CALIBRATION, atol=1e-12)
-
-
-def test_a_missing_calibration_is_named(scene):
-    recorded = sequence_of(scene, "ProbeToReference", pose_nodes([probe_pose(n) for n in range(3)]))
-    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
-    with pytest.raises(TransformError, match="Live: No transform leads from Image to Reference"):
-        read(browser)
 
 
 # ---- poses within the images

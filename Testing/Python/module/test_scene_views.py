@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from sweeps import rigid
@@ -98,14 +96,6 @@ def side_by_side(scene, logic, ct, count=3):
     return nodes
 
 
-def test_views_side_by_side_show_the_same_plane(scene, logic, ct):
-    side_by_side(scene, logic, ct)
-    nodes = [logic.GetSliceLogicByLayoutName(f"AIFRecon{n}").GetSliceNode() for n in (1, 2, 3)]
-    matrices = [slicer.util.arrayFromVTKMatrix(node.GetSliceToRAS()) for node in nodes]
-    assert all(np.allclose(matrix, matrices[0], atol=1e-9) for matrix in matrices)
-    assert {node.GetOrientation() for node in nodes} == {"Sagittal"}
-
-
 def test_the_layout_of_before_comes_back(scene, logic, ct):
     from AIFReconScene.display.sliceDisplay import restoreLayout
 
@@ -141,13 +131,6 @@ def test_volume_rendering_is_turned_on_and_off(logic, output):
     assert display.GetVisibility()
     assert showVolumeRendering(output, False, logic) is display
     assert not display.GetVisibility()
-
-
-def test_soft_tissue_is_transparent_and_bone_is_not(logic, output):
-    from AIFReconScene.display.sliceDisplay import showVolumeRendering
-
-    opacity = showVolumeRendering(output, True, logic).GetVolumePropertyNode().GetScalarOpacity()
-    assert (opacity.GetValue(0.25 * 200), opacity.GetValue(200)) == (0.0, pytest.approx(0.8))
 
 
 def test_what_the_user_changes_in_the_rendering_stays(logic, output):
@@ -230,12 +213,6 @@ def test_beams_of_a_linear_probe_run_down_the_image():
     assert lines.tolist() == [[[0, 0], [0, 9]], [[10, 0], [10, 9]], [[20, 0], [20, 9]]]
 
 
-def test_the_outline_is_the_border_of_the_region():
-    from AIFReconScene.display.probeOverlay import outline
-
-    assert outline(np.ones((2, 4), bool)).tolist() == [[0, 0], [0, 1], [3, 1], [3, 0], [0, 0]]
-
-
 def test_beams_of_a_turned_image_are_turned_with_it(browser, overlay):
     browser.GetMasterSequenceNode().SetAttribute("Sequences.UltrasoundImageOrientation", "UFD")
     node = overlay.showProbe(browser, None, ProbeGeometry("sector", (20.0, -5.0)), FAN)
@@ -263,13 +240,6 @@ def test_an_outline_lies_in_the_plane_of_its_frame(browser, overlay):
     pixels = (points - pose(3)[:3, 3]) @ np.linalg.inv(pose(3)[:3, :3]).T
     assert np.abs(pixels[:, 2]).max() < 1e-5
     assert (pixels[:, :2].min(axis=0), pixels[:, :2].max(axis=0))[0] == pytest.approx([0, 0], abs=1e-5)
-
-
-def test_a_long_sweep_is_thinned_out(scene, overlay):
-    name = TransformName("Image", "Reference")
-    records = [FrameRecord(0.1 * n, None, TransformStatus.OK, {name: TransformSample(pose(n % 7))}) for n in range(1000)]
-    node = overlay.showOutlines(SimpleNamespace(GetName=lambda: "S"), TrackedSequence(np.zeros((1000, 8, 9), np.uint8), records))
-    assert 150 < node.GetPolyData().GetNumberOfLines() <= 300
 
 
 def test_hiding_removes_everything_that_was_drawn(scene, browser, overlay):

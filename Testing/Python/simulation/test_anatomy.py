@@ -3,7 +3,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.simulation.anatomy import DISTANCE_LIMIT, LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
@@ -75,12 +74,6 @@ def test_vertebral_body_is_as_wide_as_asked(regular):
     assert max(widths) == pytest.approx(regular.anatomy.body_width, abs=2.0)
 
 
-def test_vertebral_body_is_as_deep_as_asked(regular):
-    center = regular.vertebrae[1].vertebra_to_reference[:3, 3] + regular.vertebrae[1].body_center
-    depths = [bone_runs(regular.labels, np.add(center, (0, -18.0, z)), np.add(center, (0, 22.0, z)))[0] for z in np.arange(-11.0, 12.0)]
-    assert max(b - a for a, b in depths) == pytest.approx(regular.anatomy.body_depth, abs=2.0)
-
-
 def test_vertebral_body_is_as_high_as_asked(regular):
     center = regular.vertebrae[1].vertebra_to_reference[:3, 3] + regular.vertebrae[1].body_center
     rim = np.add(center, (0.0, 12.5, 0.0))
@@ -96,12 +89,6 @@ def test_spinal_canal_holds_no_bone(regular):
 def test_vertebrae_are_whole_within_the_scan(regular):
     inner = regular.labels.array[1:-1, 1:-1, 1:-1]
     assert np.count_nonzero(inner) == np.count_nonzero(regular.labels.array)
-
-
-@pytest.mark.parametrize("vertebrae", [2, 4])
-def test_as_many_vertebrae_as_asked(vertebrae):
-    phantom = make_lumbar_phantom(LumbarAnatomy(vertebrae=vertebrae), spacing=3.0)
-    assert phantom.labels.array.max() == len(phantom.vertebrae) == vertebrae
 
 
 def test_ct_shows_air_fat_muscle_and_cortical_bone(regular):
@@ -120,12 +107,6 @@ def test_bone_distance_grows_by_one_mm_per_mm_near_the_surface(regular):
     assert np.median(slope[near]) == pytest.approx(1.0, abs=0.08)
     assert np.abs(distance).max() <= 30
     assert distance.max() == DISTANCE_LIMIT
-
-
-def test_the_same_seed_gives_the_same_phantom(person):
-    again = make_lumbar_phantom(LumbarAnatomy.from_seed(3), spacing=COARSE)
-    assert np.array_equal(person.ct.array, again.ct.array)
-    assert np.array_equal(person.labels.array, again.labels.array)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -167,12 +148,6 @@ def test_ct_changes_from_air_to_body_at_the_skin(person):
     _, inside = values_along(person.ct, (20.0, person.skin_y(20, 10) + 2, 10.0), (20.0, person.skin_y(20, 10) + 6, 10.0))
     assert outside.max() < -850
     assert inside.min() > -250
-
-
-@pytest.mark.parametrize("wrong", [{"vertebrae": 5}, {"interspinous_gap": 30.0}, {"spinous_length": 34.0, "skin_to_lamina": 36.0}])
-def test_sizes_beyond_anatomy_are_refused(wrong):
-    with pytest.raises(SettingsError, match="must"):
-        LumbarAnatomy(**wrong)
 
 
 def test_a_swept_sphere_is_a_capsule():

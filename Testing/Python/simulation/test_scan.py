@@ -95,11 +95,6 @@ def test_an_in_plane_tilt_turns_the_beam_within_the_image_plane(phantom):
     assert pose[:3, 1] == pytest.approx([0.5, np.sqrt(0.75), 0.0], abs=1e-12)
 
 
-def test_a_sagittal_image_runs_along_the_spine(phantom):
-    pose = contact_pose(phantom, 0.0, 0.0, orientation="sagittal")
-    assert pose[:3, 0] == pytest.approx([0.0, 0.0, 1.0])
-
-
 @pytest.mark.parametrize("make", [single_angle_sweep, multi_angle_sweep, freehand_sweep])
 def test_poses_of_a_path_are_rigid(phantom, make):
     assert [why_not_rigid(pose) for pose in make(phantom, 20).transducer_to_reference] == [None] * 20
@@ -120,13 +115,6 @@ def test_a_sweep_covers_all_spinous_processes(phantom, path):
 def test_a_sequence_records_both_tracked_transforms_as_ok(sequence):
     names = {str(name): dict(sequence.status_counts(name)) for name in sequence.transform_names()}
     assert names == {name: {TransformStatus.OK: 36} for name in ("ProbeToTracker", "ReferenceToTracker")}
-
-
-def test_the_same_seed_gives_the_same_sequence(phantom):
-    short = single_angle_sweep(phantom, 3)
-    one, same = (simulate_sweep(phantom, PROBE, short, seed=9, errors=TrackingErrors(noise=1.0)) for _ in range(2))
-    assert np.array_equal(one.images, same.images)
-    assert np.array_equal(image_to_reference(one.records[2]), image_to_reference(same.records[2]))
 
 
 def test_tracker_noise_moves_the_probe_by_its_standard_deviation(phantom):
@@ -170,11 +158,6 @@ def test_misregistration_moves_its_point_by_exactly_that_much():
     assert np.linalg.norm(transform_points(error, point) - point) == pytest.approx(2.0)
 
 
-def test_misregistration_turns_by_exactly_that_angle():
-    error = ct_misregistration(2.0, 5.0, seed=7)
-    assert np.rad2deg(np.arccos((np.trace(error[:3, :3]) - 1) / 2)) == pytest.approx(5.0)
-
-
 def test_configuration_holds_the_calibration():
     root = ElementTree.fromstring(plus_configuration_xml(PROBE))
     transform = root.find("CoordinateDefinitions/Transform")
@@ -188,13 +171,6 @@ def test_configuration_holds_the_apex_by_the_rule_of_plus():
     column, row = map(float, scan_conversion.get("TransducerCenterPixel").split())
     spacing = float(scan_conversion.get("OutputImageSpacingMmPerPixel").split()[1])
     assert (column, row - float(scan_conversion.get("RadiusStartMm")) / spacing) == pytest.approx(PROBE.apex_px)
-
-
-def test_configuration_holds_the_fan_in_pixels():
-    fan = ElementTree.fromstring(plus_configuration_xml(PROBE)).find("VolumeReconstruction")
-    assert tuple(map(float, fan.get("FanOriginPixel").split())) == pytest.approx(PROBE.fan.apex_px)
-    assert float(fan.get("FanRadiusStopPixel")) == pytest.approx(PROBE.fan.radii[1])
-    assert tuple(map(float, fan.get("FanAnglesDeg").split())) == PROBE.fan.angles_deg
 
 
 def test_probe_poses_come_from_the_true_transducer(phantom, path, sequence):

@@ -29,16 +29,6 @@ def tracked(name: TransformName, status: TransformStatus = TransformStatus.OK) -
     return FrameRecord(transforms={name: TransformSample(np.eye(4), status)})
 
 
-def test_a_record_too_few_is_refused():
-    with pytest.raises(ValueError, match="got 1 for 2 images"):
-        TrackedSequence(np.zeros((2, 4, 5), np.uint8), [FrameRecord()])
-
-
-def test_transforms_of_the_header_are_named_too():
-    sequence = sequence_of(tracked(PROBE), transforms={STYLUS: TransformSample(np.eye(4))})
-    assert sequence.transform_names() == [STYLUS, PROBE]
-
-
 def test_the_transform_of_the_header_stands_in_where_a_frame_has_none():
     sequence = sequence_of(tracked(PROBE, TransformStatus.INVALID), tracked(STYLUS), transforms={PROBE: TransformSample(np.eye(4))})
     assert sequence.status_counts(PROBE) == {TransformStatus.INVALID: 1, TransformStatus.OK: 1}
@@ -107,11 +97,3 @@ RIGID = np.stack([rigid(translation=(0.0, 0.0, n)) for n in range(4)])
 def test_arrays_that_do_not_fit_are_refused_with_what_would(arguments, words):
     with pytest.raises(GeometryError, match=words):
         TrackedSequence.from_arrays(*arguments)
-
-
-@pytest.mark.parametrize(
-    ("poses", "spacing", "words"), [(RIGID, 0.0, "positive"), (RIGID, (1, 1, 1), "one or two"), (POSES, 0.4, "frame 0 is not rigid")]
-)
-def test_a_size_of_a_pixel_that_does_not_fit_is_refused(poses, spacing, words):
-    with pytest.raises(GeometryError, match=words):
-        TrackedSequence.from_arrays(IMAGES, poses, spacing=spacing)

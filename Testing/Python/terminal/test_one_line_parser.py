@@ -7,8 +7,6 @@ import pytest
 from AIFReconLib.commands.parser import build_parser, main
 from AIFReconLib.io.volume.files import read_volume
 
-"""Lines of a terminal window that is not maximized, examples included."""
-
 
 def help_of(capsys, monkeypatch, *words) -> str:
     monkeypatch.setenv("COLUMNS", "80")

@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from study import method_cases
 from study.__main__ import STUDIES
 from study.__main__ import main as start
-from study.method_cases import Row, patient_rows, removed_surface, restricted, without_middle_process
+from study.method_cases import Row, patient_rows, without_middle_process
 from study.method_page import COLUMNS
 from study.patients import read_rows, run_study
 
@@ -58,21 +58,6 @@ def test_the_phantom_without_its_process_has_the_same_bone_in_ct_and_ultrasound(
     np.testing.assert_array_equal(without.bone_distance.array <= 0, without.labels.array > 0)
 
 
-def test_the_removed_surface_is_that_of_the_process(phantom, scan):
-    removed = removed_surface(scan.truth.surface, without_middle_process(phantom).bone_distance)
-    middle = method_cases._middle(phantom)
-    assert 0.02 < removed.mean() < 0.2
-    assert (scan.truth.surface.points_reference[removed][:, 1] < middle[1]).all()
-
-
-def test_a_restricted_truth_measures_only_its_points(scan):
-    points = np.zeros(len(scan.truth.surface), bool)
-    points[::7] = True
-    part = restricted(scan.truth, points)
-    assert part.surface.areas.sum() == pytest.approx(scan.truth.surface.areas[points].sum())
-    assert len(part.best_cosine) == len(part.border) == points.sum()
-
-
 def test_a_case_reconstructs_and_measures(phantom, scan, monkeypatch):
     monkeypatch.setattr(method_cases, "SPACING", 2.0)
     monkeypatch.setattr(method_cases, "HOLE_LIMIT", 4.0)
@@ -81,20 +66,6 @@ def test_a_case_reconstructs_and_measures(phantom, scan, monkeypatch):
     )
     assert weighted["bone_cnr"] > average["bone_cnr"]
     assert weighted["oblique_cnr"] > average["oblique_cnr"]
-
-
-def test_average_and_weighted_are_compared_on_the_bone_that_both_show(phantom, scan, monkeypatch):
-    monkeypatch.setattr(method_cases, "SPACING", 2.0)
-    monkeypatch.setattr(method_cases, "HOLE_LIMIT", 4.0)
-    average, weighted = method_cases._where_both_show(2, "multi-angle", scan, phantom.labels)
-    assert (average.method, weighted.method) == ("average", "weighted")
-    assert (
-        average.metrics["bone_area"]
-        == weighted.metrics["bone_area"]
-        < method_cases._row(2, "multi-angle", "exact", "average", scan, phantom.labels).metrics["bone_area"]
-    )
-    assert weighted.metrics["bone_coverage"] > 0.8
-    assert average.metrics["bone_localization_error"] < 1.0
 
 
 def test_a_study_of_a_method_that_is_not_there_is_one_line(tmp_path, capsys):
