@@ -201,8 +201,7 @@ def _coverage(parameters, progress) -> tuple:
     try:
         inputs, place = Inputs.fromParameters(parameters), rigidPlace(bone)
         sequence, labels, names = inputs.sequence(), inputs.labels(), boneNames(bone, list(parameters.boneSegments) or None)
-        imaging = {"region": inputs.imageRegion(sequence.configuration), "probe": inputs.probe}
-        found = inBackground(lambda progress: coverage(sequence, labels, place, names=names, progress=progress, **imaging), progress)
+        found = inBackground(lambda progress: coverage(sequence, labels, place, inputs.recipe, names=names, progress=progress), progress)
     except OperationCanceled:
         raise
     except AIFReconError as error:

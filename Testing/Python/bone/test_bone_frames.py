@@ -18,9 +18,9 @@ from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import Imaging
-from AIFReconLib.settings import ReconstructionSettings
 
 SWEEP = PlaneSweep()
 

@@ -19,9 +19,9 @@ from AIFReconLib.imaging.detection import detect_imaging
 from AIFReconLib.imaging.region import Fan, ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.resolve import Imaging
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.resolve import Imaging, imaging_fields
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.joined import joined
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses
@@ -201,7 +201,8 @@ def test_a_sequence_alone_will_do():
     sequence, poses, imaging = oblique_sweep()
     of_arrays = TrackedSequence.from_arrays(sequence.images, poses.image_to_reference)
     known = bone_from_sweep(sequence, poses, imaging)
-    np.testing.assert_array_equal(bone_from_sweep(of_arrays, region=imaging.region, probe=imaging.probe).probability, known.probability)
+    found = bone_from_sweep(of_arrays, recipe=Recipe(**imaging_fields(imaging.region, imaging.probe)))
+    np.testing.assert_array_equal(found.probability, known.probability)
 
 
 @pytest.mark.parametrize("shift", [-8.0, 8.0])

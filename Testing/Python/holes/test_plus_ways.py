@@ -14,7 +14,7 @@ from AIFReconLib.holes.filling import KINDS, HoleFilling
 from AIFReconLib.holes.nearest import FILLED, MEASURED, fill_holes
 from AIFReconLib.holes.plus_ways import fill_holes_by_kind
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 SHAPE = (6, 7, 8)
 SPACING = np.array([0.5, 0.5, 0.5])

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
+from AIFReconLib.recipe.recipe import DEFAULT_SPACING, ReconstructionSettings
 
 PAGE = (Path(__file__).parents[3] / "docs" / "method.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| `(--[a-z-]+)` \| `([a-z_]+)` \| (.+?) \| (.+?) \|$", PAGE, re.MULTILINE)

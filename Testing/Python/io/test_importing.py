@@ -18,8 +18,8 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample,
 from AIFReconLib.inspection.sweep_drawing import draw_sweep
 from AIFReconLib.io.foreign.importing import ImportSettings
 from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.poses import sweep_poses
 
 SEQUENCE = tracked_sequence()

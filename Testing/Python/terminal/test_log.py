@@ -17,7 +17,7 @@ from AIFReconLib.live.session.insertion import Inserter
 from AIFReconLib.live.session.statistics import Meter
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.machine import threads
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.terminal.log import FIRST_WORDS
 
 LIBRARY = logging.getLogger("AIFReconLib")
