@@ -129,9 +129,7 @@ class Columns:
                 method_named(name)
             except MethodError:
                 raise MethodError(
-                    "{method} is a method of your own, which a table alone cannot bring in. Give {option} too.".format(
-                        method=name, option=f"--method {name}"
-                    )
+                    f"{name} is a method of your own, which no table brings in by itself. Give it as in aifrecon batch --method {name} too."
                 ) from None
         return self._parsed(METHOD, [f"--{METHOD}={name}"])
 
