@@ -41,9 +41,8 @@ from ..registration.segments import placed_labels
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
-from ..terminal.bone_options import bone_from, labeled_bone_from, seen_bone_inputs
 from ..terminal.recipe_options import load_method_here, recipe_from
-from ..terminal.reconstruction_options import SIDE_OUTPUTS, grid_from
+from ..terminal.reconstruction_options import SIDE_OUTPUTS, bone_from, grid_from, labeled_bone_from, seen_bone_inputs
 from ..terminal.remedies import in_columns
 from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance

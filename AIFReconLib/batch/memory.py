@@ -12,8 +12,8 @@ from ..machine.memory import SAFETY, available_memory
 from ..machine.threads import usable_cores
 from ..recipe.recipe import DEFAULT_SPACING
 from ..reconstruction import plan
-from ..terminal.bone_options import seen_source
 from ..terminal.recipe_options import recipe_from
+from ..terminal.reconstruction_options import seen_source
 from ..terminal.sequence_options import of_each, sequence_from
 from .table import Case, with_method
 

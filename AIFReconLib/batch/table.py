@@ -22,8 +22,8 @@ from ..io.disk.small_files import read_bytes
 from ..io.metafile.opening import data_files
 from ..message import said
 from ..recipe.recipe import RULES
-from ..terminal.bone_options import check_bone_options, seen_source
 from ..terminal.recipe_options import recipe_from
+from ..terminal.reconstruction_options import check_bone_options, seen_source
 from ..terminal.remedies import in_columns
 from ..terminal.sequence_options import of_each
 from .columns import CASE, METHOD, REQUIRED, SWEEPS, Columns

@@ -9,9 +9,9 @@ from ..bone.map import SIGMA_VOXELS, BoneMap
 from ..errors import SettingsError
 from ..io.volume.files import check_volume_path, read_labels
 from ..recipe.recipe import AUTOMATIC
-from ..terminal.bone_options import add_width_options
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.reconstruction_options import add_width_options
 
 
 def add_to(commands: Commands) -> None:

@@ -15,8 +15,7 @@ from ..io.volume.surfaces import check_surface_path, write_surface
 from ..progress import part
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, add_beam_option, refuse_to_overwrite
-from ..terminal.recipe_options import recipe_from
-from ..terminal.reconstruction_options import add_imaging_options
+from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 

@@ -26,8 +26,7 @@ from ..provenance.settings_files import made_with
 from ..sweep.joined import joined
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, add_beam_option, real_path, refuse_to_overwrite
-from ..terminal.recipe_options import recipe_from
-from ..terminal.reconstruction_options import add_imaging_options
+from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.sequence_options import add_tracking_options, of_each
 
 EXAMPLE = """examples:

@@ -28,12 +28,18 @@ from ..recipe.recipe import LONGEST_GAP, Recipe
 from ..registration.labeled_bone import LabeledBone
 from ..resolve import asked_imaging
 from ..sweep.configuration import NO_CONFIGURATION
-from ..terminal.bone_options import bone_from, labeled_bone_from, seen_bone_inputs
 from ..terminal.console import ProgressBar
 from ..terminal.live_bone import LiveBone, add_streamed_bone_option, predictions_path
 from ..terminal.options import Commands, refuse_to_overwrite
 from ..terminal.recipe_options import add_setting, recipe_from
-from ..terminal.reconstruction_options import SIDE_OUTPUTS, add_reconstruction_options, grid_from
+from ..terminal.reconstruction_options import (
+    SIDE_OUTPUTS,
+    add_reconstruction_options,
+    bone_from,
+    grid_from,
+    labeled_bone_from,
+    seen_bone_inputs,
+)
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import OF_A_RECORDING, add_tracking_options
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance

@@ -26,8 +26,7 @@ from ..resolve import resolve_imaging
 from ..sweep.poses import sweep_poses
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, refuse_to_overwrite
-from ..terminal.recipe_options import recipe_from
-from ..terminal.reconstruction_options import add_imaging_options
+from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, sequence_from, sequence_inputs
 from .coverage import add_labels_options

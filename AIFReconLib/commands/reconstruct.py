@@ -22,11 +22,18 @@ from ..reconstruction import reconstruct
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
-from ..terminal.bone_options import bone_from, labeled_bone_from, seen_bone_inputs
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, refuse_to_overwrite
 from ..terminal.recipe_options import add_setting, recipe_from
-from ..terminal.reconstruction_options import SIDE_OUTPUTS, add_memory_option, add_reconstruction_options, grid_from
+from ..terminal.reconstruction_options import (
+    SIDE_OUTPUTS,
+    add_memory_option,
+    add_reconstruction_options,
+    bone_from,
+    grid_from,
+    labeled_bone_from,
+    seen_bone_inputs,
+)
 from ..terminal.remedies import IN_OPTIONS, in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance

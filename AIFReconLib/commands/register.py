@@ -18,8 +18,7 @@ from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, add_placing_options, refuse_to_overwrite
-from ..terminal.recipe_options import recipe_from
-from ..terminal.reconstruction_options import add_imaging_options
+from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:

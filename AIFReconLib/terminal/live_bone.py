@@ -19,7 +19,7 @@ from ..live.session.session import LiveSession
 from ..live.wire.sources import MessageSource
 from ..resolve import Imaging
 from ..sweep.configuration import PlusConfiguration
-from .bone_options import seen_source
+from .reconstruction_options import seen_source
 from .remedies import in_options
 
 

@@ -105,6 +105,14 @@ def _number_or(word: str) -> Callable[[str], float | str]:
     return read
 
 
+def add_imaging_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """Probe, clip rectangle and fan; the answer is the group, for more of the kind."""
+    image = parser.add_argument_group("image", "what the image shows; default: the configuration's, else recognized by the black surround")
+    for name in ("probe", "apex_px", "clip_px", "fan_angles_deg", "fan_radius_px"):
+        add_setting(image, name)
+    return image
+
+
 def recipe_from(arguments: argparse.Namespace) -> Recipe:
     """The recipe that the given options ask for; options that were not given keep their defaults."""
     given = {name: value for name in RULES if (value := getattr(arguments, name, None)) is not None}
