@@ -9,13 +9,13 @@ from __future__ import annotations
 import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 from .. import __version__
 from ..compounding.state import Reconstruction
 from ..geometry.volume import Volume
-from ..recipe.recipe import AUTOMATIC, KEPT, Recipe
+from ..recipe.recipe import AUTOMATIC, KEPT, RULES, ReadingSettings, Recipe
 from ..resolve import Imaging, imaging_fields
 from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
@@ -27,6 +27,8 @@ VOLUMES = ("intensity", "score", "hits", "mask", "cosine")
 
 _OF_REGION_AND_PROBE = ("probe", "apex_px", "clip_px", *(name for name in KEPT if name.startswith("fan_")))
 """What is kept as it was chosen: the whole of it, whatever a configuration says later."""
+
+_OF_READING = tuple(spec.name for spec in fields(ReadingSettings))
 
 _BY_CONFIGURATION = ("method", "spacing", "skip", "interpolation", "pixel_rejection")
 """What a configuration may say of a reconstruction, by its names there and in the settings."""
@@ -54,6 +56,10 @@ def kept_settings(
     """
     given = {name: getattr(asked, name) for name in KEPT if name not in _OF_REGION_AND_PROBE}
     kept = {name: value for name, value in given.items() if value is not None and value is not False}
+    for name in _OF_READING:
+        if kept.get(name) == RULES[name]["default"]:
+            # Nothing was asked for, or it was done before the recording came here
+            kept.pop(name, None)
     for name in _BY_CONFIGURATION:
         value = getattr(resolved, name)
         if value is not None and value != getattr(configuration, name):

@@ -226,9 +226,7 @@ def _percent(share: float) -> str:
 
 
 def _settings(output):
-    """The `ReconstructionSettings` that a volume says it was made with."""
-    from AIFReconLib import ReconstructionSettings
-    from AIFReconLib.provenance.kept import OF_RECONSTRUCTION, understood
+    """The `Recipe` that a volume says it was made with."""
+    from AIFReconLib.provenance.kept import understood
 
-    kept = understood(Path(output.GetName()), json.loads(output.GetAttribute(SETTINGS_ATTRIBUTE)), "", ())
-    return ReconstructionSettings(**{name: value for name, value in kept.options.items() if name in OF_RECONSTRUCTION})
+    return understood(Path(output.GetName()), json.loads(output.GetAttribute(SETTINGS_ATTRIBUTE)), "", ()).recipe

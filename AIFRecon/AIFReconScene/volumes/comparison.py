@@ -37,7 +37,7 @@ def compareMethods(inputs, settings, progress=None) -> Comparison:
     Parameters
     ----------
     inputs : Inputs
-    settings : ReconstructionSettings
+    settings : Recipe
         Its method is replaced by each in turn.
     progress : callable or None
 
