@@ -9,8 +9,8 @@ import numpy as np
 from ..arrays import Numbers, NumberType
 from ..errors import GeometryError
 from ..message import Sentence
+from ..recipe.recipe import Recipe
 from ..remedies import Remedy
-from ..settings import ReconstructionSettings
 from .needs import judges_shadows
 
 
@@ -53,17 +53,17 @@ class ImageKind:
         """Whether pixels are gray levels from 0 to 255."""
         return self.dtype == np.uint8
 
-    def maximum(self, settings: ReconstructionSettings) -> float:
+    def maximum(self, settings: Recipe) -> float:
         """The brightest value that an image can hold; infinite where neither the settings nor the type tell."""
         if settings.intensity_maximum is not None:
             return settings.intensity_maximum
         return float(np.iinfo(self.dtype.name).max) if self.dtype.kind in "iu" else np.inf
 
-    def output_type(self, settings: ReconstructionSettings) -> str:
+    def output_type(self, settings: Recipe) -> str:
         """The pixel type of the volume: "uint8" or "float32"."""
         return settings.output_type or ("uint8" if self.is_8_bit else "float32")
 
-    def warnings(self, method: str, settings: ReconstructionSettings) -> list[str]:
+    def warnings(self, method: str, settings: Recipe) -> list[str]:
         """What does not go well with such pixels."""
         if self.is_8_bit:
             return []

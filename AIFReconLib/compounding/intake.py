@@ -12,14 +12,14 @@ from ..geometry.volume import VoxelGrid
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion, PixelFilter
 from ..imaging.sound_speed import depth_scale
-from ..settings import ReconstructionSettings
+from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .evidence import ScanLines
 from .layout import PixelLayout, in_fixed_point
 
 KINDS: dict[str, tuple[type, str]] = {
-    "settings": (ReconstructionSettings, "Write ReconstructionSettings(method=..., spacing=...)."),
+    "recipe": (Recipe, "Write Recipe(method=..., spacing=...)."),
     "bone": (BoneMap, "Make one: BoneMap.from_labels(labels) or BoneMap.from_probability(probability)."),
     "grid": (VoxelGrid, "A Volume has one: volume.grid; else VoxelGrid.from_spacing(origin, size, spacing)."),
     "region": (ImageRegion, "Make one: ImageRegion(ClipRectangle((x, y), (width, height)), Fan(apex, angles, radii))."),
@@ -50,7 +50,7 @@ class Intake:
     Parameters
     ----------
     grid : VoxelGrid
-    settings : ReconstructionSettings
+    settings : Recipe
     region : ImageRegion
         Pixels outside it never enter.
     probe : ProbeGeometry or None
@@ -72,7 +72,7 @@ class Intake:
     def __init__(
         self,
         grid: VoxelGrid,
-        settings: ReconstructionSettings,
+        settings: Recipe,
         region: ImageRegion,
         probe: ProbeGeometry | None,
         *,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..errors import SettingsError
-from ..settings import ReconstructionSettings
+from ..recipe.recipe import Recipe
 from .methods.table import method_named
 
 
@@ -18,12 +18,12 @@ def method_needs_bone(name: str) -> bool:
     return method_named(name).needs_bone
 
 
-def needs_bone(name: str, settings: ReconstructionSettings) -> bool:
+def needs_bone(name: str, settings: Recipe) -> bool:
     """Whether a reconstruction reads the bone map."""
     return method_needs_bone(name) or settings.best_cosine
 
 
-def bone_on_grid(name: str, settings: ReconstructionSettings, grows: bool = False) -> bool:
+def bone_on_grid(name: str, settings: Recipe, grows: bool = False) -> bool:
     """Whether the bone map is kept on every voxel: read wherever a pixel enters, not just where frames show bone, or one that `grows`."""
     return needs_bone(name, settings) and (grows or settings.best_cosine or method_named(name).reads_bone == "everywhere")
 
@@ -33,12 +33,12 @@ def judges_shadows(name: str) -> bool:
     return method_named(name).needs_shadows
 
 
-def needs_beams(name: str, settings: ReconstructionSettings) -> bool:
+def needs_beams(name: str, settings: Recipe) -> bool:
     """Whether a reconstruction reads the beams' directions."""
     return needs_bone(name, settings) or judges_shadows(name)
 
 
-def require_bone(name: str, settings: ReconstructionSettings, has_bone: bool) -> bool:
+def require_bone(name: str, settings: Recipe, has_bone: bool) -> bool:
     """Whether a reconstruction reads the bone map, and an error where there is none for it.
 
     Raises

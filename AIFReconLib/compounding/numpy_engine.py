@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Integers, Matrix, Singles
 from ..bone.placed.on_grid import PlacedBone, everywhere
-from ..settings import ReconstructionSettings
+from ..recipe.recipe import Recipe
 from .batch import FrameBatch
 from .evidence import ScanLines
 from .layout import PixelLayout
@@ -24,7 +24,7 @@ class NumpyEngine:
     ----------
     state : VoxelState
     grid_size : (i, j, k)
-    settings : ReconstructionSettings
+    settings : Recipe
     maximum : float
         Brightest value an image can hold.
     bone : PlacedBone or None
@@ -42,7 +42,7 @@ class NumpyEngine:
         self,
         state: VoxelState,
         grid_size: tuple[int, int, int],
-        settings: ReconstructionSettings,
+        settings: Recipe,
         maximum: float,
         bone: PlacedBone | None,
         threads: int | None = None,

@@ -23,8 +23,8 @@ from ..imaging.sound_speed import depth_factor
 from ..machine.memory import require_memory
 from ..message import Sentence
 from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
 from ..remedies import Remedy
-from ..settings import ReconstructionSettings
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .engines import choose_engine
@@ -96,7 +96,7 @@ class Reconstructor:
     ----------
     grid : VoxelGrid
         The voxels to fill.
-    settings : ReconstructionSettings
+    settings : Recipe
     bone : BoneMap or None
         Needed by the methods that weight by incidence.
     probe : ProbeGeometry or None
@@ -140,7 +140,7 @@ class Reconstructor:
     def __init__(
         self,
         grid: VoxelGrid,
-        settings: ReconstructionSettings | None = None,
+        settings: Recipe | None = None,
         bone: BoneMap | None = None,
         *,
         probe: ProbeGeometry | None = None,
@@ -153,8 +153,8 @@ class Reconstructor:
         planes: Planes | None = None,
         progress: Progress | None = None,
     ):
-        require_kinds(settings=settings, bone=bone, grid=grid, region=region, probe=probe)
-        self.settings = settings or ReconstructionSettings()
+        require_kinds(recipe=settings, bone=bone, grid=grid, region=region, probe=probe)
+        self.settings = settings or Recipe()
         self.grid = grid
         self.method = self.settings.method_for(bone is not None)
         self.counts = FrameCounts()

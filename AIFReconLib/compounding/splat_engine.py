@@ -11,7 +11,7 @@ from ..arrays import Floats, Integers, Mask, Matrix, Reals, Singles
 from ..errors import SettingsError
 from ..machine.threads import optional_module
 from ..message import listed
-from ..settings import ReconstructionSettings
+from ..recipe.recipe import Recipe
 from .batch import FrameBatch
 from .evidence import ScanLines
 from .layout import PixelLayout
@@ -25,12 +25,12 @@ PIXELS_AT_ONCE = 65_536
 """How many pixels spread at a time: it bounds the memory, and what is used again is still in the cache."""
 
 
-def uses_shares(settings: ReconstructionSettings, importance: Reals | None) -> bool:
+def uses_shares(settings: Recipe, importance: Reals | None) -> bool:
     """Whether a reconstruction is this engine's."""
     return settings.interpolation == "linear" or importance is not None
 
 
-def check_shares(method: str, settings: ReconstructionSettings, importance: Reals | None) -> None:
+def check_shares(method: str, settings: Recipe, importance: Reals | None) -> None:
     """Raise `SettingsError` where linear interpolation or an importance mask does not fit the method."""
     chosen = method_named(method)
     if settings.interpolation == "linear" and (chosen.spread is None or settings.best_cosine):
@@ -53,7 +53,7 @@ class SplatEngine:
     state : VoxelState
         Of method average (with weights), latest or maximum.
     grid_size : (i, j, k)
-    settings : ReconstructionSettings
+    settings : Recipe
         Interpolation: linear, or nearest where only `importance` is wanted.
     importance : (rows, columns) float32 array, 0 to 1, or None
         Weight of each pixel of an image; those of 0 do not enter.
@@ -70,7 +70,7 @@ class SplatEngine:
         self,
         state: VoxelState,
         grid_size: tuple[int, int, int],
-        settings: ReconstructionSettings,
+        settings: Recipe,
         importance: Reals | None = None,
         threads: int | None = None,
         planes: tuple[int, int] | None = None,
@@ -173,7 +173,7 @@ class SplatEngine:
         return layout.values(self._importance)
 
 
-def splat_engine(method: str, settings: ReconstructionSettings) -> type[SplatEngine]:
+def splat_engine(method: str, settings: Recipe) -> type[SplatEngine]:
     """The compiled engine where pixels spread, the method has a kernel, and numba is there and not ruled out; else `SplatEngine`."""
     wanted = settings.interpolation == "linear" and settings.engine != "numpy"
     module = optional_module("AIFReconLib.compounding.compiled.numba_splat") if wanted else None

@@ -14,7 +14,7 @@ import scipy
 
 from .. import __version__
 from ..io.disk.atomic import write_text
-from ..settings import ReconstructionSettings
+from ..recipe.recipe import Recipe
 from .metrics import OBLIQUE_DEG, BoneMetrics
 from .quantities import NOT_KNOWN, OF_SURFACE, OF_VOLUME, PARTS, QUANTITIES, best_of, cell, what_counted
 from .visibility import GRAZING_DEG
@@ -130,7 +130,7 @@ class Report:
         Files; names only, for a folder says nothing to a reader elsewhere.
     facts : dict of str to str
         Seeds, sweep and whatever else a reader needs to repeat it.
-    settings : dict of str to ReconstructionSettings
+    settings : dict of str to Recipe
         By method; empty where they are not known.
     versions : dict of str to str
         Of the software, see `software_versions`.
@@ -148,7 +148,7 @@ class Report:
     frames: int | None
     inputs: tuple[tuple[str, int], ...] = ()
     facts: dict[str, str] = field(default_factory=dict)
-    settings: dict[str, ReconstructionSettings] = field(default_factory=dict)
+    settings: dict[str, Recipe] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=dict)
     figure_png: bytes | None = None
     figure_caption: str = ""
@@ -328,14 +328,14 @@ def _provenance(report: Report) -> list[str]:
     return [*lines, "</div>", "</section>"]
 
 
-def _settings(settings: dict[str, ReconstructionSettings], volumes: Iterable[str]) -> list[str]:
+def _settings(settings: dict[str, Recipe], volumes: Iterable[str]) -> list[str]:
     """Each parameter once where all methods share its value, else by method; and the volumes whose settings are not known."""
     unknown = [name for name in volumes if name not in settings]
     notes = [f"<p>Not known of {escape(', '.join(unknown))}: a volume that AIFRecon did not write does not say it.</p>"] if unknown else []
     if not settings:
         return notes
     rows = []
-    for spec in fields(ReconstructionSettings):
+    for spec in fields(Recipe):
         if spec.name == "method":
             continue
         values = {name: _setting(getattr(chosen, spec.name), spec.metadata["unit"]) for name, chosen in settings.items()}

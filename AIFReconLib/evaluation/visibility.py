@@ -19,6 +19,7 @@ from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import LINEAR, ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
 from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
@@ -83,18 +84,14 @@ class SweepBeams:
     def of_sequence(
         cls,
         sequence: TrackedSequence | Iterable[TrackedSequence],
-        *,
-        image_to_reference: str | None = None,
-        reference: str | None = None,
-        region: ImageRegion | None = None,
-        probe: ProbeGeometry | None = None,
+        recipe: Recipe | None = None,
         thickness: float = BEAM_THICKNESS,
     ) -> SweepBeams:
-        """The beams of one or more sequences, from the same arguments as `reconstruct`; `thickness` in mm across the image plane."""
-        sequence = joined(sequence)
-        poses = sweep_poses(sequence, image_to_reference, reference)
+        """The beams of one or more sequences, with the recipe of `reconstruct`; `thickness` in mm across the image plane."""
+        sequence, recipe = joined(sequence), recipe or Recipe()
+        poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
         usable = poses.require_usable(sequence.name)
-        imaging = resolve_imaging(sequence, poses, True, region, probe)
+        imaging = resolve_imaging(sequence, poses, True, recipe)
         return cls(poses.image_to_reference[usable], sequence.frame_size, imaging.known_probe(), imaging.region, thickness)
 
 

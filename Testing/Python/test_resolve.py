@@ -19,9 +19,9 @@ from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import reconstructor_parts, resolve_settings
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.configuration import PlusConfiguration
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
@@ -104,7 +104,7 @@ def test_a_spacing_that_is_to_fit_ends_with_the_sweep():
 
 def test_in_another_reference_frame_the_box_means_nothing():
     sequence = replace(tracked_sequence(), configuration=configuration(**BOX))
-    assert reconstruct(sequence, reference="Tracker").grid.origin[2] < -800
+    assert reconstruct(sequence, ReconstructionSettings(reference="Tracker")).grid.origin[2] < -800
 
 
 def test_holes_are_filled_as_configured_and_not_where_the_caller_says_off():
@@ -128,7 +128,9 @@ def test_a_configured_importance_mask_weights_the_average(tmp_path):
     sitk.WriteImage(sitk.GetImageFromArray(weights), str(tmp_path / "mask.png"))
     asks = {"uses_importance_mask": True, "importance_mask": tmp_path / "mask.png", "method": "average", "spacing": (2.0,) * 3}
     configured = reconstruct(replace(tracked_sequence(), configuration=configuration(**asks)))
-    given = reconstruct(replace(tracked_sequence(), configuration=configuration(spacing=(2.0,) * 3)), importance=weights / 255)
+    given = reconstruct(
+        replace(tracked_sequence(), configuration=configuration(spacing=(2.0,) * 3)), ReconstructionSettings(importance_mask=weights / 255)
+    )
     plain = reconstruct(replace(tracked_sequence(), configuration=configuration(spacing=(2.0,) * 3)))
     np.testing.assert_array_equal(configured.intensity.array, given.intensity.array)
     assert (configured.intensity.array != plain.intensity.array).any()

@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.recipe.rules import MATRIX, NUMBER, TEXT, WHOLE
+from AIFReconLib.recipe.rules import NUMBERS as LIST_OF_NUMBERS
 
 FIELDS = {spec.name: spec for spec in fields(ReconstructionSettings)}
 BOUNDED = [(name, spec.metadata) for name, spec in FIELDS.items() if spec.metadata["minimum"] is not None]
-NUMBERS = [name for name, spec in FIELDS.items() if spec.metadata["choices"] is None and spec.default is not False]
+NUMBERS = [name for name, spec in FIELDS.items() if spec.metadata["kind"] in (NUMBER, WHOLE)]
+LISTS = [name for name, spec in FIELDS.items() if spec.metadata["kind"] in (LIST_OF_NUMBERS, MATRIX)]
 
 
 @pytest.mark.parametrize("name", FIELDS)
@@ -44,6 +47,19 @@ def test_above_a_range_is_refused_by_name(name, rule):
 def test_what_is_no_number_is_refused(name, value):
     with pytest.raises(SettingsError, match=f"Input {name} must be"):
         ReconstructionSettings(**{name: value})
+
+
+@pytest.mark.parametrize("name", LISTS)
+@pytest.mark.parametrize("value", [math.nan, "1", True, (math.nan,) * 4, ("1", "2"), (1.0,) * 5, ((1.0, 0.0),) * 4])
+def test_what_are_not_as_many_numbers_is_refused(name, value):
+    with pytest.raises(SettingsError, match=f"Input {name} must be"):
+        ReconstructionSettings(**{name: value})
+
+
+@pytest.mark.parametrize("name", [name for name, spec in FIELDS.items() if spec.metadata["kind"] == TEXT])
+def test_what_is_no_text_is_refused(name):
+    with pytest.raises(SettingsError, match=f"Input {name} must be a text; got 1"):
+        ReconstructionSettings(**{name: 1})
 
 
 @pytest.mark.parametrize("name", [name for name, spec in FIELDS.items() if spec.default is not None])

@@ -21,9 +21,10 @@ from AIFReconLib.inspection.summary import summary_lines
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.machine.threads import optional_module
+from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.echoes import sweep_echoes
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.joined import joined
@@ -154,7 +155,7 @@ def test_configurations_that_show_other_parts_of_the_image_are_refused_unless_on
     sweeps = [sweep(1, "a.mha"), sweep(2, "b.mha", configuration=replace(CONFIGURED, region=region))]
     with pytest.raises(BeamGeometryError, match=r"a\.mha and b\.mha name different parts"):
         reconstruct(sweeps)
-    assert reconstruct(sweeps, region=region).frames_inserted == 12
+    assert reconstruct(sweeps, Recipe(**imaging_fields(region))).frames_inserted == 12
 
 
 def test_a_second_configuration_that_asks_for_another_volume_is_named():

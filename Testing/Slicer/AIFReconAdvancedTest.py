@@ -43,11 +43,11 @@ class AIFReconAdvancedTest(unittest.TestCase):
         self.ui.applyButton.click()
         return slicer.util.arrayFromVolume(self.parameters.output)
 
-    def expected(self, settings: dict, **options) -> np.ndarray:
+    def expected(self, settings: dict) -> np.ndarray:
         """The voxels of the library's own call."""
         from AIFReconLib import ReconstructionSettings, reconstruct
 
-        return reconstruct(tinyScene.makeSequence(), ReconstructionSettings(spacing=1.0, **settings), **options).intensity.array
+        return reconstruct(tinyScene.makeSequence(), ReconstructionSettings(spacing=1.0, **settings)).intensity.array
 
     def assertRefused(self, *words):
         """Apply is disabled, and the panel says why."""
@@ -76,29 +76,23 @@ class AIFReconAdvancedTest(unittest.TestCase):
     def test_only_the_clip_rectangle_enters(self):
         for widget, value in (("Column", 20.0), ("Row", 10.0), ("Width", 25.0), ("Height", 40.0)):
             getattr(self.ui, f"clip{widget}SpinBox").value = value
-        from AIFReconLib import ClipRectangle, ImageRegion
 
-        region = ImageRegion(ClipRectangle((20.0, 10.0), (25.0, 40.0)))
-        np.testing.assert_array_equal(self.applied(), self.expected({}, region=region))
+        np.testing.assert_array_equal(self.applied(), self.expected({"clip_px": (20, 10, 25, 40)}))
 
     def test_only_the_fan_enters(self):
         from AIFReconScene.inputs.parameters import ProbeShape
-
-        from AIFReconLib import Fan, ImageRegion, ProbeGeometry
 
         self.parameters.probe, self.parameters.apexColumn, self.parameters.apexRow = ProbeShape.SECTOR, 32.0, -20.0
         self.ui.fanLastRadiusSpinBox.value = 70.0
         self.ui.fanFirstRadiusSpinBox.value = 30.0
         self.ui.fanFirstAngleSpinBox.value, self.ui.fanLastAngleSpinBox.value = -20.0, 15.0
-        fan = Fan((32.0, -20.0), (-20.0, 15.0), (30.0, 70.0))
-        expected = self.expected({}, region=ImageRegion(fan=fan), probe=ProbeGeometry("sector", (32.0, -20.0)))
+        fan = {"fan_angles_deg": (-20, 15), "fan_radius_px": (30, 70), "probe": "sector", "apex_px": (32, -20)}
+        expected = self.expected(fan)
         np.testing.assert_array_equal(self.applied(), expected)
 
     def test_pixels_count_as_the_importance_mask_says(self):
-        from AIFReconLib.io.plus.importance_mask import read_importance_mask
-
         self.ui.importanceMaskPathLineEdit.currentPath = str(self.mask())
-        np.testing.assert_array_equal(self.applied(), self.expected({}, importance=read_importance_mask(self.mask())))
+        np.testing.assert_array_equal(self.applied(), self.expected({"importance_mask": self.mask()}))
 
     def test_bone_can_be_looked_for_in_the_sweep(self):
         self.choose(self.ui.methodComboBox, "weighted")

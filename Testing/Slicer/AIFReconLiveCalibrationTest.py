@@ -38,7 +38,7 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
 
         from AIFReconLib import read_sequence, reconstruct
         from AIFReconLib.live.replay.server import ReplayServer
-        from AIFReconLib.settings import ReconstructionSettings
+        from AIFReconLib.recipe.recipe import ReconstructionSettings
 
         tinyScene.requireLivePackages()
         calibration = realData.folder() / realData.SPINE_CALIBRATION
@@ -74,7 +74,7 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
     def test_the_voxels_are_those_of_the_exact_calibration(self):
         from AIFReconLib import reconstruct
         from AIFReconLib.geometry.volume import VoxelGrid
-        from AIFReconLib.settings import ReconstructionSettings
+        from AIFReconLib.recipe.recipe import ReconstructionSettings
 
         self.begin()
         self.assertTrue(waitFor(lambda: self.scan.statistics.inserted > 2 * len(self.sequence)))

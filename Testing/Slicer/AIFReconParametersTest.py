@@ -13,7 +13,7 @@ import tinyScene
 
 
 class AIFReconParametersTest(unittest.TestCase):
-    """The parameter node beside AIFReconLib.settings."""
+    """The parameter node beside AIFReconLib.recipe.recipe."""
 
     def setUp(self):
         slicer.mrmlScene.Clear()
@@ -35,19 +35,18 @@ class AIFReconParametersTest(unittest.TestCase):
     def test_untouched_parameters_are_the_library_s_defaults(self):
         from AIFReconScene.inputs.parameters import settingsFrom
 
-        from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
+        from AIFReconLib.recipe.recipe import DEFAULT_SPACING, ReconstructionSettings
 
         self.assertEqual(settingsFrom(self.parameters), ReconstructionSettings(spacing=DEFAULT_SPACING))
 
     def test_ranges_are_the_library_s(self):
-        from AIFReconGui.parameterNode import SMALLEST_WEIGHT_FLOOR
-        from AIFReconScene.inputs.parameters import PARAMETERS, SettingChoice, camelCase, settingsFrom
+        from AIFReconScene.inputs.parameters import PARAMETERS, SettingChoice, camelCase, rangeOf, settingsFrom
 
         for name, rule in PARAMETERS.items():
             value = getattr(self.parameters, camelCase(name))
             if isinstance(value, bool | SettingChoice) or rule["default"] is None:
                 continue
-            lowest = SMALLEST_WEIGHT_FLOOR if name == "weight_floor" else rule["minimum"]
+            lowest = max(rangeOf(name)[0], rule["minimum"])
             for limit, beyond in ((lowest, -1e-3), (rule["maximum"], 1e-3)):
                 with self.subTest(name=name, limit=limit):
                     setattr(self.parameters, camelCase(name), limit)

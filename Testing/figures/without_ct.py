@@ -21,9 +21,9 @@ from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.detection import detect_imaging
 from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.resolve import Imaging
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.resolve import Imaging, imaging_fields
 from AIFReconLib.sweep.poses import sweep_poses
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -93,16 +93,17 @@ def study(name: str) -> None:
     pixel = pixel_spacing(poses.image_to_reference[poses.usable[0]])
     detected = detect_imaging(sequence.images, pixel)
     imaging = Imaging(detected.region, detected.probe)
+    looked = imaging_fields(detected.region, detected.probe)
     bone = bone_from_sweep(sequence, poses, imaging)
     settings = [ReconstructionSettings(method=m, spacing=spacing, hole_limit=1.2, bone_direction="surface") for m in METHODS]
     results = {
-        method: reconstruct(sequence, s, None if method == "average" else bone, region=imaging.region, probe=imaging.probe)
+        method: reconstruct(sequence, replace(s, **looked), None if method == "average" else bone)
         for method, s in zip(METHODS, settings, strict=True)
     }
 
     # Without the brightening of bone: what remains is the weighting
     plain = {
-        f"{s.method}, plain": reconstruct(sequence, replace(s, alpha=0.0, bone_gain=0.0), bone, region=imaging.region, probe=imaging.probe)
+        f"{s.method}, plain": reconstruct(sequence, replace(s, alpha=0.0, bone_gain=0.0, **looked), bone)
         for s in settings
         if s.method != "average"
     }

@@ -37,7 +37,7 @@ from AIFReconLib.live.session.statistics import LiveStatistics
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.statistics import StreamStatistics
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 from . import stream
 from .accounts import Equation, equations

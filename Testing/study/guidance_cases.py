@@ -19,8 +19,8 @@ from AIFReconLib.guidance.next_move import NextMove
 from AIFReconLib.guidance.passes import Pass, freehand_passes
 from AIFReconLib.guidance.plan import WEARABLE, ScanPlan, plan_scan
 from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import ProbePath, single_angle_sweep

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -18,13 +18,13 @@ from AIFReconLib.errors import FileFormatError
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
-from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_labels
 from AIFReconLib.progress import Progress
+from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
@@ -38,7 +38,6 @@ SIGMA = 4.0
 """mm; width of the bone map of the paper's methods where a case does not say otherwise. Then `weighted` has the one that follows from how
 well CT and sweep agree."""
 
-PROBE = ProbeGeometry(LINEAR)
 ALL = "all"
 PASS_GAP, PASS_FRAMES = 1.0, 20
 """s without a frame that part two passes, and the fewest frames of one."""
@@ -107,7 +106,7 @@ class RealBone:
     @cached_property
     def truth(self) -> BoneTruth:
         """The surface from CT, and what the beams of all passes could reach of it."""
-        return bone_truth(self.labels, SweepBeams.of_sequence(self.sequence, probe=PROBE))
+        return bone_truth(self.labels, SweepBeams.of_sequence(self.sequence, Recipe(probe=LINEAR)))
 
     @cached_property
     def seen(self) -> np.ndarray:
@@ -183,7 +182,7 @@ class RealBone:
     def _placed_map(self, case: Case, method: str) -> BoneMap:
         """The bone map of a case where its CT lies."""
         if method == "weighted" and case.sigma == SIGMA:
-            return LabeledBone(self.labels, case.ct_error, self.passes[case.frames], probe=PROBE).map(method)
+            return LabeledBone(self.labels, case.ct_error, self.passes[case.frames], Recipe(probe=LINEAR)).map(method)
         bone = self._map(case.sigma)
         inside = bone.inside.placed_by(case.ct_error) if bone.inside else None
         return BoneMap(bone.probability.placed_by(case.ct_error), inside)
@@ -195,7 +194,7 @@ class RealBone:
 
     def _reconstruct(self, sequence: TrackedSequence, method: str, bone: BoneMap | None, grid: VoxelGrid | None = None) -> Reconstruction:
         settings = ReconstructionSettings(method=REFERENCES.get(method, method), spacing=SPACING, hole_limit=HOLE_LIMIT)
-        return reconstruct(sequence, settings, bone, grid=grid, probe=PROBE)
+        return reconstruct(sequence, replace(settings, probe=LINEAR), bone, grid)
 
     @cached_property
     def axes(self) -> np.ndarray:

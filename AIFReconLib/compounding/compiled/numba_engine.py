@@ -14,7 +14,7 @@ from ...arrays import Floats, Integers, Numbers, Singles
 from ...bone.placed.on_grid import PlacedBone, everywhere
 from ...machine.threads import Pace, checked_threads, in_parts
 from ...progress import Progress
-from ...settings import ReconstructionSettings
+from ...recipe.recipe import Recipe
 from ..batch import BATCH_FRAMES, FrameBatch
 from ..evidence import ScanLines
 from ..layout import PixelLayout
@@ -40,7 +40,7 @@ class NumbaEngine:
     ----------
     state : VoxelState
     grid_size : (i, j, k)
-    settings : ReconstructionSettings
+    settings : Recipe
     maximum : float
         Brightest value an image can hold.
     bone : PlacedBone or None
@@ -64,7 +64,7 @@ class NumbaEngine:
         self,
         state: VoxelState,
         grid_size: tuple[int, int, int],
-        settings: ReconstructionSettings,
+        settings: Recipe,
         maximum: float,
         bone: PlacedBone | None,
         threads: int | None = None,

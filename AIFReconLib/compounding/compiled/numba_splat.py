@@ -13,7 +13,7 @@ import numpy as np
 from ...arrays import Floats, Integers, Mask, Reals, Singles
 from ...machine.numba_compile import compiled, inlined
 from ...machine.threads import Pace, checked_threads, in_parts
-from ...settings import ReconstructionSettings
+from ...recipe.recipe import Recipe
 from ..batch import BATCH_FRAMES, FrameBatch
 from ..evidence import ScanLines
 from ..layout import CENTER_TOLERANCE, PixelLayout
@@ -167,7 +167,7 @@ class NumbaSplatEngine(SplatEngine):
         self,
         state: VoxelState,
         grid_size: tuple[int, int, int],
-        settings: ReconstructionSettings,
+        settings: Recipe,
         importance: Reals | None = None,
         threads: int | None = None,
         planes: tuple[int, int] | None = None,

@@ -12,7 +12,7 @@ from ...holes.automatic import with_limit
 from ...holes.fill import asks_for_hits, copies_values, fill_as_asked
 from ...holes.filling import HoleFilling
 from ...progress import Progress
-from ...settings import ReconstructionSettings
+from ...recipe.recipe import Recipe
 from ..state import BESIDE, VoxelState
 from .values import finish_values
 
@@ -26,7 +26,7 @@ class Results:
     Parameters
     ----------
     grid : VoxelGrid
-    settings : ReconstructionSettings
+    settings : Recipe
     output_type : "uint8", "float32" or None
         Of the intensity; None before any image is known.
     beside : names of `BESIDE`
@@ -40,7 +40,7 @@ class Results:
     def __init__(
         self,
         grid: VoxelGrid,
-        settings: ReconstructionSettings,
+        settings: Recipe,
         output_type: str | None,
         beside: Collection[str],
         configured: tuple[HoleFilling, ...] = (),
@@ -143,9 +143,7 @@ def rounded(values: Numbers, dtype: NumberType) -> Numbers:
     return result
 
 
-def bytes_of_results(
-    settings: ReconstructionSettings, configured: tuple[HoleFilling, ...], output_type: str, beside: Collection[str]
-) -> int:
+def bytes_of_results(settings: Recipe, configured: tuple[HoleFilling, ...], output_type: str, beside: Collection[str]) -> int:
     """What `Results` take per voxel."""
     output = np.dtype(output_type).itemsize
     # Rounded to another array where that has to wait for the holes

@@ -17,9 +17,9 @@ from AIFReconLib.imaging.detection import detect_imaging
 from AIFReconLib.imaging.region import Fan, ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import Imaging
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.joined import joined
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses

@@ -29,6 +29,7 @@ from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.session.statistics import LiveStatistics
 from AIFReconLib.live.wire.encoding import encode_message
+from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.terminal.status_line import StatusLine, status_text
 
@@ -75,7 +76,7 @@ def test_a_live_scan_writes_the_volume_of_its_recording(serve, live, patient, re
     output, record = results / "v.nrrd", results / "scan.mha"
     assert main(live(serve(loop=True), "--frames", "10", "--output", output, "--record", record)) == 0
     sequence = read_sequence(record, config=patient.config)
-    offline = reconstruct(sequence, grid=GRID, image_to_reference="ImageToReference")
+    offline = reconstruct(sequence, Recipe(image_to_reference="ImageToReference"), grid=GRID)
     np.testing.assert_array_equal(read_volume(output).array, offline.intensity.array)
     out = capsys.readouterr().out
     assert "average: 10 of 10 frames" in out

@@ -13,7 +13,7 @@ from AIFReconLib.errors import VolumeFormatError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.metafile.opening import read_metafile
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 SUFFIXES = [".nrrd", ".mha", ".mhd"]
 

@@ -19,8 +19,8 @@ from AIFReconLib.holes.plus_ways import fill_holes_by_kind
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.poses import sweep_poses
 
 SPINE = "SpinePhantomFreehand.igs.mha"
@@ -236,7 +236,7 @@ def test_an_importance_mask_weights_as_igsio_does_before_it_rounds(linear_mean, 
         expected, weight = igsio.paste_weighted(*place, unrounded, importance)
     settings = ReconstructionSettings(method="average", interpolation=interpolation, output_type="float32", holes="off")
     sequence = replace(case.sequence, configuration=replace(case.sequence.configuration, fixed_point=False))
-    result = reconstruct(sequence, settings, grid=case.grid, importance=importance / 255)
+    result = reconstruct(sequence, replace(settings, importance_mask=importance / 255), grid=case.grid)
     assert within_tolerance(result.intensity.array, expected) > 0.9999
     np.testing.assert_allclose(result.score.array, weight / 255, rtol=1e-4, atol=1e-4)
 

@@ -12,7 +12,7 @@ from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import VoxelState, bytes_per_voxel
 from AIFReconLib.errors import MethodError
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 UNKNOWN = "brightest"
 

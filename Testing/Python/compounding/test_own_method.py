@@ -20,7 +20,7 @@ from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import SECTOR, ProbeGeometry
 from AIFReconLib.imaging.region import Fan, ImageRegion
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
 PROBE = ProbeGeometry(SECTOR, (17.0, -12.0))

@@ -14,7 +14,7 @@ from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import MOST_HITS, VoxelState
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
 EDGE = 10

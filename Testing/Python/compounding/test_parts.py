@@ -21,7 +21,8 @@ from AIFReconLib.holes.filling import KINDS, HoleFilling
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedSequence
 
 ENGINES = ("numpy", "numba") if optional_module("AIFReconLib.compounding.compiled.numba_engine") else ("numpy",)
@@ -48,7 +49,7 @@ def volumes_of(sweep, wanted, grid, cuts, monkeypatch, holes=(), **more):
             found = reconstruction.reconstructor_parts
             patched.setattr(reconstruction, "reconstructor_parts", lambda *given: _with_holes(found(*given), holes))
         result = reconstruction.reconstruct(
-            sweep, wanted, sphere_bone(), grid, region=REGION, probe=ProbeGeometry("sector", (16.0, -6.0)), **more
+            sweep, replace(wanted, **imaging_fields(REGION, ProbeGeometry("sector", (16.0, -6.0)))), sphere_bone(), grid, **more
         )
     arrays = [None if (volume := getattr(result, name)) is None else volume.array for name in VOLUMES]
     return arrays, (result.skipped, result.frames_inserted, result.said, result.hole_limit)

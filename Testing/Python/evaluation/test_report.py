@@ -20,7 +20,7 @@ from AIFReconLib.evaluation.quantities import PARTS, QUANTITIES, best_of, metric
 from AIFReconLib.evaluation.report import Report, report_html, software_versions, write_report
 from AIFReconLib.evaluation.surface import BoneSurface
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 PNG = b"\x89PNG\r\n\x1a\nnot really"
 VOID = {"meta", "img", "br", "link", "input", "hr", "source"}

@@ -12,7 +12,7 @@ from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.holes.automatic import automatic_limit, distances_between_frames
 from AIFReconLib.holes.filling import HoleFilling
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
 SHOWN = np.ones((40, 50), dtype=bool)

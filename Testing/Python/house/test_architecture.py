@@ -25,8 +25,8 @@ ROOMS = (
     "guidance",
     *("evaluation", "simulation", "reconstruction", "inspection", "provenance", "compounding", "registration", "bone", "resolve"),
     *("io/foreign", "io/sequence", "io/plus", "io/volume", "io/transform", "io/metafile", "io/disk"),
-    *("sweep", "imaging", "holes", "geometry", "machine"),
-    *("settings", "compounding/methods", "progress", "errors", "message", "arrays"),
+    *("sweep", "imaging", "holes", "recipe", "geometry", "machine"),
+    *("compounding/methods", "progress", "errors", "message", "remedies", "arrays"),
 )
 """From the top to the bottom: a room may import those that come after it. Folders, and the files that lie beside them."""
 
@@ -48,7 +48,7 @@ SPLIT_ROOMS = ("io", "live")
 """Rooms whose own rooms stand in the order too."""
 
 LOW_ROOMS = (("compounding", "methods"),)
-"""Rooms that stand far below the one in which they lie: the settings ask the table of methods for its names."""
+"""Rooms that stand far below the one in which they lie: the recipe asks the table of methods for its names."""
 
 
 def name_of(path: Path) -> str:
@@ -188,7 +188,7 @@ def test_a_file_imports_only_packages_that_belong_into_its_room():
 def test_at_the_root_of_the_library_lie_only_what_all_rooms_share_and_the_way_in():
     assert {file.stem for file in LIBRARY.glob("*.py")} == {
         *("__init__", "__main__", "reconstruction", "resolve"),
-        *("settings", "progress", "errors", "message", "arrays"),
+        *("progress", "errors", "message", "remedies", "arrays"),
     }
 
 

@@ -19,7 +19,7 @@ from doc_workplace import make_workplace, serve
 
 from AIFReconLib.commands.parser import build_parser, main
 from AIFReconLib.compounding.methods.table import METHODS
-from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
+from AIFReconLib.recipe.recipe import DEFAULT_SPACING, ReconstructionSettings
 
 LONG_RUNNING = {
     "demo": "commands/test_demo.py",

@@ -12,7 +12,17 @@ from hypothesis import strategies as st
 
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion, chosen_region, extreme_pixels
+from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion, extreme_pixels
+from AIFReconLib.recipe.recipe import Recipe
+from AIFReconLib.resolve import asked_imaging
+from AIFReconLib.sweep.configuration import PlusConfiguration
+
+
+def chosen_region(configured=None, clip=None, angles=None, radii=None, apex=None, probe=None):
+    """The region that a recipe asks for, completed by a configuration."""
+    clip_px = None if clip is None else (*clip.origin_px, *clip.size_px)
+    asked = Recipe(clip_px=clip_px, fan_angles_deg=angles, fan_radius_px=radii, apex_px=apex)
+    return asked_imaging(asked, PlusConfiguration(region=configured or ImageRegion(), probe=probe))[0]
 
 
 def kept_by_loop(columns: int, rows: int, clip=None, fan=None) -> np.ndarray:

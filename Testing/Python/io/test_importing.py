@@ -14,8 +14,8 @@ from sweeps import rigid
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.poses import sweep_poses
 
 SEQUENCE = tracked_sequence()

@@ -12,14 +12,13 @@ from sweeps import image_pose
 from AIFReconLib.errors import OperationCanceled, SequenceFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import VoxelGrid
-from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.inspection.diagnosis import diagnose
 from AIFReconLib.io.metafile import frame_lines, header
 from AIFReconLib.io.sequence import file_images
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.edits import rename, select_frames
 from AIFReconLib.sweep.frames import FrameRecord, RecordsOnDemand, TrackedSequence
 from AIFReconLib.sweep.joined import joined
@@ -48,10 +47,10 @@ def test_a_recording_takes_no_more_memory_than_a_few_of_its_images(recording, en
     sequence = read_sequence(recording)
     # Filling takes memory by the size of the volume, not of the recording
     settings = ReconstructionSettings(method="average", engine=engine, hole_limit=0.0)
-    reconstruct(sequence, settings, grid=GRID, region=ImageRegion())
+    reconstruct(sequence, replace(settings, clip_px=(0,) * 4), grid=GRID)
     tracemalloc.start()
     try:
-        reconstruct(sequence, settings, grid=GRID, region=ImageRegion())
+        reconstruct(sequence, replace(settings, clip_px=(0,) * 4), grid=GRID)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
@@ -60,8 +59,8 @@ def test_a_recording_takes_no_more_memory_than_a_few_of_its_images(recording, en
 
 def test_a_file_gives_the_volume_of_the_images_in_memory(recording):
     settings = ReconstructionSettings(method="average")
-    theirs = reconstruct(sweep(), settings, grid=GRID, region=ImageRegion())
-    ours = reconstruct(read_sequence(recording), settings, grid=GRID, region=ImageRegion())
+    theirs = reconstruct(sweep(), replace(settings, clip_px=(0,) * 4), grid=GRID)
+    ours = reconstruct(read_sequence(recording), replace(settings, clip_px=(0,) * 4), grid=GRID)
     np.testing.assert_array_equal(ours.intensity.array, theirs.intensity.array)
 
 
@@ -81,7 +80,7 @@ def test_canceling_in_the_middle_stops_the_reading(recording):
 
     watched = TrackedSequence(Watched(), sequence.records, sequence.fields, sequence.transforms)
     with pytest.raises(OperationCanceled):
-        reconstruct(watched, ReconstructionSettings(), grid=GRID, region=ImageRegion(), progress=lambda done, _: done < 0.2)
+        reconstruct(watched, ReconstructionSettings(clip_px=(0,) * 4), grid=GRID, progress=lambda done, _: done < 0.2)
     assert len(read) < FRAMES / 2
 
 

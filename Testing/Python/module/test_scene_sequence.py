@@ -17,8 +17,8 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample,
 from AIFReconLib.holes.filling import HoleFilling  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
 from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion  # noqa: E402
+from AIFReconLib.recipe.recipe import ReconstructionSettings  # noqa: E402
 from AIFReconLib.reconstruction import reconstruct  # noqa: E402
-from AIFReconLib.settings import ReconstructionSettings  # noqa: E402
 from AIFReconLib.sweep.configuration import PlusConfiguration  # noqa: E402
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402

@@ -14,7 +14,7 @@ from scene_host import class_counts  # noqa: E402
 from AIFReconLib.errors import OperationCanceled  # noqa: E402
 from AIFReconLib.evaluation.metrics import BoneMetrics, SurfaceMetrics  # noqa: E402
 from AIFReconLib.evaluation.quantities import HEADINGS  # noqa: E402
-from AIFReconLib.settings import ReconstructionSettings  # noqa: E402
+from AIFReconLib.recipe.recipe import ReconstructionSettings  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
 
 SURFACE = SurfaceMetrics(812.3, 41.26, 2.3456, 0.871, np.nan, 0.1, 0.2345, 0.4567)

@@ -10,8 +10,9 @@ from files import tracked_sequence, write_patient
 
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.registration.agreement import EchoFit, agreement_of
 from AIFReconLib.registration.comparison import compared
 from AIFReconLib.registration.labeled_bone import UNKNOWN_WIDTH, LabeledBone
@@ -31,7 +32,7 @@ def labels():
 
 
 def test_a_sweep_without_bone_is_said_to_be_not_compared(sequence, labels):
-    (line,) = compared(sequence, labels, np.eye(4), probe=ProbeGeometry(LINEAR)).lines
+    (line,) = compared(sequence, labels, np.eye(4), Recipe(probe=LINEAR)).lines
     assert line.startswith("CT and sweep were not compared. ")
     assert "too few" in line
 
@@ -74,7 +75,7 @@ def test_the_widest_map_stands_where_no_echo_lies_near_bone():
 
 def test_only_weighted_leaves_its_width_to_the_sweep(sequence, labels):
     """This sweep shows no bone, so nothing is known of the CT's place."""
-    bone = LabeledBone(labels, None, sequence, probe=ProbeGeometry(LINEAR))
+    bone = LabeledBone(labels, None, sequence, Recipe(probe=LINEAR))
     assert bone.settings("weighted") == {"bone_sigma_mm": UNKNOWN_WIDTH}
     for method in ("aif", "aif-compensated", "average"):
         assert bone.settings(method) == {"bone_sigma_voxels": 10.0}
@@ -96,6 +97,6 @@ def test_a_width_that_is_given_holds_for_every_method(given, kept, method, label
 
 
 def test_a_map_that_is_believed_by_half_has_half_the_probability(labels):
-    half = LabeledBone(labels, sigma_mm=2.0, belief=0.5)
+    half = LabeledBone(labels, recipe=Recipe(bone_sigma_mm=2.0, bone_belief=0.5))
     assert half.settings("weighted") == {"bone_sigma_mm": 2.0, "bone_belief": 0.5}
     np.testing.assert_allclose(half.map("weighted").probability.array, 0.5 * BoneMap.from_labels(labels, sigma_mm=2.0).probability.array)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from sweeps import oblique_frames, rigid, turned_grid
@@ -9,9 +11,8 @@ from sweeps import oblique_frames, rigid, turned_grid
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
@@ -49,7 +50,7 @@ def test_arrays_give_the_voxels_of_the_frames_one_by_one():
     # Their times say another order than the one they come in
     order = [2, 0, 3, 1]
     sequence = TrackedSequence.from_arrays(IMAGES[order], POSES[order], np.array(order) * 0.05)
-    result = reconstruct(sequence, settings, grid=turned_grid(), region=ImageRegion())
+    result = reconstruct(sequence, replace(settings, clip_px=(0,) * 4), grid=turned_grid())
     np.testing.assert_array_equal(result.intensity, one_by_one.reconstruction().intensity)
 
 
@@ -64,7 +65,7 @@ def test_poses_in_mm_and_the_size_of_a_pixel_are_poses_of_pixels():
 def test_a_frame_without_a_pose_is_skipped_with_its_reason():
     poses = POSES.copy()
     poses[2] = np.nan
-    result = reconstruct(TrackedSequence.from_arrays(IMAGES, poses), grid=turned_grid(), region=ImageRegion())
+    result = reconstruct(TrackedSequence.from_arrays(IMAGES, poses), ReconstructionSettings(clip_px=(0,) * 4), turned_grid())
     assert result.skipped == {"ImageToReference not finite": [2]}
 
 

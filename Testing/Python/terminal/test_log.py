@@ -15,7 +15,7 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.live.session.insertion import Inserter
 from AIFReconLib.live.session.statistics import Meter
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.terminal.log import FIRST_WORDS
 
 
