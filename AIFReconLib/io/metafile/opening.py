@@ -19,7 +19,7 @@ NRRD_SUFFIXES = (".nrrd", ".nhdr")
 
 
 def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
-    """The header of a MetaImage or NRRD file, by its suffix.
+    """The header of a MetaImage file, or by its suffix of an NRRD file.
 
     Parameters
     ----------
@@ -28,19 +28,11 @@ def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
         What to raise when the file cannot be used.
     """
     path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
-        raise error(
-            "{path}: its suffix must be one of {suffixes}. Give a MetaImage or NRRD file; aifrecon import makes one of pictures, DICOM "
-            "or video.",
-            path=path,
-            suffixes=", ".join(METAIMAGE_SUFFIXES + NRRD_SUFFIXES),
-        )
     require_regular_file(path, error)
     try:
         with open(path, "rb") as file:
             before = os.fstat(file.fileno())
-            parse = parse_metaimage if suffix in METAIMAGE_SUFFIXES else parse_nrrd
+            parse = parse_nrrd if path.suffix.lower() in NRRD_SUFFIXES else parse_metaimage
             try:
                 metafile = parse(HeaderLines(file, path, error, in_memory=False))
             except OutOfOrder:

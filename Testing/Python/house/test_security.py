@@ -20,7 +20,7 @@ from AIFReconLib.errors import AIFReconError
 from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.plus.importance_mask import configured_importance
-from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.files import read_sequence, recording_suffixes
 from AIFReconLib.io.volume.files import read_labels, read_volume
 from AIFReconLib.live.replay.server import ReplayServer
 
@@ -233,6 +233,16 @@ def test_a_pickle_under_the_name_of_an_array_is_not_unpickled(inputs, tmp_path):
     (inputs / "images.npy").write_bytes(pickle.dumps(Harm(tmp_path / "harm")))
     with pytest.raises(AIFReconError, match="numpy cannot read it"):
         open_images([inputs / "images.npy"])
+    assert not (tmp_path / "harm").exists()
+
+
+@pytest.mark.parametrize("suffix", recording_suffixes())
+def test_a_pickle_under_the_name_of_a_recording_is_not_unpickled(inputs, tmp_path, suffix):
+    path = inputs / f"sweep{suffix}"
+    path.write_bytes(pickle.dumps(Harm(tmp_path / "harm")))
+    with watched() as seen, pytest.raises(AIFReconError):
+        read_sequence(path)
+    assert strays(seen, tmp_path) == []
     assert not (tmp_path / "harm").exists()
 
 

@@ -271,7 +271,7 @@ def test_a_damaged_transform_sequence_is_explained(tmp_path, line, expected):
 def test_a_frame_number_beyond_all_limits_is_refused(tmp_path):
     path = slicer_transforms(tmp_path / "t.seq.mha")
     path.write_text(path.read_text().replace("Seq_Frame0002", "Seq_Frame99999999"))
-    with pytest.raises(SequenceFormatError, match=r"Seq_Frame99999999_\w+ must belong to a frame below 1000000"):
+    with pytest.raises(SequenceFormatError, match=r"Seq_Frame99999999_\w+ belongs to frame 99999999, but there are only 1000000"):
         read_sequence(slicer_images(tmp_path / "i.seq.nrrd"), transform_sequences={"ImageToReference": path})
 
 
