@@ -13,14 +13,14 @@ FUZZ_SECONDS ?= 600
 FAULTS_SECONDS ?= 3600
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test coverage slicer-test screenshots translations figures docs lint format wheel-test bench study real-bone soak fuzz faults clean
+.PHONY: help setup demo test coverage slicer-test screenshots figures docs lint format wheel-test bench study real-bone soak fuzz faults clean
 
 help:
 	@echo "make demo         reconstruct a simulated lumbar scan and draw it, into $(DEMO_OUTPUT)/"
 	@echo "make test         lint, format check, types and all tests"
 	@echo "make coverage     all tests, and which lines of the library they run"
 	@echo "make slicer-test  only the self tests of the Slicer module, on real MRML nodes and Qt, without Slicer"
-	@echo "make translations every visible text of the module, for translators, into Resources/Translations/"
+	@echo "make every visible text of the module, for translators, into Resources/Translations/"
 	@echo "make screenshots  the module's panel and views as pictures, into Resources/Screenshots/"
 	@echo "make figures      the pictures of docs/method.md, into docs/images/ (minutes)"
 	@echo "make docs         the site with its gallery and API reference, into build/site/ (minutes)"
@@ -74,9 +74,6 @@ screenshots: setup
 
 figures: setup
 	@$(BIN)/python Testing/figures/parameters.py
-
-translations: setup
-	@$(BIN)/python Testing/write_translations.py
 
 lint: setup
 	@$(BIN)/python -m ruff check --quiet .
@@ -133,4 +130,4 @@ fuzz: setup
 	@$(BIN)/python Testing/fuzz/run.py --seconds $(FUZZ_SECONDS)
 
 clean:
-	rm -rf $(VENV) demo-output study-output real-bone-output Resources/Translations htmlcov build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis .coverage *.egg-info
+	rm -rf $(VENV) demo-output study-output real-bone-output htmlcov build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis .coverage *.egg-info

@@ -35,7 +35,7 @@ from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus
 
 from AIFReconLib.errors import OperationCanceled
-from AIFReconLib.message import Message, listed
+from AIFReconLib.message import listed
 from AIFReconLib.progress import part
 from AIFReconLib.sweep.pose_tracks import LONGEST_GAP
 
@@ -326,7 +326,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         with drawnViewByView(part(progress, 0.9, 0.9)):
             node = self._kept(computed, inputs, parameters.output, keep)["intensity"]
             if progress is not None:
-                progress(0.85, Message("Showing the volume"))  # it is there: too late to cancel
+                progress(0.85, "Showing the volume")  # it is there: too late to cancel
             if node.GetScene() is None or parameters.sweep is None:
                 raise OperationCanceled("The volume or its sweep was deleted meanwhile.")
             parameters.output = node

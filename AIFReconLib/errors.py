@@ -1,16 +1,15 @@
 """Every error that a user can cause or meet.
 
-Each class is a domain error and a builtin one, so that callers may catch either. Messages are complete sentences: what is
-wrong, where, and what to do about it. The command line prints them as they are, on one line; Slicer looks up a translation of the
-sentence before its values were filled in, which every error therefore keeps. So the sentence is spelled out where it is raised, with
-its values named: ``raise SettingsError("Input rate must be above 0; got {rate!r}.", rate=rate)``, never an f-string.
+Each class is a domain error and a builtin one, so that callers may catch either. An error says in a complete sentence what is wrong and
+where, and names the `Remedy`; the terminal, Python and the panel each say in their own words what to do.
 """
 
 from __future__ import annotations
 
 from pathlib import PurePath
 
-from .message import Message, in_python_words
+from .message import Sentence, advised
+from .remedies import Remedy
 
 
 class AIFReconError(Exception):
@@ -18,24 +17,24 @@ class AIFReconError(Exception):
 
     Parameters
     ----------
-    message : str
-        The sentence, with its values in braces, as in ``SettingsError("Input rate must be positive; got {rate!r}.", rate=0)``. It is kept
-        as a `Message`, which can be translated; a text that was formatted before cannot. Without values it is taken as it is.
-    **values
-        What the sentence names.
+    sentence : str
+        What is wrong, and where.
+    remedy, **details
+        As `Sentence` takes them.
     """
 
-    def __init__(self, message: str = "", /, **values: object):
-        super().__init__(message if isinstance(message, Message) and not values else Message(message, **values))
+    def __init__(self, sentence: str = "", /, remedy: Remedy | str | BaseException | None = None, **details: object):
+        if remedy is not None or not isinstance(sentence, Sentence):
+            sentence = Sentence(sentence, remedy, **details)
+        super().__init__(sentence)
 
     def __reduce__(self) -> tuple[type[AIFReconError], tuple[object, ...], dict[str, object]]:
-        """Made anew from its message in another process; Dask takes errors apart that do not say how."""
+        """Made anew from its sentence in another process; Dask takes errors apart that do not say how."""
         return type(self), self.args, self.__dict__
 
     def __str__(self) -> str:
-        """The sentence for who calls the library from Python; `said` has it for the command line."""
-        sentence: Message = self.args[0]
-        return sentence.translated(in_python_words)
+        """The sentence, and what to do for who calls the library from Python; `said` has it alone."""
+        return advised(self.args[0])
 
 
 class SettingsError(AIFReconError, ValueError):
@@ -132,19 +131,14 @@ def require_kind(name: str, value: object, kinds: type | tuple[type, ...], advic
 
 def not_of_kind(name: str, value: object, kinds: tuple[type, ...], advice: str) -> InputTypeError:
     """The error of a `value` that is of none of these kinds."""
-    return InputTypeError(
-        "Input {name} must be {kinds}; got {got}. {advice}",
-        name=name,
-        kinds=" or ".join(kind.__name__ for kind in kinds if kind is not type(None)),
-        got=_in_words(value),
-        advice=advice,
-    )
+    wanted = " or ".join(kind.__name__ for kind in kinds if kind is not type(None))
+    return InputTypeError(f"Input {name} must be {wanted}; got {_in_words(value)}. {advice}")
 
 
-def _in_words(value: object) -> Message | str:
+def _in_words(value: object) -> str:
     """What it is that was given."""
     if isinstance(value, str | PurePath):
-        return Message("{text!r}", text=str(value))
+        return repr(str(value))
     shape = getattr(value, "shape", None)
     kind = type(value).__name__
-    return Message("{kind} of shape {shape}", kind=kind, shape=shape) if isinstance(shape, tuple) else kind
+    return f"{kind} of shape {shape}" if isinstance(shape, tuple) else kind

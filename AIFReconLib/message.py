@@ -1,152 +1,72 @@
-"""Sentences for the user that a program with another language than English can still translate."""
+"""Sentences for people: what is wrong and where, in English, and the name of what can be done about it."""
 
 from __future__ import annotations
 
-import re
-import string
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Mapping
 from html import escape
-from pathlib import PurePath
+
+from .remedies import IN_PYTHON, Remedy
 
 LONGEST_QUOTE = 500
 """Characters of a text that a sentence repeats at most."""
+LONGEST_SENTENCE = 2000
+"""Characters that an error has at most, whatever a file holds that it quotes."""
 
 
-class Message(str):
-    """An English sentence that remembers what it was made of.
+class Sentence(str):
+    """What the library says, and the remedy for it, which every door (terminal, Python, panel) puts in its own words.
 
-    It is a `str`, the English one, wherever a string is wanted: the command line prints it as it is. A translation needs the
-    sentence before its values were filled in.
+    It is a `str`, the sentence alone, wherever a string is wanted; `advised` adds the remedy.
 
     Parameters
     ----------
-    template : str
-        The sentence, with its values as `str.format` takes them: ``"frame {number} is missing"``. Without values it is taken as it is.
-    **values
-        What the template names. A `Message`, or an error that holds one, is translated along with the sentence around it. Text and paths
-        may come from a file: they are shown on one line, and text is cut to `LONGEST_QUOTE` characters.
-
-    Examples
-    --------
-    >>> message = Message("frame {number} is missing", number=3)
-    >>> message
-    'frame 3 is missing'
-    >>> message.translated({"frame {number} is missing": "Bild {number} fehlt"}.get)
-    'Bild 3 fehlt'
+    text : str
+        What is wrong, and where. Names from a file may be in it: it is shown on one line, and cut to `LONGEST_SENTENCE` characters.
+    remedy : Remedy, str, Exception or None
+        What to do; of a sentence or an error, the remedy that it names.
+    **details
+        What the words of the remedy name in braces.
     """
 
-    template: str
-    values: dict[str, object]
+    remedy: Remedy | None
+    details: dict[str, object]
 
-    def __new__(cls, template: str, /, **values: object) -> Message:
-        values = {name: _shown(value) for name, value in values.items()}
-        message = super().__new__(cls, template.format(**values) if values else template)
-        message.template = template
-        message.values = values
-        return message
-
-    def translated(self, translate: Callable[[str], str]) -> str:
-        """The sentence with `translate` applied to its template, and to the templates of its values.
-
-        A translation whose placeholders are not those of the template is a translator's mistake; the English template then stands in.
-        """
-        template = translate(self.template)
-        if not self.values:
-            return template
-        if _placeholders(template) != _placeholders(self.template):
-            template = self.template
-        return template.format(**{name: translated(value, translate) for name, value in self.values.items()})
+    def __new__(cls, text: str, /, remedy: Remedy | str | BaseException | None = None, **details: object) -> Sentence:
+        sentence = super().__new__(cls, one_line(shorten(text, LONGEST_SENTENCE)))
+        if remedy is not None and not isinstance(remedy, Remedy):
+            other = said(remedy) if isinstance(remedy, BaseException) else remedy
+            remedy, details = (other.remedy, other.details) if isinstance(other, Sentence) else (None, {})
+        sentence.remedy, sentence.details = remedy, details
+        return sentence
 
 
-def listed(items: Iterable[object], separator: str = ", ") -> Message:
-    """Several messages as one, which is translated item by item."""
-    values = {f"item{number}": item for number, item in enumerate(items)}
-    return Message(separator.join(f"{{{name}}}" for name in values), **values)
+def advised(sentence: object, words: Mapping[Remedy, str] = IN_PYTHON) -> str:
+    """A sentence with its remedy in a door's words; any other text, and an error that names no remedy, as it is."""
+    if isinstance(sentence, BaseException):
+        sentence = said(sentence)
+    if not isinstance(sentence, Sentence) or sentence.remedy is None:
+        return str(sentence)
+    return f"{sentence} {words[sentence.remedy].format(**sentence.details)}"
+
+
+def said(error: BaseException) -> Sentence:
+    """What an error says, without what to do about it."""
+    return error.args[0] if error.args and isinstance(error.args[0], Sentence) else Sentence(str(error))
+
+
+def listed(items: Iterable[object], separator: str = ", ") -> str:
+    """Several things, one after the other."""
+    return separator.join(map(str, items))
 
 
 def one_line(text: str) -> str:
     """`text` with everything that a terminal cannot show on one line replaced by a question mark."""
-    return "".join(character if character.isprintable() else "?" for character in text)
+    return text if text.isprintable() else "".join(character if character.isprintable() else "?" for character in text)
 
 
 def shorten(text: str, length: int = 60) -> str:
     """`text` cut to `length` characters, for quoting it in a message."""
     return text if len(text) <= length else text[: length - 3] + "..."
-
-
-class _OneLine(str):
-    """Text from elsewhere that a message shows as `one_line` does; ``!r`` shows it as it is, for that escapes what cannot be printed."""
-
-    def __format__(self, form: str) -> str:
-        return one_line(super().__format__(form))
-
-
-def _shown(value: object) -> object:
-    """A value as a sentence shows it: plain text and paths on one line, errors as `said`, anything else as it is."""
-    if isinstance(value, BaseException) and value.args and isinstance(value.args[0], Message):
-        return value.args[0]
-    if isinstance(value, PurePath):
-        return value if str(value).isprintable() else _OneLine(value)
-    if type(value) is str:
-        return _OneLine(shorten(value, LONGEST_QUOTE))
-    return value
-
-
-def _placeholders(template: str) -> set[tuple[str | None, str | None, str | None]] | None:
-    """Names, conversions and formats in braces; None where the braces do not match."""
-    try:
-        return {(name, conversion, form) for _, name, form, conversion in string.Formatter().parse(template) if name is not None}
-    except ValueError:
-        return None
-
-
-def said(error: BaseException) -> Message:
-    """What an error says: the `Message` that it was raised with, where it was raised with one."""
-    return error.args[0] if error.args and isinstance(error.args[0], Message) else Message(str(error))
-
-
-def translated(value: object, translate: Callable[[str], str]) -> object:
-    """`value`, translated where it is a `Message` or an error that was raised with one; anything else as it is."""
-    if isinstance(value, BaseException):
-        value = said(value)
-    return value.translated(translate) if isinstance(value, Message) else value
-
-
-IN_PYTHON = {
-    "--probe linear, or --probe sector with --apex-px COLUMN ROW": (
-        'probe=ProbeGeometry("linear"), or probe=ProbeGeometry("sector", (column, row))'
-    ),
-    "--probe linear": 'probe=ProbeGeometry("linear")',
-    "--probe sector": 'probe=ProbeGeometry("sector", (column, row))',
-    "--apex-px COLUMN ROW": 'probe=ProbeGeometry("sector", (column, row))',
-    "--clip-px {x} {y} {width} {height}": "region=ImageRegion(ClipRectangle(({x}, {y}), ({width}, {height})))",
-    "--clip-px X Y W H": "region=ImageRegion(ClipRectangle((x, y), (width, height)))",
-    "--clip-px": "region",
-    "--transform-sequence NAME=FILE": "read_sequence(path, transform_sequences=...)",
-    "--config PlusDeviceSet.xml": 'read_sequence(path, config="PlusDeviceSet.xml")',
-    "--bone-labels": "BoneMap.from_labels",
-    "them as --bone-probability": "them to BoneMap.from_probability",
-    "--bone-probability": "BoneMap.from_probability",
-    "Start nearer with --bone-transform": "Give a start nearer to it",
-    "start nearer with --bone-transform": "give a start nearer to it",
-    "take it as it is with --accept": "use its transform as it is",
-    "take the best with --accept": "use its transform",
-    "in --report": "in alternatives",
-    "--level N": "level",
-    "--bone-transform": "the transform of the CT",
-    "--grid-like": "grid",
-    ", or name it with --method": "",
-}
-"""What options are in Python, where that is not their name with underscores."""
-
-
-def in_python_words(template: str) -> str:
-    """A sentence with the command line's options as who calls the library from Python knows them; whole commands stay as they are."""
-    for option, word in IN_PYTHON.items() if "--" in template else ():
-        template = template.replace(option, word)
-    command = r"(?P<command>pip install .*|aifrecon [a-z][^.,;]*|\{command\}.*)"
-    option = r"(?<![\w-])--(?P<option>[a-z][a-z-]*)(?: [A-Z][A-Z0-9]*\b)*"
-    return re.sub(f"{command}|{option}", lambda found: found["command"] or found["option"].replace("-", "_"), template)
 
 
 def html_table(title: str, rows: Iterable[tuple[str, str]]) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from .errors import OperationCanceled
-from .message import Message
 
 Progress = Callable[[float, str], bool]
 """Called with a fraction (0 to 1, never decreasing) and what is being done. Returning False means: stop."""
@@ -19,7 +18,7 @@ def report(progress: Progress | None, fraction: float, step: str) -> None:
     progress : Progress or None
     fraction : float
     step : str
-        What is being done; where the text has values, a `Message`. The caller gets a `Message` of either.
+        What is being done.
 
     Raises
     ------
@@ -28,9 +27,8 @@ def report(progress: Progress | None, fraction: float, step: str) -> None:
     """
     if progress is None:
         return
-    step = step if isinstance(step, Message) else Message(step)
     if progress(min(max(fraction, 0.0), 1.0), step) is False:
-        raise OperationCanceled("Canceled in this step: {step}.", step=step)
+        raise OperationCanceled(f"Canceled in this step: {step}.")
 
 
 def part(progress: Progress | None, start: float, stop: float) -> Progress | None:

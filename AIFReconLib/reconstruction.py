@@ -31,6 +31,7 @@ from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
 from .progress import Progress, part, report
 from .provenance.record import input_files, with_origin
+from .remedies import Remedy
 from .resolve import Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
 from .settings import ReconstructionSettings
 from .sweep.frames import TrackedFrame, TrackedSequence
@@ -85,9 +86,7 @@ def _prepare(
     order = time_order(sequence)[:: settings.skip]
     chosen = order[[poses.problems[number] is None for number in order]]
     if not chosen.size:
-        raise NoUsableFramesError(
-            "{sequence}: none of every {skip}th frames can be placed. Use a smaller --skip.", sequence=sequence.name, skip=settings.skip
-        )
+        raise NoUsableFramesError(f"{sequence.name}: none of every {settings.skip}th frames can be placed.", Remedy.SMALLER_SKIP)
     uses_beams, uses_bone = needs_beams(method, settings), needs_bone(method, settings)
     imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, region, probe)
     costs = _costs(settings, method, parts, sequence.images.dtype, beside)
@@ -284,10 +283,7 @@ def reconstruct(
     reconstructor, results, counts, notes = _worked(sequence, prepared, bone, beside, cut, left, part(progress, 0.02, 0.95))
     if not counts.inserted:
         raise NoUsableFramesError(
-            "{sequence}: no frame falls into the volume ({reasons}). "
-            "Check its box (--grid-like, or the configuration's OutputOrigin and OutputExtent) and --reference.",
-            sequence=sequence.name,
-            reasons=describe_skipped(counts.skipped),
+            f"{sequence.name}: no frame falls into the volume ({describe_skipped(counts.skipped)}).", Remedy.CHECK_THE_BOX
         )
     for last in np.cumsum([len(each) for each in sequence.parts]) - 1:
         if last not in order or prepared.poses.problems[last] is not None:

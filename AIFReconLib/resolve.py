@@ -18,7 +18,8 @@ from .imaging.detection import detect_imaging
 from .imaging.images import ImageStack
 from .imaging.region import ImageRegion
 from .io.plus.importance_mask import configured_importance
-from .message import Message
+from .message import Sentence, said
+from .remedies import Remedy
 from .settings import DEFAULT_METHOD_WITHOUT_BONE, ReconstructionSettings
 from .sweep.frames import TrackedSequence
 from .sweep.joined import names_of
@@ -76,9 +77,7 @@ def resolve_settings(
         When a way to fill holes has no limit.
     """
     if settings.holes not in (None, "off") and settings.hole_limit == 0:
-        raise SettingsError(
-            "Input hole_limit must be above 0 mm to fill holes by {holes}; got 0. Give --hole-limit MM.", holes=settings.holes
-        )
+        raise SettingsError(f"Input hole_limit must be above 0 mm to fill holes by {settings.holes}; got 0.", Remedy.HOLE_LIMIT)
 
     method = settings.method
     if method is None and not has_bone:
@@ -127,19 +126,12 @@ def reconstructor_parts(
         if asked.method is None and method.weighs_pixels:
             importance = configured_importance(configuration)
         else:
-            notes.append(
-                Message(
-                    "The configuration's importance mask is not used: it is for an average, and the method is {method}.",
-                    method=method.name,
-                )
-            )
+            notes.append(f"The configuration's importance mask is not used: it is for an average, and the method is {method.name}.")
     if asked.interpolation is None and configuration.interpolation == "linear" and resolved.interpolation != "linear":
-        this = Message("{method} with cosines", method=method.name) if resolved.best_cosine else method.name
+        this = f"{method.name} with cosines" if resolved.best_cosine else method.name
         notes.append(
-            Message(
-                "The configuration's Interpolation=LINEAR is not used: it is for methods {methods}, and this is {method}.",
-                methods=", ".join(LINEAR_METHODS),
-                method=this,
+            "The configuration's Interpolation=LINEAR is not used: it is for methods {methods}, and this is {method}.".format(
+                methods=", ".join(LINEAR_METHODS), method=this
             )
         )
     return ReconstructorParts(
@@ -171,9 +163,7 @@ class Imaging:
             When it is not known.
         """
         if self.probe is None:
-            raise BeamGeometryError(
-                "The directions of the beams are not known. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
-            )
+            raise BeamGeometryError("The directions of the beams are not known.", Remedy.NAME_THE_PROBE)
         return self.probe
 
 
@@ -206,7 +196,7 @@ def resolve_imaging(
     try:
         return recognized_imaging(sequence.images, poses, configuration, need_probe, region, probe)
     except BeamGeometryError as error:
-        raise BeamGeometryError("{sequence}: {problem}", sequence=sequence.name, problem=error) from None
+        raise BeamGeometryError(f"{sequence.name}: {said(error)}", error) from None
 
 
 def _require_one_imaging(sequence: TrackedSequence, about_probe: bool, about_region: bool) -> None:
@@ -215,17 +205,10 @@ def _require_one_imaging(sequence: TrackedSequence, about_probe: bool, about_reg
     for other, name in zip(sequence.parts, names, strict=True):
         if about_region and other.configuration.imaged_region != first.imaged_region:
             raise BeamGeometryError(
-                "The configurations of {first} and {other} name different parts of the image. Give --clip-px X Y W H for all, or "
-                "reconstruct them one by one.",
-                first=names[0],
-                other=name,
+                f"The configurations of {names[0]} and {name} name different parts of the image.", Remedy.ONE_CLIP_FOR_ALL
             )
         if about_probe and other.configuration.probe != first.probe:
-            raise BeamGeometryError(
-                "The configurations of {first} and {other} name different probes. Give --probe for all, or reconstruct them one by one.",
-                first=names[0],
-                other=name,
-            )
+            raise BeamGeometryError(f"The configurations of {names[0]} and {name} name different probes.", Remedy.ONE_PROBE_FOR_ALL)
 
 
 def _about_black_surround(sequence: TrackedSequence, region: ImageRegion) -> tuple[str, ...]:
@@ -241,11 +224,10 @@ def _about_black_surround(sequence: TrackedSequence, region: ImageRegion) -> tup
         return ()
     (left, right), (top, bottom) = (np.flatnonzero(lit.any(axis=axis))[[0, -1]] for axis in (0, 1))
     return (
-        Message(
-            "The configuration's clip rectangle is the whole image of {columns} x {rows} pixels, and ultrasound fills only a part of it: "
-            "the black around it enters the volume too. Recognized: --clip-px {x} {y} {width} {height}.",
-            columns=columns,
-            rows=rows,
+        Sentence(
+            f"The configuration's clip rectangle is the whole image of {columns} x {rows} pixels, and ultrasound fills only a part of "
+            "it: the black around it enters the volume too.",
+            Remedy.CLIP_AS_RECOGNIZED,
             x=int(left),
             y=int(top),
             width=int(right - left),
@@ -276,5 +258,5 @@ def recognized_imaging(
         if need_probe and probe is None:
             raise
         return Imaging(region or ImageRegion(), probe)
-    note = Message("Recognized in the images: {probe}.", probe=detected.description)
+    note = f"Recognized in the images: {detected.description}."
     return Imaging(region or detected.region, probe or detected.probe, (note,))

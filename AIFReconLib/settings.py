@@ -162,7 +162,7 @@ class ReconstructionSettings:
             if name == "spacing" and isinstance(self.spacing, Iterable) and not isinstance(self.spacing, str):
                 along_axes = tuple(self.spacing)
                 if len(along_axes) != 3:
-                    raise SettingsError("Input spacing must be one number or three (x y z); got {count}.", count=len(along_axes))
+                    raise SettingsError(f"Input spacing must be one number or three (x y z); got {len(along_axes)}.")
                 for number in along_axes:
                     check_value(name, number, {**rule, "default": DEFAULT_SPACING})
                 object.__setattr__(self, "spacing", tuple(float(s) for s in along_axes))
@@ -193,28 +193,34 @@ def check_value(name: str, value: object, rule: Rule) -> None:
     if rule["choices"] is not None:
         if value not in rule["choices"] and not (rule["own"] and isinstance(value, str) and is_own_method(value)):
             choices = ", ".join([*rule["choices"], *([OWN_METHOD] if rule["own"] else [])])
-            raise SettingsError("Input {name} must be one of {choices}; got {value!r}.", name=name, choices=choices, value=value)
+            raise SettingsError(f"Input {name} must be one of {choices}; got {value!r}.")
         return
     if isinstance(rule["default"], bool):
         if not isinstance(value, bool):
-            raise SettingsError("Input {name} must be True or False; got {value!r}.", name=name, value=value)
+            raise SettingsError(f"Input {name} must be True or False; got {value!r}.")
         return
     whole = rule["whole"]
     if isinstance(value, str) and value == rule["word"]:
         return
     if isinstance(value, bool) or not isinstance(value, Integral if whole else Real) or not math.isfinite(value):
         if whole:
-            raise SettingsError("Input {name} must be a whole number; got {value!r}.", name=name, value=value)
+            raise SettingsError(f"Input {name} must be a whole number; got {value!r}.")
         if rule["word"] is not None:
-            raise SettingsError("Input {name} must be a finite number or {word}; got {value!r}.", name=name, word=rule["word"], value=value)
-        raise SettingsError("Input {name} must be a finite number; got {value!r}.", name=name, value=value)
+            raise SettingsError(
+                "Input {name} must be a finite number or {word}; got {value!r}.".format(name=name, word=rule["word"], value=value)
+            )
+        raise SettingsError(f"Input {name} must be a finite number; got {value!r}.")
     number = float(value)
     unit = f" {rule['unit']}" if rule["unit"] else ""
     if rule["minimum"] is not None and number < rule["minimum"]:
         raise SettingsError(
-            "Input {name} must be at least {minimum:g}{unit}; got {value!r}.", name=name, minimum=rule["minimum"], unit=unit, value=value
+            "Input {name} must be at least {minimum:g}{unit}; got {value!r}.".format(
+                name=name, minimum=rule["minimum"], unit=unit, value=value
+            )
         )
     if rule["maximum"] is not None and number > rule["maximum"]:
         raise SettingsError(
-            "Input {name} must be at most {maximum:g}{unit}; got {value!r}.", name=name, maximum=rule["maximum"], unit=unit, value=value
+            "Input {name} must be at most {maximum:g}{unit}; got {value!r}.".format(
+                name=name, maximum=rule["maximum"], unit=unit, value=value
+            )
         )

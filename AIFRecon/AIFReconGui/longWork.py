@@ -3,7 +3,6 @@
 from AIFReconScene import garbage
 from AIFReconScene.inputs.nodesAtWork import NodesAtWork
 from AIFReconScene.loading import importLibrary
-from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
 from .errorsShown import errorsShown
@@ -54,7 +53,7 @@ class LongWork:
                 # A node may have gone while the dialog came up
                 report(self._progress, 0.0, title)
                 importLibrary(self._progress)
-                return inPanelWords(work(parameters, progress=self._progress))
+                return work(parameters, progress=self._progress)
             return (nodes.lost or _("Canceled. Nothing was changed.")) if isinstance(outcome.error, OperationCanceled) else ""
         finally:
             self._progress = None

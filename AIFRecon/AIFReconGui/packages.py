@@ -68,9 +68,9 @@ def ensureLivePackages() -> None:
         _("To receive live images, AIFRecon needs the Python package pyigtl, a small download from the internet. Install it now?"),
     )
     if error is not None:
-        raise PackageMissingError("pyigtl was not installed, and live reconstruction needs it: {why}", why=error) from error
+        raise PackageMissingError(f"pyigtl was not installed, and live reconstruction needs it: {error}") from error
     if missing := missingLivePackages():
-        raise PackageMissingError("{packages} is not installed, and live reconstruction needs it.", packages=", ".join(missing))
+        raise PackageMissingError("{packages} is not installed, and live reconstruction needs it.".format(packages=", ".join(missing)))
     offerSpeed()
 
 
@@ -81,9 +81,9 @@ def ensureModelPackages() -> None:
         missing, _("An AI model in a file needs the Python package onnxruntime, a download from the internet. Install it now?")
     )
     if error is not None:
-        raise PackageMissingError("onnxruntime was not installed, and an AI model in a file needs it: {why}", why=error) from error
+        raise PackageMissingError(f"onnxruntime was not installed, and an AI model in a file needs it: {error}") from error
     if not isInstalled(MODEL):
-        raise PackageMissingError("{packages} is not installed, and an AI model in a file needs it.", packages=MODEL)
+        raise PackageMissingError(f"{MODEL} is not installed, and an AI model in a file needs it.")
 
 
 def packagesAreThere(parameters, failure: str, live: bool = False) -> bool:

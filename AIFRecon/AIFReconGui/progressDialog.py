@@ -4,7 +4,6 @@ from typing import Any
 
 import slicer
 from AIFReconScene import garbage
-from AIFReconScene.panelWords import inPanelWords
 
 
 class ProgressDialog:
@@ -50,7 +49,7 @@ class ProgressDialog:
     def __call__(self, fraction: float, message: str) -> bool:
         """Show `fraction` (0 to 1) and `message`, an empty one not; False when the user has asked to stop."""
         if not self._canceled:
-            self._dialog.labelText = inPanelWords(message) or self._dialog.labelText
+            self._dialog.labelText = message or self._dialog.labelText
             self._dialog.value = int(fraction * self.STEPS)
             slicer.app.processEvents()
             if garbage.lookInTime():

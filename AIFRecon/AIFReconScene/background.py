@@ -4,7 +4,6 @@ import concurrent.futures
 import threading
 
 from AIFReconLib.machine.threads import give_way
-from AIFReconLib.message import Message
 from AIFReconLib.progress import report
 
 ALIVE_EVERY = 0.02
@@ -82,7 +81,7 @@ class _Relay:
     """The progress function of the worker: keeps the latest report for the main thread, and tells the worker to stop."""
 
     def __init__(self):
-        self.latest = (0.0, Message(""))
+        self.latest = (0.0, "")
         self.canceled = threading.Event()
 
     def __call__(self, fraction, message) -> bool:

@@ -27,9 +27,8 @@ def matrixToParent(transformNode) -> np.ndarray:
     """
     if not transformNode.IsLinear():
         raise TransformError(
-            "Transform {node!r} must be linear; got a warping one, which cannot place an image or a grid. "
-            "Harden it onto the node that it moves, or replace it by a linear transform.",
-            node=transformNode.GetName(),
+            f"Transform {transformNode.GetName()!r} must be linear; got a warping one, which cannot place an image or a grid. Harden "
+            "it onto the node that it moves, or replace it by a linear transform."
         )
     matrix = vtk.vtkMatrix4x4()
     transformNode.GetMatrixTransformToParent(matrix)

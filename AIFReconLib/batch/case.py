@@ -33,7 +33,7 @@ from ..io.disk.atomic import output_errors, write_text
 from ..io.disk.workspace import workspace
 from ..io.transform.files import read_transform, write_transform
 from ..io.volume.files import read_labels, read_volume, write_volume
-from ..message import Message, listed, said
+from ..message import listed
 from ..reconstruction import reconstruct
 from ..registration.labeled_bone import LabeledBone
 from ..registration.registration import Registration, as_report, register
@@ -42,11 +42,11 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
 from ..terminal.options import bone_from, imaging_from, importance_from, labeled_bone_from, load_method_here, settings_from
+from ..terminal.remedies import in_columns
 from ..terminal.seen_bone_options import seen_bone_inputs
 from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance
 from ..terminal.volume_options import SIDE_OUTPUTS, grid_from
-from .columns import in_column_words
 from .engine import own_memory
 from .memory import OVER_PLAN
 from .place import require_results
@@ -98,10 +98,10 @@ def carry_out(task: Task) -> Record:
         record = replace(
             record,
             state=LOST,
-            message=said(error) if str(error) else "There was not enough memory. Give --memory more, or fewer --workers.",
+            message=in_columns(error) if str(error) else "There was not enough memory. Give --memory more, or fewer --workers.",
         )
     except AIFReconError as error:
-        record = replace(record, state=FAILED, message=in_column_words(said(error)))
+        record = replace(record, state=FAILED, message=in_columns(error))
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
         record = replace(record, state=LOST, message=f"{where}{error.strerror or error}. Check that the file exists and may be used.")
@@ -113,17 +113,13 @@ def carry_out(task: Task) -> Record:
     try:
         write_record(output, record)
     except OutputError as error:
-        record = replace(record, state=LOST, message=said(error))
+        record = replace(record, state=LOST, message=in_columns(error))
     return record
 
 
 def _require_version(task: Task) -> None:
     if task.version != __version__:
-        raise OutputError(
-            "The worker has AIFRecon {theirs}, and the table was read by {ours}. Install the same on both.",
-            theirs=__version__,
-            ours=task.version,
-        )
+        raise OutputError(f"The worker has AIFRecon {__version__}, and the table was read by {task.version}. Install the same on both.")
 
 
 def _computed(case: Case, output: Path, record: Record) -> Record:
@@ -206,14 +202,14 @@ class _Work:
         if not (found.accepted or arguments.accept or arguments.level is not None):
             path = self._folder.parents[1] / RECORDS / f"{self._case.name}{ALTERNATIVES}"
             write_text(path, json.dumps(self._report, indent=1) + "\n")
-            raise RegistrationRefused("No transform is written. {reason} The report is {path}.", reason=found.said, path=path)
+            raise RegistrationRefused(f"No transform is written. {found.said} The report is {path}.", found.said)
         self._arguments = self._placed(found, labels)
         agreement = found.agreement
         self._numbers["registration_agreement"] = float(agreement.share)
         self._numbers["registration_median_distance_mm"] = float(agreement.median_distance)
         self._numbers["registration_moved_mm"] = None if found.moved is None else float(found.moved)
         if found.uncertain:
-            self._notes.append(Message("Not held by this sweep: {what}.", what=listed(found.uncertain, "; ")))
+            self._notes.append(f"Not held by this sweep: {listed(found.uncertain, '; ')}.")
 
     def _placed(self, found: Registration, labels: Volume) -> argparse.Namespace:
         """The options with the place that was found, as if it had been given: by files, so that the numbers are those of the files."""
@@ -234,7 +230,7 @@ class _Work:
         try:
             found: Coverage = coverage(self._parts, labels, thickness=self._arguments.beam_thickness, **self._how)
         except (BeamGeometryError, GeometryError) as problem:
-            self._notes.append(said(problem))
+            self._notes.append(in_columns(problem))
             return
         self._report["coverage"] = found.to_dict()
         for name, share in (("sweep", found.all), ("sweep_interspinous", found.interspinous)):
@@ -249,7 +245,7 @@ class _Work:
         try:
             return bone_truth(true, SweepBeams.of_sequence(self._parts, thickness=arguments.beam_thickness, **self._how))
         except (BeamGeometryError, GeometryError) as problem:
-            self._notes.append(said(problem))
+            self._notes.append(in_columns(problem))
             return None
 
     def _ct(self) -> Volume | None:
@@ -285,7 +281,7 @@ class _Work:
         for name in SIDE_OUTPUTS:
             if getattr(arguments, name):
                 getattr(result, name).write(self._folder / f"{stem}-{name}.nrrd")
-        said_by_it = [str(in_column_words(note)) for note in result.said]
+        said_by_it = list(map(in_columns, result.said))
         self._report[result.method] = {"tracking": self._tracking(result), "notes": said_by_it}
         notes = [*self._notes, *said_by_it]
         return {
@@ -316,10 +312,10 @@ class _Work:
         try:
             metrics = evaluate(result.intensity, truth, result.mask)
         except GeometryError as problem:
-            notes.append(said(problem))
+            notes.append(in_columns(problem))
             return {}
         if metrics.bone.area == 0:
-            notes.append(Message("No bone surface that the sweep reaches lies where it was measured."))
+            notes.append("No bone surface that the sweep reaches lies where it was measured.")
             return {}
         return {name: None if value != value else float(value) for name, value in metrics.to_dict().items()}
 
@@ -330,7 +326,7 @@ class _Work:
         try:
             require_matplotlib()
         except OutputError as missing:
-            notes.append(said(missing))
+            notes.append(in_columns(missing))
             return ""
         title = f"{self._case.name}: {result.method}, {result.frames_inserted} frames"
         preview(result.intensity, result.mask, labels, ct, title).write(self._folder / f"{stem}.png")

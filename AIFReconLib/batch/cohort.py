@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..io.disk.atomic import output_errors
 from ..io.disk.workspace import remove_left_behind
-from ..message import Message, listed
+from ..message import listed
 from ..progress import Progress, report
 from .case import Task, carry_out
 from .engine import TRIES, Lost, completed, dashboard
@@ -78,7 +78,7 @@ class Cohort:
             else:
                 self.to_do.append(case)
 
-    def compute(self, workers: AbstractContextManager[Client], say: Callable[[Message], None], progress: Progress | None = None) -> None:
+    def compute(self, workers: AbstractContextManager[Client], say: Callable[[str], None], progress: Progress | None = None) -> None:
         """Compute what is to be done.
 
         Parameters
@@ -119,29 +119,28 @@ class Cohort:
 
     def _lost(self, task: Task, lost: Lost) -> Record:
         """The record of a case whose process did not survive it."""
-        sentence = Message(
-            "It was not finished: {reason}, from outside or for more memory than it may take. "
-            "Run the same again, with more --memory or fewer --workers.",
-            reason=lost.reason,
+        sentence = (
+            f"It was not finished: {lost.reason}, from outside or for more memory than it may take. Run the same again, with more "
+            "--memory or fewer --workers."
         )
         return Record(task.case.name, LOST, made_of(task.case, self.table_folder), sentence, task.run, TRIES)
 
-    def _so_far(self, started: float, done: int) -> tuple[float, Message]:
+    def _so_far(self, started: float, done: int) -> tuple[float, str]:
         """How far the work is, from 0 to 1 and in words."""
         left = len(self.to_do) - done
         failed = self.count(FAILED) + self.count(LOST)
         values = {"done": len(self.cases) - left, "cases": len(self.cases), "failed": failed}
-        message = Message("{done} of {cases} cases, {failed} failed", **values)
+        message = "{done} of {cases} cases, {failed} failed".format(**values)
         if done and left:
-            message = Message("{message}, {time} left", message=message, time=duration(left * (time.monotonic() - started) / done))
+            message = f"{message}, {duration(left * (time.monotonic() - started) / done)} left"
         return (len(self.cases) - left) / len(self.cases), message
 
 
-def duration(seconds: float) -> Message:
+def duration(seconds: float) -> str:
     """A time as one says it: ``45 s``, ``12 min``, ``3 h 05 min``."""
     if seconds < 90:
-        return Message("{seconds:.0f} s", seconds=seconds)
+        return f"{seconds:.0f} s"
     minutes = round(seconds / 60)
     if minutes < 90:
-        return Message("{minutes} min", minutes=minutes)
-    return Message("{hours} h {minutes:02d} min", hours=minutes // 60, minutes=minutes % 60)
+        return f"{minutes} min"
+    return f"{minutes // 60} h {minutes % 60:02d} min"

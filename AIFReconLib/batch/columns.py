@@ -6,13 +6,11 @@ The options are declared by the functions that declare them for those commands, 
 from __future__ import annotations
 
 import argparse
-import re
 from pathlib import Path
 from typing import NoReturn
 
 from ..compounding.methods.table import is_own_method, method_named
 from ..errors import MethodError, SettingsError
-from ..message import Message
 from ..terminal.one_line_parser import OneLineParser
 from ..terminal.options import (
     add_beam_option,
@@ -44,7 +42,7 @@ class CellParser(OneLineParser):
     def error(self, message: str) -> NoReturn:
         """Say what is wrong with a cell, without the name of the option: the column is known."""
         words = message.partition(": ")[2] if message.startswith("argument ") else message
-        raise SettingsError("{problem}.", problem=words.rstrip("."))
+        raise SettingsError(f"{words.rstrip('.')}.")
 
 
 def case_parser() -> CellParser:
@@ -120,7 +118,7 @@ class Columns:
             if isinstance(action, argparse._AppendAction):
                 return several
             if len(several) > 1:
-                raise SettingsError("{column} takes one file, got {count}.", column=column, count=len(several))
+                raise SettingsError(f"{column} takes one file, got {len(several)}.")
             return several[0]
         if (column, text) not in self._known:
             option = action.option_strings[0]
@@ -140,9 +138,7 @@ class Columns:
                 method_named(name)
             except MethodError:
                 raise MethodError(
-                    "{method} is a method of your own, which a table alone cannot bring in. Give {option} too.",
-                    method=name,
-                    option=f"--method {name}",
+                    f"{name} is a method of your own, which no table brings in by itself. Give it as in aifrecon batch --method {name} too."
                 ) from None
         return self._parsed(METHOD, [f"--{METHOD}={name}"])
 
@@ -160,15 +156,4 @@ def _yes_or_no(text: str) -> bool:
         return True
     if word in NO:
         return False
-    raise SettingsError("must be yes or no; got {text!r}.", text=text)
-
-
-def in_column_words(problem: str) -> Message:
-    """A sentence of the command line with its options as the columns of a table are called."""
-    return Message("{problem}", problem=problem.translated(_without_dashes) if isinstance(problem, Message) else problem)
-
-
-def _without_dashes(template: str) -> str:
-    """Whole commands stay as they are."""
-    command, option = r"(?P<command>pip install .*|aifrecon [a-z][^.,;]*)", r"(?<![\w-])--(?P<option>[a-z][a-z-]*)"
-    return re.sub(f"{command}|{option}", lambda found: found["command"] or found["option"].replace("-", "_"), template)
+    raise SettingsError(f"must be yes or no; got {text!r}.")

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from .. import __version__
 from ..errors import OutputError, SettingsError
-from ..message import Message, shorten
+from ..message import shorten
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -59,7 +59,7 @@ _SETTINGS = {
 class Lost:
     """Work that its process did not survive, as often as it was tried; `reason` is an end of a sentence."""
 
-    reason: Message
+    reason: str
 
 
 def require(name: str) -> ModuleType:
@@ -74,8 +74,7 @@ def require(name: str) -> ModuleType:
         return import_module(name)
     except ImportError:
         raise OutputError(
-            'Cannot compute many cases: {package} is not installed. Install it with: pip install "dask[distributed]" pyarrow cryptography',
-            package=name,
+            f'Cannot compute many cases: {name} is not installed. Install it with: pip install "dask[distributed]" pyarrow cryptography'
         ) from None
 
 
@@ -165,15 +164,12 @@ def cluster_at(address: str, folder: Path) -> Iterator[Client]:
             client.wait_for_workers(1, timeout=SCHEDULER_WAIT)
         except TimeoutError:
             raise SettingsError(
-                "There is no Dask scheduler with workers at {address}. Start one with dask scheduler, and dask worker {address}.",
-                address=address,
+                f"There is no Dask scheduler with workers at {address}. Start one with dask scheduler, and dask worker {address}."
             ) from None
         except (OSError, ValueError, TypeError) as error:  # the last without certificates
             raise SettingsError(
-                "No Dask scheduler answers at {address} ({reason}). Give its address as it prints it, such as tls://10.0.0.5:8786, and its "
-                "certificates in Dask's configuration.",
-                address=address,
-                reason=shorten(str(error)),
+                f"No Dask scheduler answers at {address} ({shorten(str(error))}). Give its address as it prints it, such as "
+                "tls://10.0.0.5:8786, and its certificates in Dask's configuration."
             ) from None
         _check_workers(client, folder)
         yield client
@@ -184,23 +180,16 @@ def _check_workers(client: Client, folder: Path) -> None:
         found = client.run(_about, str(folder))
     except Exception as error:  # of whatever kind a worker without the package answers with
         raise SettingsError(
-            "A worker cannot be asked for its version of AIFRecon ({reason}). Install AIFRecon {version} on every worker.",
-            reason=shorten(f"{type(error).__name__}: {error}"),
-            version=__version__,
+            "A worker cannot be asked for its version of AIFRecon ({reason}). Install AIFRecon {version} on every worker.".format(
+                reason=shorten(f"{type(error).__name__}: {error}"), version=__version__
+            )
         ) from None
     for worker, (version, sees) in found.items():
         if version != __version__:
-            raise SettingsError(
-                "Worker {worker} has AIFRecon {theirs}, and this is {ours}. Install the same on all.",
-                worker=worker,
-                theirs=version,
-                ours=__version__,
-            )
+            raise SettingsError(f"Worker {worker} has AIFRecon {version}, and this is {__version__}. Install the same on all.")
         if not sees:
             raise SettingsError(
-                "Worker {worker} does not see the folder {folder}. Choose one on a disk that all workers mount in the same place.",
-                worker=worker,
-                folder=folder,
+                f"Worker {worker} does not see the folder {folder}. Choose one on a disk that all workers mount in the same place."
             )
 
 
@@ -251,9 +240,9 @@ def completed(client: Client, work: Callable[[Given], Made], given: Mapping[str,
             try:
                 made: Made | Lost = future.result()
             except distributed.KilledWorker:
-                made = Lost(Message("its process was ended {count} times while it ran", count=TRIES))
+                made = Lost(f"its process was ended {TRIES} times while it ran")
             except scheduler.NoValidWorkerError:
-                made = Lost(Message("no process was there to run it"))
+                made = Lost("no process was there to run it")
             # Dask keeps what a future stands for
             future.release()
             send()
@@ -262,12 +251,12 @@ def completed(client: Client, work: Callable[[Given], Made], given: Mapping[str,
         client.cancel(list(names))
 
 
-def dashboard(client: Client) -> Message:
+def dashboard(client: Client) -> str:
     """How many workers there are, and where Dask shows what they do."""
     values = {"count": len(client.nthreads()), "address": client.dashboard_link}
     if find_spec("bokeh") is None:
-        return Message("{count} worker(s); Dask's dashboard at {address} needs bokeh (pip install bokeh)", **values)
-    return Message("{count} worker(s); Dask's dashboard is at {address}", **values)
+        return "{count} worker(s); Dask's dashboard at {address} needs bokeh (pip install bokeh)".format(**values)
+    return "{count} worker(s); Dask's dashboard is at {address}".format(**values)
 
 
 @contextmanager

@@ -10,7 +10,6 @@ from ..errors import AIFReconError, FileFormatError, SettingsError
 from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..machine.memory import SAFETY, available_memory
 from ..machine.threads import usable_cores
-from ..message import Message
 from ..reconstruction import plan
 from ..settings import DEFAULT_SPACING
 from ..terminal.options import settings_from
@@ -54,13 +53,13 @@ class Shares:
     needed: int
 
     def __str__(self) -> str:
-        each = Message("{threads} thread(s)", threads=self.threads)
+        each = f"{self.threads} thread(s)"
         if self.memory is not None:
-            each = Message("{threads} and {memory:.1f} GB", threads=each, memory=self.memory / 1e9)
-        said = Message("{workers} process(es) with {each} each", workers=self.workers, each=each)
+            each = f"{each} and {self.memory / 1e9:.1f} GB"
+        said = f"{self.workers} process(es) with {each} each"
         if self.memory is None or self.needed <= self.memory:
             return said
-        return Message("{said}; the largest case, of {needed:.1f} GB, is worked in parts", said=said, needed=self.needed / 1e9)
+        return f"{said}; the largest case, of {self.needed / 1e9:.1f} GB, is worked in parts"
 
 
 def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | None = None) -> Shares:
@@ -82,9 +81,8 @@ def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | 
     """
     if memory is not None and memory < OURS + PROCESS:
         raise SettingsError(
-            "Input --memory must be at least {least:.2f} GB, which one process and this one take; got {memory:.2f}. Give more.",
-            least=(OURS + PROCESS) / 1e9,
-            memory=memory / 1e9,
+            f"Input --memory must be at least {(OURS + PROCESS) / 1e9:.2f} GB, which one process and this one take; got "
+            f"{memory / 1e9:.2f}. Give more."
         )
     cores, needed = usable_cores(), memory_needed(cases)
     if memory is None and (free := available_memory()) is not None:

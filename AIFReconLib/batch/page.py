@@ -15,7 +15,6 @@ from .. import __version__
 from ..evaluation.quantities import HEADINGS, QUANTITIES
 from ..evaluation.report import STYLE
 from ..io.disk.atomic import write_text
-from ..message import Message
 from .distributions import strip_plot
 from .records import DONE, FAILED, LOST, Row
 
@@ -28,12 +27,12 @@ OF_BONE = (
 
 NUMBERS = {
     **{name: (HEADINGS[name], QUANTITIES[name].form) for name in OF_BONE},
-    "sweep_met": (Message("bone met"), ".0%"),
-    "sweep_interspinous_met": (Message("gaps met"), ".0%"),
-    "registration_agreement": (Message("CT agrees"), ".0%"),
-    "registration_median_distance_mm": (Message("CT off by mm"), ".2f"),
-    "frames": (Message("frames"), ".0f"),
-    "seconds": (Message("seconds"), ".1f"),
+    "sweep_met": ("bone met", ".0%"),
+    "sweep_interspinous_met": ("gaps met", ".0%"),
+    "registration_agreement": ("CT agrees", ".0%"),
+    "registration_median_distance_mm": ("CT off by mm", ".2f"),
+    "frames": ("frames", ".0f"),
+    "seconds": ("seconds", ".1f"),
 }
 """What the page shows of a row, with its heading and format; all numbers are in the tables beside it."""
 

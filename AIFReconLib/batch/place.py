@@ -41,10 +41,7 @@ def require_place(cases: Iterable[Case], table: Path, output: Path) -> None:
             for place in (real_path(path), real_path(path.parent) / path.name):
                 if Path(as_compared(place)).is_relative_to(inside):
                     raise OutputError(
-                        "Cannot write results to {folder}: it holds {path}, an input of {case}. Choose a folder for results alone.",
-                        folder=output,
-                        path=path,
-                        case=case.name,
+                        f"Cannot write results to {output}: it holds {path}, an input of {case.name}. Choose a folder for results alone."
                     )
     of_all = [output / name for name in OF_ALL]
     with output_errors(output):
@@ -79,6 +76,5 @@ def require_results(folder: Path, known: Collection[str], where: Path) -> None:
 
 def _refused(path: Path) -> OutputError:
     return OutputError(
-        "Cannot write results: {path} is in their place, and no run of aifrecon batch has written it. Move it, or choose another --output.",
-        path=path,
+        f"Cannot write results: {path} is in their place, and no run of aifrecon batch has written it. Move it, or choose another --output."
     )

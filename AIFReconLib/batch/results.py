@@ -10,7 +10,6 @@ from typing import Any
 
 from ..evaluation.quantities import spreadsheet_cell
 from ..io.disk.atomic import atomic_output, write_text
-from ..message import Message
 from .engine import require
 from .records import DONE, Record, Row
 from .table import Case
@@ -41,7 +40,7 @@ def flat_rows(cases: Iterable[Case], records: dict[str, Record]) -> list[Row]:
 def said_of(record: Record) -> str:
     """What went wrong, or nearly, in words."""
     if record.state == DONE and record.attempts > 1:
-        return Message("Done at try {count}: its process was ended in the one before.", count=record.attempts)
+        return f"Done at try {record.attempts}: its process was ended in the one before."
     return record.message
 
 

@@ -20,11 +20,12 @@ from ..errors import AIFReconError, FileFormatError, SettingsError
 from ..io.disk.regular_files import require_regular_file
 from ..io.disk.small_files import read_bytes
 from ..io.metafile.opening import data_files
-from ..message import Message, said
+from ..message import said
 from ..terminal.options import PARAMETERS, check_bone_options, settings_from
+from ..terminal.remedies import in_columns
 from ..terminal.seen_bone_options import seen_source
 from ..terminal.sequence_options import of_each
-from .columns import CASE, METHOD, REQUIRED, SWEEPS, Columns, in_column_words
+from .columns import CASE, METHOD, REQUIRED, SWEEPS, Columns
 
 MOST_BYTES = 2**28
 MOST_COLUMNS = 500
@@ -42,11 +43,11 @@ class Problem:
 
     row: int
     column: str
-    sentence: Message
+    sentence: str
 
     def __str__(self) -> str:
-        where = Message("row {row}, {column}", row=self.row, column=self.column) if self.column else Message("row {row}", row=self.row)
-        return Message("{where}: {sentence}", where=where, sentence=self.sentence)
+        where = f"row {self.row}, {self.column}" if self.column else f"row {self.row}"
+        return f"{where}: {self.sentence}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +118,7 @@ def read_cases(path: str | Path) -> Cases:
     rows = _rows(path)
     head = [cell.strip().lower().replace("-", "_") for cell in next(rows, (0, []))[1]]
     if len(head) > MOST_COLUMNS:
-        raise FileFormatError("{path}: it has {count} columns, and cases have fewer options. Give their table.", path=path, count=len(head))
+        raise FileFormatError(f"{path}: it has {len(head)} columns, and cases have fewer options. Give their table.")
     problems = [*_of_head(head, columns)]
     reading = _Reading(path.parent, columns, head)
     cases = []
@@ -132,7 +133,7 @@ def read_cases(path: str | Path) -> Cases:
             problems.append(problem)
         seen.setdefault(case.name.casefold(), number)
     if not cases:
-        problems.append(Problem(1, "", Message("there are no cases below the column names. Add a row for each.")))
+        problems.append(Problem(1, "", "there are no cases below the column names. Add a row for each."))
     return Cases(tuple(cases), tuple(problems))
 
 
@@ -142,42 +143,38 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise FileFormatError("{path}: it is not text in UTF-8. Save it as CSV UTF-8.", path=path) from None
+        raise FileFormatError(f"{path}: it is not text in UTF-8. Save it as CSV UTF-8.") from None
     first = text.partition("\n")[0]
     delimiter = max(",;\t", key=first.count)
     try:
         yield from enumerate(csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True), start=1)
     except csv.Error as error:
-        raise FileFormatError("{path}: it cannot be read as CSV ({reason}). Save it as CSV UTF-8.", path=path, reason=str(error)) from None
+        raise FileFormatError(f"{path}: it cannot be read as CSV ({error!s}). Save it as CSV UTF-8.") from None
 
 
 def _of_head(head: list[str], columns: Columns) -> Iterator[Problem]:
     for name in REQUIRED:
         if name not in head:
-            yield Problem(1, name, Message("the table has no such column, which every case needs. Add it."))
+            yield Problem(1, name, "the table has no such column, which every case needs. Add it.")
     for name in dict.fromkeys(head):
         if head.count(name) > 1 and name:
-            yield Problem(1, name, Message("the column is there twice. Remove one."))
+            yield Problem(1, name, "the column is there twice. Remove one.")
         if name and name not in columns.names:
             near = difflib.get_close_matches(name, columns.names, n=1)
             if near:
-                yield Problem(1, name, Message("there is no such column, perhaps {near} is meant. Correct it.", near=near[0]))
+                yield Problem(1, name, f"there is no such column, perhaps {near[0]} is meant. Correct it.")
             else:
-                yield Problem(1, name, Message("there is no such column. Remove it; aifrecon batch --help lists all."))
+                yield Problem(1, name, "there is no such column. Remove it; aifrecon batch --help lists all.")
 
 
 def _of_name(name: str, row: int, seen: dict[str, int]) -> Problem | None:
     """What is wrong with the name of a case, which is that of a folder on every system."""
     if not name:
-        return Problem(row, CASE, Message("the case has no name. Give each its own."))
+        return Problem(row, CASE, "the case has no name. Give each its own.")
     if not _NAME.fullmatch(name) or name.endswith((" ", ".")) or _OF_WINDOWS.fullmatch(name):
-        return Problem(
-            row, CASE, Message("{name!r} cannot be the name of a folder. Use letters, digits, and . _ + - between them.", name=name)
-        )
+        return Problem(row, CASE, f"{name!r} cannot be the name of a folder. Use letters, digits, and . _ + - between them.")
     if name.casefold() in seen:
-        return Problem(
-            row, CASE, Message("{name} is the name of row {other} too. Give each its own.", name=name, other=seen[name.casefold()])
-        )
+        return Problem(row, CASE, f"{name} is the name of row {seen[name.casefold()]} too. Give each its own.")
     return None
 
 
@@ -189,16 +186,14 @@ class _Reading:
         self._columns = columns
         self._head = head
         self._looked_at = cache(_why_not_a_file)
-        self._of_settings: dict[str, Message | None] = {}
+        self._of_settings: dict[str, str | None] = {}
 
     def case(self, row: int, cells: list[str]) -> Case:
         """The case of a row."""
         given = {name: cell.strip() for name, cell in zip(self._head, cells, strict=False) if cell.strip() and name}
         problems = []
         if len(cells) > len(self._head):
-            extra = Message(
-                "there are more cells than columns: {cell!r} has no column. Quote cells that hold a comma.", cell=cells[len(self._head)]
-            )
+            extra = f"there are more cells than columns: {cells[len(self._head)]!r} has no column. Quote cells that hold a comma."
             problems.append(Problem(row, "", extra))
         values: dict[str, object] = {}
         for column in given:
@@ -207,7 +202,7 @@ class _Reading:
             try:
                 value = self._columns.read(column, given[column], self._folder)
             except AIFReconError as error:
-                problems.append(Problem(row, column, in_column_words(said(error))))
+                problems.append(Problem(row, column, in_columns(error)))
                 continue
             if value is not None:
                 values[column] = value
@@ -235,7 +230,7 @@ class _Reading:
                 named += [(column, each) for each in value.values()]
         problems = []
         if SWEEPS not in values and SWEEPS in self._head:
-            problems.append(Problem(row, SWEEPS, Message("no recording is named. Give one or more, with ; between them.")))
+            problems.append(Problem(row, SWEEPS, "no recording is named. Give one or more, with ; between them."))
         for column, path in named:
             why = self._looked_at(path)
             if why is not None:
@@ -250,7 +245,7 @@ class _Reading:
         try:
             kept = dict(self._columns.defaults_from(case.arguments))
         except AIFReconError as error:
-            problems.append(Problem(case.row, "settings", said(error)))
+            problems.append(Problem(case.row, "settings", in_columns(error)))
             return case.arguments
         return argparse.Namespace(**{**vars(case.arguments), **kept, **values})
 
@@ -259,32 +254,32 @@ class _Reading:
         for rivals in self._columns.rivals:
             both = [name for name in rivals if values.get(name)]
             if len(both) > 1:
-                yield Problem(case.row, both[1], Message("{one} is given too. Give one of them.", one=both[0]))
+                yield Problem(case.row, both[1], f"{both[0]} is given too. Give one of them.")
         arguments = case.arguments
         for name in _OF_REGISTER:
             if values.get(name) and not arguments.register:
-                yield Problem(case.row, name, Message("it says how a CT is registered. Say yes under register too."))
+                yield Problem(case.row, name, "it says how a CT is registered. Say yes under register too.")
         if arguments.register and not arguments.bone_labels:
-            yield Problem(case.row, "register", Message("a CT is registered by its labels. Name them under bone_labels."))
+            yield Problem(case.row, "register", "a CT is registered by its labels. Name them under bone_labels.")
         if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):
-            yield Problem(case.row, "beam_thickness", Message("must be positive mm; got {mm:g}.", mm=arguments.beam_thickness))
+            yield Problem(case.row, "beam_thickness", f"must be positive mm; got {arguments.beam_thickness:g}.")
         try:
             of_each(arguments, arguments.sequences)
         except SettingsError as error:
-            yield Problem(case.row, "config", in_column_words(said(error)))
+            yield Problem(case.row, "config", in_columns(error))
         try:
             check_bone_options(arguments)
         except SettingsError as error:
             source = seen_source(arguments)
             column = "bone_transform" if source is None else source.removeprefix("--").replace("-", "_")
-            yield Problem(case.row, column, in_column_words(said(error)))
+            yield Problem(case.row, column, in_columns(error))
         has_bone = bool(arguments.bone_labels or arguments.bone_probability or seen_source(arguments))
         for method in case.methods:
             message = self._why_not_settings(with_method(arguments, method), has_bone)
             if message is not None:
-                yield Problem(case.row, _column_of(message, self._columns.names), in_column_words(message))
+                yield Problem(case.row, _column_of(message, self._columns.names), in_columns(message))
 
-    def _why_not_settings(self, arguments: argparse.Namespace, has_bone: bool) -> Message | None:
+    def _why_not_settings(self, arguments: argparse.Namespace, has_bone: bool) -> str | None:
         """What is wrong with the parameters of a reconstruction; most rows have those of another."""
         key = repr([has_bone, bool(arguments.cosine), *(getattr(arguments, name, None) for name in PARAMETERS)])
         if key not in self._of_settings:
@@ -311,20 +306,20 @@ def method_files(case: Case) -> Iterator[Path]:
                 yield Path(file)
 
 
-def _column_of(message: Message, names: tuple[str, ...]) -> str:
+def _column_of(message: str, names: tuple[str, ...]) -> str:
     """The column that a sentence about a setting is about."""
-    name = str(message.values.get("name", METHOD))
+    name = message.partition("Input ")[2].partition(" ")[0]
     return name if name in names else METHOD
 
 
-def _why_not_a_file(path: Path) -> Message | None:
+def _why_not_a_file(path: Path) -> str | None:
     """What is wrong with a file, as far as can be told without reading it."""
     try:
         require_regular_file(path, FileFormatError)
         if path.stat().st_size == 0:
-            return Message("{path}: the file is empty. Copy it again.", path=path)
+            return f"{path}: the file is empty. Copy it again."
     except FileFormatError as error:
         return said(error)
     except OSError as error:
-        return Message("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=error.strerror or str(error))
+        return f"{path}: the file cannot be read ({error.strerror or str(error)}). Check its permissions."
     return None

@@ -16,8 +16,8 @@ from ..holes.automatic import SHARE, distances_between_frames
 from ..imaging.beams import ProbeGeometry
 from ..imaging.extent import grid_around_sweep
 from ..imaging.region import ImageRegion
-from ..message import Message
 from ..progress import Progress, part, report
+from ..remedies import Remedy
 from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.joined import joined
@@ -136,13 +136,11 @@ def bone_from_frames(
         else:
             drawing.add(listeners.of(frame).listen(frame.placed()[0], prediction), frame.placed()[1])
     if not drawing.shows_bone:
-        raise GeometryError(
-            "{sequence}: no frame shows bone by what it is looked for with. Give --bone-labels, or no bone.", sequence=sequence.name
-        )
+        raise GeometryError(f"{sequence.name}: no frame shows bone by what it is looked for with.", Remedy.BONE_OF_CT)
     found = drawing.map(part(progress, 0.9, 1.0))
     notes = list(estimator.notes())
     if silent:
-        notes.append(Message("Nothing is said of bone in {silent} of {frames} frames.", silent=silent, frames=len(usable)))
+        notes.append(f"Nothing is said of bone in {silent} of {len(usable)} frames.")
     return replace(found, notes=tuple(notes))
 
 

@@ -26,6 +26,7 @@ from ..imaging.beams import ProbeGeometry
 from ..imaging.extent import grid_around_sweep
 from ..imaging.region import ImageRegion
 from ..progress import Progress, report
+from ..remedies import Remedy
 from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
@@ -253,10 +254,7 @@ def bone_from_sweep(
         np.add.at(distance, at, weights * np.tile(offsets, len(echoes.scores)))
     seen = best > 0
     if not seen.any():
-        raise GeometryError(
-            "{sequence}: no frame shows bone, a bright echo with darkness behind it. Give --bone-labels, or no bone.",
-            sequence=sequence.name,
-        )
+        raise GeometryError(f"{sequence.name}: no frame shows bone, a bright echo with darkness behind it.", Remedy.BONE_OF_CT)
     sigma = SIGMA / spacing
     probability = scipy.ndimage.gaussian_filter(best.reshape(grid.shape), sigma, mode="constant")
     np.minimum(probability / np.percentile(probability.reshape(-1)[seen], 90), 1.0, out=probability)

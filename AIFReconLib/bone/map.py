@@ -20,6 +20,7 @@ from ..machine.memory import LARGEST_GRID, require_memory
 from ..machine.threads import in_parts, usable_cores
 from ..message import Described, listed
 from ..progress import Progress, part, report
+from ..remedies import Remedy
 from .placed.at_voxels import BoneAtVoxels
 from .placed.on_grid import BoneOnGrid
 from .placed.placement import PARTS, Placement
@@ -112,7 +113,7 @@ class BoneMap(Described):
             raise GeometryError("Input labels must leave voxels that are not bone; got bone everywhere. Was the right segmentation chosen?")
         sigma_kji = np.full(3, float(sigma_voxels)) if sigma_mm is None else float(sigma_mm) / labels.grid.spacing[::-1]
         if not (np.isfinite(sigma_kji).all() and (sigma_kji > 0).all()):
-            raise GeometryError("Input sigma must be positive; got {sigma}.", sigma=sigma_voxels if sigma_mm is None else sigma_mm)
+            raise GeometryError(f"Input sigma must be positive; got {sigma_voxels if sigma_mm is None else sigma_mm}.")
         widest = np.maximum(sigma_kji, SURFACE_SIGMA / labels.grid.spacing[::-1])
         margin = np.ceil(GAUSSIAN_REACH * widest).astype(int) + 2
         box = box_around(bone, margin)
@@ -157,9 +158,7 @@ class BoneMap(Described):
         probability = as_volume(probability, ijk_to_reference, "probability")
         if probability.array.size and np.nanmax(np.where(np.isfinite(probability.array), probability.array, 0)) > 2:
             raise GeometryError(
-                "Input probability must be 0 to 1; got values up to {largest:g}. "
-                "Divide it by its largest possible value, or give labels with --bone-labels.",
-                largest=np.nanmax(probability.array),
+                f"Input probability must be 0 to 1; got values up to {np.nanmax(probability.array):g}.", Remedy.TAKE_AS_LABELS
             )
         array = np.clip(np.nan_to_num(probability.array.astype(np.float32), nan=0.0, posinf=0.0, neginf=0.0), 0.0, 1.0)
         volume = Volume(array, probability.ijk_to_reference)
@@ -241,7 +240,7 @@ class BoneMap(Described):
 def _require_known(direction: str) -> None:
     if direction not in DIRECTIONS:
         raise GeometryError(
-            "Input direction must be {directions}; got {direction!r}.", directions=listed(DIRECTIONS, " or "), direction=direction
+            "Input direction must be {directions}; got {direction!r}.".format(directions=listed(DIRECTIONS, " or "), direction=direction)
         )
 
 

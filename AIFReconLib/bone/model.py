@@ -12,7 +12,6 @@ from ..arrays import Numbers, Singles
 from ..errors import ModelError
 from ..io.disk.regular_files import require_regular_file
 from ..io.disk.small_files import read_bytes
-from ..message import Message
 from ..sweep.frames import TrackedFrame
 from .model_description import CLASSES, LARGEST_SIDE, LOGITS, ModelDescription, read_description
 from .onnx_file import why_not_self_contained
@@ -53,19 +52,14 @@ class OnnxModel:
         self._process = _process(self.path, threads)
         inputs = self._process.inputs
         if len(inputs) != 1 or not self._process.outputs:
-            raise self._misfit(Message("it has {count} inputs", count=len(inputs)))
+            raise self._misfit(f"it has {len(inputs)} inputs")
         _, kind, sides = inputs[0]
         shape: Shape = tuple(sides)
         if kind != "tensor(float)" or len(shape) != 4 or not _may_be(shape[0], (1,)) or not _may_be(shape[1], (1, 3)):
-            raise self._misfit(Message("its input is {type} of {shape}", type=kind, shape=_words(shape)))
+            raise self._misfit(f"its input is {kind} of {_words(shape)}")
         self._channels = shape[1] if isinstance(shape[1], int) else max(len(self.description.mean), len(self.description.std))
         if not {len(self.description.mean), len(self.description.std)} <= {1, self._channels}:
-            raise ModelError(
-                "{path}: mean and std of {beside} must be one number, or {channels}. Correct them.",
-                path=self.path,
-                beside=beside.name,
-                channels=self._channels,
-            )
+            raise ModelError(f"{self.path}: mean and std of {beside.name} must be one number, or {self._channels}. Correct them.")
         self._size = self._input_size(shape)
         self._resizers: dict[tuple[int, int], tuple[scipy.sparse.csr_matrix[np.float32], scipy.sparse.csr_matrix[np.float32]]] = {}
         rows, columns = self._size or (256, 256)
@@ -86,22 +80,20 @@ class OnnxModel:
 
     def notes(self) -> tuple[str, ...]:
         """Which model it is."""
-        return (Message("Bone is what the model {name} says.", name=self.path.name),)
+        return (f"Bone is what the model {self.path.name} says.",)
 
     def _input_size(self, shape: Shape) -> tuple[int, int] | None:
         asked = self.description.input_size
         own = tuple(side if isinstance(side, int) else None for side in shape[2:])
         if any(side is not None and not 1 <= side <= LARGEST_SIDE for side in own):
-            raise self._misfit(Message("its input is {shape}", shape=_words(shape)))
+            raise self._misfit(f"its input is {_words(shape)}")
         if asked is None:
             asked = (own[0], own[1]) if own[0] is not None and own[1] is not None else None
         elif any(side is not None and side != wanted for side, wanted in zip(own, asked, strict=True)):
             raise ModelError(
-                "{path}: its input is {shape}, and input_size of {beside} says {asked}. Correct one of them.",
-                path=self.path,
-                shape=_words(shape),
-                beside=self.path.with_suffix(".json").name,
-                asked=_words(asked),
+                "{path}: its input is {shape}, and input_size of {beside} says {asked}. Correct one of them.".format(
+                    path=self.path, shape=_words(shape), beside=self.path.with_suffix(".json").name, asked=_words(asked)
+                )
             )
         return asked
 
@@ -125,7 +117,7 @@ class OnnxModel:
         """The channel of bone as a probability; of the trial, which has no `number`, whatever numbers it answers."""
         channels = answer[None] if answer.ndim == 3 else answer
         if channels.ndim != 4 or channels.shape[0] != 1 or min(channels.shape) < 1 or channels.dtype.kind != "f":
-            raise self._misfit(Message("it answers with {kind} of {shape}", kind=answer.dtype.name, shape=_words(answer.shape)))
+            raise self._misfit(f"it answers with {answer.dtype.name} of {_words(answer.shape)}")
         values, wanted = channels[0].astype(np.float32), self.description.bone_class
         if self.description.output == CLASSES:
             values = scipy.special.softmax(values, axis=0)
@@ -136,34 +128,24 @@ class OnnxModel:
             wanted = 0
         if wanted >= count or (count == 1 and self.description.output == CLASSES):
             raise ModelError(
-                "{path}: its answer of {shape} has no class {wanted} of several. Correct output and bone_class in the JSON file beside it.",
-                path=self.path,
-                shape=_words(answer.shape),
-                wanted=wanted,
+                f"{self.path}: its answer of {_words(answer.shape)} has no class {wanted} of several. Correct output and bone_class in "
+                "the JSON file beside it."
             )
         bone: Singles = values[wanted]
-        where = "" if number is None else Message(" in frame {number}", number=number)
+        where = "" if number is None else f" in frame {number}"
         if not np.isfinite(bone).all():
-            raise ModelError(
-                "{path}: the model answers NaN or infinity{where}. Export it again, or use another.", path=self.path, where=where
-            )
+            raise ModelError(f"{self.path}: the model answers NaN or infinity{where}. Export it again, or use another.")
         if number is not None and (float(bone.min()) < -ROUNDING or float(bone.max()) > 1 + ROUNDING):
             raise ModelError(
-                "{path}: the model answers {low:g} to {high:g}{where}, which is no probability. "
-                'Say "output": "logits" in the JSON file beside it.',
-                path=self.path,
-                low=float(bone.min()),
-                high=float(bone.max()),
-                where=where,
+                f"{self.path}: the model answers {float(bone.min()):g} to {float(bone.max()):g}{where}, which is no probability. Say "
+                '"output": "logits" in the JSON file beside it.'
             )
         return np.clip(bone, 0.0, 1.0)
 
     def _misfit(self, what: str) -> ModelError:
         return ModelError(
-            "{path}: {what}, and a model of bone takes one image of 1 x 1 x H x W or 1 x 3 x H x W floats and answers with 1 x N x H x W. "
-            "Export it with these.",
-            path=self.path,
-            what=what,
+            f"{self.path}: {what}, and a model of bone takes one image of 1 x 1 x H x W or 1 x 3 x H x W floats and answers with 1 x N "
+            "x H x W. Export it with these."
         )
 
 
@@ -177,11 +159,9 @@ def _process(path: Path, threads: int) -> ModelProcess:
     data = read_bytes(path, LARGEST_MODEL, ModelError)
     problem = why_not_self_contained(data)
     if problem is not None:
-        raise ModelError("{path}: {problem}", path=path, problem=problem)
+        raise ModelError(f"{path}: {problem}")
     if not _is_installed("onnxruntime"):
-        raise ModelError(
-            "{path}: a model cannot be run without the Python package onnxruntime. Install it: pip install onnxruntime.", path=path
-        )
+        raise ModelError(f"{path}: a model cannot be run without the Python package onnxruntime. Install it: pip install onnxruntime.")
     return ModelProcess(path, data, threads)
 
 

@@ -50,36 +50,33 @@ def read_description(path: Path) -> ModelDescription:
     try:
         table = json.loads(read_bytes(path, LARGEST_FILE, ModelError).decode("utf-8"))
     except (ValueError, RecursionError):
-        raise ModelError("{path}: this is no JSON. Write an object with {names}.", path=path, names=", ".join(NAMES)) from None
+        raise ModelError("{path}: this is no JSON. Write an object with {names}.".format(path=path, names=", ".join(NAMES))) from None
     if not isinstance(table, dict):
-        raise ModelError("{path}: a model's description must be an object with {names}.", path=path, names=", ".join(NAMES))
+        raise ModelError("{path}: a model's description must be an object with {names}.".format(path=path, names=", ".join(NAMES)))
     unknown = [name for name in table if name not in NAMES]
     if unknown:
-        raise ModelError("{path}: {name} is not known. Names are {names}.", path=path, name=unknown[0], names=", ".join(NAMES))
+        raise ModelError("{path}: {name} is not known. Names are {names}.".format(path=path, name=unknown[0], names=", ".join(NAMES)))
     description = ModelDescription()
     if table.get("input_size") is not None:
         description = replace(description, input_size=_size(path, table["input_size"]))
     mean, std = (_per_channel(path, name, table.get(name, list(getattr(description, name)))) for name in ("mean", "std"))
     if not all(value > 0 for value in std):
-        raise ModelError("{path}: std must be above 0; got {value}.", path=path, value=table["std"])
+        raise ModelError("{path}: std must be above 0; got {value}.".format(path=path, value=table["std"]))
     output = table.get("output", description.output)
     if output not in OUTPUTS:
-        raise ModelError("{path}: output must be one of {outputs}; got {value!r}.", path=path, outputs=", ".join(OUTPUTS), value=output)
+        raise ModelError(
+            "{path}: output must be one of {outputs}; got {value!r}.".format(path=path, outputs=", ".join(OUTPUTS), value=output)
+        )
     bone_class = table.get("bone_class", description.bone_class)
     if not isinstance(bone_class, int) or isinstance(bone_class, bool) or bone_class < 0:
-        raise ModelError("{path}: bone_class must be the number of a channel, from 0; got {value!r}.", path=path, value=bone_class)
+        raise ModelError(f"{path}: bone_class must be the number of a channel, from 0; got {bone_class!r}.")
     return replace(description, mean=mean, std=std, output=output, bone_class=bone_class)
 
 
 def _size(path: Path, value: object) -> tuple[int, int]:
     if isinstance(value, list) and len(value) == 2 and all(type(n) is int and 1 <= n <= LARGEST_SIDE for n in value):
         return value[0], value[1]
-    raise ModelError(
-        "{path}: input_size must be two whole numbers, rows and columns, of 1 to {most}; got {value!r}.",
-        path=path,
-        most=LARGEST_SIDE,
-        value=value,
-    )
+    raise ModelError(f"{path}: input_size must be two whole numbers, rows and columns, of 1 to {LARGEST_SIDE}; got {value!r}.")
 
 
 def _per_channel(path: Path, name: str, value: object) -> tuple[float, ...]:
@@ -90,4 +87,4 @@ def _per_channel(path: Path, name: str, value: object) -> tuple[float, ...]:
     ]
     if len(numbers) in (1, 3) and len(numbers) == (len(value) if isinstance(value, list) else 1):
         return tuple(numbers)
-    raise ModelError("{path}: {name} must be a number, or three; got {value!r}.", path=path, name=name, value=value)
+    raise ModelError(f"{path}: {name} must be a number, or three; got {value!r}.")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..message import Message
-
 MOST_NESTED = 100
 
 _MODEL, _GRAPH, _NODE, _ATTRIBUTE, _TENSOR, _SPARSE, _FUNCTION, _TRAINING = range(8)
@@ -30,16 +28,16 @@ class _Damaged(ValueError):
     """Bytes that are no message of the kind."""
 
 
-def why_not_self_contained(data: bytes) -> Message | None:
+def why_not_self_contained(data: bytes) -> str | None:
     """Why a file is no ONNX model that has all of its data within; None when it is one."""
     try:
         model = list(_fields(memoryview(data)))
         if not any(number == _GRAPH_OF_MODEL for number, *_ in model):
             raise _Damaged
         if _names_other_files(memoryview(data), _MODEL, 0):
-            return Message("the model takes data from other files, which are not opened. Export it as one file.")
+            return "the model takes data from other files, which are not opened. Export it as one file."
     except _Damaged:
-        return Message("this is no ONNX model. Export the network as ONNX.")
+        return "this is no ONNX model. Export the network as ONNX."
     return None
 
 

@@ -69,18 +69,14 @@ class ModelProcess:
                 creationflags=NO_WINDOW,
             )
         except OSError as error:
-            raise ModelError(
-                "{path}: no process can be started to run the model ({reason}). Close other programs.", path=path, reason=str(error)
-            ) from None
+            raise ModelError(f"{path}: no process can be started to run the model ({error!s}). Close other programs.") from None
         self.end = weakref.finalize(self, _end, self._process)
         facts, _ = self._answer({"threads": threads, "seconds": LONGEST, "memory": MOST_MEMORY + 3 * len(data)}, data)
         if "error" in facts:
             self.end()
+            version, why = facts.get("version"), _reason(str(facts["error"]))
             raise ModelError(
-                "{path}: onnxruntime {version} cannot run this model ({why}). Export it with standard operators that this version has.",
-                path=path,
-                version=str(facts.get("version")),
-                why=_reason(str(facts["error"])),
+                f"{path}: onnxruntime {version} cannot run this model ({why}). Export it with standard operators that this version has."
             )
         self.inputs: list[tuple[str, str, list[int | str | None]]] = facts["inputs"]
         self.outputs: list[str] = facts["outputs"]
@@ -96,10 +92,9 @@ class ModelProcess:
         facts, data = self._answer({"shape": image.shape}, np.ascontiguousarray(image, dtype=np.float32).tobytes())
         if "error" in facts:
             raise ModelError(
-                "{path}: the model fails with an input of {shape} ({why}). Check input_size in the JSON file beside it.",
-                path=self._path,
-                shape=" x ".join(map(str, image.shape)),
-                why=_reason(str(facts["error"])),
+                "{path}: the model fails with an input of {shape} ({why}). Check input_size in the JSON file beside it.".format(
+                    path=self._path, shape=" x ".join(map(str, image.shape)), why=_reason(str(facts["error"]))
+                )
             )
         answer: Numbers = np.frombuffer(data, np.dtype(facts["kind"])).reshape(facts["shape"])
         return answer
@@ -116,9 +111,7 @@ class ModelProcess:
             if not isinstance(error, (OSError, ValueError, EOFError)):
                 raise
             raise ModelError(
-                "{path}: the model was ended: it takes more than {seconds:g} s or more memory than it may, or crashes. Use another.",
-                path=self._path,
-                seconds=LONGEST,
+                f"{self._path}: the model was ended: it takes more than {LONGEST:g} s or more memory than it may, or crashes. Use another."
             ) from None
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Floats, Integers, Numbers, Singles
 from ..errors import GeometryError, SequenceFormatError
 from ..geometry.transform_graph import TransformStatus
-from ..message import Message
+from ..remedies import Remedy
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.joined import sweeps_of
 from .scan_line_reader import Rectangle
@@ -60,10 +60,7 @@ class RecordedPredictions:
         sweeps, of_each = sweeps_of(sequence), sweeps_of(predictions)
         if len(sweeps) != len(of_each):
             raise GeometryError(
-                "Predictions must be one sequence for each sweep; got {predictions} for {sweeps}. "
-                "Give --bone-frames once for each, in their order.",
-                predictions=len(of_each),
-                sweeps=len(sweeps),
+                f"Predictions must be one sequence for each sweep; got {len(of_each)} for {len(sweeps)}.", Remedy.PREDICTIONS_FOR_EACH
             )
         self._rectangle = checked_rectangle(rectangle)
         self._notes: list[str] = []
@@ -86,7 +83,7 @@ class RecordedPredictions:
             return None
         said, number = found
         return Prediction(
-            probability_of(said.images[number], self._full[id(said)], Message("{name}, frame {number}", name=said.name, number=number)),
+            probability_of(said.images[number], self._full[id(said)], f"{said.name}, frame {number}"),
             self._rectangle,
         )
 
@@ -97,18 +94,13 @@ class RecordedPredictions:
     def _check(self, sweep: TrackedSequence, said: TrackedSequence) -> None:
         if np.dtype(said.images.dtype).kind != "f" and np.dtype(said.images.dtype) not in (np.dtype(np.uint8), np.dtype(bool)):
             raise SequenceFormatError(
-                "{name}: predictions must be 8 bit, 0 to 255, or floating point, 0 to 1; got {kind}. Save them as one of these.",
-                name=said.name,
-                kind=np.dtype(said.images.dtype).name,
+                f"{said.name}: predictions must be 8 bit, 0 to 255, or floating point, 0 to 1; got {np.dtype(said.images.dtype).name}. "
+                "Save them as one of these."
             )
         self._rectangle = self._rectangle or _own_rectangle(said)
         if self._rectangle is None and said.frame_size != sweep.frame_size:
             raise GeometryError(
-                "{name}: predictions of {got} pixels do not fit frames of {frames}. "
-                "Say with --bone-frames-px X Y W H which rectangle of the frame they cover.",
-                name=said.name,
-                got=_size(said),
-                frames=_size(sweep),
+                f"{said.name}: predictions of {_size(said)} pixels do not fit frames of {_size(sweep)}.", Remedy.PREDICTED_RECTANGLE
             )
 
     def _matched(self, sweep: TrackedSequence, said: TrackedSequence) -> Integers:
@@ -128,19 +120,16 @@ class RecordedPredictions:
             self._tell(sweep, said, len(sweep), "number")
             return np.arange(len(sweep))
         raise GeometryError(
-            "{name}: {got} predictions for {frames} frames, and their time stamps are not those of the frames. "
-            "Save them with the time stamps of their frames, or one for each frame.",
-            name=said.name,
-            got=len(said),
-            frames=len(sweep),
+            f"{said.name}: {len(said)} predictions for {len(sweep)} frames, and their time stamps are not those of the frames. Save "
+            "them with the time stamps of their frames, or one for each frame."
         )
 
     def _tell(self, sweep: TrackedSequence, said: TrackedSequence, count: int, by: str) -> None:
         values = {"name": said.name, "count": count, "frames": len(sweep)}
         if by == "time":
-            self._notes.append(Message("{name}: bone is predicted for {count} of {frames} frames, matched by time.", **values))
+            self._notes.append("{name}: bone is predicted for {count} of {frames} frames, matched by time.".format(**values))
         else:
-            self._notes.append(Message("{name}: bone is predicted for {count} of {frames} frames, matched by number.", **values))
+            self._notes.append("{name}: bone is predicted for {count} of {frames} frames, matched by number.".format(**values))
 
 
 def full_value(said: TrackedSequence) -> float:
@@ -163,14 +152,11 @@ def probability_of(image: Numbers, full: float, what: str) -> Singles:
         (float(probability.min(initial=0.0)), float(probability.max(initial=0.0))) if np.isfinite(probability).all() else (math.nan,) * 2
     )
     if math.isnan(low):
-        raise SequenceFormatError("{what}: a probability of bone must be a number; got NaN or infinity. Repair the predictions.", what=what)
+        raise SequenceFormatError(f"{what}: a probability of bone must be a number; got NaN or infinity. Repair the predictions.")
     if low < -ROUNDING * full or high > (1 + ROUNDING) * full:
         raise SequenceFormatError(
-            "{what}: a probability of bone must be 0 to 1; got {low:g} to {high:g}. "
-            "Pass logits through a sigmoid, or divide by their largest value.",
-            what=what,
-            low=low,
-            high=high,
+            f"{what}: a probability of bone must be 0 to 1; got {low:g} to {high:g}. Pass logits through a sigmoid, or divide by their "
+            "largest value."
         )
     clipped: Singles = np.clip(probability / np.float32(full), 0.0, 1.0)
     return clipped
@@ -186,7 +172,7 @@ def checked_rectangle(rectangle: Rectangle | None) -> Rectangle | None:
     if rectangle is None:
         return None
     if len(rectangle) != 4 or not all(math.isfinite(value) for value in rectangle) or min(rectangle[2:]) <= 0:
-        raise GeometryError("Input rectangle must be X Y W H in pixels, with W and H above 0; got {rectangle}.", rectangle=tuple(rectangle))
+        raise GeometryError(f"Input rectangle must be X Y W H in pixels, with W and H above 0; got {tuple(rectangle)}.")
     x, y, width, height = (float(value) for value in rectangle)
     return x, y, width, height
 

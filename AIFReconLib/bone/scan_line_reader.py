@@ -8,6 +8,7 @@ import scipy
 from ..arrays import Array, Floats, Mask, Numbers, Singles
 from ..errors import BeamGeometryError
 from ..imaging.scan_lines import scan_line_samples
+from ..remedies import Remedy
 from ..resolve import Imaging
 
 LINE_PITCH, SAMPLE_STEP = 0.5, 0.2
@@ -48,10 +49,7 @@ class ScanLineReader:
         step: float = SAMPLE_STEP,
     ):
         if imaging.probe is None:
-            raise BeamGeometryError(
-                "Bone is looked for along the beams, whose directions are not known. "
-                "Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
-            )
+            raise BeamGeometryError("Bone is looked for along the beams, whose directions are not known.", Remedy.NAME_THE_PROBE)
         mask = imaging.region.mask(*size)
         at_row, at_column = np.nonzero(mask)
         lines = scan_line_samples(at_column, at_row, spacing, imaging.probe)

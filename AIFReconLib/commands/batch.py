@@ -18,7 +18,6 @@ from ..batch.records import DONE, FAILED, LOST
 from ..batch.results import flat_rows, write_tables
 from ..batch.table import Cases, read_cases
 from ..errors import FileFormatError, OutputError, SettingsError
-from ..message import Message
 from ..terminal.console import ProgressBar, show
 from ..terminal.options import Commands, load_method_here
 
@@ -81,10 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
         return _dry_run(table)
     if table.problems:
         raise FileFormatError(
-            "{table}: {problem} {count} problem(s) in all: aifrecon batch --dry-run lists them.",
-            table=arguments.table,
-            problem=table.problems[0],
-            count=len(table.all_problems),
+            f"{arguments.table}: {table.problems[0]} {len(table.all_problems)} problem(s) in all: aifrecon batch --dry-run lists them."
         )
     for package in ("distributed", "pyarrow", *(() if arguments.scheduler else ("cryptography",))):
         require(package)
@@ -111,9 +107,9 @@ def _write(cohort: Cohort, arguments: argparse.Namespace) -> list[Path]:
 
 def _check(arguments: argparse.Namespace) -> None:
     if arguments.workers is not None and arguments.workers < 1:
-        raise SettingsError("Input --workers must be at least 1; got {count}.", count=arguments.workers)
+        raise SettingsError(f"Input --workers must be at least 1; got {arguments.workers}.")
     if arguments.memory is not None and not 0 < arguments.memory < float("inf"):
-        raise SettingsError("Input --memory must be positive GB; got {memory:g}.", memory=arguments.memory)
+        raise SettingsError(f"Input --memory must be positive GB; got {arguments.memory:g}.")
     if arguments.scheduler and (arguments.workers or arguments.memory):
         raise SettingsError("--workers and --memory are of this computer; a cluster has its own. Leave them out, or --scheduler.")
 
@@ -150,7 +146,7 @@ def _tell(cohort: Cohort) -> int:
     print(f"{states[DONE]} of {len(cohort.cases)} cases done ({already} were before), {duration(seconds)} of computing")
     bad = [record for record in cohort.records.values() if record.state != DONE]
     for record in bad[:MOST_SHOWN]:
-        print(Message("  {case}: {state}: {message}", case=record.case, state=record.state, message=record.message))
+        print(f"  {record.case}: {record.state}: {record.message}")
     if len(bad) > MOST_SHOWN:
         print(f"  and {len(bad) - MOST_SHOWN} more, in results.csv")
     return 1 if bad else 0

@@ -73,12 +73,10 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.frames < 2 or arguments.repeats < 1:
         raise SettingsError("A benchmark takes at least 2 --frames and 1 of --repeats.")
     if not all(LEAST_SIDE <= n <= LARGEST_SIDE for n in size):
-        raise SettingsError(
-            "Input --size must be {least} to {most} pixels each way; got {size!r}.", least=LEAST_SIDE, most=LARGEST_SIDE, size=size
-        )
+        raise SettingsError(f"Input --size must be {LEAST_SIDE} to {LARGEST_SIDE} pixels each way; got {size!r}.")
     for name, value, unit in (("--rate", rate, "frames/s"), ("--spacing", spacing, "mm")):
         if not (value > 0 and math.isfinite(value)):
-            raise SettingsError("Input {name} must be above 0; got {value!r}. Give it in {unit}.", name=name, value=value, unit=unit)
+            raise SettingsError(f"Input {name} must be above 0; got {value!r}. Give it in {unit}.")
     if arguments.json:
         check_writable(arguments.json)
     engine, warning = choose_engine("auto")

@@ -17,6 +17,7 @@ from ..sweep.edits import crop, recalibrate, rename, select_frames, with_configu
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
@@ -75,7 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
     with ProgressBar() as progress:
         write_sequence(sequence, arguments.output, arguments.compress, progress)
     columns, rows = sequence.frame_size
-    lines = [f"{len(sequence)} frames of {columns} x {rows} pixels", *sequence.notes, f"wrote {arguments.output}"]
+    lines = [f"{len(sequence)} frames of {columns} x {rows} pixels", *map(in_options, sequence.notes), f"wrote {arguments.output}"]
     print("\n  ".join(lines))
 
 
@@ -101,7 +102,7 @@ def changed(sequence: TrackedSequence, arguments: argparse.Namespace) -> Tracked
 def _pair(text: str) -> tuple[str, str]:
     old, equals, new = (word.strip() for word in text.partition("="))
     if not (old and equals and new):
-        raise SettingsError("Input rename must be A=B, as in ProbeToTracker=NeedleToTracker; got {text!r}.", text=text)
+        raise SettingsError(f"Input rename must be A=B, as in ProbeToTracker=NeedleToTracker; got {text!r}.")
     return old, new
 
 

@@ -15,6 +15,7 @@ from ..io.volume.surfaces import check_surface_path, write_surface
 from ..progress import part
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, add_beam_option, add_imaging_options, imaging_from, refuse_to_overwrite
+from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
@@ -84,7 +85,7 @@ def run(arguments: argparse.Namespace) -> None:
             progress=part(progress, 0.05, 0.95),
         )
         written = _write(arguments, found)
-    print("\n".join([*found.lines(), *(f"  {note}" for note in found.notes), *(f"  wrote {path}" for path in written)]))
+    print("\n".join([*found.lines(), *(f"  {in_options(note)}" for note in found.notes), *(f"  wrote {path}" for path in written)]))
 
 
 def _write(arguments: argparse.Namespace, found: Coverage) -> list[Path]:

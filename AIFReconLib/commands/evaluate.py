@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> None:
     for path in outputs:
         check_writable(path)
     if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):
-        raise SettingsError("Input --beam-thickness must be positive mm; got {beam_thickness:g}.", beam_thickness=arguments.beam_thickness)
+        raise SettingsError(f"Input --beam-thickness must be positive mm; got {arguments.beam_thickness:g}.")
     if arguments.config and not arguments.sweep:
         raise SettingsError("--config describes a sweep, and there is none. Give --sweep SEQUENCE.")
     if arguments.ct and not arguments.report:
@@ -108,14 +108,13 @@ def run(arguments: argparse.Namespace) -> None:
             try:
                 results[name] = evaluate(volume, truth, mask)
             except GeometryError as error:
-                raise GeometryError("{path}: {problem}", path=path, problem=error) from None
+                raise GeometryError(f"{path}: {error}") from None
             if results[name].bone.area == 0:
                 if beams:
                     raise GeometryError(
-                        "{path}: no bone surface that the sweep reaches lies where it was measured. Check --bone-transform and the files.",
-                        path=path,
+                        f"{path}: no bone surface that the sweep reaches lies where it was measured. Check --bone-transform and the files."
                     )
-                raise GeometryError("{path}: no bone surface lies where it was measured. Check --bone-transform and the files.", path=path)
+                raise GeometryError(f"{path}: no bone surface lies where it was measured. Check --bone-transform and the files.")
             if arguments.ct:
                 shown[name] = volume
         figure = None

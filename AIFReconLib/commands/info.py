@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import AIFReconError
 from ..inspection.diagnosis import diagnose
-from ..message import columns, said
+from ..message import columns
 from ..progress import Progress, part
 from ..reconstruction import Plan, plan
 from ..sweep.pose_tracks import LONGEST_GAP
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands
+from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from
 
 NOT_READY = 1
@@ -56,13 +58,14 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     """What is to be said of one sequence, for a terminal and for JSON."""
     sequence = sequence_from(arguments)
     report = diagnose(sequence, arguments.image_to_reference, arguments.reference, progress)
+    report = replace(report, findings=tuple(map(in_options, report.findings)))
     text, as_dict = report.to_text(), report.to_dict()
     if not report.ready:
         return text, as_dict
     try:
         planned = plan(sequence, image_to_reference=arguments.image_to_reference, reference=arguments.reference, poses=report.poses)
     except AIFReconError as error:
-        return f"{text}\nCannot be reconstructed like this. {said(error)}", {**as_dict, "ready": False, "problem": said(error)}
+        return f"{text}\nCannot be reconstructed like this. {in_options(error)}", {**as_dict, "ready": False, "problem": in_options(error)}
     command = f"{program()} {shell_words(_command(arguments))}"
     facts = columns([("", f"{name}:", value) for name, value in _facts(planned)], indent="")
     as_dict["plan"] = {
@@ -74,7 +77,9 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
         "hole_limit_mm": planned.hole_limit,
         "command": command,
     }
-    return "\n".join([text, "", "As it is, reconstruct would make:", facts, *planned.notes, "", "To do so:", f"  {command}"]), as_dict
+    return "\n".join(
+        [text, "", "As it is, reconstruct would make:", facts, *map(in_options, planned.notes), "", "To do so:", f"  {command}"]
+    ), as_dict
 
 
 def _facts(planned: Plan) -> list[tuple[str, str]]:

@@ -23,7 +23,7 @@ from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
 from ..live.wire.statistics import StreamStatistics
 from ..machine.threads import pause
-from ..message import one_line, said
+from ..message import one_line
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.configuration import NO_CONFIGURATION
 from ..terminal.console import ProgressBar
@@ -41,6 +41,7 @@ from ..terminal.options import (
     refuse_to_overwrite,
     settings_from,
 )
+from ..terminal.remedies import in_options
 from ..terminal.seen_bone_options import seen_bone_inputs
 from ..terminal.sequence_options import add_tracking_options
 from ..terminal.settings_options import OF_A_RECORDING, add_settings_options, check_save_settings, save_settings, with_provenance
@@ -147,7 +148,7 @@ def run(arguments: argparse.Namespace) -> int:
     for name in ("frames", "seconds", "scout_seconds"):
         value = getattr(arguments, name)
         if value is not None and not value > 0:
-            raise SettingsError("Input --{option} must be above 0; got {value!r}.", option=name.replace("_", "-"), value=value)
+            raise SettingsError("Input --{option} must be above 0; got {value!r}.".format(option=name.replace("_", "-"), value=value))
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
     inputs = [arguments.config, arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.importance_mask]
     inputs += seen_bone_inputs(arguments)
@@ -167,7 +168,7 @@ def run(arguments: argparse.Namespace) -> int:
     if result is None or not result.frames_inserted:
         why = " ".join(filter(None, [_why_nothing(statistics, client.statistics, error), recording]))
         if told_by is None:
-            raise NoUsableFramesError("{why}", why=why)
+            raise NoUsableFramesError(why)
         print(f"aifrecon: Scan ended, nothing to save. {one_line(why)}", file=sys.stderr)
         return 128 + told_by
     with ProgressBar() as progress:
@@ -178,19 +179,15 @@ def run(arguments: argparse.Namespace) -> int:
             getattr(result, name).write(path)
         drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
     files = [path for path in (*outputs.values(), *drawn) if path]
-    width = [str(line) for line in labeled.lines(result.method)] if labeled and method_needs_bone(result.method) else []
+    width = labeled.lines(result.method) if labeled and method_needs_bone(result.method) else []
     print(describe(result, statistics.frames_received, time.perf_counter() - started, files, agreement=width))
     for line in filter(
         None, [*_what_else(statistics, client.statistics, result), *(seen.lines() if seen else ()), recording, *how_to_look(arguments)]
     ):
-        print(f"  {line}")
+        print(f"  {in_options(line)}")
     if error is not None:
-        cause = said(error).rstrip(".")
-        raise AIFReconError(
-            "The reconstruction stopped early: {problem}. What was there before is written to {output}.",
-            problem=cause,
-            output=arguments.output,
-        )
+        cause = in_options(error).rstrip(".")
+        raise AIFReconError(f"The reconstruction stopped early: {cause}. What was there before is written to {arguments.output}.")
     if told_by not in (None, signal.SIGINT):
         raise KeyboardInterrupt
     if told_by is not None:
@@ -272,7 +269,7 @@ def _wait_for_images(session: LiveSession, client: OpenIGTLinkClient, arguments:
         images = [device for device, types in session.devices().items() if "IMAGE" in types]
         if len(images) > 1:
             raise LiveConnectionError(
-                "The server sends images of several devices: {devices}. Choose one with --image.", devices=", ".join(images)
+                "The server sends images of several devices: {devices}. Choose one with --image.".format(devices=", ".join(images))
             )
 
 
@@ -296,14 +293,7 @@ def _no_images(session: LiveSession, stream: StreamStatistics, arguments: argpar
         advice = "Choose its image device with --image."
     elif stream.refusals:
         advice = f"Messages arrive, but were refused: {' '.join(stream.refusals.values())}"
-    return LiveConnectionError(
-        "The server at {host}:{port} sends no {wanted}. It sends {sends}. {advice}",
-        host=arguments.host,
-        port=arguments.port,
-        wanted=wanted,
-        sends=sends,
-        advice=advice,
-    )
+    return LiveConnectionError(f"The server at {arguments.host}:{arguments.port} sends no {wanted}. It sends {sends}. {advice}")
 
 
 def _scout(session: LiveSession, arguments: argparse.Namespace, first_frame: float, status: StatusLine) -> None:
@@ -336,7 +326,7 @@ def _is_over(session: LiveSession, arguments: argparse.Namespace, first_frame: f
 def _why_nothing(statistics: LiveStatistics, stream: StreamStatistics, error: Exception | None) -> str:
     """Why there is no volume: the most frequent reason first."""
     if error is not None:
-        return f"The reconstruction could not begin: {said(error)}"
+        return f"The reconstruction could not begin: {in_options(error)}"
     if not statistics.frames_received:
         return "No frame was received, so there is no volume."
     reasons = "; ".join(f"{reason}: {count}" for reason, count in sorted(statistics.skipped.items(), key=lambda item: -item[1]))

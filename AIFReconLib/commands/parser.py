@@ -19,10 +19,11 @@ from types import ModuleType
 
 from .. import __version__
 from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
-from ..message import one_line, said
+from ..message import one_line
 from ..terminal.console import not_loaded, prepare_streams
 from ..terminal.log import add_log_options, logging_as_asked, quiet_as_asked
 from ..terminal.one_line_parser import BAD_INPUT, OneLineParser
+from ..terminal.remedies import in_options
 from ..terminal.signals import OrderlyEnd, orderly_end
 
 COMMANDS = {
@@ -104,7 +105,7 @@ def main(argv: list[str] | None = None) -> int:
     except SystemExit as stop:  # argparse has printed help, the version or its one line
         return int(stop.code or 0)
     except AIFReconError as error:  # of a settings file, which options are read from
-        return _fail(str(error), BAD_INPUT)
+        return _fail(in_options(error), BAD_INPUT)
     end, code = OrderlyEnd(), SUCCESS
     try:
         with orderly_end(end), quiet_as_asked(arguments), logging_as_asked(arguments, words):
@@ -112,9 +113,9 @@ def main(argv: list[str] | None = None) -> int:
     except (KeyboardInterrupt, OperationCanceled):
         return _fail(_INTERRUPTED, end.exit_code)
     except RegistrationRefused as refusal:
-        return _fail(said(refusal), REFUSED)
+        return _fail(in_options(refusal), REFUSED)
     except AIFReconError as error:
-        return _fail(said(error), BAD_INPUT)
+        return _fail(in_options(error), BAD_INPUT)
     except MemoryError:
         return _fail(_NO_MEMORY, BAD_INPUT)
     except ImportError as error:

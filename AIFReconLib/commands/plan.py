@@ -26,6 +26,7 @@ from ..resolve import resolve_imaging
 from ..sweep.poses import sweep_poses
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
+from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, sequence_from, sequence_inputs
 from .coverage import add_labels_options
 from .preview import check_preview
@@ -83,7 +84,7 @@ def run(arguments: argparse.Namespace) -> None:
     inputs = sequence_inputs(arguments) if arguments.probe_like else [arguments.config]
     refuse_to_overwrite([arguments.output, arguments.preview], [*inputs, arguments.bone_labels, arguments.bone_transform])
     if arguments.frames < 1:
-        raise SettingsError("Input frames must be 1 or more; got {frames!r}. Give --frames N.", frames=arguments.frames)
+        raise SettingsError(f"Input frames must be 1 or more; got {arguments.frames!r}. Give --frames N.")
     check_writable(arguments.output)
     check_preview(arguments.preview)
     if arguments.preview:
@@ -97,7 +98,13 @@ def run(arguments: argparse.Namespace) -> None:
             _draw(arguments.preview, plan, bone, probe)
             written.append(arguments.preview)
     print(
-        "\n".join([*_lines(plan), *covered(plan.met).lines(), *(f"  {note}" for note in [*notes, *(f"wrote {path}" for path in written)])])
+        "\n".join(
+            [
+                *_lines(plan),
+                *covered(plan.met).lines(),
+                *(f"  {in_options(note)}" for note in [*notes, *(f"wrote {path}" for path in written)]),
+            ]
+        )
     )
 
 

@@ -47,7 +47,7 @@ def check_preview(path: Path | None) -> None:
     if path is None:
         return
     if path.suffix.lower() != ".png":
-        raise SettingsError("{path}: a preview is a PNG picture. Choose a name that ends with .png.", path=path)
+        raise SettingsError(f"{path}: a preview is a PNG picture. Choose a name that ends with .png.")
     check_writable(path)
     require_matplotlib()
 
@@ -64,9 +64,7 @@ def run(arguments: argparse.Namespace) -> None:
         volume = read_volume(arguments.volume)
         mask = read_volume(arguments.mask) if arguments.mask else None
         if mask is not None and not mask.grid.matches(volume.grid):
-            raise GeometryError(
-                "{mask}: must have the voxels of {volume}. Give its own mask.", mask=arguments.mask, volume=arguments.volume
-            )
+            raise GeometryError(f"{arguments.mask}: must have the voxels of {arguments.volume}. Give its own mask.")
         labels = placed_labels_of(arguments)
         ct = _placed(read_volume(arguments.ct), arguments) if arguments.ct else None
         progress(0.5, "Drawing")

@@ -38,6 +38,7 @@ from ..terminal.options import (
     refuse_to_overwrite,
     settings_from,
 )
+from ..terminal.remedies import IN_OPTIONS, in_options
 from ..terminal.seen_bone_options import seen_bone_inputs
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
@@ -137,7 +138,7 @@ def run(arguments: argparse.Namespace) -> None:
         drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
         # What the sweep's own bone says of the CT's place
         lines = labeled.lines(result.method) if labeled is not None and method_needs_bone(result.method) else []
-    agreement = [str(line) for line in lines]
+    agreement = list(map(in_options, lines))
     tracking = {
         share.name: tracking_report(part_of_it, sweep_poses(part_of_it, arguments.image_to_reference, arguments.reference), result, number)
         for number, (share, part_of_it) in enumerate(zip(result.sweeps, sequence.parts, strict=True))
@@ -184,7 +185,7 @@ def report_of(result: Reconstruction, tracking: dict[str, TrackingReport], outpu
             "ijk_to_reference": result.grid.ijk_to_reference.tolist(),
         },
         "tracking": sweeps if len(sweeps) > 1 else next(iter(tracking.values())).to_dict(),
-        "notes": list(result.said),
+        "notes": list(map(in_options, result.said)),
         "files": {name: str(path) for name, path in outputs.items() if path},
     }
 
@@ -198,9 +199,10 @@ def describe(
     agreement: list[str] | None = None,
 ) -> str:
     """What was done, in a few lines; `tracking` by the names of the sweeps."""
-    first, *others = summary_lines(result, frames, seconds)
+    first, *others = summary_lines(result, frames, seconds, IN_OPTIONS)
     tracking = tracking or {}
     findings = [
         f"{name}: {line}" if len(tracking) > 1 else line for name, report in tracking.items() for line in report.findings_on_poses()
     ]
-    return "\n  ".join([first, *others, *(agreement or []), *findings, *(f"wrote {path}" for path in files)])
+    lines = [first, *others, *(agreement or []), *findings, *(f"wrote {path}" for path in files)]
+    return "\n  ".join(map(in_options, lines))

@@ -101,9 +101,9 @@ def run(arguments: argparse.Namespace) -> None:
         )
         written = _write(arguments, found, labels)
     lines = [found.agreement.sentence(), *_findings(found)]
-    print("\n  ".join([*map(str, lines), *(f"wrote {path}" for path in written)]))
+    print("\n  ".join([*lines, *(f"wrote {path}" for path in written)]))
     if not _is_taken(arguments, found):
-        raise RegistrationRefused("No transform is written. {reason}", reason=found.said)
+        raise RegistrationRefused(f"No transform is written. {found.said}", found.said)
 
 
 def _is_taken(arguments: argparse.Namespace, found: Registration) -> bool:
@@ -129,7 +129,7 @@ def _write(arguments: argparse.Namespace, found: Registration, labels: Volume) -
         # Bones that moved on their own are drawn where they came to lie, along the axes of the CT all the same
         to_labels = invert(found.transform)
         shown = _placed(found, labels).placed_by(to_labels)
-        registration_figure(arguments.preview, transform_points(to_labels, found.echoes.points), shown, str(found.agreement.sentence()))
+        registration_figure(arguments.preview, transform_points(to_labels, found.echoes.points), shown, found.agreement.sentence())
         written.append(arguments.preview)
     return written
 
@@ -148,7 +148,7 @@ def _findings(found: Registration) -> list[str]:
         f"label {label}: {own.agreement:.0%} of {own.echoes:,} echoes agree" for label, own in sorted(found.agreement.per_label.items())
     ]
     if found.uncertain:
-        lines.append("not held by this sweep: " + "; ".join(map(str, found.uncertain)))
+        lines.append("not held by this sweep: " + "; ".join(found.uncertain))
     if found.agreement.elsewhere:
         lines.append(f"{found.agreement.elsewhere:,} echoes lie far from labeled bone: of bone that the labels lack, or of none")
     if found.alternatives:

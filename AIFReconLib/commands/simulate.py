@@ -102,18 +102,14 @@ def planned_path(path: Path) -> ProbePath:
     try:
         passes = passes_of(json.loads(path.read_text("utf-8")))
     except (ValueError, AIFReconError) as error:
-        raise FileFormatError("{path}: it is no plan ({problem}). Make one with aifrecon plan.", path=path, problem=error) from None
+        raise FileFormatError(f"{path}: it is no plan ({error}). Make one with aifrecon plan.") from None
     probe = PhasedArray()
     poses: Matrix = np.concatenate([image_to_reference for _, image_to_reference in passes])
     spacing = pixel_spacing(poses[0])
     if not np.allclose(spacing, probe.pixel_spacing, rtol=0.01):
         raise FileFormatError(
-            "{path}: it is for images of {x:.3f} x {y:.3f} mm per pixel, and the simulated probe's have {own:.3f}. Plan without "
-            "--probe-like, or with a simulated sweep.",
-            path=path,
-            x=spacing[0],
-            y=spacing[1],
-            own=probe.pixel_spacing,
+            f"{path}: it is for images of {spacing[0]:.3f} x {spacing[1]:.3f} mm per pixel, and the simulated probe's have "
+            f"{probe.pixel_spacing:.3f}. Plan without --probe-like, or with a simulated sweep."
         )
     to_transducer = poses @ invert(probe.image_to_transducer)
     number = np.concatenate([np.full(len(image_to_reference), n) for n, (_, image_to_reference) in enumerate(passes)])
@@ -131,11 +127,7 @@ def check_simulated_folder(folder: Path, names: Sequence[str]) -> None:
     there = [name for name in names if os.path.lexists(folder / name)]
     configuration = folder / FILES[1]
     if there and not (configuration.is_file() and configuration.read_bytes() == plus_configuration_xml(PhasedArray()).encode()):
-        raise OutputError(
-            "{folder}: it holds {file}, which was not simulated and would be replaced. Choose another folder.",
-            folder=folder,
-            file=there[0],
-        )
+        raise OutputError(f"{folder}: it holds {there[0]}, which was not simulated and would be replaced. Choose another folder.")
 
 
 def write_simulated_patient(
@@ -169,7 +161,7 @@ def write_simulated_patient(
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError("{folder}: cannot be made ({reason}). Choose another folder.", folder=folder, reason=error.strerror) from None
+        raise OutputError(f"{folder}: cannot be made ({error.strerror}). Choose another folder.") from None
     sequence, configuration, ct, labels, placed = (folder / name for name in FILES)
     files = SimulatedFiles(sequence, configuration, ct, labels, placed, np.zeros(3))
     ct_to_reference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))

@@ -7,7 +7,6 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from ..errors import SettingsError
-from ..message import Message
 from .numpy_engine import NumpyEngine
 
 if TYPE_CHECKING:
@@ -36,8 +35,7 @@ def choose_engine(wanted: str) -> tuple[type[NumpyEngine] | type[NumbaEngine], s
     if find_spec("numba") is None:
         if wanted == "numba":
             raise SettingsError(
-                "Input engine must be auto or numpy where numba is not installed; got 'numba'. Install it: {command}.",
-                command=INSTALL_NUMBA,
+                f"Input engine must be auto or numpy where numba is not installed; got 'numba'. Install it: {INSTALL_NUMBA}."
             )
         return NumpyEngine, None
     try:
@@ -45,13 +43,11 @@ def choose_engine(wanted: str) -> tuple[type[NumpyEngine] | type[NumbaEngine], s
     # A numba that does not fit its numpy or its Python fails in whatever way it likes
     except Exception as error:
         cause = next(iter(str(error).splitlines()), "")
-        reason = Message("numba is installed but does not work ({kind}: {cause})", kind=type(error).__name__, cause=cause)
+        reason = f"numba is installed but does not work ({type(error).__name__}: {cause})"
         if wanted == "numba":
             raise SettingsError(
-                "Input engine must be auto or numpy: {reason}. Reinstall it: {command} --force-reinstall.",
-                reason=reason,
-                command=INSTALL_NUMBA,
+                f"Input engine must be auto or numpy: {reason}. Reinstall it: {INSTALL_NUMBA} --force-reinstall."
             ) from error
         logger.warning("%s; the numpy engine stands in", reason, exc_info=True)
-        return NumpyEngine, Message("Warning: {reason}; the slower numpy engine was used. The voxels are the same.", reason=reason)
+        return NumpyEngine, f"Warning: {reason}; the slower numpy engine was used. The voxels are the same."
     return NumbaEngine, None

@@ -8,7 +8,8 @@ import numpy as np
 
 from ..arrays import Numbers, NumberType
 from ..errors import GeometryError
-from ..message import Message
+from ..message import Sentence
+from ..remedies import Remedy
 from ..settings import ReconstructionSettings
 from .needs import judges_shadows
 
@@ -36,12 +37,7 @@ class ImageKind:
             When its image is not one of gray pixels.
         """
         if image.ndim != 2 or not image.size or image.dtype.kind not in "biuf":
-            raise GeometryError(
-                "Input images must be gray, rows x columns of numbers; got {shape} {kind} in frame {number}.",
-                shape=image.shape,
-                kind=image.dtype,
-                number=number,
-            )
+            raise GeometryError(f"Input images must be gray, rows x columns of numbers; got {image.shape} {image.dtype} in frame {number}.")
         rows, columns = image.shape
         return cls((rows, columns), image.dtype)
 
@@ -49,12 +45,7 @@ class ImageKind:
         """Return if the image of a later frame, `number`, is alike; else raise a GeometryError."""
         if image.shape != self.shape or image.dtype != self.dtype:
             raise GeometryError(
-                "Input images must all be alike; got {shape} {kind} in frame {number} after {first_shape} {first_type}.",
-                shape=image.shape,
-                kind=image.dtype,
-                number=number,
-                first_shape=self.shape,
-                first_type=self.dtype,
+                f"Input images must all be alike; got {image.shape} {image.dtype} in frame {number} after {self.shape} {self.dtype}."
             )
 
     @property
@@ -72,25 +63,20 @@ class ImageKind:
         """The pixel type of the volume: "uint8" or "float32"."""
         return settings.output_type or ("uint8" if self.is_8_bit else "float32")
 
-    def warnings(self, method: str, settings: ReconstructionSettings) -> list[Message]:
+    def warnings(self, method: str, settings: ReconstructionSettings) -> list[str]:
         """What does not go well with such pixels."""
         if self.is_8_bit:
             return []
-        found = []
+        found: list[str] = []
         if judges_shadows(method) and settings.intensity_maximum is None:
             found.append(
-                Message(
-                    "Warning: {method} judges brightness against the full gray scale, which {kind} images do not tell. "
-                    "Give their brightest value with --intensity-maximum.",
-                    method=method,
-                    kind=self.dtype.name,
+                Sentence(
+                    f"Warning: {method} judges brightness against the full gray scale, which {self.dtype.name} images do not tell.",
+                    Remedy.BRIGHTEST_VALUE,
                 )
             )
         if settings.output_type == "uint8":
             found.append(
-                Message(
-                    "Warning: {kind} images are written as uint8: values above 255 are cut off. Use --output-type float32.",
-                    kind=self.dtype.name,
-                )
+                Sentence(f"Warning: {self.dtype.name} images are written as uint8: values above 255 are cut off.", Remedy.FLOAT_OUTPUT)
             )
         return found

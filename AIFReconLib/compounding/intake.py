@@ -12,7 +12,6 @@ from ..geometry.volume import VoxelGrid
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion, PixelFilter
 from ..imaging.sound_speed import depth_scale
-from ..message import Message
 from ..settings import ReconstructionSettings
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
@@ -28,7 +27,7 @@ KINDS: dict[str, tuple[type, str]] = {
 }
 """What is given to a reconstruction under these names, and how one gets it."""
 
-OUTSIDE = Message("outside the volume")
+OUTSIDE = "outside the volume"
 """Why a frame was left out none of whose pixels has a voxel."""
 
 
@@ -94,11 +93,11 @@ class Intake:
         if frame.status != "OK":
             return frame.status
         if frame.image is None:
-            return Message("no image")
+            return "no image"
         if frame.image_to_reference is None:
-            return Message("no pose")
+            return "no pose"
         problem = why_not_an_image_pose(frame.image_to_reference)
-        return Message("image pose {problem}", problem=problem) if problem else None
+        return f"image pose {problem}" if problem else None
 
     def fits(self, image: Numbers, pose: Matrix) -> bool:
         """Whether the layout serves an image (rows, columns) with this pose."""
@@ -133,9 +132,9 @@ class Intake:
         """Of a frame of a batch none of whose pixels entered."""
         measured: Mask | None = batch.measured.get(place)
         if self.layout is not None and measured is not None and not self.layout.has_any(measured):
-            return Message("no pixel in the image is a finite number")
+            return "no pixel in the image is a finite number"
         if self.layout is not None and self.layout.voxels(batch.image_to_ijk[place], self._grid.size)[0].size:
-            return Message("no pixel in the volume has any weight")
+            return "no pixel in the volume has any weight"
         return OUTSIDE
 
 

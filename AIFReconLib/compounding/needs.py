@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from ..errors import SettingsError
-from ..message import Message
 from ..settings import ReconstructionSettings
 from .methods.table import method_named
 
@@ -49,6 +48,6 @@ def require_bone(name: str, settings: ReconstructionSettings, has_bone: bool) ->
     """
     uses_bone = needs_bone(name, settings)
     if uses_bone and not has_bone:
-        wish = Message("Method {method}", method=name) if method_needs_bone(name) else Message("The cosine of incidence")
-        raise SettingsError("{wish} needs to know where bone is. Give labels or a bone probability, or choose method average.", wish=wish)
+        wish = f"Method {name}" if method_needs_bone(name) else "The cosine of incidence"
+        raise SettingsError(f"{wish} needs to know where bone is. Give labels or a bone probability, or choose method average.")
     return uses_bone

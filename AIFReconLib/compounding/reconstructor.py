@@ -21,8 +21,9 @@ from ..imaging.beams import SECTOR, ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..imaging.sound_speed import depth_factor
 from ..machine.memory import require_memory
-from ..message import Message
+from ..message import Sentence
 from ..progress import Progress, part, report
+from ..remedies import Remedy
 from ..settings import ReconstructionSettings
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
@@ -44,9 +45,7 @@ if TYPE_CHECKING:
     from .compiled.numba_engine import NumbaEngine
 
 
-BESIDE_BONE = Message(
-    "Warning: the bone map does not overlap the volume, so incidence weights nothing. Check the registration of the CT (--bone-transform)."
-)
+BESIDE_BONE = Sentence("Warning: the bone map does not overlap the volume, so incidence weights nothing.", Remedy.PLACE_THE_CT)
 
 
 @dataclass(eq=False)
@@ -166,15 +165,10 @@ class Reconstructor:
         uses_bone = require_bone(self.method, self.settings, bone is not None)
         uses_beams = needs_beams(self.method, self.settings)
         if uses_beams and probe is None:
-            raise BeamGeometryError(
-                "Method {method} needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW.",
-                method=self.method,
-            )
+            raise BeamGeometryError(f"Method {self.method} needs the direction of the beams.", Remedy.NAME_THE_PROBE)
         self._moves_pixels = moves_pixels = depth_factor(self.settings) != 1.0
         if moves_pixels and probe is None:
-            raise BeamGeometryError(
-                "A speed of sound needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
-            )
+            raise BeamGeometryError("A speed of sound needs the direction of the beams.", Remedy.NAME_THE_PROBE)
         check_shares(self.method, self.settings, importance)
         self._importance = None if importance is None else np.asarray(importance, dtype=np.float32)
         self._shares = uses_shares(self.settings, importance)
@@ -194,7 +188,7 @@ class Reconstructor:
         if curves_rows and not self._shares and self._own is None and self._engine_class is not NumpyEngine:
             # The other engine wants rows of pixels to be straight lines
             self._engine_class = NumpyEngine
-            self.notes.append(Message("A sector's speed of sound is corrected for by the slower numpy engine. The voxels are the same."))
+            self.notes.append("A sector's speed of sound is corrected for by the slower numpy engine. The voxels are the same.")
         self._threads = threads
         # Of 8-bit images, which take the least: what others take is known when the first has come
         self._on_grid = bone_on_grid(self.method, self.settings, bone is not None and bone.grows)
@@ -332,7 +326,7 @@ class Reconstructor:
             self._intake.lay_out(image, pose)
         layout, kept = self._intake.layout, self._intake.kept(image)
         if kept is not None and layout is not None and not layout.has_any(kept):
-            self.counts.skip(Message("nothing bright enough in the image"), frame.number)
+            self.counts.skip("nothing bright enough in the image", frame.number)
             return
         self.counts.poses.extend(pose[:3].ravel())
         image_to_ijk = self._intake.image_to_ijk(pose)

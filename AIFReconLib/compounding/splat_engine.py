@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Floats, Integers, Mask, Matrix, Reals, Singles
 from ..errors import SettingsError
 from ..machine.threads import optional_module
-from ..message import Message, listed
+from ..message import listed
 from ..settings import ReconstructionSettings
 from .batch import FrameBatch
 from .evidence import ScanLines
@@ -34,17 +34,15 @@ def check_shares(method: str, settings: ReconstructionSettings, importance: Real
     """Raise `SettingsError` where linear interpolation or an importance mask does not fit the method."""
     chosen = method_named(method)
     if settings.interpolation == "linear" and (chosen.spread is None or settings.best_cosine):
-        wish = Message("method {method}", method=method) if chosen.spread is None else Message("the cosine of incidence")
+        wish = f"method {method}" if chosen.spread is None else "the cosine of incidence"
         raise SettingsError(
-            "Input interpolation must be nearest for {wish}; got 'linear'. Leave it out, or choose method {methods}.",
-            wish=wish,
-            methods=listed(LINEAR_METHODS, " or "),
+            "Input interpolation must be nearest for {wish}; got 'linear'. Leave it out, or choose method {methods}.".format(
+                wish=wish, methods=listed(LINEAR_METHODS, " or ")
+            )
         )
     if importance is not None and (not chosen.weighs_pixels or settings.best_cosine):
-        wish = Message("the cosine of incidence") if chosen.weighs_pixels else Message("method {method}", method=method)
-        raise SettingsError(
-            "An importance mask weights an average, and does not fit {wish}. Leave it out, or choose method average.", wish=wish
-        )
+        wish = "the cosine of incidence" if chosen.weighs_pixels else f"method {method}"
+        raise SettingsError(f"An importance mask weights an average, and does not fit {wish}. Leave it out, or choose method average.")
 
 
 class SplatEngine:
@@ -171,12 +169,7 @@ class SplatEngine:
         columns, rows = layout.size
         if self._importance.shape != (rows, columns):
             got = f"{self._importance.shape[1]} x {self._importance.shape[0]}"
-            raise SettingsError(
-                "Input importance mask must be as large as the images, {columns} x {rows}; got {got}. Make it anew.",
-                columns=columns,
-                rows=rows,
-                got=got,
-            )
+            raise SettingsError(f"Input importance mask must be as large as the images, {columns} x {rows}; got {got}. Make it anew.")
         return layout.values(self._importance)
 
 

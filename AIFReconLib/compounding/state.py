@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats, Integers, Numbers, Reals, Singles
 from ..geometry.volume import Volume, VoxelGrid
-from ..message import Described, in_python_words, translated
+from ..message import Described, advised
 from .methods.table import method_named
 
 if TYPE_CHECKING:
@@ -344,7 +344,7 @@ class Reconstruction(Described):
     @property
     def notes(self) -> tuple[str, ...]:
         """What a user should know about how this result came about, in Python's words."""
-        return tuple(str(translated(note, in_python_words)) for note in self.said)
+        return tuple(map(advised, self.said))
 
     @property
     def grid(self) -> VoxelGrid:

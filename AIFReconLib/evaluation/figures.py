@@ -72,8 +72,8 @@ def own_looks() -> Iterator[None]:
         matplotlib = importlib.import_module("matplotlib")
     except Exception as error:
         raise OutputError(
-            "Cannot draw a figure: matplotlib cannot be loaded ({reason}). If there is a file matplotlibrc in this folder, move it.",
-            reason=shorten(str(error), 200),
+            f"Cannot draw a figure: matplotlib cannot be loaded ({shorten(str(error), 200)}). If there is a file matplotlibrc in this "
+            "folder, move it."
         ) from error
     with matplotlib.rc_context({name: value for name, value in matplotlib.rcParamsDefault.items() if not name.startswith("backend")}):
         yield

@@ -9,7 +9,6 @@ import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ..message import Message
 from .metrics import NEAR, SHADOW_FROM_SURFACE, SPECKLE_BLOCK, SPECKLE_FROM_BONE, STANDS_OUT, TISSUE, BoneMetrics
 
 NOT_KNOWN = "-"
@@ -34,87 +33,77 @@ class Quantity:
     definition: str
 
 
-_BEFORE = Message("{first:g} to {last:g} mm before it", first=TISSUE[0], last=TISSUE[1])
+_BEFORE = f"{TISSUE[0]:g} to {TISSUE[1]:g} mm before it"
 
 OF_SURFACE = {
     "cnr": Quantity(
-        Message("CNR"),
+        "CNR",
         ".2f",
         "",
         "most",
-        Message("Contrast over the standard deviation of the tissue before the bone (Smith 1983). Speckle alone gives about 1."),
+        "Contrast over the standard deviation of the tissue before the bone (Smith 1983). Speckle alone gives about 1.",
     ),
     "detectability": Quantity(
-        Message("Detectability"),
+        "Detectability",
         ".2f",
         "",
         "most",
-        Message("Probability that bone outshines an equally wide window of the tissue before it (Hanley and McNeil 1982). 0.5 is chance."),
+        "Probability that bone outshines an equally wide window of the tissue before it (Hanley and McNeil 1982). 0.5 is chance.",
     ),
     "contrast": Quantity(
-        Message("Contrast"),
+        "Contrast",
         ".1f",
         "gray levels",
         "most",
-        Message(
-            "Mean response of bone (brightest value within {near:g} mm of the surface) less the mean of the tissue {before}.",
-            near=NEAR,
-            before=_BEFORE,
-        ),
+        f"Mean response of bone (brightest value within {NEAR:g} mm of the surface) less the mean of the tissue {_BEFORE}.",
     ),
     "coverage": Quantity(
-        Message("Coverage"),
+        "Coverage",
         ".1%",
         "",
         "most",
-        Message(
-            "Share of the surface with a peak within {near:g} mm that exceeds the tissue before it by {by:g} standard deviations. "
-            "At interspinous borders: interspinous visibility (Xu 2022).",
-            near=NEAR,
-            by=STANDS_OUT,
+        (
+            f"Share of the surface with a peak within {NEAR:g} mm that exceeds the tissue before it by {STANDS_OUT:g} standard "
+            "deviations. At interspinous borders: interspinous visibility (Xu 2022)."
         ),
     ),
     "thickness": Quantity(
-        Message("Thickness"),
+        "Thickness",
         ".2f",
         "mm",
         "least",
-        Message(
-            "Median full width at half maximum along the normal (Leotta and Martin 1999), over the covered surface only: "
-            "read it together with coverage."
+        (
+            "Median full width at half maximum along the normal (Leotta and Martin 1999), over the covered surface only: read it "
+            "together with coverage."
         ),
     ),
     "localization_error": Quantity(
-        Message("Distance of peak"), ".2f", "mm", "least", Message("Mean distance of the peak from the true surface, where covered.")
+        "Distance of peak", ".2f", "mm", "least", "Mean distance of the peak from the true surface, where covered."
     ),
-    "localization_bias": Quantity(
-        Message("Bias of peak"), ".2f", "mm", "nearest 0", Message("The same with its sign; positive: toward the probe.")
-    ),
-    "area": Quantity(Message("Area"), ".0f", "mm\N{SUPERSCRIPT TWO}", "", Message("Bone surface that the numbers of this group are of.")),
+    "localization_bias": Quantity("Bias of peak", ".2f", "mm", "nearest 0", "The same with its sign; positive: toward the probe."),
+    "area": Quantity("Area", ".0f", "mm\N{SUPERSCRIPT TWO}", "", "Bone surface that the numbers of this group are of."),
 }
 """Of each part of the surface, by name in `SurfaceMetrics`, in the order of the page."""
 
 OF_VOLUME = {
     "speckle_snr": Quantity(
-        Message("Speckle SNR"),
+        "Speckle SNR",
         ".2f",
         "",
         "most",
-        Message(
-            "Mean over standard deviation in {block:g} mm cubes of soft tissue, {away:g} mm and more from bone; "
-            "median of the cubes (Burckhardt 1978). Averaging raises it.",
-            block=SPECKLE_BLOCK,
-            away=SPECKLE_FROM_BONE,
+        (
+            f"Mean over standard deviation in {SPECKLE_BLOCK:g} mm cubes of soft tissue, {SPECKLE_FROM_BONE:g} mm and more from bone; "
+            "median of the cubes (Burckhardt 1978). Averaging raises it."
         ),
     ),
     "shadow_mean": Quantity(
-        Message("Mean in shadow"),
+        "Mean in shadow",
         ".1f",
         "gray levels",
         "least",
-        Message("Noise and clutter where no beam could reach, {away:g} mm and more from the surface.", away=SHADOW_FROM_SURFACE),
+        f"Noise and clutter where no beam could reach, {SHADOW_FROM_SURFACE:g} mm and more from the surface.",
     ),
-    "shadow_std": Quantity(Message("Spread in shadow"), ".1f", "gray levels", "least", Message("Standard deviation there.")),
+    "shadow_std": Quantity("Spread in shadow", ".1f", "gray levels", "least", "Standard deviation there."),
 }
 """Of the whole volume, by name in `BoneMetrics`."""
 
@@ -124,16 +113,16 @@ QUANTITIES = {f"{part}_{name}": quantity for part in PARTS for name, quantity in
 """Every number of `BoneMetrics.to_dict` by its key, in the order of the page."""
 
 HEADINGS = {
-    "bone_cnr": Message("CNR"),
-    "oblique_cnr": Message("oblique CNR"),
-    "bone_detectability": Message("detectability"),
-    "bone_coverage": Message("coverage"),
-    "oblique_coverage": Message("oblique coverage"),
-    "interspinous_coverage": Message("interspinous"),
-    "bone_thickness": Message("thickness mm"),
-    "bone_localization_error": Message("off by mm"),
-    "shadow_mean": Message("shadow"),
-    "speckle_snr": Message("speckle SNR"),
+    "bone_cnr": "CNR",
+    "oblique_cnr": "oblique CNR",
+    "bone_detectability": "detectability",
+    "bone_coverage": "coverage",
+    "oblique_coverage": "oblique coverage",
+    "interspinous_coverage": "interspinous",
+    "bone_thickness": "thickness mm",
+    "bone_localization_error": "off by mm",
+    "shadow_mean": "shadow",
+    "speckle_snr": "speckle SNR",
 }
 """The numbers worth a line on a terminal, and what they are called there."""
 

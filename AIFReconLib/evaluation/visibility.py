@@ -75,9 +75,7 @@ class SweepBeams:
 
     def __post_init__(self) -> None:
         if self.image_to_reference.ndim != 3 or self.image_to_reference.shape[1:] != (4, 4):
-            raise GeometryError(
-                "Input image_to_reference must have shape (frames, 4, 4); got {shape}.", shape=self.image_to_reference.shape
-            )
+            raise GeometryError(f"Input image_to_reference must have shape (frames, 4, 4); got {self.image_to_reference.shape}.")
         if not np.isfinite(self.image_to_reference).all():
             raise GeometryError("Input image_to_reference must be finite; got frames without a pose. Leave those out.")
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from ..arrays import Floats, Matrix
 from ..errors import GeometryError
-from ..message import Message
 from .transforms import invert
 
 
@@ -40,7 +39,7 @@ def interpolate_pose(first: Matrix, second: Matrix, fraction: float) -> Matrix:
     it takes the shorter; half a turn has two that are equally short, and one of them is taken.
     """
     if not 0.0 <= fraction <= 1.0:
-        raise GeometryError("Input fraction must be from 0 to 1; got {fraction!r}. Poses are not extrapolated.", fraction=fraction)
+        raise GeometryError(f"Input fraction must be from 0 to 1; got {fraction!r}. Poses are not extrapolated.")
     if fraction == 0.0:
         return np.array(first, dtype=np.float64)
     if fraction == 1.0:
@@ -76,10 +75,8 @@ def interpolate_at(times: Floats, poses: Matrix, time: float) -> Matrix:
         When `time` lies outside: poses are not extrapolated.
     """
     if not len(times) or not times[0] <= time <= times[-1]:
-        span = Message("{first:.3f} to {last:.3f} s", first=times[0], last=times[-1]) if len(times) else Message("no samples")
-        raise GeometryError(
-            "Input time must lie within the samples ({span}); got {time:.3f} s. Poses are not extrapolated.", span=span, time=time
-        )
+        span = f"{times[0]:.3f} to {times[-1]:.3f} s" if len(times) else "no samples"
+        raise GeometryError(f"Input time must lie within the samples ({span}); got {time:.3f} s. Poses are not extrapolated.")
     after = int(np.searchsorted(times, time, side="left"))
     if times[after] == time:
         return np.array(poses[after], dtype=np.float64)

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Floats, Matrix
 from ..errors import GeometryError, TransformError, require_kind
-from ..message import Message
 from .transforms import as_matrix, invert, why_not_affine
 
 AGREE = 0.1
@@ -79,8 +78,7 @@ class TransformName:
         if len(cuts) != 1 or cuts[0] == 0:
             raise TransformError(
                 "Input transform name must be FromToTo, with one 'To' before an upper-case letter or a digit (as in ProbeToTracker); "
-                "got {text!r}.",
-                text=text,
+                f"got {text!r}."
             )
         return cls(capital(bare[: cuts[0]]), capital(bare[cuts[0] + 2 :]))
 
@@ -177,7 +175,7 @@ class Ways:
         """
         return _product(self.path, matrices), [np.stack([_product(way, matrices) for way in loop]) for loop in self.loops]
 
-    def describe(self, number: int) -> Message:
+    def describe(self, number: int) -> str:
         """The two ways of a loop, in words."""
         one, other = self.loops[number]
         source = one[0].name.source
@@ -187,7 +185,7 @@ class Ways:
         if set(around) != set(self.path):
             one, other = self.path, around
         spelled = {"one": self._spell(one), "other": self._spell(other)}
-        return Message("Two paths lead from {source} to {target}: {one}; and {other}", source=source, target=one[-1].name.target, **spelled)
+        return "Two paths lead from {source} to {target}: {one}; and {other}".format(source=source, target=one[-1].name.target, **spelled)
 
     def _spell(self, way: Way) -> str:
         return " > ".join(f"inverse of {link.stored}" if not link.forward and link.name in self.names else str(link.name) for link in way)
@@ -199,7 +197,7 @@ def _product(way: Way, matrices: Mapping[TransformName, Matrix]) -> Matrix:
         try:
             matrix = (matrices[link.stored] if link.forward else invert(matrices[link.stored])) @ matrix
         except GeometryError:
-            raise GeometryError("{transform} singular", transform=link.stored) from None
+            raise GeometryError(f"{link.stored} singular") from None
     return matrix
 
 
@@ -216,13 +214,16 @@ def find_ways(names: Iterable[TransformName], source: str, target: str) -> Ways:
     on_way = _reached(leaving, {source})
     if target not in on_way:
         raise TransformError(
-            "No transform leads from {source} to {target}. Known transforms: {known}. "
-            "{source} is connected to {near_source}, {target} to {near_target}.",
-            source=source,
-            target=target,
-            known=", ".join(str(name) for name in names) or Message("none"),
-            near_source=_list_frames(on_way - {source}),
-            near_target=_list_frames(_reached(leaving, {target}) - {target}),
+            (
+                "No transform leads from {source} to {target}. Known transforms: {known}. {source} is connected to {near_source}, {target} "
+                "to {near_target}."
+            ).format(
+                source=source,
+                target=target,
+                known=", ".join(str(name) for name in names) or "none",
+                near_source=_list_frames(on_way - {source}),
+                near_target=_list_frames(_reached(leaving, {target}) - {target}),
+            )
         )
     # A frame that a single other frame cuts off from both ends is on no way between them
     for cut in sorted(on_way):
@@ -315,7 +316,7 @@ class TransformGraph:
             When the matrix is not a finite, invertible 4x4 matrix.
         """
         name = TransformName.parse(name) if isinstance(name, str) else name
-        self._transforms[name] = TransformSample(as_matrix(matrix, Message("transform {name}", name=name)), status)
+        self._transforms[name] = TransformSample(as_matrix(matrix, f"transform {name}"), status)
 
     def updated(self, transforms: dict[TransformName, TransformSample]) -> TransformGraph:
         """A new graph with `transforms` (those of one tracked frame) put on top of this one."""
@@ -347,9 +348,7 @@ class TransformGraph:
         for number, pair in enumerate(pairs):
             gap = float(largest_gap(pair, NEAR))
             if gap > AGREE:
-                raise TransformError(
-                    "{paths}. They differ by {gap:.3g} mm. Remove one of their transforms.", paths=left.describe(number), gap=gap
-                )
+                raise TransformError(f"{left.describe(number)}. They differ by {gap:.3g} mm. Remove one of their transforms.")
         return FoundTransform(matrix, TransformStatus.OK, tuple(link.name for link in left.path))
 
     def connected(self, frame: str) -> set[str]:
@@ -362,4 +361,4 @@ def _status_of(sample: TransformSample) -> TransformStatus:
 
 
 def _list_frames(frames: Iterable[str]) -> str:
-    return ", ".join(sorted(frames)) or Message("nothing")
+    return ", ".join(sorted(frames)) or "nothing"

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Floats, Matrix
 from ..errors import GeometryError
-from ..message import Message
 
 LPS_FROM_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])
 """Left-posterior-superior from right-anterior-superior coordinates. It is its own inverse."""
@@ -58,24 +57,19 @@ def as_matrix(values: ArrayLike, name: str = "matrix") -> Matrix:
     try:
         matrix = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise GeometryError("Input {name} must have 16 numbers (4 rows of 4); got {values!r}.", name=name, values=values) from None
+        raise GeometryError(f"Input {name} must have 16 numbers (4 rows of 4); got {values!r}.") from None
     if matrix.shape not in ((4, 4), (16,)):
-        raise GeometryError("Input {name} must have 16 numbers (4 rows of 4); got shape {shape}.", name=name, shape=matrix.shape)
+        raise GeometryError(f"Input {name} must have 16 numbers (4 rows of 4); got shape {matrix.shape}.")
     matrix = matrix.reshape(4, 4)
     if not np.isfinite(matrix).all():
-        raise GeometryError("Input {name} must hold finite numbers; got NaN or infinity.", name=name)
+        raise GeometryError(f"Input {name} must hold finite numbers; got NaN or infinity.")
     if np.abs(matrix).max() > LARGEST_NUMBER:
-        raise GeometryError(
-            "Input {name} must hold numbers of at most {limit:g}; got {largest:g}.",
-            name=name,
-            limit=LARGEST_NUMBER,
-            largest=np.abs(matrix).max(),
-        )
+        raise GeometryError(f"Input {name} must hold numbers of at most {LARGEST_NUMBER:g}; got {np.abs(matrix).max():g}.")
     if not _ends_in_0_0_0_1(matrix):
-        raise GeometryError("Input {name} must have 0 0 0 1 as its last row; got {row}.", name=name, row=matrix[3].tolist())
+        raise GeometryError(f"Input {name} must have 0 0 0 1 as its last row; got {matrix[3].tolist()}.")
     scale = np.prod(np.linalg.norm(matrix[:3, :3], axis=0))
     if scale == 0.0 or abs(np.linalg.det(matrix[:3, :3])) < 1e-9 * scale:
-        raise GeometryError("Input {name} must be invertible; got a singular matrix.", name=name)
+        raise GeometryError(f"Input {name} must be invertible; got a singular matrix.")
     return matrix
 
 
@@ -85,20 +79,20 @@ def _ends_in_0_0_0_1(matrix: Matrix) -> bool:
     return bool(max(abs(x), abs(y), abs(z)) <= LAST_ROW_TOLERANCE and abs(one - 1.0) <= LAST_ONE_TOLERANCE)
 
 
-def why_not_affine(matrix: Matrix) -> Message | None:
+def why_not_affine(matrix: Matrix) -> str | None:
     """What keeps a (4, 4) matrix from being a transform of points; None for a usable one."""
     # Asked of every frame: on 16 numbers Python is ten times as fast as numpy
     numbers = matrix.ravel().tolist()
     if not all(map(math.isfinite, numbers)):
-        return Message("not finite")
+        return "not finite"
     if max(map(abs, numbers)) > LARGEST_NUMBER:
-        return Message("not a pose (numbers too large)")
+        return "not a pose (numbers too large)"
     if not _ends_in_0_0_0_1(matrix):
-        return Message("not a pose (last row is not 0 0 0 1)")
+        return "not a pose (last row is not 0 0 0 1)"
     return None
 
 
-def why_not_rigid(matrix: Matrix) -> Message | None:
+def why_not_rigid(matrix: Matrix) -> str | None:
     """What keeps a (4, 4) pose from being a rotation and a translation; None for a rigid one."""
     problem = why_not_affine(matrix)
     if problem:
@@ -106,10 +100,10 @@ def why_not_rigid(matrix: Matrix) -> Message | None:
     x, y, z = matrix[:3, :3].T.tolist()
     lengths, angles = (_dot(x, x), _dot(y, y), _dot(z, z)), (_dot(x, y), _dot(y, z), _dot(z, x))
     if max(abs(length - 1.0) for length in lengths) > RIGIDITY_TOLERANCE or max(map(abs, angles)) > RIGIDITY_TOLERANCE:
-        return Message("not rigid (scaled or sheared)")
+        return "not rigid (scaled or sheared)"
     across = (x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0])
     if _dot(across, z) < 0:
-        return Message("not rigid (mirrored)")
+        return "not rigid (mirrored)"
     return None
 
 
@@ -117,7 +111,7 @@ def _dot(a: Sequence[float], b: Sequence[float]) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def why_not_an_image_pose(image_to_reference: Matrix) -> Message | None:
+def why_not_an_image_pose(image_to_reference: Matrix) -> str | None:
     """What keeps a (4, 4) image-to-reference matrix from placing pixels on a plane; None for a usable one."""
     problem = why_not_affine(image_to_reference)
     if problem:
@@ -125,9 +119,9 @@ def why_not_an_image_pose(image_to_reference: Matrix) -> Message | None:
     x, y = image_to_reference[:3, :2].T.tolist()
     along_x, along_y = math.hypot(*x), math.hypot(*y)
     if min(along_x, along_y) <= 0.0 or max(along_x, along_y) > 1e4 * min(along_x, along_y):
-        return Message("singular (a pixel has no size)")
+        return "singular (a pixel has no size)"
     if abs(_dot(x, y)) > SHEAR_TOLERANCE * along_x * along_y:
-        return Message("sheared (image axes are not at right angles)")
+        return "sheared (image axes are not at right angles)"
     return None
 
 

@@ -74,14 +74,10 @@ class VoxelGrid:
         except TypeError:
             size = ()
         if len(size) != 3 or min(size) < 1:
-            raise GeometryError("Input grid size must be 3 positive whole numbers of voxels; got {size!r}.", size=self.size)
+            raise GeometryError(f"Input grid size must be 3 positive whole numbers of voxels; got {self.size!r}.")
         if math.prod(size) > LARGEST_GRID:
             raise GeometryError(
-                "Input grid must have at most {maximum} voxels; got {columns} x {rows} x {slices}. Choose a larger spacing.",
-                maximum=LARGEST_GRID,
-                columns=size[0],
-                rows=size[1],
-                slices=size[2],
+                f"Input grid must have at most {LARGEST_GRID} voxels; got {size[0]} x {size[1]} x {size[2]}. Choose a larger spacing."
             )
         matrix = as_matrix(self.ijk_to_reference, "ijk_to_reference")
         axes = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
@@ -185,9 +181,9 @@ class Volume(Described):
     def __post_init__(self) -> None:
         array = np.asarray(self.array)
         if array.ndim != 3:
-            raise GeometryError("Input volume array must have shape (k, j, i); got {shape}.", shape=array.shape)
+            raise GeometryError(f"Input volume array must have shape (k, j, i); got {array.shape}.")
         if array.dtype.kind not in "biuf":
-            raise GeometryError("Input volume array must hold real numbers; got {kind}.", kind=array.dtype)
+            raise GeometryError(f"Input volume array must hold real numbers; got {array.dtype}.")
         object.__setattr__(self, "array", array)
         object.__setattr__(self, "ijk_to_reference", self.grid.ijk_to_reference)
 
@@ -239,15 +235,14 @@ class Volume(Described):
         slices = [along for along in given if isinstance(along, slice)]
         if len(given) > 3 or len(slices) < len(given):
             raise GeometryError(
-                "Input index must be up to three slices, in the order k, j, i; got {index!r}. Write 5:6 for one plane, or take numbers "
-                "from volume.array.",
-                index=index,
+                f"Input index must be up to three slices, in the order k, j, i; got {index!r}. Write 5:6 for one plane, or take "
+                "numbers from volume.array."
             )
         to_whole = np.eye(4)
         for axis, (along, count) in enumerate(zip(slices, self.shape)):
             kept = range(count)[along]
             if not kept:
-                raise GeometryError("Input index must leave voxels; got {index!r} of {shape} along k, j, i.", index=index, shape=self.shape)
+                raise GeometryError(f"Input index must leave voxels; got {index!r} of {self.shape} along k, j, i.")
             to_whole[2 - axis, 2 - axis], to_whole[2 - axis, 3] = kept.step, kept.start
         return Volume(self.array[tuple(slices)], self.ijk_to_reference @ to_whole)
 
@@ -310,9 +305,8 @@ def as_volume(values: Volume | ArrayLike, ijk_to_reference: ArrayLike | None, na
     if isinstance(values, Volume):
         if ijk_to_reference is not None:
             raise InputTypeError(
-                "Input ijk_to_reference places an array, and {name} is a Volume, which has a place. Leave it out, or give "
-                "{name}_to_reference.",
-                name=name,
+                f"Input ijk_to_reference places an array, and {name} is a Volume, which has a place. Leave it out, or give "
+                f"{name}_to_reference."
             )
         return values
     if isinstance(values, str | Path):

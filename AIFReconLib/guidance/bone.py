@@ -123,10 +123,10 @@ class GuidedBone:
             chosen = np.isin(self.surface.labels, called)
         if not chosen.any():
             raise GeometryError(
-                "Input target must be all, interspinous, posterior or a label of the segmentation ({labels}) that a probe on the back can "
-                "reach; got {target!r}. Borders of interspinous gaps need one label per vertebra.",
-                labels=", ".join(self.name_of(label) for label in np.unique(self.surface.labels)),
-                target=name,
+                (
+                    "Input target must be all, interspinous, posterior or a label of the segmentation ({labels}) that a probe on the back "
+                    "can reach; got {target!r}. Borders of interspinous gaps need one label per vertebra."
+                ).format(labels=", ".join(self.name_of(label) for label in np.unique(self.surface.labels)), target=name)
             )
         return chosen
 

@@ -12,7 +12,6 @@ from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
-from ..message import Message
 from ..progress import Progress, part
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
@@ -26,8 +25,8 @@ from .next_move import Direction, Move, NextMove, directions
 from .passes import labels_under
 from .probe import ProbeOnBack, Skin, images_like
 
-FAR = Message("No frame has come near the bone of the CT. Scan over the spine; if you did, place the CT on the sweep first.")
-NOT_IN_BOX = Message("The box to be reconstructed holds no bone of the CT. Move the box, or place the CT on the sweep.")
+FAR = "No frame has come near the bone of the CT. Scan over the spine; if you did, place the CT on the sweep first."
+NOT_IN_BOX = "The box to be reconstructed holds no bone of the CT. Move the box, or place the CT on the sweep."
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,10 +54,10 @@ class Guidance:
     coverage: Coverage | None = None
     best_cosine: Floats | None = None
     advice: Advice | None = None
-    problem: Message | None = None
+    problem: str | None = None
 
     @classmethod
-    def before(cls, colored: ColoredBone, bone: GuidedBone, problem: Message | None = None) -> Guidance:
+    def before(cls, colored: ColoredBone, bone: GuidedBone, problem: str | None = None) -> Guidance:
         """Bone that nothing has met yet."""
         return cls(colored, colored.levels(np.full(len(bone), np.nan)), problem=problem)
 

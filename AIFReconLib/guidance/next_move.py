@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Matrix
-from ..message import Message, listed
+from ..message import listed
 from ..progress import Progress
 from .bone import GuidedBone
 from .candidates import DRAWS, Candidates
@@ -27,7 +27,7 @@ LABOR = 0.5
 ROUNDS = 3
 """Times as many frames as a pass needs at least, in which a pass is thought to be made: 18 for a slide of 18 mm, a second or two."""
 
-HEAD, FEET, LEFT, RIGHT = Message("head"), Message("feet"), Message("patient's left"), Message("patient's right")
+HEAD, FEET, LEFT, RIGHT = "head", "feet", "patient's left", "patient's right"
 
 SMALLEST_MM, SMALLEST_DEG = 4.0, 4.0
 """What a hand does not notice is not said."""
@@ -45,7 +45,7 @@ class Direction:
     """One step: an arrow for the eye, and words."""
 
     arrow: str
-    words: Message
+    words: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class Move:
         In which that pass is thought to be made.
     """
 
-    words: Message
+    words: str
     adds_cm2: float
     image_to_reference: Matrix
     planned: Pass
@@ -138,9 +138,9 @@ class NextMove:
         there, adds = _middle(planned), float(gains[best]) / 100.0
         return Move(self._words(now, there, adds), adds, self._probe.pose(there), planned, ROUNDS * planned.least)
 
-    def _words(self, now: Placement, there: Placement, adds: float) -> Message:
+    def _words(self, now: Placement, there: Placement, adds: float) -> str:
         steps = listed(step.words for step in directions(now, there))
-        return Message("{steps} over {where}, adds {adds:.1f} cm2", steps=steps, where=name_of_place(self._bone, there.z), adds=adds)
+        return f"{steps} over {name_of_place(self._bone, there.z)}, adds {adds:.1f} cm2"
 
 
 def directions(now: Placement, there: Placement) -> tuple[Direction, ...]:
@@ -150,8 +150,8 @@ def directions(now: Placement, there: Placement) -> tuple[Direction, ...]:
         # The same plane, held the other way round
         now = Placement(now.x, now.z, now.turn_deg + 180.0, -now.in_plane_deg, -now.across_deg)
     if abs((there.turn_deg - now.turn_deg + 90.0) % 180.0 - 90.0) > TURNED_DEG:
-        plane = Message("sagittal") if abs(there.turn_deg) > TURNED_DEG else Message("transverse")
-        steps.append(Direction(TURN, Message("turn the probe to {plane}", plane=plane)))
+        plane = "sagittal" if abs(there.turn_deg) > TURNED_DEG else "transverse"
+        steps.append(Direction(TURN, f"turn the probe to {plane}"))
         now = Placement(now.x, now.z, there.turn_deg)
     for (arrow, way), mm in (
         ((UP, HEAD), there.z - now.z),
@@ -160,15 +160,15 @@ def directions(now: Placement, there: Placement) -> tuple[Direction, ...]:
         ((TO_LEFT, LEFT), now.x - there.x),
     ):
         if mm >= SMALLEST_MM:
-            steps.append(Direction(arrow, Message("slide {mm:.0f} mm toward the {way}", mm=mm, way=way)))
+            steps.append(Direction(arrow, f"slide {mm:.0f} mm toward the {way}"))
     along, sideways = ((UP, HEAD), (DOWN, FEET)), ((TO_RIGHT, RIGHT), (TO_LEFT, LEFT))
     # The normal of a sagittal image points to the left
     in_plane, across = (along, sideways[::-1]) if abs(there.turn_deg) > TURNED_DEG else (sideways, along)
     for ways, degrees in ((in_plane, there.in_plane_deg - now.in_plane_deg), (across, there.across_deg - now.across_deg)):
         if abs(degrees) >= SMALLEST_DEG:
             arrow, way = ways[degrees < 0]
-            steps.append(Direction(arrow, Message("aim the beam {degrees:.0f}\u00b0 more toward the {way}", degrees=abs(degrees), way=way)))
-    return tuple(steps) or (Direction(HERE, Message("keep sweeping here")),)
+            steps.append(Direction(arrow, f"aim the beam {abs(degrees):.0f}° more toward the {way}"))
+    return tuple(steps) or (Direction(HERE, "keep sweeping here"),)
 
 
 def _middle(planned: Pass) -> Placement:

@@ -9,7 +9,6 @@ import numpy as np
 
 from ..arrays import Floats, Matrix
 from ..geometry.transforms import invert, transform_points
-from ..message import Message
 from .bone import GuidedBone
 from .probe import Placement, ProbeOnBack
 
@@ -139,14 +138,14 @@ def labels_under(bone: GuidedBone, z: float) -> tuple[int, ...]:
     return (nearest,)
 
 
-def name_of_place(bone: GuidedBone, z: float) -> Message:
+def name_of_place(bone: GuidedBone, z: float) -> str:
     """What it lies over, in words: ``L3``, ``L3 and L4``, ``labels 2 and 3``."""
     upper, lower = (*(under := labels_under(bone, z)), under[-1])[:2]
     if upper == lower:
-        return Message("{upper}", upper=bone.name_of(upper)) if bone.names.get(upper) else Message("label {upper}", upper=upper)
+        return f"{bone.name_of(upper)}" if bone.names.get(upper) else f"label {upper}"
     if bone.names.get(upper) and bone.names.get(lower):
-        return Message("{upper} and {lower}", upper=bone.name_of(upper), lower=bone.name_of(lower))
-    return Message("labels {upper} and {lower}", upper=upper, lower=lower)
+        return f"{bone.name_of(upper)} and {bone.name_of(lower)}"
+    return f"labels {upper} and {lower}"
 
 
 def _looking(tilt: float, positive: str, negative: str) -> str:

@@ -10,6 +10,7 @@ from ..arrays import Floats, Integers, Matrix
 from ..errors import GeometryError, SettingsError
 from ..geometry.transforms import as_matrix
 from ..progress import Progress, part, report
+from ..remedies import Remedy
 from .bone import GuidedBone
 from .candidates import Candidates, geometry_of
 from .hand import HAND, Hand
@@ -148,9 +149,7 @@ def plan_scan(
         places = wearable_places(bone, bone.surface.points_reference[chosen])
         options = [wearable_passes(bone, place, turn) for place in places for turn in (0.0, 90.0)]
     if frames < min(one.least for passes in options for one in passes):
-        raise SettingsError(
-            "Input frames must be enough for one pass, some 6 to 25; got {frames!r}. Give more, or choose another target.", frames=frames
-        )
+        raise SettingsError(f"Input frames must be enough for one pass, some 6 to 25; got {frames!r}. Give more, or choose another target.")
     evidence = np.zeros(len(bone)) if before is None else before.evidence
     best: tuple[float, list[tuple[Pass, int]]] = (0.0, [])
     for number, passes in enumerate(options):
@@ -158,10 +157,7 @@ def plan_scan(
         seen = looked if looked and candidates == FREEHAND else Candidates(passes, bone, probe, target, hand, share)
         best = max(best, _greedy(seen, seen.looked(evidence), frames), key=lambda option: option[0])
     if not best[1]:
-        raise GeometryError(
-            "No pass of this probe would show more of {target}. Check that --bone-transform places the labels where the patient was.",
-            target=target,
-        )
+        raise GeometryError(f"No pass of this probe would show more of {target}.", Remedy.PLACE_THE_CT)
     return _planned(target, _filled(best[1], frames), probe, bone, np.flatnonzero(chosen), evidence, hand, part(progress, 0.8, 1.0))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Floats, Integers, Mask, Matrix
 from ..geometry.volume import VoxelGrid
-from ..message import Message, listed
+from ..message import listed
 from ..settings import AUTOMATIC, ReconstructionSettings
 from .filling import HoleFilling
 
@@ -53,7 +53,7 @@ def with_limit(
         return replace(settings, hole_limit=0.0), ()
     if settings.holes is None and configured and settings.hole_limit in (AUTOMATIC, 0):
         ways = listed((way.described() for way in configured), ", then ")
-        return replace(settings, hole_limit=0.0), (Message("Gaps are filled as the configuration asks: {ways}.", ways=ways),)
+        return replace(settings, hole_limit=0.0), (f"Gaps are filled as the configuration asks: {ways}.",)
     if settings.hole_limit != AUTOMATIC:
         return settings, ()
     limit, notes = automatic_limit(poses, shown, grid)
@@ -89,17 +89,13 @@ def automatic_limit(poses: Matrix, shown: Mask, grid: VoxelGrid) -> tuple[float,
     # No more than the settings take, which voxels of centimeters would ask for
     most = min(max(FARTHEST, diagonal), LARGEST)
     limit = min(math.ceil(10 * max(diagonal, apart + diagonal / 2) - 1e-9) / 10, most)
-    notes = [Message("Gaps are filled up to {limit:.3g} mm, chosen by how far apart the frames lie.", limit=limit)]
+    notes = [f"Gaps are filled up to {limit:.3g} mm, chosen by how far apart the frames lie."]
     if diagonal <= FARTHEST < apart + diagonal / 2:
         times = apart / (most - diagonal / 2)
         notes.append(
-            Message(
-                "Frames lie up to {gap:.0f} mm apart, which leaves gaps between them: about {frames} frames on the same path, or moving "
-                "the probe at {speed:.0f}% of the speed, would leave none.",
-                gap=2 * apart / SHARE,
-                frames=math.ceil(times * len(poses)),
-                speed=math.floor(100 / times),
-            )
+            f"Frames lie up to {2 * apart / SHARE:.0f} mm apart, which leaves gaps between them: about "
+            f"{math.ceil(times * len(poses))} frames on the same path, or moving the probe at {math.floor(100 / times):.0f}% of "
+            "the speed, would leave none."
         )
     return limit, tuple(notes)
 

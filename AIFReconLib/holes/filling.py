@@ -8,7 +8,6 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import SettingsError
-from ..message import Message
 
 CUBE, GAUSSIAN, STICK = "cube", "gaussian", "stick"
 GAUSSIAN_BY_HITS, INVERSE_DISTANCE = "gaussian by hits", "inverse distance"
@@ -49,21 +48,21 @@ class HoleFilling:
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
-            raise SettingsError("Input kind of hole filling must be one of {kinds}; got {kind!r}.", kinds=", ".join(KINDS), kind=self.kind)
-        if not 1 <= self.size <= LARGEST_SIZE:
             raise SettingsError(
-                "Input size of hole filling must be 1 to {largest} voxels; got {size!r}.", largest=LARGEST_SIZE, size=self.size
+                "Input kind of hole filling must be one of {kinds}; got {kind!r}.".format(kinds=", ".join(KINDS), kind=self.kind)
             )
+        if not 1 <= self.size <= LARGEST_SIZE:
+            raise SettingsError(f"Input size of hole filling must be 1 to {LARGEST_SIZE} voxels; got {self.size!r}.")
         if self.kind in (GAUSSIAN, GAUSSIAN_BY_HITS) and not 0 < self.stdev < np.inf:
-            raise SettingsError("Input standard deviation of hole filling must be above 0 voxels; got {stdev!r}.", stdev=self.stdev)
+            raise SettingsError(f"Input standard deviation of hole filling must be above 0 voxels; got {self.stdev!r}.")
         if not 0 <= self.known_ratio <= 1:
-            raise SettingsError("Input ratio of known voxels must be 0 to 1; got {known_ratio!r}.", known_ratio=self.known_ratio)
+            raise SettingsError(f"Input ratio of known voxels must be 0 to 1; got {self.known_ratio!r}.")
         if self.sticks < 1:
-            raise SettingsError("Input number of sticks must be at least 1; got {sticks!r}.", sticks=self.sticks)
+            raise SettingsError(f"Input number of sticks must be at least 1; got {self.sticks!r}.")
 
-    def described(self) -> Message:
+    def described(self) -> str:
         """The way and its size, in words."""
-        return Message("{kind} of up to {size} voxels", kind=self.kind, size=self.size)
+        return f"{self.kind} of up to {self.size} voxels"
 
     @property
     def reach(self) -> int:

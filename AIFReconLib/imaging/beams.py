@@ -13,6 +13,7 @@ import numpy as np
 
 from ..arrays import Singles
 from ..errors import BeamGeometryError
+from ..remedies import Remedy
 
 LINEAR = "linear"
 SECTOR = "sector"
@@ -34,10 +35,10 @@ class ProbeGeometry:
 
     def __post_init__(self) -> None:
         if self.kind not in (LINEAR, SECTOR):
-            raise BeamGeometryError("Input probe must be linear or sector; got {kind!r}.", kind=self.kind)
+            raise BeamGeometryError(f"Input probe must be linear or sector; got {self.kind!r}.")
         if self.kind == SECTOR and (self.apex_px is None or len(self.apex_px) != 2 or not all(math.isfinite(v) for v in self.apex_px)):
             raise BeamGeometryError(
-                "Input apex of a sector probe must be a column and a row; got {apex!r}. Give --apex-px COLUMN ROW.", apex=self.apex_px
+                f"Input apex of a sector probe must be a column and a row; got {self.apex_px!r}.", Remedy.NAME_THE_PROBE
             )
 
     @property
@@ -50,7 +51,7 @@ class ProbeGeometry:
             When the probe is linear: its beams meet nowhere.
         """
         if self.apex_px is None:
-            raise BeamGeometryError("A linear probe has no apex. Give --probe sector with --apex-px COLUMN ROW.")
+            raise BeamGeometryError("A linear probe has no apex.", Remedy.NAME_THE_PROBE)
         return self.apex_px
 
     def directions(self, columns: int, rows: int, spacing: tuple[float, float]) -> Singles:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import BeamGeometryError
-from ..message import Message
+from ..remedies import Remedy
 from .beams import LINEAR, SECTOR, ProbeGeometry
 from .images import ImageStack
 from .masks import closed, largest_area, opened
@@ -80,24 +80,24 @@ def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)
     if box.mean() > 0.97 or upright:
         return _rectangle(lit, box, sides if upright else None, (int(columns[0]), int(rows[0])))
     if sides is None:
-        raise _unrecognized(Message("its outline is neither a rectangle nor a sector"))
+        raise _unrecognized("its outline is neither a rectangle nor a sector")
     return _sector(lit, sides, (int(columns[0]), int(rows[0])), spacing)
 
 
 def _lit_area(images: ImageStack) -> Mask:
     """The largest connected area that is lit in any of the frames looked at, without its holes, (rows, columns) bool."""
     if len(images) == 0:
-        raise _unrecognized(Message("there are none"))
+        raise _unrecognized("there are none")
     numbers = np.unique(np.linspace(0, len(images) - 1, FRAMES_LOOKED_AT).astype(int))
     brightest = np.array(_without_gaps(images[int(numbers[0])]))
     for number in numbers[1:]:
         np.maximum(brightest, _without_gaps(images[int(number)]), out=brightest)
     if not brightest.size or brightest.max() <= 0:
-        raise _unrecognized(Message("all images are black"))
+        raise _unrecognized("all images are black")
     # An opening drops rulers, text and borders that touch the sector by a thin line
     lit = opened(closed(brightest > LIT * brightest.max(), CLOSED_PX), OPENED_PX)
     if not lit.any():
-        raise _unrecognized(Message("no connected bright area was found"))
+        raise _unrecognized("no connected bright area was found")
     return largest_area(lit)
 
 
@@ -154,14 +154,14 @@ def _rectangle(lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int
         left, right = max(round(min(ends[0])), left), min(round(max(ends[1])), right)
     within = box[:, left : right + 1]
     if right <= left or within.mean() < 0.7 or within.sum() < 0.9 * box.sum():
-        raise _unrecognized(Message("its outline is neither a rectangle nor a sector"))
+        raise _unrecognized("its outline is neither a rectangle nor a sector")
     if _is_bent(within.argmax(axis=0)) or _is_bent(-within[::-1].argmax(axis=0), lower=True):
-        raise _unrecognized(Message("its sides are upright and its upper or lower edge is bent, as of a sector whose sides were cut off"))
+        raise _unrecognized("its sides are upright and its upper or lower edge is bent, as of a sector whose sides were cut off")
     left, right, top, bottom = left + corner[0], right + corner[0], corner[1], corner[1] + height - 1
     if left < BORDER_PX and right >= lit.shape[1] - BORDER_PX:
-        raise _unrecognized(Message("they are lit from side to side, with no black surround that would show an outline"))
+        raise _unrecognized("they are lit from side to side, with no black surround that would show an outline")
     clip = ClipRectangle((float(left), float(top)), (float(right - left), float(bottom - top)))
-    words = Message("a linear probe, columns {left} to {right}, rows {top} to {bottom}", left=left, right=right, top=top, bottom=bottom)
+    words = f"a linear probe, columns {left} to {right}, rows {top} to {bottom}"
     return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
 
 
@@ -191,7 +191,7 @@ def _sector(lit: Mask, sides: Sides, corner: tuple[int, int], spacing: tuple[flo
     # The outermost lit pixels lie inside the side, by half a pixel on average
     left_offset, right_offset = left_offset - 0.5, right_offset + 0.5
     if left_slope >= -VERTICAL_SLOPE or right_slope <= VERTICAL_SLOPE:
-        raise _unrecognized(Message("its sides do not spread downward"))
+        raise _unrecognized("its sides do not spread downward")
     row = (left_offset - right_offset) / (right_slope - left_slope)
     apex = (left_offset + left_slope * row + corner[0], row + corner[1])
     aspect = spacing[0] / spacing[1]
@@ -201,19 +201,13 @@ def _sector(lit: Mask, sides: Sides, corner: tuple[int, int], spacing: tuple[flo
     angle = np.degrees(np.arctan2((x - apex[0]) * spacing[0], (y - apex[1]) * spacing[1]))
     middle = radius[np.abs(angle - np.mean(angles)) < 0.25 * (angles[1] - angles[0])]
     if not middle.size:
-        raise _unrecognized(Message("its sides do not enclose it"))
+        raise _unrecognized("its sides do not enclose it")
     first, last = float(middle.min()), _outer_radius(radius, (angle - angles[0]) / (angles[1] - angles[0]))
     fan = Fan(apex, angles, (max(first - 0.5 * spacing[1], 0.0), last), spacing)
     inside = fan.mask(lit.shape[1], lit.shape[0])
     if (lit & inside).sum() < 0.95 * lit.sum() or (lit & inside).sum() < 0.7 * inside.sum():
-        raise _unrecognized(Message("its outline is not that of a sector"))
-    words = Message(
-        "a sector probe, apex at column {column:.1f}, row {row:.1f}, {first:.1f} to {last:.1f} degrees",
-        column=apex[0],
-        row=apex[1],
-        first=angles[0],
-        last=angles[1],
-    )
+        raise _unrecognized("its outline is not that of a sector")
+    words = f"a sector probe, apex at column {apex[0]:.1f}, row {apex[1]:.1f}, {angles[0]:.1f} to {angles[1]:.1f} degrees"
     return DetectedImaging(ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan), words)
 
 
@@ -226,9 +220,5 @@ def _outer_radius(radius: Floats, across: Floats) -> float:
     return float(np.sort(farthest)[-4])
 
 
-def _unrecognized(why: Message) -> BeamGeometryError:
-    return BeamGeometryError(
-        "The probe cannot be told from the images: {why}. Give --probe linear, or --probe sector with --apex-px COLUMN ROW; "
-        "a configuration with ScanConversion serves too.",
-        why=why,
-    )
+def _unrecognized(why: str) -> BeamGeometryError:
+    return BeamGeometryError(f"The probe cannot be told from the images: {why}.", Remedy.NAME_THE_PROBE)

@@ -76,7 +76,7 @@ def grid_around_sweep(
     voxels = np.floor(extent / np.asarray(spacing) + (0.5 + TIE_TOLERANCE)) + 1
     if not np.isfinite(extent).all() or extent.max() > LARGEST_EXTENT:
         spans = " x ".join(f"{mm:.0f}" for mm in extent)
-        raise GeometryError("The sweep spans {spans} mm, which no scan does. Are its poses in mm and in the right frame?", spans=spans)
+        raise GeometryError(f"The sweep spans {spans} mm, which no scan does. Are its poses in mm and in the right frame?")
     i, j, k = (int(n) for n in voxels)
     size = (i, j, k)
     require_memory(size, spacing, bytes_per_voxel, most=LARGEST_GRID)

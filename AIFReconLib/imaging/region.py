@@ -13,6 +13,7 @@ import numpy as np
 
 from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import SettingsError
+from ..remedies import Remedy
 
 if TYPE_CHECKING:
     from .beams import ProbeGeometry
@@ -33,11 +34,7 @@ class ClipRectangle:
 
     def __post_init__(self) -> None:
         if not all(math.isfinite(v) for v in (*self.origin_px, *self.size_px)) or min(self.size_px) < 0:
-            raise SettingsError(
-                "Input clip rectangle must be X Y W H with W, H not negative; got {origin} {size}.",
-                origin=self.origin_px,
-                size=self.size_px,
-            )
+            raise SettingsError(f"Input clip rectangle must be X Y W H with W, H not negative; got {self.origin_px} {self.size_px}.")
 
     def bounds(self, columns: int, rows: int) -> tuple[int, int, int, int]:
         """First and last column, first and last row that it keeps; a last below its first means none."""
@@ -80,15 +77,11 @@ class Fan:
         first, last = sorted(self.angles_deg)
         object.__setattr__(self, "angles_deg", (first, last))
         if not -90 < self.angles_deg[0] < self.angles_deg[1] < 90:
-            raise SettingsError("Input fan angles must differ and lie between -90 and 90 degrees; got {angles}.", angles=self.angles_deg)
+            raise SettingsError(f"Input fan angles must differ and lie between -90 and 90 degrees; got {self.angles_deg}.")
         if not 0 <= self.radii[0] < self.radii[1] or not math.isfinite(self.radii[1]):
-            raise SettingsError("Input fan radii must be two rising, not negative numbers; got {radii}.", radii=self.radii)
+            raise SettingsError(f"Input fan radii must be two rising, not negative numbers; got {self.radii}.")
         if min(self.pixel_size) <= 0 or not all(math.isfinite(v) for v in (*self.apex_px, *self.pixel_size)):
-            raise SettingsError(
-                "Input fan must have a finite apex and a positive pixel size; got {apex}, {pixel_size}.",
-                apex=self.apex_px,
-                pixel_size=self.pixel_size,
-            )
+            raise SettingsError(f"Input fan must have a finite apex and a positive pixel size; got {self.apex_px}, {self.pixel_size}.")
 
     def mask(self, columns: int, rows: int) -> Mask:
         """Which pixels are inside, (rows, columns) bool."""
@@ -129,11 +122,7 @@ class ImageRegion:
         if self.fan is not None:
             mask &= self.fan.mask(columns, rows)
         if not mask.any():
-            raise SettingsError(
-                "The clip rectangle and fan leave no pixel of a {columns} x {rows} image. Check them against the image.",
-                columns=columns,
-                rows=rows,
-            )
+            raise SettingsError(f"The clip rectangle and fan leave no pixel of a {columns} x {rows} image. Check them against the image.")
         return mask
 
 
@@ -173,7 +162,7 @@ def chosen_region(
     """
     configured = configured or ImageRegion()
     if bool(fan_angles_deg) != bool(fan_radii_px):
-        raise SettingsError("A fan takes both --fan-angles-deg A B and --fan-radius-px R0 R1; got one of them.")
+        raise SettingsError("A fan takes both angles and radii; got one of them.", Remedy.WHOLE_FAN)
     if not clip and not fan_angles_deg:
         return None
     fan, detection = configured.fan, configured.fan_detection
@@ -184,7 +173,7 @@ def chosen_region(
         elif about is None and probe is not None:
             about = probe.apex_px
         if about is None:
-            raise SettingsError("A fan stands about the apex of a sector probe, which is not known. Give --apex-px COLUMN ROW.")
+            raise SettingsError("A fan stands about the apex of a sector probe, which is not known.", Remedy.NAME_THE_PROBE)
         fan, detection = Fan(about, fan_angles_deg, fan_radii_px), None
     return ImageRegion(clip or configured.clip, fan, detection)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import Floats, Mask, Matrix
 from ..errors import BeamGeometryError
+from ..remedies import Remedy
 from ..settings import ReconstructionSettings
 from .beams import LINEAR, ProbeGeometry
 
@@ -93,9 +94,7 @@ def depth_scale(
     if factor == 1.0:
         return None
     if probe is None:
-        raise BeamGeometryError(
-            "A speed of sound needs the direction of the beams. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
-        )
+        raise BeamGeometryError("A speed of sound needs the direction of the beams.", Remedy.NAME_THE_PROBE)
     return DepthScale.of(mask, probe, factor, spacing)
 
 

@@ -11,7 +11,7 @@ from ..errors import AIFReconError, BeamGeometryError, SequenceFormatError
 from ..geometry.transform_graph import TransformName, TransformStatus
 from ..geometry.transforms import pixel_spacing
 from ..imaging.detection import detect_imaging
-from ..message import columns, said
+from ..message import Sentence, columns, said
 from ..progress import Progress
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
@@ -100,7 +100,7 @@ def diagnose(
         tracking = tracking_report(sequence, poses)
         poses.require_usable(sequence.name)
     except AIFReconError as error:
-        findings += [f"Cannot be reconstructed yet. {said(error)}", *sequence.notes]
+        findings += [Sentence(f"Cannot be reconstructed yet. {said(error)}", error), *sequence.notes]
     else:
         ready = True
         usable = poses.usable
@@ -113,7 +113,7 @@ def diagnose(
             offset = estimate_time_offset(sequence, poses, progress)
             findings.append(offset.to_text())
         except SequenceFormatError as error:
-            findings.append(f"Images cannot be compared with poses: {said(error)}")
+            findings.append(Sentence(f"Images cannot be compared with poses: {said(error)}", error))
     facts.append(("probe", _describe_probe(sequence, spacing)))
     findings += _about_time(sequence) + _about_tools(sequence)
     findings += sequence.configuration.warnings

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Floats, Integers
 from ..holes.nearest import FILLED, MEASURED
-from ..message import Message, listed
+from ..message import listed
 from ..sweep.frames import TrackedSequence
 from ..sweep.pose_tracks import LONGEST_GAP
 from ..sweep.poses import SweepPoses, describe_frames, time_order
@@ -35,9 +35,9 @@ class PoseJump:
     distance: float
     seconds: float
 
-    def to_text(self) -> Message:
+    def to_text(self) -> str:
         """``frames 11 to 12: 34.0 mm in 0.05 s``."""
-        return Message("frames {before} to {after}: {distance:.1f} mm in {seconds:.2f} s", **asdict(self))
+        return "frames {before} to {after}: {distance:.1f} mm in {seconds:.2f} s".format(**asdict(self))
 
 
 @dataclass(frozen=True)
@@ -88,27 +88,27 @@ class TrackingReport:
     largest_step: float | None = None
     coverage: Coverage | None = None
 
-    def rows(self) -> list[tuple[Message, str]]:
+    def rows(self) -> list[tuple[str, str]]:
         """Names and values for a table."""
-        rows: list[tuple[Message, str]] = [(Message("frames used"), Message("{used} of {frames}", used=self.used, frames=self.frames))]
+        rows: list[tuple[str, str]] = [("frames used", f"{self.used} of {self.frames}")]
         if self.longest_gap is not None:
-            gap = Message("{seconds:.2f} s, after frame {number}", seconds=self.longest_gap, number=self.longest_gap_after)
-            rows.append((Message("longest gap"), gap))
+            gap = f"{self.longest_gap:.2f} s, after frame {self.longest_gap_after}"
+            rows.append(("longest gap", gap))
         if self.median_speed is not None:
-            speed = Message("{median:.1f} mm/s in the median, {most:.1f} mm/s at most", median=self.median_speed, most=self.highest_speed)
-            rows.append((Message("probe speed"), speed))
+            speed = f"{self.median_speed:.1f} mm/s in the median, {self.highest_speed:.1f} mm/s at most"
+            rows.append(("probe speed", speed))
         if self.median_step is not None:
-            step = Message("{median:.2f} mm in the median, {most:.2f} mm at most", median=self.median_step, most=self.largest_step)
-            rows.append((Message("frame to frame"), step))
-        rows.append((Message("pose jumps"), str(len(self.jumps)) if self.jumps else Message("none")))
+            step = f"{self.median_step:.2f} mm in the median, {self.largest_step:.2f} mm at most"
+            rows.append(("frame to frame", step))
+        rows.append(("pose jumps", str(len(self.jumps)) if self.jumps else "none"))
         if self.coverage is not None:
             measured, filled = (n / self.coverage.voxels for n in (self.coverage.measured, self.coverage.filled))
-            rows.append((Message("volume"), describe_coverage(measured, filled)))
+            rows.append(("volume", describe_coverage(measured, filled)))
         return rows
 
     def findings(self) -> list[str]:
         """Sentences on what may be wrong."""
-        skipped = (Message("Skipped: {frames}: {reason}.", frames=describe_frames(n), reason=reason) for reason, n in self.skipped.items())
+        skipped = (f"Skipped: {describe_frames(n)}: {reason}." for reason, n in self.skipped.items())
         return [*skipped, *self.findings_on_poses()]
 
     def findings_on_poses(self) -> list[str]:
@@ -117,11 +117,7 @@ class TrackingReport:
         if self.jumps:
             shown = [jump.to_text() for jump in self.jumps[:3]]
             where = listed([*shown, "..."] if len(self.jumps) > 3 else shown, "; ")
-            sentences.append(
-                Message(
-                    "The pose jumps faster than a probe can move ({where}): was a marker seen wrongly, or its place changed?", where=where
-                )
-            )
+            sentences.append(f"The pose jumps faster than a probe can move ({where}): was a marker seen wrongly, or its place changed?")
         return sentences
 
     def to_dict(self) -> dict[str, object]:

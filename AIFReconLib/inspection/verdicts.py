@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..message import Message, listed
+from ..message import listed
 
 if TYPE_CHECKING:
     from ..registration.agreement import Agreement
@@ -67,31 +67,31 @@ def unknown(why: str) -> Verdict:
 
 def tracking_verdict(report: TrackingReport) -> Verdict:
     """Whether the tracker saw the probe all the way, without jumps, and slow enough."""
-    frames = Message("{used} of {frames} frames", used=report.used, frames=report.frames)
+    frames = f"{report.used} of {report.frames} frames"
     share = report.used / max(report.frames, 1)
     jumps = len(report.jumps)
     if not report.used:
-        advice = Message("Check that the tracker sees the probe, and that the calibration belongs to it.")
-        return Verdict(Level.POOR, Message("no frame has a position"), advice)
+        advice = "Check that the tracker sees the probe, and that the calibration belongs to it."
+        return Verdict(Level.POOR, "no frame has a position", advice)
     if jumps >= max(2, MANY_JUMPS * report.frames):
         return Verdict(
             Level.POOR,
-            Message("{frames}; the tracked position jumps {count} times", frames=frames, count=jumps),
-            Message("Fasten the markers, clear the tracker's view, and scan again."),
+            f"{frames}; the tracked position jumps {jumps} times",
+            "Fasten the markers, clear the tracker's view, and scan again.",
         )
     if share < FEW_FRAMES:
-        return Verdict(Level.POOR, frames, Message("Keep the markers in the tracker's view, and scan again."))
+        return Verdict(Level.POOR, frames, "Keep the markers in the tracker's view, and scan again.")
     if jumps:
-        advice = Message("Check the picture there, and scan again if it is torn: a marker was seen wrongly, or bumped.")
-        found = Message("{frames}; the tracked position jumps once, after frame {frame}", frames=frames, frame=report.jumps[0].before)
+        advice = "Check the picture there, and scan again if it is torn: a marker was seen wrongly, or bumped."
+        found = f"{frames}; the tracked position jumps once, after frame {report.jumps[0].before}"
         return Verdict(Level.LOOK, found, advice)
     if share < MOST_FRAMES:
-        return Verdict(Level.LOOK, frames, Message("Keep the markers in the tracker's view; parts of the sweep are missing."))
+        return Verdict(Level.LOOK, frames, "Keep the markers in the tracker's view; parts of the sweep are missing.")
     if report.median_speed is None:
         return Verdict(Level.GOOD, frames)
-    found = Message("{frames}, probe at {speed:.0f} mm/s", frames=frames, speed=report.median_speed)
+    found = f"{frames}, probe at {report.median_speed:.0f} mm/s"
     if report.median_speed > FAST:
-        return Verdict(Level.LOOK, found, Message("Move the probe more slowly: {fast:.0f} mm/s at most.", fast=FAST))
+        return Verdict(Level.LOOK, found, f"Move the probe more slowly: {FAST:.0f} mm/s at most.")
     return Verdict(Level.GOOD, found)
 
 
@@ -109,28 +109,24 @@ def registration_verdict(agreement: Agreement, names: Mapping[int, str] | None =
     from ..registration.echoes import FEWEST
 
     if agreement.echoes + agreement.elsewhere < FEWEST:
-        return unknown(Message("the sweep shows too little bone to compare with the CT"))
-    place = Message("Place the CT on the sweep before you believe the picture.")
+        return unknown("the sweep shows too little bone to compare with the CT")
+    place = "Place the CT on the sweep before you believe the picture."
     if not agreement.echoes:
-        return Verdict(Level.POOR, Message("no bone of the CT is near the bone of the sweep"), place)
-    found = Message(
-        "{share:.0%} of the echoes lie on its bone, {median:.1f} mm off in the median",
-        share=agreement.share,
-        median=agreement.median_distance,
-    )
+        return Verdict(Level.POOR, "no bone of the CT is near the bone of the sweep", place)
+    found = f"{agreement.share:.0%} of the echoes lie on its bone, {agreement.median_distance:.1f} mm off in the median"
     if agreement.enough:
-        return Verdict(Level.GOOD, Message("CT agrees: {found}", found=found))
+        return Verdict(Level.GOOD, f"CT agrees: {found}")
     if agreement.share >= ENOUGH and agreement.median_distance <= LARGEST_MEDIAN:
-        bones = listed([(names or {}).get(label) or Message("label {label}", label=label) for label in agreement.disagreeing_labels])
+        bones = listed([(names or {}).get(label) or f"label {label}" for label in agreement.disagreeing_labels])
         return Verdict(
             Level.LOOK,
-            Message("CT agrees but for {bones}: {found}", bones=bones, found=found),
-            Message(
+            f"CT agrees but for {bones}: {found}",
+            (
                 "Do not trust the picture there, nor the names of the levels: the spine may have bent since the CT, or the CT lies one "
                 "level off."
             ),
         )
-    return Verdict(Level.POOR, Message("CT does not agree: {found}", found=found), place)
+    return Verdict(Level.POOR, f"CT does not agree: {found}", place)
 
 
 def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move: str = "") -> Verdict:
@@ -147,14 +143,12 @@ def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move:
     """
     scanned = {name: share for name, share in shown.items() if met[name] >= REACHED and share == share}
     if not scanned:
-        return Verdict(
-            Level.POOR, Message("the sweep has hit no bone of the CT"), Message("Scan over the bone, or place the CT on the sweep.")
-        )
-    shares = listed([Message("{name}: {share:.0%}", name=name, share=share) for name, share in scanned.items()])
-    found = Message("expected to show: {shares}", shares=shares)
+        return Verdict(Level.POOR, "the sweep has hit no bone of the CT", "Scan over the bone, or place the CT on the sweep.")
+    shares = listed([f"{name}: {share:.0%}" for name, share in scanned.items()])
+    found = f"expected to show: {shares}"
     least = min(scanned.values())
     if least >= COVERED:
         return Verdict(Level.GOOD, found)
     name = min(scanned, key=scanned.__getitem__)
-    again = move or Message("Scan {name} again, from other angles.", name=name)
+    again = move or f"Scan {name} again, from other angles."
     return Verdict(Level.LOOK if least >= BARELY_COVERED else Level.POOR, found, again)

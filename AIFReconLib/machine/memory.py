@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..arrays import Floats
 from ..errors import InsufficientMemoryError
-from ..message import Message
+from ..remedies import Remedy
 
 SAFETY = 0.9
 """Part of the free memory that a volume may take."""
@@ -67,18 +67,16 @@ def require_memory(
         return
     usable = most * bytes_per_voxel if available is None else min(SAFETY * available, most * bytes_per_voxel)
     fits = _spacing_that_fits(size, spacing, usable / bytes_per_voxel)
-    if fits is None:
-        advice = Message("No spacing would fit: free some memory.")
-    else:
-        advice = Message("A spacing of {spacing:g} mm would fit.", spacing=fits)
     fitting = _gigabytes(usable)
     raise InsufficientMemoryError(
-        "A volume of {size} voxels ({spacing} mm) needs {needed} of memory, and {usable} can be used. {advice}",
-        size=" x ".join(str(n) for n in size),
-        spacing=" x ".join(f"{s:.3g}" for s in spacing),
-        needed=_gigabytes(needed),
-        usable=Message("at most {memory}", memory=fitting) if available is None else fitting,
-        advice=advice,
+        "A volume of {size} voxels ({spacing} mm) needs {needed} of memory, and {usable} can be used.".format(
+            size=" x ".join(str(n) for n in size),
+            spacing=" x ".join(f"{s:.3g}" for s in spacing),
+            needed=_gigabytes(needed),
+            usable=f"at most {fitting}" if available is None else fitting,
+        ),
+        Remedy.FREE_MEMORY if fits is None else Remedy.COARSER,
+        spacing=fits,
     )
 
 
@@ -86,10 +84,8 @@ def require_bytes(path: Path, needed: int, available: int | None) -> None:
     """Raise `InsufficientMemoryError` unless the voxels of a file, so many bytes, fit into what is available."""
     if available is not None and needed > SAFETY * available:
         raise InsufficientMemoryError(
-            "{path}: its voxels need {needed:.1f} GB of memory, and {available:.1f} GB are free. Resample it, or free some memory.",
-            path=path,
-            needed=needed / 1e9,
-            available=available / 1e9,
+            f"{path}: its voxels need {needed / 1e9:.1f} GB of memory, and {available / 1e9:.1f} GB are free. Resample it, or free "
+            "some memory."
         )
 
 

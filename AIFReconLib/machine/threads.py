@@ -109,7 +109,7 @@ def checked_threads(threads: int | None) -> int:
         When it is not at least 1.
     """
     if threads is not None and threads < 1:
-        raise SettingsError("Input threads must be at least 1; got {threads!r}.", threads=threads)
+        raise SettingsError(f"Input threads must be at least 1; got {threads!r}.")
     return usable_cores() if threads is None else int(threads)
 
 

@@ -99,7 +99,7 @@ def understood(path: Path, table: dict[str, object], version: str, inputs: tuple
         ReconstructionSettings(**of_reconstruction)
         grid, region, probe = _grid(options), _region(options), _probe(options)
     except AIFReconError as error:
-        raise SettingsFileError("{path}: {problem} Correct the file.", path=path, problem=error) from None
+        raise SettingsFileError(f"{path}: {error} Correct the file.") from None
     for name in (*OF_IMAGES, *OF_GRID):
         options.pop(name, None)
     return KeptSettings(path, options, grid, region, probe, version, inputs)
@@ -108,20 +108,13 @@ def understood(path: Path, table: dict[str, object], version: str, inputs: tuple
 def _unknown(path: Path, name: str, version: str) -> SettingsFileError:
     if _is_newer(version):
         return SettingsFileError(
-            "{path}: version {other} wrote it, and this is {this}, which does not know {name}. Update AIFRecon, or remove that setting.",
-            path=path,
-            other=version,
-            this=__version__,
-            name=name,
+            f"{path}: version {version} wrote it, and this is {__version__}, which does not know {name}. Update AIFRecon, or remove "
+            "that setting."
         )
     near = difflib.get_close_matches(name, KNOWN, n=1)
     if near:
-        return SettingsFileError(
-            "{path}: there is no setting {name}, perhaps {near} is meant. Correct it.", path=path, name=name, near=near[0]
-        )
-    return SettingsFileError(
-        "{path}: there is no setting {name}. Remove it; files and what is printed are given on the command line.", path=path, name=name
-    )
+        return SettingsFileError(f"{path}: there is no setting {name}, perhaps {near[0]} is meant. Correct it.")
+    return SettingsFileError(f"{path}: there is no setting {name}. Remove it; files and what is printed are given on the command line.")
 
 
 def _is_newer(version: str) -> bool:
@@ -134,7 +127,7 @@ def _checked(name: str, value: object) -> object:
     """The value, if it is of the kind that the setting takes; that it is within its range is for others to see."""
     kind = _kind_of(name)
     if not _IS_KIND[kind](value):
-        raise SettingsError("Input {name} must be {kind}; got {value}.", name=name, kind=kind, value=shorten(repr(value)))
+        raise SettingsError(f"Input {name} must be {kind}; got {shorten(repr(value))}.")
     return value
 
 
@@ -218,7 +211,7 @@ def _probe(options: dict[str, object]) -> ProbeGeometry | None:
 def _require_all(options: dict[str, object], names: Iterable[str]) -> None:
     missing = next((name for name in names if name not in options), None)
     if missing is not None:
-        raise SettingsError("The setting {missing} is missing, which others need.", missing=missing)
+        raise SettingsError(f"The setting {missing} is missing, which others need.")
 
 
 def _numbers(options: dict[str, object], name: str) -> list[float]:

@@ -16,7 +16,6 @@ from .. import __version__
 from ..compounding.state import Reconstruction
 from ..geometry.volume import Volume
 from ..imaging.region import ImageRegion
-from ..message import Message
 from ..resolve import Imaging
 from ..settings import AUTOMATIC, ReconstructionSettings
 from ..sweep.configuration import PlusConfiguration
@@ -163,7 +162,7 @@ def _named(path: Path) -> dict[str, object]:
         return {"name": path.name}
 
 
-def other_inputs(source: str, before: Iterable[Mapping[str, object]], inputs: Iterable[Path]) -> list[Message]:
+def other_inputs(source: str, before: Iterable[Mapping[str, object]], inputs: Iterable[Path]) -> list[str]:
     """How the inputs differ from those of the volume that is repeated, a sentence each.
 
     Parameters
@@ -181,11 +180,7 @@ def other_inputs(source: str, before: Iterable[Mapping[str, object]], inputs: It
     for each in before:
         name, size = each.get("name"), each.get("bytes")
         if name not in sizes:
-            notes.append(Message("{source} was made from {name} too, which is not given now.", source=source, name=name))
+            notes.append(f"{source} was made from {name} too, which is not given now.")
         elif size not in sizes[str(name)]:
-            notes.append(
-                Message(
-                    "{name} is not the file that {source} was made from: its size was {size} bytes.", name=name, source=source, size=size
-                )
-            )
+            notes.append(f"{name} is not the file that {source} was made from: its size was {size} bytes.")
     return notes

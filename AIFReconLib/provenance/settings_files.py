@@ -50,8 +50,7 @@ def read_settings(path: str | Path) -> KeptSettings:
         header = read_metafile(path, SettingsFileError).fields
         if SETTINGS not in header:
             raise SettingsFileError(
-                "{path}: this volume does not say how it was made. Give one that AIFRecon wrote, or a settings file (.json, .toml).",
-                path=path,
+                f"{path}: this volume does not say how it was made. Give one that AIFRecon wrote, or a settings file (.json, .toml)."
             )
         table = {WRITTEN_BY: header.get(VERSION, ""), **_from_json(path, header[SETTINGS])}
         inputs = _inputs(header.get(INPUTS, ""))
@@ -61,9 +60,9 @@ def read_settings(path: str | Path) -> KeptSettings:
         table = _from_toml(path, _text(path, MOST_TOML_BYTES))
     else:
         raise SettingsFileError(
-            "{path}: settings are read from .json, .toml, {suffixes}. Give such a file; others have no room for settings.",
-            path=path,
-            suffixes=", ".join(VOLUME_SUFFIXES),
+            "{path}: settings are read from .json, .toml, {suffixes}. Give such a file; others have no room for settings.".format(
+                path=path, suffixes=", ".join(VOLUME_SUFFIXES)
+            )
         )
     version = table.pop(WRITTEN_BY, "")
     return understood(path, {key.replace("-", "_"): value for key, value in table.items()}, str(version), inputs)
@@ -117,7 +116,7 @@ def check_settings_path(path: str | Path) -> None:
 def _writable_suffix(path: str | Path) -> str:
     suffix = Path(path).suffix.lower()
     if suffix not in (JSON, TOML):
-        raise OutputError("Cannot write {path}: settings are written as .json or .toml. Choose another name.", path=path)
+        raise OutputError(f"Cannot write {path}: settings are written as .json or .toml. Choose another name.")
     return suffix
 
 
@@ -127,13 +126,11 @@ def _writable_suffix(path: str | Path) -> str:
 def _text(path: Path, most: int) -> str:
     data = read_bytes(path, most + 1, SettingsFileError)
     if len(data) > most:
-        raise SettingsFileError(
-            "{path}: it is longer than {most} bytes, which no settings are. Give a settings file.", path=path, most=most
-        )
+        raise SettingsFileError(f"{path}: it is longer than {most} bytes, which no settings are. Give a settings file.")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise SettingsFileError("{path}: it is not text in UTF-8. Give a settings file, or save it as UTF-8.", path=path) from None
+        raise SettingsFileError(f"{path}: it is not text in UTF-8. Give a settings file, or save it as UTF-8.") from None
 
 
 def _from_json(path: Path, text: str) -> dict[str, object]:
@@ -143,7 +140,7 @@ def _from_json(path: Path, text: str) -> dict[str, object]:
         raise _damaged(path, "JSON", error) from None
     if not isinstance(table, dict):
         raise SettingsFileError(
-            "{path}: settings are names and values, as {example}. Correct the file.", path=path, example='{"alpha": 0.1}'
+            "{path}: settings are names and values, as {example}. Correct the file.".format(path=path, example='{"alpha": 0.1}')
         )
     return table
 
@@ -158,7 +155,7 @@ def _without_twins(pairs: list[tuple[str, object]]) -> dict[str, object]:
 
 def _from_toml(path: Path, text: str) -> dict[str, object]:
     if find_spec("tomllib") is None:
-        raise SettingsFileError("{path}: this Python reads no TOML; that of 3.11 or later does. Give the settings as .json.", path=path)
+        raise SettingsFileError(f"{path}: this Python reads no TOML; that of 3.11 or later does. Give the settings as .json.")
     try:
         table: dict[str, object] = import_module("tomllib").loads(text)
     except (ValueError, RecursionError) as error:
@@ -168,12 +165,7 @@ def _from_toml(path: Path, text: str) -> dict[str, object]:
 
 def _damaged(path: Path, kind: str, error: Exception) -> SettingsFileError:
     reason = "it is nested too deeply" if isinstance(error, RecursionError) else shorten(str(error), 200)
-    return SettingsFileError(
-        "{path}: it cannot be read as {kind} ({reason}). Correct it, or have it written anew.",
-        path=path,
-        kind=kind,
-        reason=reason,
-    )
+    return SettingsFileError(f"{path}: it cannot be read as {kind} ({reason}). Correct it, or have it written anew.")
 
 
 def _inputs(text: str) -> tuple[Mapping[str, object], ...]:

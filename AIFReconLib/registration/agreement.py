@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Floats, Integers, Mask
 from ..geometry.transforms import invert, transform_points
-from ..message import Message, listed
+from ..message import listed
 from .bone_field import BoneField
 from .echoes import SweepEchoes
 
@@ -146,30 +146,30 @@ class Agreement:
         least = LABEL_ECHOES * self.echoes
         return tuple(label for label, own in self.per_label.items() if own.agreement < ENOUGH_OF_LABEL and own.echoes >= least)
 
-    def sentence(self) -> Message:
+    def sentence(self) -> str:
         """The agreement as users read it."""
         if not self.echoes:
-            return Message("CT and sweep do not agree: none of {count:,} bone echoes lies near the CT's bone.", count=self.elsewhere)
-        return Message(
-            "CT and sweep {verdict}: {share:.0%} of {count:,} bone echoes lie within {close:g} mm of the CT's bone, "
-            "{median:.1f} mm off in the median.",
-            verdict=Message("agree") if self.enough else Message("do not agree"),
+            return f"CT and sweep do not agree: none of {self.elsewhere:,} bone echoes lies near the CT's bone."
+        return (
+            "CT and sweep {verdict}: {share:.0%} of {count:,} bone echoes lie within {close:g} mm of the CT's bone, {median:.1f} mm "
+            "off in the median."
+        ).format(
+            verdict="agree" if self.enough else "do not agree",
             share=self.share,
             count=self.echoes,
             close=CLOSE,
             median=self.median_distance,
         )
 
-    def warning(self) -> Message | None:
+    def warning(self) -> str | None:
         """What is probably wrong, in one sentence; None where CT and sweep agree. What to do about it depends on who asks."""
         if self.enough:
             return None
         if self.share >= ENOUGH and self.median_distance <= LARGEST_MEDIAN:
-            return Message(
-                "Not on its echoes: {labels}. The CT may lie one level off, or the spine may have bent since.",
-                labels=listed([Message("label {label}", label=label) for label in self.disagreeing_labels]),
+            return "Not on its echoes: {labels}. The CT may lie one level off, or the spine may have bent since.".format(
+                labels=listed([f"label {label}" for label in self.disagreeing_labels])
             )
-        return Message("The CT is probably not where the bone is, or of another patient.")
+        return "The CT is probably not where the bone is, or of another patient."
 
 
 def fit_echoes(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) -> EchoFit:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats
-from ..message import Message
 from .bone_field import BoneField
 from .echoes import SweepEchoes
 from .refine import MOST_ECHOES, Refined, refine, robust_cost, vector_motion
@@ -50,20 +49,20 @@ class Loose:
     ct_axis: Floats
 
     @property
-    def sentence(self) -> Message:
+    def sentence(self) -> str:
         """In words."""
         axis = _words(self.ct_axis)
         if self.kind == "slide":
-            return Message("the CT may be {amount:.1f} mm off either way along {axis}", axis=axis, amount=self.amount)
-        return Message("the CT may be turned {amount:.0f} degrees either way about {axis}", axis=axis, amount=self.amount)
+            return f"the CT may be {self.amount:.1f} mm off either way along {axis}"
+        return f"the CT may be turned {self.amount:.0f} degrees either way about {axis}"
 
 
-def _words(axis: Floats) -> Message:
+def _words(axis: Floats) -> str:
     """An axis of the CT as a clinician calls it; in numbers (right, front, head) where it is near none."""
     nearest = int(np.abs(axis).argmax())
     if abs(axis[nearest]) >= ALONG:
-        return (Message("the left-right axis"), Message("the front-back axis"), Message("the head-feet axis"))[nearest]
-    return Message("the axis {axis} of the CT", axis="({:.2f}, {:.2f}, {:.2f})".format(*(axis + 0.0)))
+        return ("the left-right axis", "the front-back axis", "the head-feet axis")[nearest]
+    return "the axis {axis} of the CT".format(axis="({:.2f}, {:.2f}, {:.2f})".format(*(axis + 0.0)))
 
 
 def not_held(echoes: SweepEchoes, bone: BoneField, refined: Refined) -> list[Loose]:

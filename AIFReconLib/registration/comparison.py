@@ -10,8 +10,9 @@ from ..errors import AIFReconError, OperationCanceled
 from ..geometry.volume import Volume
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
-from ..message import Message
+from ..message import Sentence, said
 from ..progress import Progress, report
+from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from .agreement import Agreement, check
 from .bone_field import BoneField
@@ -28,12 +29,12 @@ class Comparison:
     Parameters
     ----------
     agreement : Agreement or None
-    lines : tuple of Message
+    lines : tuple of str
         The same in words, and what to do where they do not agree.
     """
 
     agreement: Agreement | None
-    lines: tuple[Message, ...]
+    lines: tuple[str, ...]
 
 
 def compared(
@@ -82,8 +83,8 @@ def compared(
     except OperationCanceled:
         raise
     except AIFReconError as error:
-        return Comparison(None, (Message("CT and sweep were not compared. {error}", error=error),))
+        return Comparison(None, (Sentence(f"CT and sweep were not compared. {said(error)}", error),))
     warning, sentence = agreement.warning(), agreement.sentence()
     if warning is None:
         return Comparison(agreement, (sentence,))
-    return Comparison(agreement, (sentence, Message("WARNING: {warning} See aifrecon register.", warning=warning)))
+    return Comparison(agreement, (sentence, Sentence(f"WARNING: {warning}", Remedy.REGISTER)))

@@ -19,6 +19,7 @@ from ..imaging.region import ImageRegion
 from ..machine.threads import in_parts, usable_cores
 from ..message import listed
 from ..progress import Progress, part, report
+from ..remedies import Remedy
 from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.joined import sweeps_of
@@ -160,11 +161,9 @@ def sweep_echoes(
     echoes = SweepEchoes.joined(found)
     if len(echoes) < FEWEST:
         raise GeometryError(
-            "{sweeps}: {count} bone echoes, bright with darkness behind them, are too few to place a CT by; {fewest} are needed. "
-            "Check that the sweep shows bone, and --probe and --clip-px.",
-            sweeps=listed([sequence.name for sequence in sweeps]),
-            count=len(echoes),
-            fewest=FEWEST,
+            f"{listed([sequence.name for sequence in sweeps])}: {len(echoes)} bone echoes, bright with darkness behind them, are too "
+            f"few to place a CT by; {FEWEST} are needed.",
+            Remedy.CHECK_PROBE_AND_CLIP,
         )
     return echoes
 

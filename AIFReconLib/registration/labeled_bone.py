@@ -14,7 +14,6 @@ from ..errors import SettingsError
 from ..geometry.volume import Volume
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
-from ..message import Message
 from ..progress import Progress, part
 from ..settings import AUTOMATIC
 from ..sweep.frames import TrackedSequence
@@ -64,9 +63,9 @@ class LabeledBone:
         reference: str | None = None,
     ):
         if isinstance(sigma_mm, str) and sigma_mm != AUTOMATIC:
-            raise SettingsError("Input sigma_mm must be a number or {word}; got {value!r}.", word=AUTOMATIC, value=sigma_mm)
+            raise SettingsError(f"Input sigma_mm must be a number or {AUTOMATIC}; got {sigma_mm!r}.")
         if belief is not None and not 0 < belief <= 1:
-            raise SettingsError("Input bone_belief must be above 0 and at most 1; got {value!r}.", value=belief)
+            raise SettingsError(f"Input bone_belief must be above 0 and at most 1; got {belief!r}.")
         self.labels, self.labels_to_reference, self._belief = labels, labels_to_reference, belief
         self._sequence, self._sigma_voxels, self._sigma_mm = sequence, sigma_voxels, sigma_mm
         self._compare = partial(compared, region=region, probe=probe, image_to_reference=image_to_reference, reference=reference)
@@ -117,7 +116,7 @@ class LabeledBone:
             self._comparison = self._compare(self._sequence, self.labels, place, progress=progress)
         return self._comparison
 
-    def lines(self, method: str, progress: Progress | None = None) -> list[Message]:
+    def lines(self, method: str, progress: Progress | None = None) -> list[str]:
         """How CT and sweep agree, and the width that was chosen by it: a line each."""
         comparison = self.comparison(progress)
         lines = [] if comparison is None else list(comparison.lines)
@@ -125,9 +124,9 @@ class LabeledBone:
             return lines
         width = self.settings(method)["bone_sigma_mm"]
         if comparison is None or comparison.agreement is None:
-            return [*lines, Message("Tolerance around the CT's bone: {width:g} mm, as CT and sweep were not compared.", width=width)]
-        said = Message("Tolerance around the CT's bone: {width:g} mm, by how far the echoes lie from it.", width=width)
+            return [*lines, f"Tolerance around the CT's bone: {width:g} mm, as CT and sweep were not compared."]
+        said = f"Tolerance around the CT's bone: {width:g} mm, by how far the echoes lie from it."
         belief = self.settings(method).get("bone_belief", 1.0)
         if belief == 1.0:
             return [*lines, said]
-        return [*lines, said, Message("CT and sweep do not fit closely, so the CT's bone counts for {belief:.0%} only.", belief=belief)]
+        return [*lines, said, f"CT and sweep do not fit closely, so the CT's bone counts for {belief:.0%} only."]

@@ -13,8 +13,9 @@ from ..geometry.transforms import as_matrix, transform_points, why_not_rigid
 from ..geometry.volume import Volume
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
-from ..message import Message, in_python_words
+from ..message import Sentence, advised
 from ..progress import Progress, part, report
+from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from .agreement import Agreement
 from .bone_field import BoneField
@@ -60,7 +61,7 @@ class Registration:
         labels_to_reference, RAS.
     agreement : Agreement
         Of that place, or, where each bone moved on its own, of the bones where they came to lie.
-    said : Message or None
+    said : Sentence or None
         Why the answer must not be used unseen, with options named as on the command line; see `refusal`.
     loose : tuple of Loose
         Motions that the sweep does not hold.
@@ -77,7 +78,7 @@ class Registration:
 
     transform: Floats
     agreement: Agreement
-    said: Message | None
+    said: str | None
     loose: tuple[Loose, ...]
     restarts: float
     alternatives: tuple[Alternative, ...]
@@ -93,14 +94,14 @@ class Registration:
     @property
     def refusal(self) -> str | None:
         """Why the answer must not be used unseen, in Python's words."""
-        return None if self.said is None else self.said.translated(in_python_words)
+        return None if self.said is None else advised(self.said)
 
     @property
-    def uncertain(self) -> list[Message]:
+    def uncertain(self) -> list[str]:
         """What the data do not hold, in words."""
         words = [loose.sentence for loose in self.loose]
         if not words and self.restarts > HELD_MM:
-            words = [Message("tries that began nearby end {spread:.1f} mm apart", spread=self.restarts)]
+            words = [f"tries that began nearby end {self.restarts:.1f} mm apart"]
         return words
 
 
@@ -172,7 +173,7 @@ def register_echoes(
     """
     shifts = level_shifts(bone)
     if level and not shifts:
-        raise SettingsError("Input level must be 0 for labels of a single bone; got {level}. Give one label per vertebra.", level=level)
+        raise SettingsError(f"Input level must be 0 for labels of a single bone; got {level}. Give one label per vertebra.")
     places = _places(echoes, bone, start, part(progress, 0.0, 0.6))
     places = distinct([*places, *(finished(echoes, bone, places[0].labels_to_reference @ _shift(by)) for by in shifts.values())], echoes)
     fields = fields_of_labels(bone.labels) if per_segment else {}
@@ -228,8 +229,7 @@ def _rigid(start: Floats) -> Floats:
     problem = why_not_rigid(matrix)
     if problem:
         raise GeometryError(
-            "Input start must be a rigid transform, a turn and a shift; got one that is {problem}. Save it without scaling.",
-            problem=problem,
+            f"Input start must be a rigid transform, a turn and a shift; got one that is {problem}. Save it without scaling."
         )
     return matrix
 
@@ -249,43 +249,34 @@ def _levels(place: Place, best: Place, bone: BoneField, shifts: dict[int, Floats
     return round(float(moved @ unit / (unit @ unit)))
 
 
-def _disagreement(agreement: Agreement) -> Message | None:
+def _disagreement(agreement: Agreement) -> Sentence | None:
     warning = agreement.warning()
     if warning is None and agreement.median_distance > REFINED_MEDIAN:
-        warning = Message(
-            "It fits only roughly even after fine adjustment: the CT may be a level off or of another patient, the spine may have bent, "
-            "or the tracking was unsteady."
+        warning = (
+            "It fits only roughly even after fine adjustment: the CT may be a level off or of another patient, the spine may have "
+            "bent, or the tracking was unsteady."
         )
     if warning is None:
         return None
-    return Message(
-        "{sentence} {warning} Start nearer with --bone-transform, give --per-segment if the spine has bent, or take it as it is "
-        "with --accept.",
-        sentence=agreement.sentence(),
-        warning=warning,
-    )
+    return Sentence(f"{agreement.sentence()} {warning}", Remedy.START_NEARER_OR_PIECES)
 
 
-def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Message | None:
+def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Sentence | None:
     others = list(others)
     most = max((other.agreement.explained for other in others), default=0.0)
     if most > OUTNUMBERED * best.explained:
-        return Message(
-            "Only {best:.0%} of all echoes agree in the place that fits most closely, and {most:.0%} in one that fits too roughly. "
-            "Check that CT and sweep are of one patient, start nearer with --bone-transform, or take it as it is with --accept.",
-            best=best.explained,
-            most=most,
+        return Sentence(
+            f"Only {best.explained:.0%} of all echoes agree in the place that fits most closely, and {most:.0%} in one that fits too "
+            "roughly.",
+            Remedy.START_NEARER,
         )
     rival = next(iter(others), None)
     if rival is None or not rival.agreement.enough or rival.agreement.tightness < AS_GOOD * best.tightness:
         return None
-    where = Message("elsewhere") if not rival.levels else Message("{levels:+d} level(s) away (+: toward the head)", levels=rival.levels)
-    return Message(
-        "The CT fits nearly as well {where}: {other:.0%} of all echoes agree there, {best:.0%} here. "
-        "Compare the alternatives in --report, then choose one with --level N, or take the best with --accept.",
-        where=where,
-        other=rival.agreement.explained,
-        best=best.explained,
+    where = "elsewhere" if not rival.levels else f"{rival.levels:+d} level(s) away (+: toward the head)"
+    return Sentence(
+        f"The CT fits nearly as well {where}: {rival.agreement.explained:.0%} of all echoes agree there, {best.explained:.0%} here.",
+        Remedy.CHOOSE_A_PLACE,
     )
 
 
@@ -299,7 +290,7 @@ def as_report(found: Registration) -> dict[str, object]:
         by_label.setdefault(str(label), {"agreement": 0.0, "median_distance_mm": None, "echoes": 0})["transform"] = place.tolist()
     return {
         "accepted": found.accepted,
-        "refusal": None if found.said is None else str(found.said),
+        "refusal": found.refusal,
         "agreement": round(found.agreement.share, 4),
         "median_distance_mm": _rounded(found.agreement.median_distance),
         "echoes": found.agreement.echoes,

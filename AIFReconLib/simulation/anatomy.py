@@ -20,7 +20,6 @@ from ..arrays import Bytes, Floats, Integers, Matrix, Singles
 from ..errors import SettingsError
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume, VoxelGrid
-from ..message import Message
 from ..progress import Progress, part, report
 from .computed_tomography import hounsfield_units
 from .soft_tissue import SoftTissue, make_texture
@@ -96,21 +95,18 @@ class LumbarAnatomy:
 
     def __post_init__(self) -> None:
         if self.vertebrae not in (2, 3, 4):
-            raise SettingsError("Input vertebrae must be 2, 3 or 4; got {vertebrae!r}.", vertebrae=self.vertebrae)
+            raise SettingsError(f"Input vertebrae must be 2, 3 or 4; got {self.vertebrae!r}.")
         for size in fields(self):
             low, high = size.metadata.get("minimum"), size.metadata.get("maximum")
             value = getattr(self, size.name)
             if low is not None and not low <= value <= high:
-                raise SettingsError(
-                    "Input {name} must be {low:g} to {high:g}; got {value!r}.", name=size.name, low=low, high=high, value=value
-                )
+                raise SettingsError(f"Input {size.name} must be {low:g} to {high:g}; got {value!r}.")
         if not 0.0 <= self.irregularity <= 2.0:
-            raise SettingsError("Input irregularity must be 0 to 2; got {irregularity!r}.", irregularity=self.irregularity)
+            raise SettingsError(f"Input irregularity must be 0 to 2; got {self.irregularity!r}.")
         if self.spinous_length > self.skin_to_lamina - 5.0:
             raise SettingsError(
-                "Input spinous_length must leave 5 mm under the skin; got {spinous_length:g} with skin_to_lamina {skin_to_lamina:g}.",
-                spinous_length=self.spinous_length,
-                skin_to_lamina=self.skin_to_lamina,
+                f"Input spinous_length must leave 5 mm under the skin; got {self.spinous_length:g} with skin_to_lamina "
+                f"{self.skin_to_lamina:g}."
             )
 
     @classmethod
@@ -283,7 +279,7 @@ def make_lumbar_phantom(
     LumbarPhantom
     """
     if not 0.2 <= spacing <= 3.0:
-        raise SettingsError("Input spacing must be 0.2 to 3 mm; got {spacing!r}.", spacing=spacing)
+        raise SettingsError(f"Input spacing must be 0.2 to 3 mm; got {spacing!r}.")
     anatomy = anatomy or LumbarAnatomy()
     vertebrae = anatomy.vertebrae_in_place()
     ct_vertebrae = flexed(vertebrae, ct_flexion_deg)
@@ -366,7 +362,7 @@ def _bone_on_grid(vertebrae: tuple[Vertebra, ...], grid: VoxelGrid, progress: Pr
     owner = np.zeros(grid.shape, dtype=np.uint8)
     box = np.array(np.meshgrid(*np.array(VERTEBRA_BOX).T)).reshape(3, -1).T
     for n, vertebra in enumerate(vertebrae):
-        report(progress, n / len(vertebrae), Message("Shaping vertebra {name}", name=vertebra.name))
+        report(progress, n / len(vertebrae), f"Shaping vertebra {vertebra.name}")
         corners = transform_points(grid.reference_to_ijk @ vertebra.vertebra_to_reference, box)
         first = np.maximum(np.floor(corners.min(axis=0)).astype(int), 0)
         last = np.minimum(np.ceil(corners.max(axis=0)).astype(int), np.array(grid.size) - 1)

@@ -67,13 +67,9 @@ class PhasedArray:
 
     def __post_init__(self) -> None:
         if not 20.0 <= self.field_of_view_deg <= 120.0:
-            raise SettingsError("Input field_of_view_deg must be 20 to 120; got {angle!r}.", angle=self.field_of_view_deg)
+            raise SettingsError(f"Input field_of_view_deg must be 20 to 120; got {self.field_of_view_deg!r}.")
         if not (self.depth >= 20.0 and self.apex_offset >= 0.5):
-            raise SettingsError(
-                "Input depth must be 20 mm or more, apex_offset 0.5 or more; got {depth!r}, {apex_offset!r}.",
-                depth=self.depth,
-                apex_offset=self.apex_offset,
-            )
+            raise SettingsError(f"Input depth must be 20 mm or more, apex_offset 0.5 or more; got {self.depth!r}, {self.apex_offset!r}.")
         if min(self.lines, self.samples, self.columns, self.rows) < 16:
             raise SettingsError("Input lines, samples, columns and rows must each be 16 or more.")
         object.__setattr__(self, "transducer_to_probe", as_matrix(self.transducer_to_probe, "transducer_to_probe"))

@@ -98,9 +98,9 @@ class TrackingErrors:
     def __post_init__(self) -> None:
         values = (self.noise, self.noise_deg, self.calibration, self.calibration_deg)
         if min(values) < 0 or not math.isfinite(sum(values) + self.time_offset):
-            raise SettingsError("Input tracking errors must be finite and not negative; got {errors}.", errors=self)
+            raise SettingsError(f"Input tracking errors must be finite and not negative; got {self}.")
         if not 0.0 <= self.dropout < 1.0:
-            raise SettingsError("Input dropout must be 0 to below 1; got {dropout!r}.", dropout=self.dropout)
+            raise SettingsError(f"Input dropout must be 0 to below 1; got {self.dropout!r}.")
 
 
 def contact_pose(
@@ -130,13 +130,9 @@ def contact_pose(
     transducer_to_reference : (4, 4) float64 array, mm
     """
     if orientation not in (TRANSVERSE, SAGITTAL):
-        raise SettingsError("Input orientation must be transverse or sagittal; got {orientation!r}.", orientation=orientation)
+        raise SettingsError(f"Input orientation must be transverse or sagittal; got {orientation!r}.")
     if max(abs(in_plane_tilt_deg), abs(elevational_tilt_deg)) > 60:
-        raise SettingsError(
-            "Input tilts must be within 60 degrees; got {in_plane!r}, {elevational!r}.",
-            in_plane=in_plane_tilt_deg,
-            elevational=elevational_tilt_deg,
-        )
+        raise SettingsError(f"Input tilts must be within 60 degrees; got {in_plane_tilt_deg!r}, {elevational_tilt_deg!r}.")
     upright = np.eye(3) if orientation == TRANSVERSE else np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
     tilt = scipy.spatial.transform.Rotation.from_euler("ZX", [-in_plane_tilt_deg, elevational_tilt_deg], degrees=True).as_matrix()
     pose = np.eye(4)
@@ -172,7 +168,7 @@ def single_angle_sweep(
         Where in its part of the way each frame is taken: passes of different offsets interleave.
     """
     if frames < 1:
-        raise SettingsError("Input frames must be 1 or more; got {frames!r}.", frames=frames)
+        raise SettingsError(f"Input frames must be 1 or more; got {frames!r}.")
     tips = phantom.spinous_tips()
     way = (np.arange(frames) + offset) / frames
     middle = tips[:, 2].mean()
@@ -213,9 +209,7 @@ def multi_angle_sweep(
     """
     pairs = [(a, e) for e in elevational_tilts_deg for a in in_plane_tilts_deg]
     if frames < len(pairs):
-        raise SettingsError(
-            "Input frames must be at least one per pair of tilts ({count}); got {frames!r}.", count=len(pairs), frames=frames
-        )
+        raise SettingsError(f"Input frames must be at least one per pair of tilts ({len(pairs)}); got {frames!r}.")
     counts = [frames // len(pairs) + (n < frames % len(pairs)) for n in range(len(pairs))]
     poses, times, start = [], [], 0.0
     for n, ((in_plane, elevational), count) in enumerate(zip(pairs, counts)):
@@ -237,7 +231,7 @@ def multi_angle_sweep(
 def freehand_sweep(phantom: ScannedBack, frames: int = 150, *, seed: int = 0, tilt_deg: float = 20.0, margin: float = 16.0) -> ProbePath:
     """Along the spine as a hand does it: uneven speed, wandering a few mm sideways, with slow tilts of up to about `tilt_deg`."""
     if frames < 2:
-        raise SettingsError("Input frames must be 2 or more; got {frames!r}.", frames=frames)
+        raise SettingsError(f"Input frames must be 2 or more; got {frames!r}.")
     rng = np.random.default_rng([seed, 10])
     wander = scipy.ndimage.gaussian_filter1d(rng.standard_normal((5, frames)), frames / 12, axis=1, mode="reflect")
     wander /= np.abs(wander).max(axis=1, keepdims=True)

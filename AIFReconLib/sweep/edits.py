@@ -16,7 +16,7 @@ from ..errors import SettingsError, TransformError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ..geometry.transforms import as_matrix, invert
 from ..imaging.images import ImageStack
-from ..message import Message
+from ..remedies import Remedy
 from .frames import CROPPED, FrameRecord, TrackedSequence, records_from
 
 Transforms = dict[TransformName, TransformSample]
@@ -72,14 +72,9 @@ def select_frames(sequence: TrackedSequence, first: int = 0, last: int | None = 
     """
     last = len(sequence) - 1 if last is None else last
     if not 0 <= first <= last < len(sequence):
-        raise SettingsError(
-            "Input frames must be two numbers from 0 to {largest}, rising; got {first} {last}.",
-            largest=len(sequence) - 1,
-            first=first,
-            last=last,
-        )
+        raise SettingsError(f"Input frames must be two numbers from 0 to {len(sequence) - 1}, rising; got {first} {last}.")
     if every < 1:
-        raise SettingsError("Input every must be 1 or more; got {every}.", every=every)
+        raise SettingsError(f"Input every must be 1 or more; got {every}.")
     numbers = range(first, last + 1, every)
     records = records_from(len(numbers), lambda number: sequence.records[numbers[number]], sequence.records)
     return replace(sequence, images=ImageView(sequence.images, numbers), records=records)
@@ -95,33 +90,20 @@ def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, ima
     """
     columns, rows = sequence.frame_size
     if width < 1 or height < 1 or x < 0 or y < 0 or x + width > columns or y + height > rows:
-        raise SettingsError(
-            "Input crop must lie within the image of {columns} x {rows} pixels; got X {x}, Y {y}, W {width}, H {height}.",
-            columns=columns,
-            rows=rows,
-            x=x,
-            y=y,
-            width=width,
-            height=height,
-        )
+        raise SettingsError(f"Input crop must lie within the image of {columns} x {rows} pixels; got X {x}, Y {y}, W {width}, H {height}.")
     names = sequence.transform_names()
     was_cropped = bool({CROPPED, CROPPED.inverse} & set(names))
     if not any(image_frame in (name.source, name.target) for name in names):
         raise SettingsError(
-            "{sequence}: cropping moves the first pixel, so the calibration must move along, and the recording has none of "
-            "{image_frame}. Give it with --config PlusDeviceSet.xml or --calibration FILE.",
-            sequence=sequence.name,
-            image_frame=image_frame,
+            f"{sequence.name}: cropping moves the first pixel, so the calibration must move along, and the recording has none of "
+            f"{image_frame}.",
+            Remedy.CALIBRATION_FILE,
         )
     moved = np.eye(4)
     moved[:2, 3] = x, y
-    note = Message(
-        "Columns {x} to {last_x} and rows {y} to {last_y} were cut out. A configuration's clip rectangle, fan and "
-        "transducer center are about the whole image: subtract {x} and {y} from them.",
-        x=x,
-        last_x=x + width - 1,
-        y=y,
-        last_y=y + height - 1,
+    note = (
+        f"Columns {x} to {x + width - 1} and rows {y} to {y + height - 1} were cut out. A configuration's clip rectangle, fan and "
+        f"transducer center are about the whole image: subtract {x} and {y} from them."
     )
     sequence = _with_images_moved(sequence, moved, CROPPED.target if image_frame == CROPPED.source and was_cropped else image_frame)
     return replace(sequence, images=ImageView(sequence.images, None, (x, width), (y, height)), notes=(*sequence.notes, note))
@@ -150,10 +132,7 @@ def rename(sequence: TrackedSequence, names: Mapping[str, str]) -> TrackedSequen
         twice = next((name for name in taken if taken.count(name) > 1 or name in pairs), None)
         if twice is not None:
             raise SettingsError(
-                "Input rename {old}={new} must give names that are free; there would be two of {twice}. Choose another name.",
-                old=old,
-                new=new,
-                twice=twice,
+                f"Input rename {old}={new} must give names that are free; there would be two of {twice}. Choose another name."
             )
         sequence = _renamed(sequence, change)
     return sequence
@@ -192,10 +171,8 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, 
         wrong = _recorded(sequence, name)
         if wrong is None:
             raise SettingsError(
-                "{sequence}: its {transform} includes the calibration that it was recorded with, which is not in the file. "
-                "Give that too, with --wrong-calibration FILE.",
-                sequence=sequence.name,
-                transform=others[0],
+                f"{sequence.name}: its {others[0]} includes the calibration that it was recorded with, which is not in the file.",
+                Remedy.WRONG_CALIBRATION,
             )
     was_recorded = {name, name.inverse} & set(sequence.transform_names())
     sequence = _map_transforms(
@@ -249,21 +226,18 @@ def _renaming(sequence: TrackedSequence, old: str, new: str) -> Callable[[Transf
     one, other = _parsed(old), _parsed(new)
     if one and other:
         if one not in known:
-            there = ", ".join(map(str, known)) or Message("none")
-            raise SettingsError(
-                "Input rename {old}={new} must name a transform of the recording; it has {there}.", old=old, new=new, there=there
-            )
+            there = ", ".join(map(str, known)) or "none"
+            raise SettingsError(f"Input rename {old}={new} must name a transform of the recording; it has {there}.")
         return lambda name: other if name == one else name
     if one or other or not new:
-        raise SettingsError("Input rename {old}={new} must be two transforms (AToB=CToD) or two frames (A=B).", old=old, new=new)
+        raise SettingsError(f"Input rename {old}={new} must be two transforms (AToB=CToD) or two frames (A=B).")
     old, new = capital(old), capital(new)
     frames = {frame for name in known for frame in (name.source, name.target)}
     if old not in frames:
         raise SettingsError(
-            "Input rename {old}={new} must name a frame of the recording; it has {frames}.",
-            old=old,
-            new=new,
-            frames=", ".join(sorted(frames)) or Message("none"),
+            "Input rename {old}={new} must name a frame of the recording; it has {frames}.".format(
+                old=old, new=new, frames=", ".join(sorted(frames)) or "none"
+            )
         )
     return lambda name: TransformName(*(new if frame == old else frame for frame in (name.source, name.target)))
 

@@ -309,9 +309,7 @@ def _as_images(images: ImageStack | ArrayLike) -> ImageStack:
             raise GeometryError("Input images must all have one size; got images of several. Cut or pad them to one.") from None
     if len(stack.shape) != 3 or np.dtype(stack.dtype).kind not in "biuf":
         raise GeometryError(
-            "Input images must be gray, (frames, rows, columns) of numbers; got {shape} of {kind}.",
-            shape=tuple(stack.shape),
-            kind=np.dtype(stack.dtype),
+            f"Input images must be gray, (frames, rows, columns) of numbers; got {tuple(stack.shape)} of {np.dtype(stack.dtype)}."
         )
     return stack
 
@@ -321,11 +319,9 @@ def _as_numbers(values: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise GeometryError(
-            "Input {name} must be numbers of shape {shape}; got {kind}.", name=name, shape=shape, kind=type(values).__name__
-        ) from None
+        raise GeometryError(f"Input {name} must be numbers of shape {shape}; got {type(values).__name__}.") from None
     if array.shape != shape:
-        raise GeometryError("Input {name} must have shape {shape}, one for each image; got {got}.", name=name, shape=shape, got=array.shape)
+        raise GeometryError(f"Input {name} must have shape {shape}, one for each image; got {array.shape}.")
     return array
 
 
@@ -341,13 +337,11 @@ def _of_pixels(matrices: Matrix, spacing: float | tuple[float, float] | None) ->
         return matrices
     size = np.asarray(spacing, dtype=np.float64)
     if size.shape not in ((), (2,)) or not (np.isfinite(size).all() and (size > 0).all()):
-        raise GeometryError("Input spacing must be one or two (x, y) positive numbers in mm; got {spacing!r}.", spacing=spacing)
+        raise GeometryError(f"Input spacing must be one or two (x, y) positive numbers in mm; got {spacing!r}.")
     if scaled:
         raise GeometryError(
-            "Input image_to_reference must be rotations and translations where spacing is given; the one of frame {number} is {reason}. "
-            "Leave out spacing if it takes pixels.",
-            number=scaled[0],
-            reason=why_not_rigid(matrices[scaled[0]]),
+            f"Input image_to_reference must be rotations and translations where spacing is given; the one of frame {scaled[0]} is "
+            f"{why_not_rigid(matrices[scaled[0]])}. Leave out spacing if it takes pixels."
         )
     x, y = np.broadcast_to(size, 2)
     return matrices @ np.diag([x, y, (x + y) / 2, 1.0])

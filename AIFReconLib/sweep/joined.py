@@ -12,7 +12,6 @@ import numpy as np
 from ..arrays import Integers, Numbers, NumberType
 from ..errors import GeometryError, require_kind
 from ..imaging.images import ImageStack
-from ..message import Message
 from .configuration import PlusConfiguration
 from .frames import FrameRecord, TrackedSequence, records_from
 
@@ -130,20 +129,11 @@ def joined(sequences: TrackedSequence | Iterable[TrackedSequence]) -> TrackedSeq
     for other, name in zip(parts[1:], names[1:], strict=True):
         if (first.frame_size, np.dtype(first.images.dtype)) != (other.frame_size, np.dtype(other.images.dtype)):
             raise GeometryError(
-                "{first} and {other} cannot enter one volume: images of {one} and of {two}. Reconstruct them one by one.",
-                first=names[0],
-                other=name,
-                one=_kind(first),
-                two=_kind(other),
+                f"{names[0]} and {name} cannot enter one volume: images of {_kind(first)} and of {_kind(other)}. Reconstruct them one "
+                "by one."
             )
         if other.configuration is not first.configuration and _volume_of(other.configuration) != _volume_of(first.configuration):
-            notes.append(
-                Message(
-                    "What the configuration of {other} says of the volume is not used: that of {first} is.",
-                    other=name,
-                    first=names[0],
-                )
-            )
+            notes.append(f"What the configuration of {name} says of the volume is not used: that of {names[0]} is.")
     return JoinedSequence(
         JoinedImages([part.images for part in parts]),
         records_from(ends[-1], lambda number: _of_parts(parts, ends, number), *(part.records for part in parts)),

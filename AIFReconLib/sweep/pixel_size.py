@@ -6,13 +6,12 @@ import numpy as np
 
 from ..arrays import Floats, Matrix
 from ..geometry.transform_graph import TransformName
-from ..message import Message
 
 SIZES_DIFFER = 0.05
 """Part by which the size of a pixel that a recording states differs from that of its poses: calibrations find it more exactly."""
 
 
-def about_pixel_size(stated: Floats, wanted: TransformName, image_to_reference: Matrix) -> list[Message]:
+def about_pixel_size(stated: Floats, wanted: TransformName, image_to_reference: Matrix) -> list[str]:
     """A sentence where the size of a pixel that the recording states for each frame (n, 2), mm, is not that of the poses (n, 4, 4)."""
     found = np.linalg.norm(image_to_reference[:, :3, :2], axis=1)
     with np.errstate(all="ignore"):  # whatever numbers a header holds
@@ -22,25 +21,18 @@ def about_pixel_size(stated: Floats, wanted: TransformName, image_to_reference: 
     first = contradicted[0]
     known = np.flatnonzero(np.isfinite(found + stated).all(axis=1))
     changed = known[(np.abs(stated[known] / stated[known[0]] - 1) > SIZES_DIFFER).any(axis=1)]
-    why = Message("is the calibration that of another depth?")
+    why = "is the calibration that of another depth?"
     if changed.size:
-        why = Message(
-            "the size changes in frame {number} from {before} to {after} mm, and a calibration holds for one depth.",
-            number=changed[0],
-            before=_size(stated[known[0]]),
-            after=_size(stated[changed[0]]),
+        why = (
+            f"the size changes in frame {changed[0]} from {_size(stated[known[0]])} to {_size(stated[changed[0]])} mm, and a "
+            "calibration holds for one depth."
         )
     elif np.allclose(found[first], 1.0, rtol=0.0, atol=1e-3):
-        why = Message("it is rigid, so it may lack the size of a pixel, which belongs into the calibration.")
+        why = "it is rigid, so it may lack the size of a pixel, which belongs into the calibration."
     return [
-        Message(
-            "The recording says that a pixel of frame {number} is {stated} mm, but {transform} places pixels {found} mm apart, and so they "
-            "are placed, as in Plus: {why}",
-            number=first,
-            stated=_size(stated[first]),
-            transform=wanted,
-            found=_size(found[first]),
-            why=why,
+        (
+            f"The recording says that a pixel of frame {first} is {_size(stated[first])} mm, but {wanted} places pixels "
+            f"{_size(found[first])} mm apart, and so they are placed, as in Plus: {why}"
         )
     ]
 

@@ -24,7 +24,8 @@ from ..geometry.transform_graph import (
     largest_gap,
 )
 from ..geometry.transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
-from ..message import Message, listed
+from ..message import Sentence, listed, said
+from ..remedies import Remedy
 from .configuration import PlusConfiguration
 from .frames import CROPPED, TrackedFrame, TrackedSequence
 from .joined import JoinedSequence, names_of
@@ -73,9 +74,9 @@ class SweepPoses:
         usable = self.usable
         if not usable.size:
             raise NoUsableFramesError(
-                "{name}: no frame has a position ({reasons}). Check the tracking of this recording.",
-                name=name,
-                reasons=describe_skipped(self.skipped()) or Message("it has no frames"),
+                "{name}: no frame has a position ({reasons}). Check the tracking of this recording.".format(
+                    name=name, reasons=describe_skipped(self.skipped()) or "it has no frames"
+                )
             )
         return usable
 
@@ -154,15 +155,12 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     configured = sequence.configured()
     notes = list(sequence.notes)
     both = [name for name in sequence.configuration.transforms if name not in configured]
-    notes += [Message("{name} is in the recording and in the configuration; the recording's is used.", name=name) for name in both]
+    notes += [f"{name} is in the recording and in the configuration; the recording's is used." for name in both]
     ways = _find_ways(sequence, wanted, image_to_reference, recorded, configured)
     if ways.path[0].name == CROPPED.inverse:
         notes.append(
-            Message(
-                "The recording says that its images were cropped ({transform}), and is placed so. A configuration's clip rectangle, fan "
-                "and transducer center are taken as those of the images as they are.",
-                transform=CROPPED,
-            )
+            f"The recording says that its images were cropped ({CROPPED}), and is placed so. A configuration's clip rectangle, fan "
+            "and transducer center are taken as those of the images as they are."
         )
     static = {**configured, **sequence.transforms}
     count = len(sequence)
@@ -175,7 +173,7 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         if record.stated_spacing is not None:
             stated[number] = record.stated_spacing
         if record.image_status is not TransformStatus.OK:
-            problems.append(Message("no image ({status})", status=record.image_status.value))
+            problems.append(f"no image ({record.image_status.value})")
             continue
         samples, broken = _judge(ways, record.transforms, static, image_frame=wanted.source)
         names = frozenset(broken)
@@ -188,10 +186,10 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         try:
             matrix, loops = seen.follow({name: sample.matrix for name, sample in samples.items()})
         except GeometryError as error:
-            problems.append(Message("{problem}", problem=error))
+            problems.append(f"{error}")
             continue
         problem = why_not_an_image_pose(matrix)
-        problems.append(Message("image pose {problem}", problem=problem) if problem else None)
+        problems.append(f"image pose {problem}" if problem else None)
         if problem is None:
             matrices[number] = matrix
             if loops:
@@ -217,11 +215,7 @@ def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str 
     for sequence, name, target in zip(sequences, names, targets, strict=True):
         if target != targets[0]:
             raise GeometryError(
-                "{first} would be placed in {one}, and {other} in {two}. Choose another reference frame, one that both know.",
-                first=names[0],
-                other=name,
-                one=targets[0],
-                two=target,
+                f"{names[0]} would be placed in {targets[0]}, and {name} in {target}. Choose another reference frame, one that both know."
             )
         poses = sweep_poses(sequence, image_to_reference, reference)
         columns, rows = sequence.frame_size
@@ -230,12 +224,8 @@ def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str 
         gaps = [float(np.linalg.norm(np.maximum(0, np.maximum(below - high, low - above)))) for below, above in boxes]
         if gaps and min(gaps) > FARTHEST_APART:
             raise GeometryError(
-                "{first} and {other} lie {gap:.0f} mm apart, so they are not in one {reference}: was its marker moved, or is it another "
-                "patient? Take them one by one.",
-                first=names[int(np.argmin(gaps))],
-                other=name,
-                gap=min(gaps),
-                reference=target,
+                f"{names[int(np.argmin(gaps))]} and {name} lie {min(gaps):.0f} mm apart, so they are not in one {target}: was its "
+                "marker moved, or is it another patient? Take them one by one."
             )
         found.append(poses)
         boxes.append((low, high))
@@ -279,7 +269,7 @@ def time_order(sequence: TrackedSequence) -> Integers:
     return np.argsort(timestamps, kind="stable") if np.isfinite(timestamps).all() else np.arange(len(sequence))
 
 
-def describe_frames(numbers: Sequence[int], at_most: int = 4) -> Message:
+def describe_frames(numbers: Sequence[int], at_most: int = 4) -> str:
     """Frame numbers in words: ``12 frames (0-8, 11, 13-14)``."""
     runs: list[list[int]] = []
     for number in numbers:
@@ -290,13 +280,13 @@ def describe_frames(numbers: Sequence[int], at_most: int = 4) -> Message:
     spelled = [str(a) if a == b else f"{a}-{b}" for a, b in runs[:at_most]]
     which = ", ".join([*spelled, "..."] if len(runs) > at_most else spelled)
     if len(numbers) == 1:
-        return Message("1 frame ({numbers})", numbers=which)
-    return Message("{count} frames ({numbers})", count=len(numbers), numbers=which)
+        return f"1 frame ({which})"
+    return f"{len(numbers)} frames ({which})"
 
 
-def describe_skipped(skipped: Mapping[str, Sequence[int]]) -> Message:
+def describe_skipped(skipped: Mapping[str, Sequence[int]]) -> str:
     """Frames by reason, in words: ``no image: 1 frame (3); ProbeToTracker OUT_OF_VIEW: 2 frames (5-6)``."""
-    words = (Message("{reason}: {frames}", reason=reason, frames=describe_frames(numbers)) for reason, numbers in skipped.items())
+    words = (f"{reason}: {describe_frames(numbers)}" for reason, numbers in skipped.items())
     return listed(words, "; ")
 
 
@@ -309,37 +299,32 @@ def _find_ways(
 ) -> Ways:
     """The ways from image to reference over everything that any frame or the configuration holds."""
     if wanted.source == wanted.target:
-        raise TransformError(
-            "{sequence}: Image and reference must be two frames; got {frame} for both.", sequence=sequence.name, frame=wanted.source
-        )
+        raise TransformError(f"{sequence.name}: Image and reference must be two frames; got {wanted.source} for both.")
     try:
         return image_ways(wanted, image_to_reference, recorded, configured)
     except TransformError as error:
         names = list(dict.fromkeys([*configured, *recorded]))
         advice = NO_TRANSFORMS if not names else missing_link(wanted, names, [name for name in recorded if _moves(sequence, name)])
-        raise TransformError("{sequence}: {problem} {advice}", sequence=sequence.name, problem=error, advice=advice) from None
+        raise TransformError(f"{sequence.name}: {said(error)} {advice}", advice) from None
 
 
-NO_TRANSFORMS = Message(
-    "The recording has no transforms at all: was a tracker connected? "
-    "Slicer saves transforms as sequences of their own; give them with --transform-sequence NAME=FILE."
-)
+NO_TRANSFORMS = Sentence("The recording has no transforms at all: was a tracker connected?", Remedy.TRANSFORM_SEQUENCES)
 
 
-def missing_link(wanted: TransformName, names: Sequence[TransformName], moving: Sequence[TransformName]) -> Message:
-    """What to do about a missing chain, in one sentence; of all known `names`, those `moving` are not the same in every frame."""
+def missing_link(wanted: TransformName, names: Sequence[TransformName], moving: Sequence[TransformName]) -> Sentence:
+    """What is missing of a chain, and what to do; of all known `names`, those `moving` are not the same in every frame."""
     frames = {frame for name in names for frame in (name.source, name.target)}
     if wanted.source not in frames:
-        return Message("Give the calibration (for example {name}) with --config PlusDeviceSet.xml.", name=f"{wanted.source}ToProbe")
+        return Sentence("Its calibration is missing.", Remedy.CALIBRATION, example=f"{wanted.source}ToProbe")
     near = connected(names, wanted.source)
     if wanted.target in frames - near:
-        return Message("Give the missing link with --config PlusDeviceSet.xml.")
+        return Sentence("A link is missing.", Remedy.MISSING_LINK)
     # In a frame that the image is fixed to, all images would lie in one plane
     fixed = connected([name for name in names if name not in moving], wanted.source)
     others = ", ".join(sorted(near - fixed))
     if not others:
-        return Message("No pose of a tool leads on from there: check which tools the tracker follows, and their names.")
-    return Message("Choose another frame to reconstruct in with --reference, one of: {frames}.", frames=others)
+        return Sentence("No pose of a tool leads on from there: check which tools the tracker follows, and their names.")
+    return Sentence("Other frames can be reached.", Remedy.OTHER_REFERENCE, frames=others)
 
 
 def _moves(sequence: TrackedSequence, name: TransformName) -> bool:
@@ -357,7 +342,7 @@ def _judge(
     for name in ways.names:
         sample = recorded.get(name) or static.get(name) or _inverse(recorded.get(name.inverse))
         if sample is None:
-            broken[name] = Message("{transform} not recorded", transform=name)
+            broken[name] = f"{name} not recorded"
             continue
         samples[name] = sample
         if sample.status is not TransformStatus.OK:
@@ -366,7 +351,7 @@ def _judge(
         scales_pixels = bool({image_frame, CROPPED.source} & {name.source, name.target})
         problem = why_not_rigid(sample.matrix) if name in recorded and not scales_pixels else why_not_affine(sample.matrix)
         if problem:
-            broken[name] = Message("{transform} {problem}", transform=name, problem=problem)
+            broken[name] = f"{name} {problem}"
     return samples, broken
 
 
@@ -385,11 +370,7 @@ def _require_agreement(sequence: TrackedSequence, ways: Ways, pairs: Mapping[int
     frame, pair = np.unravel_index(int(np.argmax(gaps)), gaps.shape)
     if gaps[frame, pair] > AGREE:
         raise TransformError(
-            "{sequence}: {paths}. They differ by {gap:.3g} mm in frame {number}. "
-            "Say which one is right, as in --image-to-reference {chain}.",
-            sequence=sequence.name,
-            paths=ways.describe(int(pair)),
-            gap=float(gaps[frame, pair]),
-            number=list(pairs)[frame],
-            chain=",".join(str(link.name) for link in ways.path),
+            f"{sequence.name}: {ways.describe(int(pair))}. They differ by {float(gaps[frame, pair]):.3g} mm in frame {list(pairs)[frame]}.",
+            Remedy.WHICH_CHAIN,
+            chain=listed((link.name for link in ways.path), ","),
         )

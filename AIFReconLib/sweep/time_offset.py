@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from ..message import Message
+from ..remedies import Remedy
 from .frames import TrackedSequence
 from .pose_tracks import LONGEST_GAP, PoseTrack
 
@@ -45,21 +45,15 @@ def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap:
     without an image still say where the tools were.
     """
     if not np.isfinite(time_offset) or abs(time_offset) > LARGEST_OFFSET:
-        raise SettingsError(
-            "Input time_offset must be within {limit:g} s; got {time_offset!r}. Give it in seconds.",
-            limit=LARGEST_OFFSET,
-            time_offset=time_offset,
-        )
+        raise SettingsError(f"Input time_offset must be within {LARGEST_OFFSET:g} s; got {time_offset!r}. Give it in seconds.")
     if not np.isfinite(longest_gap) or longest_gap <= 0:
-        raise SettingsError("Input longest_gap must be above 0 s; got {longest_gap!r}. Give it in seconds.", longest_gap=longest_gap)
+        raise SettingsError(f"Input longest_gap must be above 0 s; got {longest_gap!r}. Give it in seconds.")
     if time_offset == 0:
         return sequence
     times = sequence.timestamps.tolist()
     if not np.isfinite(times).all() or len(set(times)) < 2:
         raise SettingsError(
-            "{sequence}: a time offset needs a time stamp for every frame, and they must differ. Leave out --time-offset, or record "
-            "the sweep with time stamps.",
-            sequence=sequence.name,
+            f"{sequence.name}: a time offset needs a time stamp for every frame, and they must differ.", Remedy.NO_TIME_OFFSET
         )
     images_taken = [time + time_offset for time in times]
     names = dict.fromkeys(name for record in sequence.records for name in record.transforms)
@@ -73,17 +67,17 @@ def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap:
     return replace(sequence, records=records, notes=(*sequence.notes, _note(time_offset, lost)))
 
 
-def _note(time_offset: float, lost: int) -> Message:
+def _note(time_offset: float, lost: int) -> str:
     """What was done, and how many frames have no pose for it."""
     if time_offset > 0:
-        shift = Message("Poses are those of {seconds:g} s after each image's time stamp", seconds=time_offset)
+        shift = f"Poses are those of {time_offset:g} s after each image's time stamp"
     else:
-        shift = Message("Poses are those of {seconds:g} s before each image's time stamp", seconds=-time_offset)
+        shift = f"Poses are those of {-time_offset:g} s before each image's time stamp"
     if not lost:
-        return Message("{shift}.", shift=shift)
+        return f"{shift}."
     if lost == 1:
-        return Message("{shift}; 1 frame has no pose then.", shift=shift)
-    return Message("{shift}; {count} frames have no pose then.", shift=shift, count=lost)
+        return f"{shift}; 1 frame has no pose then."
+    return f"{shift}; {lost} frames have no pose then."
 
 
 def _track(sequence: TrackedSequence, name: TransformName, times: list[float]) -> PoseTrack:

@@ -17,9 +17,9 @@ from ..live.pairing.predictions import PredictionSource
 from ..live.session.bone_watch import BoneWatch, predictions_beside
 from ..live.session.session import LiveSession
 from ..live.wire.sources import MessageSource
-from ..message import Message
 from ..resolve import Imaging
 from ..sweep.configuration import PlusConfiguration
+from .remedies import in_options
 from .seen_bone_options import seen_source
 
 
@@ -82,9 +82,11 @@ class LiveBone:
         others = ("bone_labels", "bone_probability", "bone_transform", "bone_model", "bone_from_sweep")
         both = next((name for name in others if arguments.bone_image and getattr(arguments, name)), None)
         if both is not None:
-            raise SettingsError("--bone-image is a source of bone, and so is {other}. Leave out one.", other=f"--{both.replace('_', '-')}")
+            raise SettingsError(
+                "--bone-image is a source of bone, and so is {other}. Leave out one.".format(other=f"--{both.replace('_', '-')}")
+            )
         if arguments.bone_image and arguments.bone_image == arguments.image:
-            raise SettingsError("--bone-image and --image must be two devices; got {device!r} for both.", device=arguments.image)
+            raise SettingsError(f"--bone-image and --image must be two devices; got {arguments.image!r} for both.")
         return cls(arguments, configuration, region, probe)
 
     def source(self, client: MessageSource) -> MessageSource:
@@ -109,15 +111,15 @@ class LiveBone:
         if self._watch is None:
             return []
         state = self._watch.state
-        lines = [str(Message("bone was looked for in {looked} of {frames} frames", looked=state.frames, frames=self._frames))]
+        lines = [str(f"bone was looked for in {state.frames} of {self._frames} frames")]
         if self._device is not None:
-            lines = [str(Message("bone was predicted for {looked} of {frames} frames", looked=state.frames, frames=self._frames))]
+            lines = [str(f"bone was predicted for {state.frames} of {self._frames} frames")]
         if state.unmatched:
-            lines.append(str(Message("{count} predictions belonged to no frame with a pose", count=state.unmatched)))
+            lines.append(str(f"{state.unmatched} predictions belonged to no frame with a pose"))
         if state.problem is not None:
-            lines.append(str(state.problem))
+            lines.append(in_options(state.problem))
         if self._watch.recorded is not None:
-            lines.append(str(Message("recorded what was said of bone to {path}", path=self._watch.recorded)))
+            lines.append(f"recorded what was said of bone to {self._watch.recorded}")
         return lines
 
     def _estimator(self, imaging: Imaging) -> BoneEstimator:

@@ -110,7 +110,7 @@ def _log_file(path: Path, others: list[Path]) -> logging.Handler:
     if real_path(path) in {
         file.with_suffix(suffix) for file in map(real_path, others) if file.name for suffix in (file.suffix, ".raw", ".zraw")
     }:
-        raise OutputError("Cannot log to {path}: the command reads or writes it. Choose another name for --log.", path=path)
+        raise OutputError(f"Cannot log to {path}: the command reads or writes it. Choose another name for --log.")
     check_writable(path)
     try:
         begins = b""
@@ -118,7 +118,7 @@ def _log_file(path: Path, others: list[Path]) -> logging.Handler:
             with open(path, "rb") as file:
                 begins = file.read(len(FIRST_WORDS))
         if begins not in (b"", FIRST_WORDS.encode()):
-            raise OutputError("Cannot log to {path}: it is there and is no log. Choose another name for --log.", path=path)
+            raise OutputError(f"Cannot log to {path}: it is there and is no log. Choose another name for --log.")
         handler = _LogFile(path, encoding="utf-8", errors="backslashreplace")
         if not begins and handler.stream is not None:
             handler.stream.write(f"{FIRST_WORDS}\n")
@@ -126,9 +126,7 @@ def _log_file(path: Path, others: list[Path]) -> logging.Handler:
     except OutputError:
         raise
     except OSError as error:
-        raise OutputError(
-            "Cannot log to {path}: {reason}. Choose another name for --log.", path=path, reason=error.strerror or str(error)
-        ) from None
+        raise OutputError(f"Cannot log to {path}: {error.strerror or str(error)}. Choose another name for --log.") from None
     handler.setLevel(logging.DEBUG)
     handler.setFormatter(_LINE)
     return handler

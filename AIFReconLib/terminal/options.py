@@ -26,7 +26,6 @@ from ..io.plus.configuration import read_plus_configuration
 from ..io.plus.importance_mask import read_importance_mask
 from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels, read_volume
-from ..message import said
 from ..progress import Progress
 from ..provenance.kept import KeptSettings
 from ..registration.labeled_bone import LabeledBone
@@ -36,6 +35,7 @@ from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
 from .one_line_parser import OneLineParser
+from .remedies import in_options
 from .seen_bone_options import add_seen_bone_options, check_seen_bone, seen_bone_from
 
 Commands: TypeAlias = "argparse._SubParsersAction[OneLineParser]"
@@ -67,7 +67,7 @@ class MethodAction(argparse.Action):
             if is_own_method(name):
                 load_method_here(name)
         except MethodError as error:
-            parser.error(f"argument {option_string}: {said(error).rstrip('.')}")
+            parser.error(f"argument {option_string}: {in_options(error).rstrip('.')}")
         setattr(namespace, self.dest, name)
 
 
@@ -334,10 +334,9 @@ def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -
             within = file.exists() and any(as_compared(parent) in folders for parent in file.parents)
             if name in seen or within:
                 raise OutputError(
-                    "{path} would overwrite {other} ({file}). Choose another name.",
-                    path=path,
-                    other=seen.get(name, "an input"),
-                    file=file.name,
+                    "{path} would overwrite {other} ({file}). Choose another name.".format(
+                        path=path, other=seen.get(name, "an input"), file=file.name
+                    )
                 )
             seen[name] = "another output"
 

@@ -90,14 +90,11 @@ def of_each(arguments: argparse.Namespace, paths: Sequence[Path]) -> list[argpar
     configs = arguments.config or [None]
     if len(configs) not in (1, len(paths)):
         raise SettingsError(
-            "--config is given {configs} times for {sequences} sequence(s). Give it once, or once for each in their order.",
-            configs=len(configs),
-            sequences=len(paths),
+            f"--config is given {len(configs)} times for {len(paths)} sequence(s). Give it once, or once for each in their order."
         )
     if len(paths) > 1 and getattr(arguments, "transform_sequence", None):
         raise SettingsError(
-            "--transform-sequence belongs to one sequence, and {sequences} are given. Make one file of each pair with aifrecon convert.",
-            sequences=len(paths),
+            f"--transform-sequence belongs to one sequence, and {len(paths)} are given. Make one file of each pair with aifrecon convert."
         )
     configs = configs * len(paths) if len(configs) == 1 else configs
     return [

@@ -10,7 +10,6 @@ from pathlib import Path
 from .. import __version__
 from ..compounding.state import Reconstruction
 from ..geometry.transform_graph import capital
-from ..message import Message
 from ..provenance.kept import KeptSettings
 from ..provenance.record import other_inputs, settings_of, signed
 from ..provenance.settings_files import check_settings_path, read_settings, write_settings
@@ -114,11 +113,11 @@ def with_provenance(
     return replace(signed(result, settings, files, stream), said=(*result.said, *notes))
 
 
-def _about_version(kept: KeptSettings) -> list[Message]:
+def _about_version(kept: KeptSettings) -> list[str]:
     if kept.version in ("", __version__):
         return []
     return [
-        Message("The settings are of version {other}, and this is {this}: voxels may differ.", other=kept.version, this=__version__),
+        f"The settings are of version {kept.version}, and this is {__version__}: voxels may differ.",
     ]
 
 

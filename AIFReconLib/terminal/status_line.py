@@ -11,6 +11,7 @@ import numpy as np
 from ..live.session.session import SCOUTING, LiveSession
 from ..live.session.statistics import LiveStatistics
 from .console import show
+from .remedies import in_options
 
 TERMINAL_INTERVAL, LINE_INTERVAL = 0.2, 5.0
 """s between two status lines, on a terminal and elsewhere."""
@@ -36,7 +37,7 @@ class StatusLine:
         self._last = now
         trouble = session.statistics.trouble
         if trouble and trouble != self._told:
-            self.say(trouble)
+            self.say(in_options(trouble))
         self._told = trouble
         self._draw(status_text(session.statistics, session.scouted))
 

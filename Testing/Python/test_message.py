@@ -1,152 +1,158 @@
-"""Sentences that can be translated after their values were filled in."""
+"""What the library says is wrong, and what each door says of the remedy."""
 
+from __future__ import annotations
+
+import argparse
 import ast
 import pickle
 import re
-import sys
 from pathlib import Path
 
 import pytest
 
-from AIFReconLib import errors
-from AIFReconLib.errors import AIFReconError, BeamGeometryError, OutputError, SettingsError
-from AIFReconLib.message import Message, in_python_words, listed, said, translated
+from AIFReconLib.commands.parser import build_parser
+from AIFReconLib.errors import AIFReconError, OutputError, SettingsError
+from AIFReconLib.message import LONGEST_SENTENCE, Sentence, advised, listed, one_line, said
+from AIFReconLib.remedies import IN_PYTHON, Remedy
+from AIFReconLib.terminal.remedies import IN_OPTIONS, in_columns, in_options
 
-sys.path.append(str(Path(__file__).resolve().parents[1]))
-import write_translations
-
-GERMAN = {
-    "frame {number} is missing": "Bild {number} fehlt",
-    "{path}: {problem}.": "Datei {path}: {problem}!",
-    "Give {name!r}, in {unit}.": "{unit}: {name!r} angeben.",
-}
-
-DOMAIN_ERRORS = [kind for kind in vars(errors).values() if isinstance(kind, type) and issubclass(kind, AIFReconError)]
+LIBRARY = Path(__file__).resolve().parents[2] / "AIFReconLib"
+OF_THE_TERMINAL = ("batch", "commands", "terminal")
 
 
-def german(template):
-    return GERMAN.get(template, template)
+def test_a_sentence_is_the_text_alone():
+    assert Sentence("No probe is known.", Remedy.NAME_THE_PROBE) == "No probe is known."
 
 
-def test_a_message_is_the_english_text():
-    assert Message("frame {number} is missing", number=3) == "frame 3 is missing"
-
-
-def test_a_message_is_translated_with_its_values():
-    assert Message("Give {name!r}, in {unit}.", name="a", unit="mm").translated(german) == "mm: 'a' angeben."
-
-
-def test_messages_within_a_message_are_translated_too():
-    inner = Message("frame {number} is missing", number=3)
-    assert Message("{path}: {problem}.", path="a.mha", problem=inner).translated(german) == "Datei a.mha: Bild 3 fehlt!"
-
-
-def test_an_error_within_a_message_is_translated_too():
-    inner = SettingsError("frame {number} is missing", number=3)
-    assert Message("{path}: {problem}.", path="a.mha", problem=inner).translated(german) == "Datei a.mha: Bild 3 fehlt!"
-
-
-def test_without_values_braces_mean_nothing():
-    assert Message("{a: 1} is not JSON") == "{a: 1} is not JSON"
-    assert Message("{a: 1} is not JSON").translated(german) == "{a: 1} is not JSON"
-
-
-def test_values_with_braces_stay_as_they_are():
-    assert Message("{path}: {problem}.", path="{0}", problem="{x").translated(german) == "Datei {0}: {x!"
-
-
-def test_other_values_are_not_translated():
-    assert translated(3, german) == 3
-    assert translated("frame {number} is missing", german) == "frame {number} is missing"
-
-
-@pytest.mark.parametrize("kind", DOMAIN_ERRORS)
-def test_every_error_keeps_its_template_through_a_process_boundary(kind):
-    error = pickle.loads(pickle.dumps(kind("frame {number} is missing", number=3)))
-    assert str(error) == "frame 3 is missing"
-    assert translated(error, german) == "Bild 3 fehlt"
-
-
-@pytest.mark.parametrize("kind", DOMAIN_ERRORS)
-def test_every_error_comes_back_from_a_worker_of_dask(kind):
-    # What Dask does with every kind of error as soon as it is imported
-    pytest.importorskip("tblib.pickling_support").install(kind)
-    error = pickle.loads(pickle.dumps(kind("frame {number} is missing", number=3)))
-    assert translated(error, german) == "Bild 3 fehlt"
-
-
-def test_an_error_made_of_another_message_keeps_it():
-    error = OutputError(SettingsError("frame {number} is missing", number=3).args[0])
-    assert translated(error, german) == "Bild 3 fehlt"
-
-
-@pytest.mark.parametrize(
-    "wrong", ["Bild {nummer} fehlt", "Bild fehlt", "Bild {number fehlt", "Bild {number:d} fehlt", "Bild {number!r} fehlt"]
-)
-def test_a_translation_with_other_placeholders_is_not_used(wrong):
-    assert Message("frame {number} is missing", number=3).translated(lambda template: wrong) == "frame 3 is missing"
-
-
-def test_placeholders_may_change_places():
-    swapped = {"{first} before {last}": "{last} nach {first}"}.get
-    assert Message("{first} before {last}", first=1, last=2).translated(swapped) == "2 nach 1"
-
-
-def test_several_messages_are_translated_one_by_one():
-    items = listed([Message("frame {number} is missing", number=3), "a.mha", Message("frame {number} is missing", number=4)], "; ")
-    assert items == "frame 3 is missing; a.mha; frame 4 is missing"
-    assert items.translated(german) == "Bild 3 fehlt; a.mha; Bild 4 fehlt"
-
-
-def test_nothing_listed_says_nothing():
-    assert listed([]) == ""
-
-
-def test_what_an_error_says_is_the_message_that_it_was_raised_with():
-    assert said(SettingsError("frame {number} is missing", number=3)).template == "frame {number} is missing"
-
-
-def test_what_another_error_says_is_its_text():
-    assert said(ValueError("no number")) == "no number"
-
-
-# ---- in the words of who is spoken to
-
-
-def test_no_option_of_the_command_line_is_left_in_what_python_is_told():
-    sentences, errors_raised = set(), write_translations.error_classes()
-    for path in write_translations.python_files(write_translations.LIBRARY):
-        if path.relative_to(write_translations.LIBRARY).parts[0] not in write_translations.COMMAND_LINE:
-            calls = write_translations.template_calls(ast.parse(path.read_text("utf-8")), errors_raised)
-            sentences |= {text for _, template in calls if "--" in (text := write_translations.literal(template) or "")}
-    assert len(sentences) > 30
-    whole_commands = r"pip install.*|\{command\}.*|aifrecon [^.,;]*"
-    assert [text for text in sentences if "--" in re.sub(whole_commands, "", in_python_words(text))] == []
-
-
-def test_python_and_the_command_line_are_told_the_same_in_their_own_words():
-    error = BeamGeometryError("Not known. Give --probe linear, or --probe sector with --apex-px COLUMN ROW.")
-    assert str(error) == 'Not known. Give probe=ProbeGeometry("linear"), or probe=ProbeGeometry("sector", (column, row)).'
-    assert said(error) == "Not known. Give --probe linear, or --probe sector with --apex-px COLUMN ROW."
-
-
-def test_the_words_of_a_file_s_name_stay():
-    assert (
-        str(SettingsError("{path}: too short. Use a smaller --skip.", path="a --skip b.mha"))
-        == "a --skip b.mha: too short. Use a smaller skip."
+def test_each_door_says_the_remedy_in_its_own_words():
+    error = SettingsError("got 0.", Remedy.HOLE_LIMIT)
+    assert (str(error), in_options(error), in_columns(error), said(error)) == (
+        "got 0. Give hole_limit in mm.",
+        "got 0. Give --hole-limit MM.",
+        "got 0. Give hole_limit MM.",
+        "got 0.",
     )
 
 
-def test_an_error_within_another_is_put_into_the_same_words():
-    inner = SettingsError("Give --hole-limit MM.")
-    outer = OutputError("{path}: {problem}", path="a.mha", problem=inner)
-    assert (str(outer), said(outer)) == ("a.mha: Give hole_limit.", "a.mha: Give --hole-limit MM.")
+def test_details_are_named_in_the_remedy():
+    sentence = Sentence("Two ways.", Remedy.WHICH_CHAIN, chain="ImageToReference")
+    assert in_options(sentence).endswith("as in --image-to-reference ImageToReference.")
 
 
-def test_whole_commands_stay():
-    text = "Install it: pip install 'numba>=0.60' --force-reinstall."
-    assert str(SettingsError(text)) == text
-    assert (
-        str(SettingsError("Say it with aifrecon convert --orientation: it mirrors."))
-        == "Say it with aifrecon convert --orientation: it mirrors."
-    )
+@pytest.mark.parametrize("inner", [SettingsError("late.", Remedy.HOLE_LIMIT), Sentence("late.", Remedy.HOLE_LIMIT)])
+def test_an_error_about_another_takes_its_remedy_over(inner):
+    outer = OutputError(f"a.mha: {said(inner) if isinstance(inner, Exception) else inner}", inner)
+    assert (str(outer), in_options(outer)) == ("a.mha: late. Give hole_limit in mm.", "a.mha: late. Give --hole-limit MM.")
+
+
+def test_an_error_may_be_raised_with_a_sentence():
+    assert in_options(SettingsError(Sentence("late.", Remedy.HOLE_LIMIT))) == "late. Give --hole-limit MM."
+
+
+def test_what_names_no_remedy_is_said_as_it_is():
+    assert [advised(each) for each in ("text", Sentence("text"), SettingsError("text"), ValueError("text"))] == ["text"] * 4
+
+
+def test_braces_in_a_file_s_name_stay():
+    assert in_options(SettingsError("{x}.mha: late.", Remedy.HOLE_LIMIT)) == "{x}.mha: late. Give --hole-limit MM."
+
+
+def test_what_a_file_holds_cannot_command_a_terminal_nor_fill_it():
+    said_of_it = str(SettingsError(f"bad \x1b[2J\n{'x' * 10**6}", Remedy.HOLE_LIMIT))
+    assert re.fullmatch(r"bad \?\[2J\?x+\.\.\. Give hole_limit in mm\.", said_of_it)
+    assert len(said_of_it) < LONGEST_SENTENCE + 100
+
+
+def test_an_error_comes_through_a_pickle_with_its_remedy():
+    error = pickle.loads(pickle.dumps(SettingsError("got 0.", Remedy.WHICH_CHAIN, chain="AToB")))
+    assert (type(error), in_options(error)[-26:]) == (SettingsError, "--image-to-reference AToB.")
+
+
+def test_the_kind_of_an_error_is_a_builtin_one_too():
+    assert issubclass(SettingsError, (ValueError, AIFReconError))
+
+
+def test_several_things_are_listed():
+    assert (listed([1, "b"]), listed([1, "b"], " or "), listed([])) == ("1, b", "1 or b", "")
+
+
+def test_one_line_is_left_of_several():
+    assert one_line("a\nb\x00é") == "a?b?é"
+
+
+# ---- the tables of remedies
+
+
+@pytest.mark.parametrize("words", [IN_PYTHON, IN_OPTIONS], ids=["Python", "terminal"])
+def test_every_remedy_has_words_and_all_doors_name_the_same_details(words):
+    def details(text):
+        return set(re.findall(r"(?<!\{)\{(\w+)", text))
+
+    assert set(words) == set(Remedy)
+    assert [each.name for each in Remedy if not details(words[each]) <= details(IN_PYTHON[each]) | {"module"}] == []
+
+
+def options_of(parser: argparse.ArgumentParser) -> set[str]:
+    options = set()
+    for action in parser._actions:
+        options |= set(action.option_strings)
+        if isinstance(action, argparse._SubParsersAction):
+            for command in action.choices.values():
+                options |= options_of(command)
+    return options
+
+
+def test_every_option_that_a_remedy_names_exists():
+    known = options_of(build_parser())
+    assert {option for words in IN_OPTIONS.values() for option in re.findall(r"--[a-z][a-z-]*", words)} - known == set()
+
+
+def names_in(path: Path) -> set[str]:
+    """Functions, classes, parameters, fields and modules of a file of the library."""
+    tree = ast.parse(path.read_text("utf-8"))
+    found = {path.stem}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            found.add(node.name)
+        if isinstance(node, ast.FunctionDef):
+            found |= {each.arg for each in (*node.args.args, *node.args.kwonlyargs)}
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            found.add(node.target.id)
+    return found
+
+
+def test_every_name_of_python_that_a_remedy_names_exists():
+    known = set().union(*map(names_in, LIBRARY.rglob("*.py")))
+    named = {
+        name
+        for words in IN_PYTHON.values()
+        for pair in re.findall(r"\b([a-z]+(?:_[a-z]+)+)\b|\b(\w+)[=(]", re.sub(r"\{\w+[^}]*\}", "", words))
+        for name in pair
+        if name
+    }
+    assert len(named) > 15
+    assert named - known == set()
+
+
+def texts(tree: ast.Module) -> list[str]:
+    """Every string of a file but docstrings."""
+    told = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    return [
+        node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in told
+    ]
+
+
+def test_the_library_names_no_option_outside_the_terminal():
+    offenders = [
+        f"{path.relative_to(LIBRARY)}: {text}"
+        for path in LIBRARY.rglob("*.py")
+        if path.relative_to(LIBRARY).parts[0] not in OF_THE_TERMINAL
+        for text in texts(ast.parse(path.read_text("utf-8")))
+        if re.search(r"(^|[ (])--[a-z]", text) and "--force-reinstall" not in text and "{ " not in text
+    ]
+    assert offenders == []
+
+
+def test_every_remedy_is_named_where_something_is_wrong():
+    told = "".join(path.read_text("utf-8") for path in LIBRARY.rglob("*.py") if path.name != "remedies.py")
+    assert [each.name for each in Remedy if f"Remedy.{each.name}" not in told] == []

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from AIFReconLib.errors import OperationCanceled
-from AIFReconLib.message import translated
 from AIFReconLib.progress import part, report
 
 
@@ -52,12 +51,6 @@ def test_the_error_says_what_was_being_done():
     with pytest.raises(OperationCanceled) as caught:
         report(Listener(stop_after=1), 0.5, "Filling gaps")
     assert str(caught.value) == "Canceled in this step: Filling gaps."
-
-
-def test_what_the_listener_hears_can_be_translated():
-    listener = Listener()
-    report(listener, 0.25, "Working")
-    assert translated(listener.calls[0][1], {"Working": "Es wird gearbeitet"}.get) == "Es wird gearbeitet"
 
 
 def test_a_part_of_nothing_is_nothing():

@@ -18,6 +18,7 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.configuration import PlusConfiguration
+from AIFReconLib.terminal.remedies import in_options
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
 FULL = ImageRegion(ClipRectangle((0, 0), (39, 29)))
@@ -42,7 +43,7 @@ def test_a_clip_rectangle_that_is_the_whole_image_is_told_of_its_black_surround(
     (note,) = (note for note in result.notes if "clip rectangle" in note)
     assert "whole image of 40 x 30 pixels" in note
     assert "region=ImageRegion(ClipRectangle((5, 3), (29, 23)))" in note
-    assert "--clip-px 5 3 29 23" in result.said[result.notes.index(note)]
+    assert "--clip-px 5 3 29 23" in in_options(result.said[result.notes.index(note)])
     columns, rows = np.nonzero(ImageRegion(ClipRectangle((5, 3), (29, 23))).mask(40, 30).T)
     assert (columns.min(), columns.max(), rows.min(), rows.max()) == (5, 34, 3, 26)
 

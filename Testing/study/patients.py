@@ -14,7 +14,6 @@ from AIFReconLib.batch.engine import Lost, completed, local_workers
 from AIFReconLib.errors import FileFormatError, InsufficientMemoryError
 from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.machine.threads import usable_cores
-from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress, report
 
 if TYPE_CHECKING:
@@ -97,8 +96,7 @@ def run_tasks(
     missing = {name: one for name, one in given.items() if not _file(folder, name).exists()}
 
     def tell(done: int) -> None:
-        values = {"done": done, "count": len(given), "counted": counted}
-        report(progress, done / max(len(given), 1), Message("{done} of {count} {counted} done", **values))
+        report(progress, done / max(len(given), 1), f"{done} of {len(given)} {counted} done")
 
     done = len(given) - len(missing)
     tell(done)

@@ -230,12 +230,12 @@ class GuidancePanel:
             )
             return
         first, *then = advice.directions
-        self._large(first.arrow, inPanelWords(first.words))
+        self._large(first.arrow, first.words)
         # Beside a scan the first step stands in large letters; of what was recorded the list is all there is
         listed = then if self._about is None or self._about[0] else advice.directions
-        where = inPanelWords(inNames(advice.over, names))
+        where = inNames(advice.over, names)
         adds = _("over {where}; shows {adds:.1f} cm² more bone").format(where=where, adds=advice.move.adds_cm2)
-        self._say("\n".join([*(f"{step.arrow}  {inPanelWords(step.words)}" for step in listed), adds]))
+        self._say("\n".join([*(f"{step.arrow}  {step.words}" for step in listed), adds]))
 
     def _clearMove(self) -> None:
         self._ghost.clear()

@@ -88,6 +88,6 @@ class Lights(Follower):
             sign.text, sign.styleSheet = word, style
         advised = f"<br>{escape(inPanelWords(advice))}" if advice else ""
         # Qt breaks lines after a slash, unless a word joiner follows
-        text = f"<b>{escape(titles[name])}:</b> {escape(inPanelWords(finding))}{advised}".replace("mm/s", "mm/\u2060s")
+        text = f"<b>{escape(titles[name])}:</b> {escape(finding)}{advised}".replace("mm/s", "mm/\u2060s")
         if label.text != text:
             say(label, text)

@@ -37,7 +37,7 @@ class LiveWords:
         failed, apart = statistics.phase == "failed", False
         scouting = live.session.grid is None or statistics.phase == "scouting"
         isSeen = statistics.tracking == "tracked"
-        tracking = _("Probe seen") if isSeen else _stopped(statistics) or inPanelWords(statistics.tracking)
+        tracking = _("Probe seen") if isSeen else _stopped(statistics) or statistics.tracking
         tracked = isSeen and not failed
         if failed:
             state = _("Error: the picture no longer grows")
@@ -67,7 +67,7 @@ def counts(statistics) -> str:
     said = _("{inserted} of {received} frames added to the picture").format(
         inserted=statistics.inserted, received=statistics.frames_received
     )
-    reasons = "; ".join(f"{count} {inPanelWords(reason)}" for reason, count in statistics.skipped.items())
+    reasons = "; ".join(f"{count} {reason}" for reason, count in statistics.skipped.items())
     return said + (f" ({reasons})" if reasons else "")
 
 
@@ -124,7 +124,7 @@ def _rate(statistics) -> str:
     unknown = statistics.latency_p50 != statistics.latency_p50
     latency = _("no latency yet") if unknown else _("latency {latency:.0f} ms").format(latency=1000 * statistics.latency_p50)
     return _("{rate:.0f} frames/s, {latency}; {connection}").format(
-        rate=statistics.frame_rate, latency=latency, connection=inPanelWords(statistics.connection)
+        rate=statistics.frame_rate, latency=latency, connection=statistics.connection
     )
 
 
@@ -136,4 +136,4 @@ def _agreementLines(fit) -> list:
         return []
     from AIFReconLib.registration.live import SECONDS
 
-    return [_("Last {seconds:.0f} s: {sentence}").format(seconds=SECONDS, sentence=inPanelWords(fit.agreement.sentence()))]
+    return [_("Last {seconds:.0f} s: {sentence}").format(seconds=SECONDS, sentence=fit.agreement.sentence())]

@@ -9,7 +9,6 @@ from AIFReconScene.display.boneOutlines import BoneOutlines
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneSource import hasBone
 from AIFReconScene.inputs.parameters import fileFrom
-from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.sceneNodes import addedTogether
 from AIFReconScene.sweep.fileKinds import opened
 from slicer.i18n import tr as _
@@ -157,7 +156,7 @@ class RecordedPanel(Follower):
 
     def _reconstruct(self, work, *more) -> None:
         def told(parameters, progress) -> str:
-            method, voxels, *notes = inPanelWords(work(parameters, progress=part(progress, 0.0, 0.99))).split("\n")
+            method, voxels, *notes = work(parameters, progress=part(progress, 0.0, 0.99)).split("\n")
             self._picture.show(part(progress, 0.99, 1.0))
             self._ui.summaryLabel.visible = True
             say(self._ui.summaryLabel, f"{method}\n{voxels}")

@@ -6,7 +6,7 @@ import slicer
 from AIFReconScene.background import ALIVE_EVERY, Beside
 from AIFReconScene.display.echoPoints import EchoPoints
 from AIFReconScene.inputs.boneNodes import boneNames
-from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.panelWords import inPanelWords, withNames
 from AIFReconScene.registration.ctPlacement import CTPlacement, transformAbove
 from AIFReconScene.registration.ctRegistration import CTRegistration, rigidPlace
 from slicer.i18n import tr as _
@@ -174,7 +174,8 @@ class RegistrationPanel:
         if not found.accepted:
             self._show(parameters, finding.at(rigidPlace(bone)))
             self._offer(_places(found))
-            refused = _("The CT was not moved. About the best place found: {reason}").format(reason=inPanelWords(found.said, self._names()))
+            reason = withNames(inPanelWords(found.said), self._names())
+            refused = _("The CT was not moved. About the best place found: {reason}").format(reason=reason)
             return self._words(refused, verdict=False)
         moved = "" if found.moved is None else _("Moved by {mm:.1f} mm.").format(mm=found.moved)
         self._moveTo(parameters, finding)
@@ -269,7 +270,7 @@ class RegistrationPanel:
     def _words(self, *more: str, verdict: bool = True) -> str:
         agreement = self._finding.agreement
         warning = agreement.warning()
-        lines = [inPanelWords(agreement.sentence()), inPanelWords(warning, self._names()) if warning is not None else ""] if verdict else []
+        lines = [agreement.sentence(), withNames(warning or "", self._names())] if verdict else []
         return "\n".join(line for line in (*lines, *more) if line)
 
     def _names(self) -> dict:
@@ -320,7 +321,7 @@ def _uncertainties(found) -> list:
     """What the sweep does not hold, in a sentence."""
     if not found.uncertain:
         return []
-    return [_("This sweep does not tell exactly: {motions}.").format(motions="; ".join(inPanelWords(each) for each in found.uncertain))]
+    return [_("This sweep does not tell exactly: {motions}.").format(motions="; ".join(found.uncertain))]
 
 
 def _landmarkModule() -> str:

@@ -59,8 +59,8 @@ class ReportPanel:
 
 def _lines(report) -> tuple[list, list]:
     """Names and values, and sentences, in the panel's words."""
-    rows = [(inPanelWords(name), inPanelWords(value)) for name, value in report.rows()]
-    return [(name[:1].upper() + name[1:], value) for name, value in rows], [inPanelWords(sentence) for sentence in report.findings()]
+    rows = [(name[:1].upper() + name[1:], value) for name, value in report.rows()]
+    return rows, [inPanelWords(sentence) for sentence in report.findings()]
 
 
 def _asTable(title: str, report) -> str:

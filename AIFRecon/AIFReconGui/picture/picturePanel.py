@@ -14,8 +14,6 @@ from AIFReconScene.picture.spineView import SpineView, spineOf
 from AIFReconScene.volumes.volumeNodes import measuredOf
 from slicer.i18n import tr as _
 
-from AIFReconLib.message import Message
-
 from ..inTurns import inTurns
 
 UI = pathlib.Path(__file__).resolve().parents[2] / "Resources" / "UI" / "Picture.ui"
@@ -89,7 +87,7 @@ class PicturePanel:
         """Show what is chosen of a volume that is new, in a step for each choice; what `progress` answers is not regarded."""
         with drawnViewByView(progress):
             for view in self._views:
-                progress(0.0, Message(""))
+                progress(0.0, "")
                 # The user may have left the panel meanwhile
                 if self._parameterNode is not None:
                     view.update(self._parameterNode)

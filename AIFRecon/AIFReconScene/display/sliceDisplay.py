@@ -132,7 +132,7 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
         When there is no volume, or more than 9.
     """
     if not 1 <= len(volumes) <= MOST_VIEWS:
-        raise SettingsError("Input volumes must be 1 to {most}; got {count}. Choose which to compare.", most=MOST_VIEWS, count=len(volumes))
+        raise SettingsError(f"Input volumes must be 1 to {MOST_VIEWS}; got {len(volumes)}. Choose which to compare.")
     scene = volumes[0][0].GetScene()
     layout = _layoutNode(scene)
     registerLayouts(scene)

@@ -5,8 +5,6 @@ import contextlib
 import numpy as np
 import slicer
 
-from AIFReconLib.message import Message
-
 UPPER_LEFT = 2
 """VTK's number of that corner."""
 
@@ -95,7 +93,7 @@ def makeSurface(segmentationNode, progress=None) -> None:
 
     def tell(made: float) -> None:
         if progress is not None:
-            progress(made / len(ids), Message("Making the surface of bone"))
+            progress(made / len(ids), "Making the surface of bone")
 
     # All but the last one at a time, so that the application stays alive between them
     for number, segmentID in enumerate(ids[:-1]):

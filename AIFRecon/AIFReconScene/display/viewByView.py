@@ -4,8 +4,6 @@ import contextlib
 
 import slicer
 
-from AIFReconLib.message import Message
-
 
 @contextlib.contextmanager
 def drawnViewByView(progress=None):
@@ -22,7 +20,7 @@ def drawnViewByView(progress=None):
     finally:
         for _step in viewByView():
             if progress is not None:
-                progress(1.0, Message(""))
+                progress(1.0, "")
 
 
 def viewByView():

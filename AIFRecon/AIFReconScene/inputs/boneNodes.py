@@ -10,7 +10,7 @@ from vtk.util import numpy_support
 
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.message import Message, listed
+from AIFReconLib.message import listed
 from AIFReconLib.progress import Progress, part, report
 
 from ..background import inBackground
@@ -141,12 +141,12 @@ def boneNames(node, segmentIDs: list[str] | None = None) -> dict[int, str]:
     return {number: segment.GetName() for number, segment in enumerate(segments, start=1) if segment is not None}
 
 
-def nameOf(label: int, names: dict[int, str]) -> str | Message:
+def nameOf(label: int, names: dict[int, str]) -> str:
     """What a label is called: by its segment, else by its number."""
-    return names.get(label) or Message("label {label}", label=label)
+    return names.get(label) or f"label {label}"
 
 
-def inNames(labels, names: dict[int, str]) -> Message:
+def inNames(labels, names: dict[int, str]) -> str:
     """Neighbors, from one to the other."""
     return listed([nameOf(label, names) for label in labels], " \N{EN DASH} ")
 
@@ -165,7 +165,7 @@ def named(node):
     try:
         yield
     except GeometryError as error:
-        raise GeometryError("{node}: {problem}", node=node.GetName(), problem=error) from error
+        raise GeometryError(f"{node.GetName()}: {error}") from error
 
 
 def _worldOrNone(node) -> np.ndarray | None:
@@ -175,12 +175,10 @@ def _worldOrNone(node) -> np.ndarray | None:
 def _volumeOf(node) -> Volume:
     image = node.GetImageData()
     if image is None or image.GetPointData().GetScalars() is None or not image.GetNumberOfPoints():
-        raise GeometryError("{node}: it has no voxels. Choose a volume that is loaded.", node=node.GetName())
+        raise GeometryError(f"{node.GetName()}: it has no voxels. Choose a volume that is loaded.")
     channels = image.GetNumberOfScalarComponents()
     if channels != 1:
-        raise GeometryError(
-            "{node}: voxels must have 1 value; got {channels}. Choose a scalar volume.", node=node.GetName(), channels=channels
-        )
+        raise GeometryError(f"{node.GetName()}: voxels must have 1 value; got {channels}. Choose a scalar volume.")
     with named(node):
         return Volume(slicer.util.arrayFromVolume(node), ijkToRAS(node))
 
@@ -191,12 +189,11 @@ def _mergedSegments(node, segmentIDs: list[str] | None, referenceVolumeNode, rea
     chosen = present if segmentIDs is None else list(segmentIDs)
     unknown = [segmentID for segmentID in chosen if segmentID not in present]
     if unknown or not chosen:
-        names = ", ".join(segmentation.GetSegment(segmentID).GetName() for segmentID in present) or Message("none")
+        names = ", ".join(segmentation.GetSegment(segmentID).GetName() for segmentID in present) or "none"
         raise GeometryError(
-            "{node}: segments must be one or more of those there are ({names}); got {chosen}. Choose the bone.",
-            node=node.GetName(),
-            names=names,
-            chosen=", ".join(unknown) or Message("none"),
+            "{node}: segments must be one or more of those there are ({names}); got {chosen}. Choose the bone.".format(
+                node=node.GetName(), names=names, chosen=", ".join(unknown) or "none"
+            )
         )
     segmentation = _withLabelmaps(segmentation, chosen, referenceVolumeNode, node)
     ids = vtk.vtkStringArray()
@@ -205,7 +202,7 @@ def _mergedSegments(node, segmentIDs: list[str] | None, referenceVolumeNode, rea
     geometry = slicer.vtkOrientedImageData()
     mode = slicer.vtkSegmentation.EXTENT_UNION_OF_EFFECTIVE_SEGMENTS_AND_REFERENCE_GEOMETRY
     if not segmentation.SetImageGeometryFromCommonLabelmapGeometry(geometry, ids, mode) or geometry.IsEmpty():
-        raise GeometryError("{node}: the chosen segments are empty. Choose the segments that hold bone.", node=node.GetName())
+        raise GeometryError(f"{node.GetName()}: the chosen segments are empty. Choose the segments that hold bone.")
     extent = np.array(geometry.GetExtent()).reshape(3, 2)
     if not _hasReference(segmentation):
         extent += np.array([-1, 1]) * reach(geometry.GetSpacing())
@@ -235,9 +232,7 @@ def _withLabelmaps(segmentation, chosen: list[str], referenceVolumeNode, node):
     if not _hasReference(copy) and referenceVolumeNode is not None:
         _setReference(copy, referenceVolumeNode, node)
     if not copy.CreateRepresentation(_labelmap()):
-        raise GeometryError(
-            "{node}: its segments cannot be made into voxels. Convert them to binary labelmaps in Slicer.", node=node.GetName()
-        )
+        raise GeometryError(f"{node.GetName()}: its segments cannot be made into voxels. Convert them to binary labelmaps in Slicer.")
     return copy
 
 

@@ -37,15 +37,15 @@ def gridFromROI(roiNode, spacing) -> VoxelGrid:
     """
     spacings = np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3)
     if not (np.isfinite(spacings).all() and (spacings > 0).all()):
-        raise SettingsError("Input spacing must be positive mm; got {spacing!r}.", spacing=spacing)
+        raise SettingsError(f"Input spacing must be positive mm; got {spacing!r}.")
     objectToWorld = matrixToWorld(roiNode) @ arrayOf(roiNode.GetObjectToNodeMatrix())
     lengths = np.linalg.norm(objectToWorld[:3, :3], axis=0)
     size = np.array(roiNode.GetSize(), dtype=np.float64) * lengths
     if not (np.isfinite(size).all() and (size > 0).all()) or not roiNode.GetNumberOfControlPoints():
         raise GeometryError(
-            "{node}: the region must be a box; got {size} mm. Place it or enlarge it.",
-            node=roiNode.GetName(),
-            size=" x ".join(f"{mm:g}" for mm in size),
+            "{node}: the region must be a box; got {size} mm. Place it or enlarge it.".format(
+                node=roiNode.GetName(), size=" x ".join(f"{mm:g}" for mm in size)
+            )
         )
     count = np.array([max(1, math.ceil(mm / step - TOLERANCE)) for mm, step in zip(size, spacings)])
     matrix = np.eye(4)
@@ -67,7 +67,7 @@ def gridFromVolume(volumeNode) -> VoxelGrid:
     """
     image = volumeNode.GetImageData()
     if image is None or not image.GetNumberOfPoints():
-        raise GeometryError("{node}: it has no voxels. Choose a volume that is loaded.", node=volumeNode.GetName())
+        raise GeometryError(f"{volumeNode.GetName()}: it has no voxels. Choose a volume that is loaded.")
     return _grid(volumeNode, image.GetDimensions(), matrixToWorld(volumeNode) @ ijkToRAS(volumeNode))
 
 
@@ -75,4 +75,4 @@ def _grid(node, size: tuple[int, int, int], matrix: np.ndarray) -> VoxelGrid:
     try:
         return VoxelGrid(size, matrix)
     except GeometryError as error:
-        raise GeometryError("{node}: {problem}", node=node.GetName(), problem=error) from None
+        raise GeometryError(f"{node.GetName()}: {error}") from None

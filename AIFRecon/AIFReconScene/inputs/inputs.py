@@ -341,7 +341,8 @@ def reconstructed(inputs: Inputs, settings, progress=None, beside=(), wished=())
     The volumes `beside` are made in any case; those that are `wished`, with a method that weights by bone and where memory allows.
     """
     from AIFReconLib.inspection.summary import summary_lines
-    from AIFReconLib.message import listed
+
+    from ..panelWords import inPanelWords, remedies
 
     prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
     asked = [name for name in beside if name in ("score", "hits")]
@@ -352,8 +353,11 @@ def reconstructed(inputs: Inputs, settings, progress=None, beside=(), wished=())
         if not wished:
             raise
         result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), asked)
-    lines = [*summary_lines(result, len(prepared.sequence)), *prepared.widthLines(result.method, part(progress, 0.95, 1.0))]
-    return result, prepared, listed(lines, "\n")
+    lines = [
+        *summary_lines(result, len(prepared.sequence), words=remedies()),
+        *map(inPanelWords, prepared.widthLines(result.method, part(progress, 0.95, 1.0))),
+    ]
+    return result, prepared, "\n".join(lines)
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:
@@ -371,7 +375,7 @@ def settingsAndInputs(choices: dict) -> tuple[dict, dict]:
     unknown = next((name for name in choices if name not in settings and name not in others), None)
     if unknown is not None:
         names = ", ".join(sorted({camelCase(name) for name in PARAMETERS} | set(others)))
-        raise SettingsError("Input {name} is no choice. The choices are: {names}.", name=unknown, names=names)
+        raise SettingsError(f"Input {unknown} is no choice. The choices are: {names}.")
     return {settings[name]: value for name, value in choices.items() if name in settings}, {
         name: value for name, value in choices.items() if name in others
     }

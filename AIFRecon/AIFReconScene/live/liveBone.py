@@ -4,7 +4,6 @@ from AIFReconLib.bone.estimators import EchoEstimator
 from AIFReconLib.bone.growing import GrowingBone
 from AIFReconLib.live.pairing.predictions import PredictionSource
 from AIFReconLib.live.session.bone_watch import BoneWatch, predictions_beside
-from AIFReconLib.message import Message
 
 from ..background import inBackground
 from ..inputs.boneSource import BoneSource
@@ -59,9 +58,9 @@ class LiveBone:
         if self._watch is None:
             return []
         state = self._watch.state
-        lines = [Message("Bone is known from {looked} of {frames} frames.", looked=state.frames, frames=frames)]
+        lines = [f"Bone is known from {state.frames} of {frames} frames."]
         if state.unmatched:
-            lines.append(Message("{count} predictions belong to no frame with a pose.", count=state.unmatched))
+            lines.append(f"{state.unmatched} predictions belong to no frame with a pose.")
         return lines if state.problem is None else [*lines, state.problem]
 
     def _estimator(self, imaging):

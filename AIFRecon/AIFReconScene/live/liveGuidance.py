@@ -7,7 +7,7 @@ import numpy as np
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.guidance.guidance import Guidance
 from AIFReconLib.live.session.guidance_watch import GuidanceWatch
-from AIFReconLib.message import Message, said
+from AIFReconLib.message import said
 from AIFReconLib.progress import part, report
 
 from ..inputs.boneNodes import isLabeled
@@ -17,7 +17,7 @@ from ..registration.ctRegistration import rigidPlace
 SETTLED = 1.0
 """s for which labels must stay as they are before they are read anew: while somebody draws, they would be read in vain."""
 
-NO_BONE = Message("Select the bone of the CT, a segmentation or a labelmap: without it nobody can tell which bone was hit.")
+NO_BONE = "Select the bone of the CT, a segmentation or a labelmap: without it nobody can tell which bone was hit."
 
 
 class LiveGuidance:
@@ -38,7 +38,7 @@ class LiveGuidance:
     def __init__(self, session, parameters, imaging: dict):
         self._session, self._parameters, self._imaging = session, parameters, imaging
         self._watch: GuidanceWatch | None = None
-        self._problem: Message | None = None
+        self._problem: str | None = None
         self._place = np.eye(4)
         self._key = self._pending = None
         self._changed = 0.0

@@ -144,10 +144,8 @@ class LiveReconstruction:
         echoes = self._watch.echoes() if self._watch is not None else SweepEchoes.joined(())
         if len(echoes) < FEWEST:
             raise GeometryError(
-                "The scan has shown {count} bone echoes so far; {fewest} are needed to place the CT. Scan the bone some seconds longer, "
-                "then press “Place CT on sweep” again.",
-                count=len(echoes),
-                fewest=FEWEST,
+                f"The scan has shown {len(echoes)} bone echoes so far; {FEWEST} are needed to place the CT. Scan the bone some seconds "
+                "longer, then press “Place CT on sweep” again."
             )
         return echoes
 

@@ -9,7 +9,6 @@ from vtk.util import numpy_support
 from AIFReconLib.errors import TransformError
 from AIFReconLib.live.wire.messages import ImageMessage, StreamEvent
 from AIFReconLib.live.wire.sources import QueueSource
-from AIFReconLib.message import Message
 
 from ..sweep.sweepPoses import transformStatus
 from ..transforms import ijkToRAS, matrixToWorld, parentTransforms
@@ -69,13 +68,9 @@ class NodeSource(QueueSource):
             return
         columns, rows, slices = image.GetDimensions()
         if slices != 1 or image.GetNumberOfScalarComponents() != 1:
-            detail = Message(
-                "{node} must hold gray images of one slice; got {columns} x {rows} x {slices} pixels of {channels} values.",
-                node=self._node.GetName(),
-                columns=columns,
-                rows=rows,
-                slices=slices,
-                channels=image.GetNumberOfScalarComponents(),
+            detail = (
+                f"{self._node.GetName()} must hold gray images of one slice; got {columns} x {rows} x {slices} pixels of "
+                f"{image.GetNumberOfScalarComponents()} values."
             )
             self.put(StreamEvent("refused", detail, time.monotonic()))
             return

@@ -22,12 +22,11 @@ def answering(remembered: list, progress=None):
     progress : callable or None
         False cancels, as everywhere.
     """
-    from AIFReconLib.message import Message
     from AIFReconLib.progress import report
 
     servers = list(dict.fromkeys([*((LOCALHOST, port) for port in PORTS), *remembered]))
     for number, (host, port) in enumerate(servers):
-        report(progress, number / len(servers), Message("Asking {host}, port {port}", host=host, port=port))
+        report(progress, number / len(servers), f"Asking {host}, port {port}")
         try:
             socket.create_connection((host, port), PATIENCE).close()
         except OSError:

@@ -6,7 +6,6 @@ from typing import Any
 import slicer
 
 from AIFReconLib.errors import AIFReconError, OperationCanceled
-from AIFReconLib.message import Message
 from AIFReconLib.progress import part
 
 from ..background import inBackground
@@ -47,7 +46,7 @@ def besideOf(prepared, settings, result, progress=None) -> Beside:
     except OperationCanceled:
         raise
     except AIFReconError as error:
-        return Beside(problem=Message("The plain echo and the bone in 3D were not made. {error}", error=error))
+        return Beside(problem=f"The plain echo and the bone in 3D were not made. {error}")
 
 
 def keptNodes(result, beside: Beside, inputs, output, kinds) -> dict:

@@ -17,7 +17,7 @@ from AIFReconLib.progress import part, report
 from ..background import inBackground
 from ..inputs.boneNodes import boneNames, isLabeled, nameOf
 from ..inputs.inputs import Inputs
-from ..panelWords import inPanelWords
+from ..panelWords import inPanelWords, withNames
 from ..registration.ctRegistration import CTRegistration, rigidPlace
 from ..transforms import ijkToRAS, matrixToWorld
 from ..volumes.volumeNodes import OWN_FIELDS, SETTINGS_ATTRIBUTE, measuredOf, ultrasoundWindowOf
@@ -76,14 +76,14 @@ def tell(parameters, tracking, progress=None, pictures: bool = True) -> Told:
 
     missing = whyNotTell(parameters)
     if missing:
-        raise SettingsError("{missing}", missing=missing)
+        raise SettingsError(f"{missing}")
     output, method = parameters.output, parameters.output.GetAttribute("AIFRecon.Method")
     _title, tracked = tracking
     report(progress, 0.0, "Drawing the pictures")
     drawn = [Section(_("Pictures"), said=_captions(parameters), pictures=tuple(_pictures(parameters)))] if pictures else []
     agreement, agreed = _agreement(parameters, part(progress, 0.2, 0.6))
     covered, coverage = _coverage(parameters, part(progress, 0.6, 1.0))
-    rows = tuple((_capital(inPanelWords(name)), inPanelWords(value)) for name, value in tracked.rows())
+    rows = tuple((_capital(name), value) for name, value in tracked.rows())
     sections = [
         *drawn,
         Section(_("Sweep"), rows, tuple(inPanelWords(sentence) for sentence in tracked.findings())),
@@ -181,13 +181,13 @@ def _agreement(parameters, progress) -> tuple:
         return (), [Section(title, said=(inPanelWords(error),))]
     names = boneNames(bone, list(parameters.boneSegments) or None)
     rows = [
-        (inPanelWords(nameOf(label, names)), f"{own.agreement:.0%}", f"{own.median_distance:.1f} mm", f"{own.echoes:,}")
+        (nameOf(label, names), f"{own.agreement:.0%}", f"{own.median_distance:.1f} mm", f"{own.echoes:,}")
         for label, own in sorted(agreement.per_label.items())
     ]
     table = ((_("Bone"), _("Echoes that agree"), _("Median distance"), _("Echoes")), *rows) if rows else ()
     warning = agreement.warning()
-    said = (inPanelWords(agreement.sentence()), *([inPanelWords(warning, names)] if warning is not None else []))
-    return (inPanelWords(registration_verdict(agreement, names).finding),), [Section(title, said=said, table=table)]
+    said = (agreement.sentence(), *([withNames(warning, names)] if warning is not None else []))
+    return (registration_verdict(agreement, names).finding,), [Section(title, said=said, table=table)]
 
 
 def _coverage(parameters, progress) -> tuple:

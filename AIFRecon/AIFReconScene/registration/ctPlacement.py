@@ -108,12 +108,8 @@ def transformAbove(bone, ct, browser):
     if ct is not None and ct.GetParentTransformNode() is not mover:
         names = [node.GetParentTransformNode().GetName() if node.GetParentTransformNode() else "-" for node in (ct, bone)]
         raise TransformError(
-            "{ct} and {bone} must be moved together, but lie under different transforms, {one!r} and {other!r}. "
-            "In Slicer's Data module, drag both onto the same transform.",
-            ct=ct.GetName(),
-            bone=bone.GetName(),
-            one=names[0],
-            other=names[1],
+            f"{ct.GetName()} and {bone.GetName()} must be moved together, but lie under different transforms, {names[0]!r} and "
+            f"{names[1]!r}. In Slicer's Data module, drag both onto the same transform."
         )
     matrixToWorld(bone)  # names a transform that is not linear
     ofSweep = {node.GetID() for proxy in proxiesOf(browser) for node in (proxy, *parentTransforms(proxy))}

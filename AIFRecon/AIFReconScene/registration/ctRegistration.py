@@ -145,8 +145,7 @@ def rigidPlace(bone) -> np.ndarray:
     problem = why_not_rigid(place)
     if problem:
         raise GeometryError(
-            "The transforms above {node} must be rigid, turns and shifts; together they are {problem}. Take the scaling out of them.",
-            node=bone.GetName(),
-            problem=problem,
+            f"The transforms above {bone.GetName()} must be rigid, turns and shifts; together they are {problem}. Take the scaling out "
+            "of them."
         )
     return place

@@ -4,7 +4,7 @@ import numpy as np
 
 from AIFReconLib.errors import AIFReconError, OperationCanceled
 from AIFReconLib.inspection.verdicts import Verdict, coverage_verdict, registration_verdict, tracking_verdict, unknown
-from AIFReconLib.message import Message, said
+from AIFReconLib.message import said
 
 from ..inputs.boneNodes import boneNames, inNames, isLabeled, nameOf
 from ..sweep.severalSweeps import furtherSweeps
@@ -90,17 +90,15 @@ class SweepVerdicts:
 
     def _known_or(self, name: str, parameters) -> Verdict:
         if parameters.sweep is None:
-            return unknown(Message("no sweep yet"))
+            return unknown("no sweep yet")
         if name != TRACKING and parameters.bone is None:
-            return unknown(Message("not known: select the bone of the CT under “Bone of CT”"))
+            return unknown("not known: select the bone of the CT under “Bone of CT”")
         if name != TRACKING and not isLabeled(parameters.bone):
-            return unknown(Message("not known: select a segmentation of the CT under “Bone of CT”"))
+            return unknown("not known: select a segmentation of the CT under “Bone of CT”")
         key, verdict = self._known.get(name, (None, None))
         if verdict is not None and key == _key(name, parameters):
             return verdict
-        return unknown(
-            Message("something has changed: press “Reconstruct” again") if verdict is not None else Message("known after “Reconstruct”")
-        )
+        return unknown("something has changed: press “Reconstruct” again" if verdict is not None else "known after “Reconstruct”")
 
 
 def _key(name: str, parameters) -> tuple:
@@ -137,7 +135,7 @@ def _verdictOn(found, names: dict, move: str = "") -> Verdict:
     return coverage_verdict(shown, {name: share.met for name, share in shares.items()}, move)
 
 
-def _inWords(advice, names: dict) -> Message:
+def _inWords(advice, names: dict) -> str:
     """Where to move the probe next, in a few words."""
     over = inNames(advice.over, names)
-    return Message("Next: {step} over {where}.", step=advice.directions[0].words, where=over)
+    return f"Next: {advice.directions[0].words} over {over}."

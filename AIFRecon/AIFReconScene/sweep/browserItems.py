@@ -35,15 +35,13 @@ class BrowserItems:
         self.path = Path(browser.GetName() or "sweep")
         self.master = browser.GetMasterSequenceNode()
         if self.master is None or not self.master.GetNumberOfDataNodes():
-            raise SequenceFormatError("{path}: this sequence browser has no items. Record or load a sweep first.", path=self.path)
+            raise SequenceFormatError(f"{self.path}: this sequence browser has no items. Record or load a sweep first.")
         self.sequences = [self.master, *_synchronized(browser)]
         self.images = imageSequence or self._findImages()
         if self.images not in self.sequences:
             raise SequenceFormatError(
-                "{path}: sequence {node!r} is not one of this browser's. Choose one of: {names}.",
-                path=self.path,
-                node=self.images.GetName(),
-                names=self._names(self.sequences),
+                f"{self.path}: sequence {self.images.GetName()!r} is not one of this browser's. Choose one of: "
+                f"{self._names(self.sequences)}."
             )
         self.record = readRecord(browser)
         self._frames = self.record.get("frames", {})
@@ -118,11 +116,9 @@ class BrowserItems:
     def _findImages(self):
         holding = [node for node in self.sequences if _holds(node, "vtkMRMLVolumeNode")]
         if not holding:
-            raise SequenceFormatError("{path}: none of its sequences holds images. Choose the browser of a tracked sweep.", path=self.path)
+            raise SequenceFormatError(f"{self.path}: none of its sequences holds images. Choose the browser of a tracked sweep.")
         if len(holding) > 1 and holding[0] is not self.master:
-            raise SequenceFormatError(
-                "{path}: several of its sequences hold images. Choose one of: {names}.", path=self.path, names=self._names(holding)
-            )
+            raise SequenceFormatError(f"{self.path}: several of its sequences hold images. Choose one of: {self._names(holding)}.")
         return holding[0]
 
     @staticmethod
@@ -158,4 +154,4 @@ def _holds(sequenceNode, className: str) -> bool:
 def checkRecorded(browser) -> None:
     """Raise an AIFReconError while a sweep is still being recorded: it would be looked through again for every frame that comes."""
     if browser.GetRecordingActive():
-        raise AIFReconError("{name} is being recorded. Stop the recording to reconstruct it.", name=browser.GetName())
+        raise AIFReconError(f"{browser.GetName()} is being recorded. Stop the recording to reconstruct it.")

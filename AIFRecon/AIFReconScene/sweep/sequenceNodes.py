@@ -83,7 +83,7 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
     """
     scene = scene or slicer.mrmlScene
     if not len(sequence):
-        raise NoUsableFramesError("{sequence}: it has no frames. Choose another recording.", sequence=sequence.name)
+        raise NoUsableFramesError(f"{sequence.name}: it has no frames. Choose another recording.")
     name = freeName(name, scene)
     poses, poseName = _poses(sequence)
     index, unit = indexValues(sequence.records)
@@ -151,12 +151,7 @@ def _fillImages(node, sequence: TrackedSequence, index: list[str], progress: Pro
         report(progress, number / len(sequence), "Loading frames")
         image = np.asarray(sequence.images[number])
         if image.ndim != 2:
-            raise GeometryError(
-                "{sequence}: image {number} must have shape (rows, columns); got {shape}.",
-                sequence=sequence.name,
-                number=number,
-                shape=image.shape,
-            )
+            raise GeometryError(f"{sequence.name}: image {number} must have shape (rows, columns); got {image.shape}.")
         if pixels is None or pixels.shape != image.shape or pixels.dtype != _dtypeOf(image):
             pixels = _newPixels(frame, image)
         pixels[:] = image

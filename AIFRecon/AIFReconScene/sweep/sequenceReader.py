@@ -6,7 +6,6 @@ import numpy as np
 
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.message import Message
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import describe_frames, describe_skipped
 
@@ -29,23 +28,23 @@ class SweepSummary:
         How many there are, and how many have an image and a valid pose.
     skipped : dict of str to list of int
         Numbers of the others, by reason.
-    problem : Message or None
+    problem : str or None
         Why nothing can be reconstructed from it, in a sentence.
     """
 
     frames: int
     usable: int
     skipped: dict[str, list[int]]
-    problem: Message | None = None
+    problem: str | None = None
 
     @property
-    def lines(self) -> list[Message]:
+    def lines(self) -> list[str]:
         """The findings in words, as `aifrecon info` has them."""
         if self.problem:
             return [self.problem]
-        placed = Message("{usable} of {frames} frames have a position.", usable=self.usable, frames=self.frames)
+        placed = f"{self.usable} of {self.frames} frames have a position."
         skipped = ((describe_frames(numbers), reason) for reason, numbers in self.skipped.items())
-        return [placed, *(Message("Will be skipped: {frames}: {reason}.", frames=frames, reason=reason) for frames, reason in skipped)]
+        return [placed, *(f"Will be skipped: {frames}: {reason}." for frames, reason in skipped)]
 
 
 def sequenceFromBrowser(browser, imageSequence=None, reference: str | None = None) -> TrackedSequence:
@@ -116,17 +115,13 @@ def sweepSummary(browser, imageSequence=None, reference: str | None = None) -> S
     skipped: dict[str, list[int]] = {}
     for number, pose in enumerate(poses):
         status = _imageStatus(items, number, items.images.GetNthDataNode(number))
-        problem = pose.problem if status is TransformStatus.OK else Message("no image ({status})", status=status.value)
+        problem = pose.problem if status is TransformStatus.OK else f"no image ({status.value})"
         if problem is not None:
             skipped.setdefault(problem, []).append(number)
     usable = frames - sum(len(numbers) for numbers in skipped.values())
     problem = None
     if not usable:
-        problem = Message(
-            "{name}: no frame has a position ({reasons}). Check the tracking of this recording.",
-            name=items.path.name,
-            reasons=describe_skipped(skipped),
-        )
+        problem = f"{items.path.name}: no frame has a position ({describe_skipped(skipped)}). Check the tracking of this recording."
     return SweepSummary(frames, usable, skipped, problem)
 
 

@@ -38,9 +38,7 @@ class SweepImages:
         self._flips = (slice(None, None, -1 if flipRows else 1), slice(None, None, -1 if flipColumns else 1))
         first = next((number for number, node in enumerate(nodes) if hasImage(node)), None)
         if first is None:
-            raise SequenceFormatError(
-                "{name}: none of its {count} items holds an image. Choose the sequence of the images.", name=name, count=len(nodes)
-            )
+            raise SequenceFormatError(f"{name}: none of its {len(nodes)} items holds an image. Choose the sequence of the images.")
         columns, rows, _ = self._image(first).GetDimensions()
         self.shape = (len(nodes), rows, columns)
         self.dtype = self[first].dtype
@@ -71,20 +69,16 @@ class SweepImages:
         image = self._nodes[number].GetImageData()
         depth, channels = image.GetDimensions()[2], image.GetNumberOfScalarComponents()
         if not image.GetNumberOfPoints() or image.GetPointData().GetScalars() is None:
-            raise SequenceFormatError("{name}: item {number} has no pixels. Remove it from the sequence.", name=self._name, number=number)
+            raise SequenceFormatError(f"{self._name}: item {number} has no pixels. Remove it from the sequence.")
         if depth != 1:
             raise SequenceFormatError(
-                "{name}: item {number} must be a 2D image; got {size} voxels. Choose a sequence of tracked 2D frames.",
-                name=self._name,
-                number=number,
-                size=" x ".join(str(n) for n in image.GetDimensions()),
+                "{name}: item {number} must be a 2D image; got {size} voxels. Choose a sequence of tracked 2D frames.".format(
+                    name=self._name, number=number, size=" x ".join(str(n) for n in image.GetDimensions())
+                )
             )
         if channels not in (1, 3, 4):
             raise SequenceFormatError(
-                "{name}: item {number} must have 1 channel, or 3 or 4 (color); got {channels}. Convert the images to gray.",
-                name=self._name,
-                number=number,
-                channels=channels,
+                f"{self._name}: item {number} must have 1 channel, or 3 or 4 (color); got {channels}. Convert the images to gray."
             )
         return image
 

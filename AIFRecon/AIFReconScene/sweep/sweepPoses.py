@@ -12,7 +12,6 @@ import numpy as np
 from AIFReconLib.errors import AIFReconError, TransformError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.transforms import why_not_an_image_pose
-from AIFReconLib.message import Message
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.pose_tracks import LONGEST_GAP, SLICERS_TIME, PoseTrack
 from AIFReconLib.sweep.poses import sweep_poses
@@ -80,11 +79,8 @@ class _Link:
             other = items.otherBrowserOf(node)
             if other is not None:
                 raise TransformError(
-                    "Transform {transform!r} must be replayed by {browser!r}, as the images are; it is replayed by "
-                    "{other!r}. Add its sequence to the browser of the images (Sequences module, Synchronized nodes).",
-                    transform=node.GetName(),
-                    browser=items.browser.GetName(),
-                    other=other.GetName(),
+                    f"Transform {node.GetName()!r} must be replayed by {items.browser.GetName()!r}, as the images are; it is replayed "
+                    f"by {other.GetName()!r}. Add its sequence to the browser of the images (Sequences module, Synchronized nodes)."
                 )
         return cls(items, node, sequenceNode)
 
@@ -152,7 +148,7 @@ def _followed(items: BrowserItems, links: list[_Link], number: int) -> FramePose
 
 def _checked(matrix: np.ndarray) -> FramePose:
     problem = why_not_an_image_pose(matrix)
-    return FramePose(None, Message("image pose {problem}", problem=problem), TransformStatus.INVALID) if problem else FramePose(matrix)
+    return FramePose(None, f"image pose {problem}", TransformStatus.INVALID) if problem else FramePose(matrix)
 
 
 def _statedByImage(image, names: tuple[str, ...]) -> tuple[str | None, TransformStatus]:
@@ -173,7 +169,7 @@ def _embedded(items: BrowserItems) -> bool:
 def _embeddedPose(items: BrowserItems, number: int) -> FramePose:
     image = items.images.GetNthDataNode(number)
     if image is None:
-        return FramePose(None, Message("no image ({status})", status=TransformStatus.MISSING.value), TransformStatus.MISSING)
+        return FramePose(None, f"no image ({TransformStatus.MISSING.value})", TransformStatus.MISSING)
     prefix, suffix = "OpenIGTLink.", "TransformStatus"
     attributes = [name for name in image.GetAttributeNames() if name.startswith(prefix) and name.endswith(suffix)]
     stated = [name.removeprefix(prefix).removesuffix(suffix) for name in attributes]

@@ -8,7 +8,6 @@ configuration either. The text is JSON; a class of the library is an object whos
 import dataclasses
 import json
 import re
-import string
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,6 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample,
 from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
-from AIFReconLib.message import Message, said
 from AIFReconLib.sweep.configuration import PlusConfiguration
 
 ATTRIBUTE = "AIFRecon.Sweep"
@@ -65,8 +63,6 @@ def encode(value):
         return [encode(item) for item in value]
     if isinstance(value, np.generic):
         return value.item()
-    if isinstance(value, Message):
-        return {"@": "Message", "template": value.template, "values": {name: _said(each) for name, each in value.values.items()}}
     if dataclasses.is_dataclass(value):
         if type(value) not in _HELD:
             raise TypeError(f"a record of a sweep cannot hold {type(value).__name__}: reading it would lose all of the record")
@@ -74,13 +70,6 @@ def encode(value):
         items = {field.name: encode(getattr(value, field.name)) for field in dataclasses.fields(value)}
         return {"@": type(value).__name__, **items}
     return value
-
-
-def _said(value):
-    """What a message names, as JSON can hold it: numbers and messages to be shown in any language, anything else as it is shown."""
-    if isinstance(value, BaseException):
-        value = said(value)
-    return encode(value) if isinstance(value, int | float | np.generic | Message) else str(value)
 
 
 def decode(value):
@@ -99,22 +88,8 @@ def decode(value):
     if kind == "Path":
         return Path(value["name"])
     if kind == "Message":
-        return _message(value["template"], value["values"])
+        # As sentences were kept before they were plain text
+        return re.sub(r"\{(\w+)[^}]*\}", lambda found: str(decode(value["values"].get(found[1], found[0]))), value["template"])
     made = CLASSES[kind]
     names = {field.name for field in dataclasses.fields(made)}
     return made(**{name: decode(item) for name, item in value.items() if name in names})
-
-
-def _message(template: str, values: dict) -> Message:
-    """A message of a scene, whose template is only trusted as far as it names its values as the library does."""
-    if not values:
-        return Message(template)
-    names = set()
-    for _, name, form, conversion in string.Formatter().parse(template):
-        if name is not None:
-            names.add(name)
-            if not re.fullmatch(r"(\.?[0-9])?[a-z%]?", form or "") or conversion not in (None, "r"):
-                raise ValueError(f"a message is not formatted as {form!r}")
-    if names != set(values):
-        raise ValueError("a message does not name its values")
-    return Message(template, **{name: decode(value) for name, value in values.items()})

@@ -2,7 +2,7 @@
 
 import vtk
 
-from AIFReconLib.message import Message, listed
+from AIFReconLib.message import listed
 
 from ..sceneNodes import nodesOfClass
 from ..transforms import parentTransforms
@@ -35,7 +35,7 @@ class SweepStatus:
         chosen = self._chosen(parameters)
         if len(chosen) < 2:
             return listed(chosen[0][1].lines if chosen else (), "\n")
-        lines = [Message("{sweep}: {finding}", sweep=name, finding=line) for name, summary in chosen for line in summary.lines]
+        lines = [f"{name}: {line}" for name, summary in chosen for line in summary.lines]
         return listed(lines, "\n")
 
     def _chosen(self, parameters) -> list:

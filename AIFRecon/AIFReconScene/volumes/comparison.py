@@ -6,7 +6,7 @@ import slicer
 
 from AIFReconLib.compounding.methods.table import COMPARED_METHODS
 from AIFReconLib.inspection.summary import summary_lines
-from AIFReconLib.message import Message, listed
+from AIFReconLib.message import listed
 from AIFReconLib.progress import part, report
 
 from ..sceneNodes import nodesOfClass, removeNodes
@@ -22,13 +22,13 @@ class Comparison:
         By method.
     table : vtkMRMLTableNode or None
         Bone metrics; None where the bone is a probability, which has no surface to measure against.
-    report : Message
+    report : str
         What was done, in a few lines.
     """
 
     volumes: dict
     table: object
-    report: Message
+    report: str
 
 
 def compareMethods(inputs, settings, progress=None) -> Comparison:
@@ -132,7 +132,6 @@ def _earlier(className: str, inputs) -> list:
 
 
 def _table(metrics: dict, inputs):
-    from ..panelWords import inPanelWords
     from .metricsTable import updateMetricsTable
     from .volumeNodes import COMPARED_ROLE, giveName, intoFolder
 
@@ -141,6 +140,6 @@ def _table(metrics: dict, inputs):
         node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTableNode")
         giveName(node, f"{inputs.name} bone metrics", slicer.mrmlScene)
         node.SetNodeReferenceID(COMPARED_ROLE, inputs.sweep.GetID())
-    updateMetricsTable(node, metrics, inPanelWords)
+    updateMetricsTable(node, metrics)
     intoFolder([node], _nameOf(inputs), slicer.mrmlScene)
     return node

@@ -1,7 +1,6 @@
 """How volumes show bone, as a table node: the numbers and words of `aifrecon evaluate`."""
 
 import re
-from collections.abc import Callable
 
 import slicer
 import vtk
@@ -9,7 +8,6 @@ import vtk
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress, part, report
 from AIFReconLib.sweep.frames import TrackedSequence
 
@@ -49,7 +47,7 @@ def measureVolumes(
         truth = bone_truth(labels, beams, progress=part(progress, 0.0, 0.6))
         results = {}
         for number, (name, volume) in enumerate(volumes.items()):
-            report(progress, 0.6 + 0.4 * number / len(volumes), Message("Measuring {name}", name=name))
+            report(progress, 0.6 + 0.4 * number / len(volumes), f"Measuring {name}")
             results[name] = evaluate(volume, truth, mask)
         report(progress, 1.0, "Measured")
         return results
@@ -57,7 +55,7 @@ def measureVolumes(
     return inBackground(work, progress)
 
 
-def updateMetricsTable(tableNode, metrics: dict, say: Callable[[Message], str] = str) -> None:
+def updateMetricsTable(tableNode, metrics: dict) -> None:
     """Fill a table node with bone metrics: a row for each volume, a column for each number that `aifrecon evaluate` prints.
 
     Parameters
@@ -65,12 +63,10 @@ def updateMetricsTable(tableNode, metrics: dict, say: Callable[[Message], str] =
     tableNode : vtkMRMLTableNode
         What it held is replaced.
     metrics : dict of str to BoneMetrics
-    say : callable
-        Gives headings and explanations in the user's language; English by default.
 
     Notes
     -----
-    Columns are named in English, whatever their titles say. Numbers are doubles with the digits that are printed, shares from 0 to 1;
+    Numbers are doubles with the digits that are printed, shares from 0 to 1;
     NaN where a number is not known.
     """
     from AIFReconLib.evaluation.quantities import HEADINGS, QUANTITIES
@@ -89,10 +85,7 @@ def updateMetricsTable(tableNode, metrics: dict, say: Callable[[Message], str] =
             for row in rows.values():
                 column.InsertNextValue(round(float(row[key]), _digits(QUANTITIES[key].form)))
             tableNode.AddColumn(column)
-            tableNode.SetColumnTitle(heading, say(heading))
-            what = Message("{label}: {definition}", label=QUANTITIES[key].label, definition=QUANTITIES[key].definition)
-            tableNode.SetColumnDescription(heading, say(what))
-        tableNode.SetUseColumnTitleAsColumnHeader(True)
+            tableNode.SetColumnDescription(heading, f"{QUANTITIES[key].label}: {QUANTITIES[key].definition}")
         tableNode.SetLocked(True)
 
 

@@ -8,7 +8,6 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.message import Message
 from AIFReconLib.progress import part, report
 
 from ..inputs.boneSource import BoneSource
@@ -54,7 +53,7 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> str:
     with openedTogether(parameters):
         for number, (kind, path) in enumerate(ordered):
             share = part(progress, number / len(ordered), (number + 1) / len(ordered))
-            report(share, 0.0, Message("Opening {name}", name=path.name))
+            report(share, 0.0, f"Opening {path.name}")
             if kind == RECORDING:
                 parameters.recordingPath = path
                 loadRecording(parameters, share)
@@ -148,7 +147,7 @@ def _read(kind: str, reader: str, path):
     storage.SetFileName(str(path))
     if not storage.ReadData(node):
         removeNodes([node, storage], scene)
-        raise FileFormatError("{path}: the file cannot be read. Open it with Slicer's own Add Data, which says more.", path=path)
+        raise FileFormatError(f"{path}: the file cannot be read. Open it with Slicer's own Add Data, which says more.")
     node.SetAndObserveStorageNodeID(storage.GetID())
     if node.IsA("vtkMRMLDisplayableNode"):
         node.CreateDefaultDisplayNodes()

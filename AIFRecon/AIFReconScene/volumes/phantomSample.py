@@ -8,7 +8,6 @@ import numpy as np
 import slicer
 
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.message import Message
 from AIFReconLib.progress import Progress, part, report
 
 from ..background import inBackground
@@ -102,7 +101,7 @@ def addPatient(phantom, sweep, progress: Progress | None = None, scene=None) -> 
     scene = scene or slicer.mrmlScene
     with addedTogether(scene):
         browser = browserFromSequence(sweep, "Lumbar sweep", part(progress, 0.0, 0.4), scene)
-        report(progress, 0.4, Message("Adding the CT"))
+        report(progress, 0.4, "Adding the CT")
         transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
         transform.SetMatrixTransformToParent(vtkMatrixOf(phantom.ct_to_reference))
         ct = _ctNode(phantom.ct, scene)

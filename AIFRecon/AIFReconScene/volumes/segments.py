@@ -4,7 +4,6 @@ import numpy as np
 import slicer
 
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.message import Message
 from AIFReconLib.progress import report
 
 from ..transforms import vtkMatrixOf
@@ -33,7 +32,7 @@ def addSegments(node, labels: Volume, names: dict[int, str], progress=None) -> N
         Some segments are there by then.
     """
     for number, (label, name) in enumerate(names.items()):
-        report(progress, number / len(names), Message("Adding {name}", name=name))
+        report(progress, number / len(names), f"Adding {name}")
         part = _around(labels, label)
         image, holder = slicer.vtkOrientedImageData(), slicer.vtkMRMLScalarVolumeNode()
         updateVolumeNode(holder, Volume((part.array == label).astype(np.uint8), part.ijk_to_reference))

@@ -79,7 +79,7 @@ def saveSettings(node, path) -> None:
 
     text = node.GetAttribute(SETTINGS_ATTRIBUTE)
     if text is None:
-        raise SettingsError("{node} does not say how it was made. Choose a volume that AIFRecon reconstructed.", node=node.GetName())
+        raise SettingsError(f"{node.GetName()} does not say how it was made. Choose a volume that AIFRecon reconstructed.")
     write_settings(json.loads(text), path)
 
 
@@ -130,13 +130,9 @@ def outputNodes(
         given.update({kind: node for kind, node in earlier.items() if node is not None})
     for kind, node in given.items():
         if kind != MASK and node.IsA("vtkMRMLLabelMapVolumeNode"):
-            raise SettingsError(
-                "Output must be a scalar volume; got the labelmap {node!r}. Choose or create another one.", node=node.GetName()
-            )
+            raise SettingsError(f"Output must be a scalar volume; got the labelmap {node.GetName()!r}. Choose or create another one.")
         if any(node is each for each in inputs):
-            raise SettingsError(
-                "Output must be another volume than the inputs; got {node!r}. Choose or create another one.", node=node.GetName()
-            )
+            raise SettingsError(f"Output must be another volume than the inputs; got {node.GetName()!r}. Choose or create another one.")
     volumes = {kind: getattr(result, kind) for kind in KINDS if kind in kinds and getattr(result, kind) is not None}
     if measured is not None:
         volumes[MEASURED] = measured

@@ -11,6 +11,7 @@ import re
 
 from ...errors import MethodError
 from ...message import listed
+from ...remedies import Remedy
 from .aif import AIF, AIF_COMPENSATED
 from .average import AVERAGE
 from .latest import LATEST
@@ -43,7 +44,7 @@ def built_in(name: str) -> BuiltInMethod:
     """
     method = method_named(name)
     if not isinstance(method, BuiltInMethod):
-        raise MethodError("Method {method} is none of the library's. Choose one of {methods}.", method=name, methods=listed(METHODS))
+        raise MethodError(f"Method {name} is none of the library's. Choose one of {listed(METHODS)}.")
     return method
 
 
@@ -74,10 +75,9 @@ def method_named(name: str) -> Method:
         return _TABLE[name]
     if is_own_method(name):
         raise MethodError(
-            "Method {method} is not known: no module that registers it was imported. Import {module} first, or name it with --method; "
-            "or choose one of {methods}.",
-            method=name,
+            f"Method {name} is not known: no module that registers it was imported.",
+            Remedy.IMPORT_THE_METHOD,
             module=name.partition(":")[0],
             methods=listed(_TABLE),
         )
-    raise MethodError("Method {method} is not known. Choose one of {methods}.", method=name, methods=listed(_TABLE))
+    raise MethodError(f"Method {name} is not known. Choose one of {listed(_TABLE)}.")

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Reals, Singles
 from ...errors import MethodError
-from ...message import Message, listed
+from ...message import listed
 from ..methods.method import Kinds
 from ..methods.method import Method as AnyMethod
 from ..methods.table import enter, is_own_method, method_named, registered_methods
@@ -81,17 +81,12 @@ class Method(AnyMethod):
         except Exception as error:  # whatever the function does, the user is told which one it was
             cause = next(iter(str(error).splitlines()), "")
             raise MethodError(
-                "Method {method} failed in frame {frame} ({kind}: {cause}). Correct the function.",
-                method=self.name,
-                frame=frame,
-                kind=type(error).__name__,
-                cause=cause,
+                f"Method {self.name} failed in frame {frame} ({type(error).__name__}: {cause}). Correct the function."
             ) from error
         if not isinstance(answer, tuple) or len(answer) != 2:
             raise MethodError(
-                "Method {method} must return a tuple of weight and value; got {kind}. Return both, the intensity as the value if it stays.",
-                method=self.name,
-                kind=type(answer).__name__,
+                f"Method {self.name} must return a tuple of weight and value; got {type(answer).__name__}. Return both, the intensity "
+                "as the value if it stays."
             )
         weight, value = (self._as_large(part, word, shape) for part, word in zip(answer, ("weight", "value"), strict=True))
         return weight, value
@@ -104,12 +99,8 @@ class Method(AnyMethod):
             array = np.empty((0, 0), np.float32)
         if array.shape not in ((), shape):
             raise MethodError(
-                "Method {method} must return a {word} for each pixel, {shape} numbers like the arrays that it takes, or one for all; got "
-                "{got}.",
-                method=self.name,
-                word=word,
-                shape=shape,
-                got=np.shape(part) if array.size else type(part).__name__,
+                f"Method {self.name} must return a {word} for each pixel, {shape} numbers like the arrays that it takes, or one for "
+                f"all; got {np.shape(part) if array.size else type(part).__name__}."
             )
         return np.broadcast_to(array, shape)
 
@@ -119,24 +110,14 @@ class Method(AnyMethod):
         if not (weight.min() >= 0 and weight.max() < np.inf):
             wrong = ~((weight >= 0) & (weight < np.inf))
             raise MethodError(
-                "Method {method} must return weights that are finite and at least 0; got {weight} for {count} of the {pixels} pixels of "
-                "frame {frame} that enter.",
-                method=self.name,
-                weight=weight[wrong][0],
-                count=np.count_nonzero(wrong),
-                pixels=weight.size,
-                frame=frame,
+                f"Method {self.name} must return weights that are finite and at least 0; got {weight[wrong][0]} for "
+                f"{np.count_nonzero(wrong)} of the {weight.size} pixels of frame {frame} that enter."
             )
         wrong = ~np.isfinite(value)
         if wrong.any() and (wrong := wrong & (weight > 0)).any():
             raise MethodError(
-                "Method {method} must return finite values where the weight is above 0; got {value} for {count} of the {pixels} pixels of "
-                "frame {frame} that enter.",
-                method=self.name,
-                value=value[wrong][0],
-                count=np.count_nonzero(wrong),
-                pixels=weight.size,
-                frame=frame,
+                f"Method {self.name} must return finite values where the weight is above 0; got {value[wrong][0]} for "
+                f"{np.count_nonzero(wrong)} of the {weight.size} pixels of frame {frame} that enter."
             )
 
 
@@ -194,7 +175,7 @@ def register_method(function: Callable[..., Answer]) -> Method:
     module, word = getattr(function, "__module__", None), getattr(function, "__name__", "")
     name = f"{module}:{word}"
     if not callable(function) or not is_own_method(name):
-        raise MethodError("Input function must be one with a name of its own; got {function!r}. Write def above it.", function=function)
+        raise MethodError(f"Input function must be one with a name of its own; got {function!r}. Write def above it.")
     arrays = []
     for argument in inspect.signature(function).parameters.values():
         by_name = argument.kind in (argument.POSITIONAL_OR_KEYWORD, argument.KEYWORD_ONLY)
@@ -202,13 +183,12 @@ def register_method(function: Callable[..., Answer]) -> Method:
             arrays.append(argument.name)
         elif not by_name or argument.default is argument.empty:
             raise MethodError(
-                "Method {method} takes {argument}, which no frame has. Take some of {arrays}, or give it a default.",
-                method=name,
-                argument=str(argument).partition(":")[0],
-                arrays=listed(ARRAYS),
+                "Method {method} takes {argument}, which no frame has. Take some of {arrays}, or give it a default.".format(
+                    method=name, argument=str(argument).partition(":")[0], arrays=listed(ARRAYS)
+                )
             )
     if not arrays:
-        raise MethodError("Method {method} must take at least one of {arrays}.", method=name, arrays=listed(ARRAYS))
+        raise MethodError(f"Method {name} must take at least one of {listed(ARRAYS)}.")
     sees_bone = not set(arrays).isdisjoint(OF_BONE)
     method = Method(
         name=name,
@@ -233,7 +213,7 @@ def load_method(name: str) -> AnyMethod:
         When there is no such module, it cannot be imported, or it registers no such method.
     """
     if not is_own_method(name):
-        raise MethodError("Input name must be module:function; got {name!r}.", name=name)
+        raise MethodError(f"Input name must be module:function; got {name!r}.")
     if name in registered_methods():
         return method_named(name)
     module, _, word = name.partition(":")
@@ -243,26 +223,16 @@ def load_method(name: str) -> AnyMethod:
         raise _why_not_imported(name, module, error) from error
     if name not in registered_methods():
         registered = [known for known in registered_methods() if known.startswith(f"{module}:")]
-        has = Message("It registers {methods}.", methods=listed(registered)) if registered else Message("It registers no method.")
-        raise MethodError(
-            "There is no method {word} in {module}. {has} Write @register_method above def {word}.", word=word, module=module, has=has
-        )
+        has = f"It registers {listed(registered)}." if registered else "It registers no method."
+        raise MethodError(f"There is no method {word} in {module}. {has} Write @register_method above def {word}.")
     return method_named(name)
 
 
 def _why_not_imported(name: str, module: str, error: BaseException) -> MethodError:
     if isinstance(error, ModuleNotFoundError) and error.name is not None and f"{module}.".startswith(f"{error.name}."):
+        file = f"{error.name.replace('.', '/')}.py"
         return MethodError(
-            "Method {method} is not found: there is no module {module} here. Start where {file} is, or put its folder into PYTHONPATH.",
-            method=name,
-            module=error.name,
-            file=f"{error.name.replace('.', '/')}.py",
+            f"Method {name} is not found: there is no module {error.name} here. Start where {file} is, or put its folder into PYTHONPATH."
         )
     cause = next(iter(str(error).splitlines()), "")
-    return MethodError(
-        "Method {method} cannot be had: importing {module} fails ({kind}: {cause}). Correct the module.",
-        method=name,
-        module=module,
-        kind=type(error).__name__,
-        cause=cause,
-    )
+    return MethodError(f"Method {name} cannot be had: importing {module} fails ({type(error).__name__}: {cause}). Correct the module.")

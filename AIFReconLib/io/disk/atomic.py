@@ -15,25 +15,24 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...errors import OutputError
-from ...message import Message
 from .detached import place_pair
 from .workspace import flush_to_disk, workspace
 
 _REMEDIES = {
-    "ENOENT": Message("its folder does not exist. Create the folder, or choose another path."),
-    "ENOTDIR": Message("a part of its path is a file, not a folder. Choose another path."),
-    "EACCES": Message("there is no permission to write there. Choose another folder, or close programs that hold the file open."),
-    "EPERM": Message("there is no permission to write there. Choose another folder, or close programs that hold the file open."),
-    "EROFS": Message("the disk is read-only. Choose another folder."),
-    "ENOSPC": Message("the disk is full. Free some space, or choose a folder on another disk."),
-    "EDQUOT": Message("the disk quota is used up. Free some space, or choose a folder on another disk."),
-    "EFBIG": Message("the file would be larger than the system allows. Choose a larger spacing, or another disk."),
-    "EISDIR": Message("it is a folder. Give the name of a file."),
-    "ENAMETOOLONG": Message("its name is too long. Choose a shorter one."),
-    "EMFILE": Message("too many files are open. Raise the limit on open files (ulimit -n)."),
-    "ENFILE": Message("too many files are open. Close other programs."),
-    "EIO": Message("the disk does not answer. Choose a folder on another disk."),
-    "ESTALE": Message("the network disk does not answer. Connect it again, or choose a folder on another disk."),
+    "ENOENT": "its folder does not exist. Create the folder, or choose another path.",
+    "ENOTDIR": "a part of its path is a file, not a folder. Choose another path.",
+    "EACCES": "there is no permission to write there. Choose another folder, or close programs that hold the file open.",
+    "EPERM": "there is no permission to write there. Choose another folder, or close programs that hold the file open.",
+    "EROFS": "the disk is read-only. Choose another folder.",
+    "ENOSPC": "the disk is full. Free some space, or choose a folder on another disk.",
+    "EDQUOT": "the disk quota is used up. Free some space, or choose a folder on another disk.",
+    "EFBIG": "the file would be larger than the system allows. Choose a larger spacing, or another disk.",
+    "EISDIR": "it is a folder. Give the name of a file.",
+    "ENAMETOOLONG": "its name is too long. Choose a shorter one.",
+    "EMFILE": "too many files are open. Raise the limit on open files (ulimit -n).",
+    "ENFILE": "too many files are open. Close other programs.",
+    "EIO": "the disk does not answer. Choose a folder on another disk.",
+    "ESTALE": "the network disk does not answer. Connect it again, or choose a folder on another disk.",
 }
 
 
@@ -72,15 +71,13 @@ def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
     """
     targets = [_target(path) for path in paths]
     if len({target.parent for target in targets}) != 1:
-        raise OutputError(
-            "Cannot write {path}: its files must lie in one folder, but one of them is a link. Remove the link.", path=paths[-1]
-        )
+        raise OutputError(f"Cannot write {paths[-1]}: its files must lie in one folder, but one of them is a link. Remove the link.")
     with output_errors(paths[-1]), workspace(targets[0].parent) as folder:
         temporaries = tuple(folder / target.name for target in targets)
         yield temporaries
         if not temporaries[-1].exists():
             # A library that swallows an interrupt, or a disk that loses a file, must not look like success
-            raise OutputError("Cannot write {path}: the file did not come about. Try again, or choose another folder.", path=paths[-1])
+            raise OutputError(f"Cannot write {paths[-1]}: the file did not come about. Try again, or choose another folder.")
         written = [(temporary, target) for temporary, target in zip(temporaries, targets) if temporary.exists()]
         for temporary, target in written:
             flush_to_disk(temporary)
@@ -126,17 +123,13 @@ def _target(path: str | Path) -> Path:
     target = Path(os.path.realpath(path))
     with output_errors(path):
         if target.is_dir():
-            raise OutputError("Cannot write {path}: it is a folder. Give the name of a file.", path=path)
+            raise OutputError(f"Cannot write {path}: it is a folder. Give the name of a file.")
         if target.exists() and not target.is_file():
-            raise OutputError("Cannot write {path}: it is a device or a pipe. Give the name of a regular file.", path=path)
+            raise OutputError(f"Cannot write {path}: it is a device or a pipe. Give the name of a regular file.")
         if target.exists() and not os.access(target, os.W_OK):
-            raise OutputError("Cannot write {path}: it is write-protected. Remove the protection, or choose another name.", path=path)
+            raise OutputError(f"Cannot write {path}: it is write-protected. Remove the protection, or choose another name.")
         if not target.parent.exists():
-            raise OutputError(
-                "Cannot write {path}: the folder {folder} does not exist. Create it, or choose another path.",
-                path=path,
-                folder=target.parent,
-            )
+            raise OutputError(f"Cannot write {path}: the folder {target.parent} does not exist. Create it, or choose another path.")
     return target
 
 
@@ -148,6 +141,6 @@ def output_errors(path: str | Path) -> Iterator[None]:
     except OutputError:
         raise
     except OSError as error:
-        other = Message("{reason}. Choose another path.", reason=error.strerror or str(error))
+        other = f"{error.strerror or str(error)}. Choose another path."
         cause = _REMEDIES.get(errno.errorcode.get(error.errno or 0, ""), other)
-        raise OutputError("Cannot write {path}: {problem}", path=path, problem=cause) from error
+        raise OutputError(f"Cannot write {path}: {cause}") from error

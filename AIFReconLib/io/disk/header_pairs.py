@@ -19,8 +19,7 @@ def check_pair_name(path: Path) -> None:
     """
     if "%" in path.name:
         raise OutputError(
-            "Cannot write {path}: a data file with a percent sign in its name would be read as a pattern of names. Choose another name.",
-            path=path,
+            f"Cannot write {path}: a data file with a percent sign in its name would be read as a pattern of names. Choose another name."
         )
 
 

@@ -26,7 +26,7 @@ def itk_path(path: Path, error: type[FileFormatError] | type[OutputError]) -> st
         text = os.fsencode(path).decode("utf-8")
         text.encode("utf-8")
     except UnicodeError:
-        raise error("{path}: its name, or that of a folder, is not text in UTF-8. Rename it.", path=path) from None
+        raise error(f"{path}: its name, or that of a folder, is not text in UTF-8. Rename it.") from None
     return text
 
 

@@ -14,13 +14,13 @@ def require_regular_file(path: Path, error: type[FileFormatError]) -> None:
     try:
         mode = path.stat().st_mode
     except (FileNotFoundError, NotADirectoryError, ValueError):
-        raise error("{path}: there is no such file. Check the path.", path=path) from None
+        raise error(f"{path}: there is no such file. Check the path.") from None
     except OSError as cause:
-        raise error("{path}: the file cannot be read ({reason}). Check the path.", path=path, reason=cause.strerror) from cause
+        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check the path.") from cause
     if S_ISDIR(mode):
-        raise error("{path}: this is a folder. Give the name of a file.", path=path)
+        raise error(f"{path}: this is a folder. Give the name of a file.")
     if not S_ISREG(mode):
-        raise error("{path}: this is not a regular file. Give the name of a file.", path=path)
+        raise error(f"{path}: this is not a regular file. Give the name of a file.")
 
 
 def file_stamp(path: Path) -> tuple[int, int] | None:

@@ -29,7 +29,7 @@ def read_bytes(path: Path, limit: int, error: type[FileFormatError]) -> bytes:
             data = file.read(limit)
             after = os.fstat(file.fileno())
     except OSError as cause:
-        raise error("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=cause.strerror) from cause
+        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
     if stamp(before) != stamp(after) or len(data) < min(limit, before.st_size):
         raise _changed(path, error)
     return data
@@ -63,9 +63,8 @@ def local_copy(path: Path, error: type[FileFormatError], seen: tuple[int, int] |
                 shutil.copyfile(beside, Path(folder, beside.name))
         except OSError as cause:
             raise error(
-                "{path}: the file cannot be copied to be read ({reason}). Copy it to another disk, or free some space for temporary files.",
-                path=path,
-                reason=cause.strerror,
+                f"{path}: the file cannot be copied to be read ({cause.strerror}). Copy it to another disk, or free some space for "
+                "temporary files."
             ) from cause
         if seen is None or file_stamp(path) != seen or copy.stat().st_size != seen[0]:
             raise _changed(path, error)
@@ -73,4 +72,4 @@ def local_copy(path: Path, error: type[FileFormatError], seen: tuple[int, int] |
 
 
 def _changed(path: Path, error: type[FileFormatError]) -> FileFormatError:
-    return error("{path}: the file changed while it was read. Read it again when it is complete.", path=path)
+    return error(f"{path}: the file changed while it was read. Read it again when it is complete.")

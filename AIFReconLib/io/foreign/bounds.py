@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import IO
 
 from ...errors import FileFormatError
-from ...message import Message
 from ..sequence.file_images import MAXIMUM_FRAME_BYTES
 
 MOST_WORK = 2**28
@@ -39,7 +38,7 @@ def check_picture(file: IO[bytes], path: Path) -> None:
         # Each takes twelve bytes more
         beside += 0 if kind in _PIXEL_CHUNKS else length + 12
         if chunks > MOST_CHUNKS or beside > MOST_BESIDE:
-            raise _too_much(path, Message("it holds more text and other chunks than pictures do"))
+            raise _too_much(path, "it holds more text and other chunks than pictures do")
         file.seek(length + 4, io.SEEK_CUR)
 
 
@@ -51,7 +50,7 @@ def check_pixels(path: Path, columns: int, rows: int, bytes_per_pixel: int) -> N
     FileFormatError
     """
     if columns * rows * bytes_per_pixel > MAXIMUM_FRAME_BYTES:
-        raise _too_much(path, Message("it says that it has {columns} x {rows} pixels", columns=columns, rows=rows))
+        raise _too_much(path, f"it says that it has {columns} x {rows} pixels")
 
 
 def check_scans(pieces: Iterable[bytes], path: Path, pixels: int, images: int = 1) -> None:
@@ -73,7 +72,7 @@ def check_scans(pieces: Iterable[bytes], path: Path, pixels: int, images: int = 
         scans += piece.count(_SCAN) + (last == _SCAN[:1] and piece[:1] == _SCAN[1:])
         last = piece[-1:]
     if scans * pixels > MOST_WORK * images:
-        raise _too_much(path, Message("it has {scans} scans", scans=scans))
+        raise _too_much(path, f"it has {scans} scans")
 
 
 def pieces_of(file: IO[bytes]) -> Iterable[bytes]:
@@ -82,5 +81,5 @@ def pieces_of(file: IO[bytes]) -> Iterable[bytes]:
     return iter(lambda: file.read(_PIECE), b"")
 
 
-def _too_much(path: Path, why: Message) -> FileFormatError:
-    return FileFormatError("{path}: {why}, which would take too long or too much memory to read. Export it again.", path=path, why=why)
+def _too_much(path: Path, why: str) -> FileFormatError:
+    return FileFormatError(f"{path}: {why}, which would take too long or too much memory to read. Export it again.")

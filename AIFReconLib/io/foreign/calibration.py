@@ -10,7 +10,7 @@ from ...arrays import Matrix
 from ...errors import GeometryError, TransformFileError
 from ...geometry.transform_graph import TransformName
 from ...geometry.transforms import as_matrix
-from ...message import Message
+from ...remedies import Remedy
 from ..disk.regular_files import require_regular_file
 from ..disk.small_files import read_bytes
 from ..metafile.text_values import NotANumberError, parse_numbers
@@ -44,30 +44,27 @@ def read_calibration(path: str | Path, name: TransformName | None = None, image_
         transforms = read_plus_configuration(path).transforms
         names = [known for known in transforms if known == name or (name is None and known.source == image_frame)]
         if len(names) != 1:
-            there = ", ".join(map(str, transforms)) or Message("none")
+            there = ", ".join(map(str, transforms)) or "none"
             raise TransformFileError(
-                "{path}: it must hold {wanted}; got {there}. Name one, as in --calibration ImageToProbe=FILE.",
-                path=path,
-                wanted=name or Message("one transform from {frame}", frame=image_frame),
-                there=there,
+                f"{path}: it must hold {name or f'one transform from {image_frame}'}; got {there}.",
+                Remedy.NAME_THE_CALIBRATION,
+                example="ImageToProbe",
             )
         return names[0], _usable(path, transforms[names[0]].matrix)
     name = name or TransformName(image_frame, "Probe")
     require_regular_file(path, TransformFileError)
     if suffix in (*HDF5_SUFFIXES, ".tfm") or _text(path).startswith(_ITK_MAGIC):
         return name, read_transform(path)
-    wrong: Message | NotANumberError | None
+    wrong: str | NotANumberError | None
     try:
         numbers = parse_numbers(_text(path).replace(",", " ").replace(";", " ").replace("[", " ").replace("]", " "))
-        wrong = Message("got {count}", count=len(numbers)) if len(numbers) != 16 else None
+        wrong = f"got {len(numbers)}" if len(numbers) != 16 else None
     except NotANumberError as error:
         wrong = error
     if wrong:
         raise TransformFileError(
-            "{path}: a calibration must be 16 numbers, row by row; {wrong}. "
-            "Give those, a Plus configuration (.xml) or a Slicer transform (.tfm).",
-            path=path,
-            wrong=wrong,
+            f"{path}: a calibration must be 16 numbers, row by row; {wrong}. Give those, a Plus configuration (.xml) or a Slicer "
+            "transform (.tfm)."
         )
     return name, _usable(path, np.array(numbers))
 
@@ -76,15 +73,11 @@ def _usable(path: Path, matrix: Matrix) -> Matrix:
     try:
         return as_matrix(matrix, "calibration")
     except GeometryError as error:
-        raise TransformFileError(
-            "{path}: the calibration cannot be used. {problem} Repeat the calibration, or correct it.", path=path, problem=error
-        ) from error
+        raise TransformFileError(f"{path}: the calibration cannot be used. {error} Repeat the calibration, or correct it.") from error
 
 
 def _text(path: Path) -> str:
     data = read_bytes(path, MAXIMUM_BYTES + 1, TransformFileError)
     if len(data) > MAXIMUM_BYTES:
-        raise TransformFileError(
-            "{path}: the file is longer than {maximum} bytes. A calibration is 16 numbers.", path=path, maximum=MAXIMUM_BYTES
-        )
+        raise TransformFileError(f"{path}: the file is longer than {MAXIMUM_BYTES} bytes. A calibration is 16 numbers.")
     return data.decode("utf-8-sig", errors="replace").strip()

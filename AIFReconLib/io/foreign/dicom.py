@@ -12,7 +12,6 @@ import numpy as np
 
 from ...arrays import Floats, Numbers
 from ...errors import FileFormatError
-from ...message import Message
 from ..sequence.file_images import MAXIMUM_FRAMES
 from .bounds import check_pixels, check_scans
 from .images import DecodedImages, ImportedImages, decoding, describe_stack, library
@@ -38,8 +37,8 @@ def open_dicom(files: list[Path]) -> ImportedImages:
     FileFormatError
         When a file is no DICOM image, or is compressed in a way that needs another package.
     """
-    pydicom = library("pydicom", Message("DICOM files"))
-    pixels = library("pydicom.pixels", Message("DICOM files"))
+    pydicom = library("pydicom", "DICOM files")
+    pixels = library("pydicom.pixels", "DICOM files")
     headers = [(path, _header(pydicom, path)) for path in files]
     unknown_order = _why_not_in_order([header for _, header in headers])
     if unknown_order is None:
@@ -50,11 +49,11 @@ def open_dicom(files: list[Path]) -> ImportedImages:
 
     def decode(number: int) -> Numbers:
         path, frame = frames[number]
-        what = Message("{path}, frame {number}: its pixels cannot be decoded", path=path, number=frame)
-        with decoding(what, Message("Export it uncompressed, or install pylibjpeg[all].")):
+        what = f"{path}, frame {frame}: its pixels cannot be decoded"
+        with decoding(what, "Export it uncompressed, or install pylibjpeg[all]."):
             return _as_shown(pixels, header_of[path], pixels.pixel_array(path, index=frame))
 
-    stack = DecodedImages(len(frames), decode, lambda n: Message("{path}, frame {number}", path=frames[n][0], number=frames[n][1]))
+    stack = DecodedImages(len(frames), decode, lambda n: f"{frames[n][0]}, frame {frames[n][1]}")
     spacing, unknown_spacing = _common_spacing(headers)
     return ImportedImages(
         stack,
@@ -68,40 +67,34 @@ def open_dicom(files: list[Path]) -> ImportedImages:
     )
 
 
-def _why_not_in_order(headers: list[Dataset]) -> Message | None:
+def _why_not_in_order(headers: list[Dataset]) -> str | None:
     """What keeps InstanceNumber from telling the order of several files; None where it does."""
     numbers = [_number(header) for header in headers]
     series = {getattr(header, "SeriesInstanceUID", None) for header in headers}
     if len(headers) == 1:
         return None
     if None in numbers:
-        return Message("InstanceNumber is missing in {count} of {files} files", count=numbers.count(None), files=len(headers))
+        return f"InstanceNumber is missing in {numbers.count(None)} of {len(headers)} files"
     if len(series) > 1:
-        return Message("the files are of {count} series, each with an order of its own", count=len(series))
+        return f"the files are of {len(series)} series, each with an order of its own"
     twice = next((number for number, count in Counter(numbers).items() if count > 1), None)
-    return None if twice is None else Message("InstanceNumber {number} occurs more than once", number=twice)
+    return None if twice is None else f"InstanceNumber {twice} occurs more than once"
 
 
-def _common_spacing(headers: list[tuple[Path, Dataset]]) -> tuple[tuple[float, float] | None, Message | None]:
+def _common_spacing(headers: list[tuple[Path, Dataset]]) -> tuple[tuple[float, float] | None, str | None]:
     """Size of a pixel that all files state, and why there is none, where they state several."""
     found = [_spacing(header) for _, header in headers]
     for (path, _), (spacing, problem) in zip(headers, found):
         if problem is not None:
-            return None, Message("{path}: {problem}", path=path, problem=problem)
+            return None, f"{path}: {problem}"
         first = found[0][0]
         if (spacing is None) != (first is None) or (spacing and first and not np.allclose(spacing, first, rtol=1e-3, atol=0.0)):
-            return None, Message(
-                "{first} says {one}, {path} says {other}",
-                first=headers[0][0].name,
-                one=_words(first),
-                path=path.name,
-                other=_words(spacing),
-            )
+            return None, f"{headers[0][0].name} says {_words(first)}, {path.name} says {_words(spacing)}"
     return found[0]
 
 
-def _words(spacing: tuple[float, float] | None) -> Message:
-    return Message("nothing") if spacing is None else Message("{x:g} x {y:g} mm", x=spacing[0], y=spacing[1])
+def _words(spacing: tuple[float, float] | None) -> str:
+    return "nothing" if spacing is None else f"{spacing[0]:g} x {spacing[1]:g} mm"
 
 
 def _as_shown(pixels: ModuleType, header: Dataset, image: Numbers) -> Numbers:
@@ -119,10 +112,10 @@ def _as_shown(pixels: ModuleType, header: Dataset, image: Numbers) -> Numbers:
 
 def _header(pydicom: ModuleType, path: Path) -> Dataset:
     header: Dataset
-    with decoding(Message("{path}: it cannot be read as DICOM", path=path), Message("Export it again.")):
+    with decoding(f"{path}: it cannot be read as DICOM", "Export it again."):
         # pydicom would inflate all of it, whatever that becomes, and then not find its pixels
         if pydicom.filereader.read_file_meta_info(path).get("TransferSyntaxUID") == pydicom.uid.DeflatedExplicitVRLittleEndian:
-            raise FileFormatError("{path}: DICOM files that are deflated as a whole are not read. Export it uncompressed.", path=path)
+            raise FileFormatError(f"{path}: DICOM files that are deflated as a whole are not read. Export it uncompressed.")
         with open(path, "rb") as file:
             header = pydicom.dcmread(file, stop_before_pixels=True)
             _check_pixels(path, header, file)
@@ -130,14 +123,9 @@ def _header(pydicom: ModuleType, path: Path) -> Dataset:
         count = _frame_count(header)
         _ = _times(header, min(count, MAXIMUM_FRAMES)), _spacing(header), _number(header)
     if count > MAXIMUM_FRAMES:
-        raise FileFormatError(
-            "{path}: NumberOfFrames must be at most {maximum}; got {count}. Export it again.",
-            path=path,
-            maximum=MAXIMUM_FRAMES,
-            count=count,
-        )
+        raise FileFormatError(f"{path}: NumberOfFrames must be at most {MAXIMUM_FRAMES}; got {count}. Export it again.")
     if "Rows" not in header or "Columns" not in header:
-        raise FileFormatError("{path}: this DICOM file holds no image. Give the images of the sweep.", path=path)
+        raise FileFormatError(f"{path}: this DICOM file holds no image. Give the images of the sweep.")
     return header
 
 
@@ -152,7 +140,7 @@ def _check_pixels(path: Path, header: Dataset, file: IO[bytes]) -> None:
     bits = int(getattr(header, "BitsAllocated", 8) or 8) * int(getattr(header, "SamplesPerPixel", 1) or 1)
     check_pixels(path, columns, rows, -(-bits // 8))
     if getattr(header.file_meta, "TransferSyntaxUID", "").startswith(_JPEG):
-        fragments = library("pydicom.encaps", Message("DICOM files"))
+        fragments = library("pydicom.encaps", "DICOM files")
         file.seek(_BEFORE_FRAGMENTS, SEEK_CUR)
         count, _ = fragments.parse_fragments(file)
         check_scans(fragments.generate_fragments(file), path, rows * columns, min(_frame_count(header), max(count - 1, 1)))
@@ -171,7 +159,7 @@ def _times(header: Dataset, count: int) -> Floats | None:
     return np.arange(count, dtype=np.float64) * float(step) / 1000.0 if step and count > 1 else None
 
 
-def _spacing(header: Dataset) -> tuple[tuple[float, float] | None, Message | None]:
+def _spacing(header: Dataset) -> tuple[tuple[float, float] | None, str | None]:
     """Size of a pixel in mm: of the ultrasound regions, else PixelSpacing (which lists rows first); None where neither is positive.
 
     Beside it, why what regions say is not that of the whole image, where it is not.
@@ -189,9 +177,7 @@ def _spacing(header: Dataset) -> tuple[tuple[float, float] | None, Message | Non
         return None, None
     other = next((size for size in sizes if not np.allclose(size, sizes[0], rtol=1e-3, atol=0.0)), None)
     if other is not None:
-        return None, Message(
-            "the image has regions of different pixel sizes ({one} and {other})", one=_words(sizes[0]), other=_words(other)
-        )
+        return None, f"the image has regions of different pixel sizes ({_words(sizes[0])} and {_words(other)})"
     columns, rows = int(getattr(header, "Columns", 0)), int(getattr(header, "Rows", 0))
     boxes = [box for region in regions if (box := _box(region)) is not None]
     if not boxes:
@@ -199,16 +185,9 @@ def _spacing(header: Dataset) -> tuple[tuple[float, float] | None, Message | Non
     left, top, right, bottom = (edge(box[n] for box in boxes) for n, edge in enumerate((min, min, max, max)))
     # Some count the last pixel in, some do not
     if abs(left) > 1 or abs(top) > 1 or not columns - 2 <= right <= columns or not rows - 2 <= bottom <= rows:
-        return None, Message(
-            "{size} is the size of pixels in columns {left} to {right} and rows {top} to {bottom}, which are not those of the image, "
-            "of {columns} x {rows} pixels",
-            size=_words(sizes[0]),
-            left=left,
-            right=right,
-            top=top,
-            bottom=bottom,
-            columns=columns,
-            rows=rows,
+        return None, (
+            f"{_words(sizes[0])} is the size of pixels in columns {left} to {right} and rows {top} to {bottom}, which are not those of "
+            f"the image, of {columns} x {rows} pixels"
         )
     return sizes[0], None
 

@@ -14,7 +14,7 @@ import numpy as np
 from ...arrays import Floats, Numbers, NumberType
 from ...errors import AIFReconError, FileFormatError
 from ...imaging.images import ImageStack, luminance
-from ...message import Message, one_line
+from ...message import one_line
 from ..sequence.file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
 from ..sequence.images_on_demand import ImagesOnDemand
 
@@ -73,21 +73,14 @@ class DecodedImages(ImagesOnDemand):
         first = self._gray(0)
         self.shape, self.dtype = (count, *first.shape), first.dtype
         if count > MAXIMUM_FRAMES or first.nbytes > MAXIMUM_FRAME_BYTES:
-            raise FileFormatError(
-                "{where}: {count} frames of {bytes} bytes are beyond the limits. Split the recording.",
-                where=where(0),
-                count=count,
-                bytes=first.nbytes,
-            )
+            raise FileFormatError(f"{where(0)}: {count} frames of {first.nbytes} bytes are beyond the limits. Split the recording.")
 
     def _image(self, index: int) -> Numbers:
         image = self._gray(index)
         if image.shape != self.shape[1:] or image.dtype != self.dtype:
             raise FileFormatError(
-                "{where}: every frame must have {expected} as the first; got {found}. Export all frames alike.",
-                where=self._where(index),
-                expected=_words(self.shape[1:], self.dtype),
-                found=_words(image.shape, image.dtype),
+                f"{self._where(index)}: every frame must have {_words(self.shape[1:], self.dtype)} as the first; got "
+                f"{_words(image.shape, image.dtype)}. Export all frames alike."
             )
         return image
 
@@ -100,19 +93,11 @@ class DecodedImages(ImagesOnDemand):
         if image.ndim == 3 and image.shape[2] in (3, 4):
             image = luminance(image)
         if image.ndim != 2 or not image.size:
-            raise FileFormatError(
-                "{where}: a frame must be an image of gray levels or colors; got shape {shape}.",
-                where=self._where(index),
-                shape=image.shape,
-            )
+            raise FileFormatError(f"{self._where(index)}: a frame must be an image of gray levels or colors; got shape {image.shape}.")
         if image.dtype == bool:
             image = image.astype(np.uint8) * np.uint8(255)
         if image.dtype.kind not in "iuf" or image.dtype.itemsize > 8 or image.dtype == np.float16:
-            raise FileFormatError(
-                "{where}: pixels must be whole numbers or floats; got {kind}. Convert the images.",
-                where=self._where(index),
-                kind=image.dtype,
-            )
+            raise FileFormatError(f"{self._where(index)}: pixels must be whole numbers or floats; got {image.dtype}. Convert the images.")
         image = np.array(image, dtype=image.dtype.newbyteorder("="), order="C")
         self._last = (index, image)
         return image.copy()
@@ -133,21 +118,21 @@ class FlippedImages:
         return np.ascontiguousarray(self._stack[index][self._flips])
 
 
-def library(name: str, purpose: Message) -> ModuleType:
+def library(name: str, purpose: str) -> ModuleType:
     """An optional package, or an error that says how to get it."""
     package = name.split(".")[0]
     try:
         return import_module(name)
     except ImportError:
         raise FileFormatError(
-            "{purpose} cannot be read without the Python package {package}. Install it: pip install {package}.",
-            purpose=purpose,
-            package=_INSTALLED_AS.get(package, package),
+            "{purpose} cannot be read without the Python package {package}. Install it: pip install {package}.".format(
+                purpose=purpose, package=_INSTALLED_AS.get(package, package)
+            )
         ) from None
 
 
 @contextlib.contextmanager
-def decoding(what: Message, advice: Message) -> Iterator[None]:
+def decoding(what: str, advice: str) -> Iterator[None]:
     """Turn whatever another package's decoder raises into an error of one line.
 
     Parameters
@@ -168,9 +153,7 @@ def decoding(what: Message, advice: Message) -> Iterator[None]:
     except AIFReconError:
         raise
     except Exception as error:
-        raise FileFormatError(
-            "{what} ({cause}). {advice}", what=what, cause=one_line(str(error))[:200] or type(error).__name__, advice=advice
-        ) from error
+        raise FileFormatError(f"{what} ({one_line(str(error))[:200] or type(error).__name__}). {advice}") from error
 
 
 def describe_stack(count: int, what: str, shape: tuple[int, ...], dtype: NumberType) -> str:
@@ -178,5 +161,5 @@ def describe_stack(count: int, what: str, shape: tuple[int, ...], dtype: NumberT
     return f"{count} {what} of {_words(shape, dtype)}"
 
 
-def _words(shape: tuple[int, ...], dtype: NumberType) -> Message:
-    return Message("{columns} x {rows} pixels, {kind}", columns=shape[1], rows=shape[0], kind=np.dtype(dtype).name)
+def _words(shape: tuple[int, ...], dtype: NumberType) -> str:
+    return f"{shape[1]} x {shape[0]} pixels, {np.dtype(dtype).name}"

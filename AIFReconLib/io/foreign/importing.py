@@ -11,6 +11,8 @@ from ...arrays import Floats, Integers, Mask, Matrix
 from ...errors import SettingsError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ...geometry.transforms import invert, why_not_an_image_pose, why_not_rigid
+from ...message import Sentence
+from ...remedies import Remedy
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.pose_tracks import PoseTrack
 from ..sequence.orientation import IN_MEMORY, parse_orientation
@@ -59,9 +61,9 @@ class ImportSettings:
     def __post_init__(self) -> None:
         parse_orientation(self.orientation)
         if self.spacing is not None and not (np.isfinite(self.spacing).all() and min(self.spacing) > 0):
-            raise SettingsError("Input spacing must be two numbers above 0, in mm per pixel; got {spacing!r}.", spacing=self.spacing)
+            raise SettingsError(f"Input spacing must be two numbers above 0, in mm per pixel; got {self.spacing!r}.")
         if self.rate is not None and not (np.isfinite(self.rate) and self.rate > 0):
-            raise SettingsError("Input rate must be above 0 frames per second; got {rate!r}.", rate=self.rate)
+            raise SettingsError(f"Input rate must be above 0 frames per second; got {self.rate!r}.")
 
 
 def import_sequence(images: ImportedImages, poses: PoseTable, settings: ImportSettings) -> tuple[TrackedSequence, tuple[str, ...]]:
@@ -83,9 +85,7 @@ def import_sequence(images: ImportedImages, poses: PoseTable, settings: ImportSe
     matrices = poses.matrices
     good = np.array([np.isfinite(matrix).all() for matrix in matrices], dtype=bool)
     if not good.any():
-        raise SettingsError(
-            "The poses must hold at least one that is valid; all {count} are missing. Export them again.", count=len(matrices)
-        )
+        raise SettingsError(f"The poses must hold at least one that is valid; all {len(matrices)} are missing. Export them again.")
     rigid = _are_rigid(matrices[good], np.flatnonzero(good), name, settings)
     matrices = in_millimeters(matrices, settings.form, takes_pixels=places_image and not rigid)
     matrices, header, how = _placed(matrices, rigid, places_image, images, settings)
@@ -117,10 +117,7 @@ def _are_rigid(matrices: Matrix, numbers: Integers, name: TransformName, setting
         pixels = matrix if name.source == IMAGE_FRAME else invert(matrix)
         if reason and (IMAGE_FRAME not in (name.source, name.target) or "mirrored" in reason or why_not_an_image_pose(pixels)):
             raise SettingsError(
-                "Pose {number} must be a rotation and a translation; it is {reason}. Check the columns, and whether the matrices are "
-                "written row by row (else give --column-major).",
-                number=number,
-                reason=reason,
+                f"Pose {number} must be a rotation and a translation; it is {reason}. Check the columns.", Remedy.COLUMN_MAJOR
             )
     return False
 
@@ -135,18 +132,15 @@ def _placed(matrices: Matrix, rigid: bool, places_image: bool, images: ImportedI
             _require_known_spacing(images, spacing)
         return _placed_by_probe(matrices, spacing, settings)
     if settings.calibration:
-        raise SettingsError("{name} places the image itself, so there is no calibration to apply. Leave out --calibration.", name=name)
+        raise SettingsError(f"{name} places the image itself, so there is no calibration to apply.", Remedy.NO_CALIBRATION)
     if not rigid:
         if settings.spacing or settings.origin_px:
-            raise SettingsError(
-                "The matrices of {name} hold the size of a pixel already. Leave out --spacing and --image-origin-px.", name=name
-            )
+            raise SettingsError(f"The matrices of {name} hold the size of a pixel already.", Remedy.NO_PIXEL_SIZE, or_calibration="")
         return matrices, {}, f"{name} takes pixels (its axes are not of length 1)"
     _require_known_spacing(images, spacing)
     if spacing is None:
         raise SettingsError(
-            "The poses of {name} are rigid, so they take millimeters, and the size of a pixel is not known. Give --spacing X Y in mm.",
-            name=name,
+            f"The poses of {name} are rigid, so they take millimeters, and the size of a pixel is not known.", Remedy.PIXEL_SIZE
         )
     pixel_to_image = _pixels_to_mm(spacing, origin)
     matrices = matrices @ pixel_to_image if name.source == IMAGE_FRAME else invert(pixel_to_image) @ matrices
@@ -156,10 +150,7 @@ def _placed(matrices: Matrix, rigid: bool, places_image: bool, images: ImportedI
 
 def _require_known_spacing(images: ImportedImages, spacing: tuple[float, float] | None) -> None:
     if spacing is None and images.unknown_spacing:
-        raise SettingsError(
-            "The size of a pixel is not known: {problem}. Give --spacing X Y in mm, or import images of one depth at a time.",
-            problem=images.unknown_spacing,
-        )
+        raise SettingsError(f"The size of a pixel is not known: {images.unknown_spacing}.", Remedy.PIXEL_SIZE)
 
 
 def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, settings: ImportSettings) -> _Place:
@@ -169,17 +160,14 @@ def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, sett
     if settings.calibration:
         if settings.spacing or settings.origin_px:
             raise SettingsError(
-                "A calibration holds the size of a pixel already. Leave out --spacing and --image-origin-px, or --calibration."
+                "A calibration holds the size of a pixel already.", Remedy.NO_PIXEL_SIZE, or_calibration=", or the calibration"
             )
         calibration, matrix = settings.calibration
         if calibration.source != IMAGE_FRAME or calibration.target not in ends:
             raise SettingsError(
-                "The calibration must lead from {image_frame} to {first} or {second}; got {calibration}. "
-                "Name it, as in --calibration {image_frame}To{first}=FILE.",
-                image_frame=IMAGE_FRAME,
-                first=ends[0],
-                second=ends[1],
-                calibration=calibration,
+                f"The calibration must lead from {IMAGE_FRAME} to {ends[0]} or {ends[1]}; got {calibration}.",
+                Remedy.NAME_THE_CALIBRATION,
+                example=f"{IMAGE_FRAME}To{ends[0]}",
             )
         return matrices, {calibration: TransformSample(matrix)}, f"{calibration} as calibrated"
     if settings.origin_px and spacing:
@@ -193,11 +181,9 @@ def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, sett
         )
     if settings.spacing or settings.origin_px:
         raise SettingsError(
-            "The size of a pixel alone does not say where the image lies in {frame}. Give --calibration FILE; or both --spacing and "
-            "--image-origin-px, if the axes of the image are those of {frame}.",
-            frame=name.source,
+            f"The size of a pixel alone does not say where the image lies in {name.source}.", Remedy.WHERE_THE_IMAGE_LIES, frame=name.source
         )
-    return matrices, {}, f"not in the recording: give {IMAGE_FRAME}To{name.source} with --config when reconstructing"
+    return matrices, {}, f"not in the recording: give {IMAGE_FRAME}To{name.source} when reconstructing"
 
 
 def _pixels_to_mm(spacing: tuple[float, float], origin_px: tuple[float, float]) -> Matrix:
@@ -222,8 +208,8 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
         return _paired_by_name(images, poses.images, poses.times, samples, missing)
     if images.unknown_order:
         raise SettingsError(
-            "The order of the images is not known: {problem}. Name the image of each pose in a column 'image', or import one series.",
-            problem=images.unknown_order,
+            f"The order of the images is not known: {images.unknown_order}. Name the image of each pose in a column 'image', or import "
+            "one series."
         )
     if len(samples) == count:
         times = poses.times if poses.times is not None else images.times
@@ -233,17 +219,14 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
         found = [track.at(time)[0] for time in images.times]
         if not any(matrix is not None for matrix in found):
             raise SettingsError(
-                "The poses must be of the time of the images; poses {poses}, images {images}. Make both start at 0.",
-                poses=_span(poses.times),
-                images=_span(images.times),
+                f"The poses must be of the time of the images; poses {_span(poses.times)}, images {_span(images.times)}. Make both "
+                "start at 0."
             )
         paired = [missing if matrix is None else TransformSample(matrix) for matrix in found]
         return paired, images.times, f"{len(samples)} poses interpolated at the times of {count} images"
     raise SettingsError(
-        "There must be as many poses as images; got {poses} poses for {images} images. Leave out what is too much, name the image "
-        "of each pose in a column 'image', or give times on both.",
-        poses=len(samples),
-        images=count,
+        f"There must be as many poses as images; got {len(samples)} poses for {count} images. Leave out what is too much, name the "
+        "image of each pose in a column 'image', or give times on both."
     )
 
 
@@ -256,29 +239,22 @@ def _paired_by_name(
 ) -> _Pairs:
     """Poses of images by the names of their files, whatever their folder."""
     if images.names is None:
-        raise SettingsError("The poses name an image each, but the images are all in one file. Leave out that column (--columns, with -).")
+        raise SettingsError("The poses name an image each, but the images are all in one file.", Remedy.NO_IMAGE_COLUMN)
     rows: dict[str, int] = {}
     for number, text in enumerate(names):
         name = text.replace("\\", "/").rsplit("/", 1)[-1]
         if rows.setdefault(name, number) != number:
-            raise SettingsError(
-                "Two poses name the image {name} (poses {first} and {number}). Remove one of them.",
-                name=name,
-                first=rows[name],
-                number=number,
-            )
+            raise SettingsError(f"Two poses name the image {name} (poses {rows[name]} and {number}). Remove one of them.")
     twice = next((name for name, count in Counter(images.names).items() if count > 1 and name in rows), None)
     if twice is not None:
         raise SettingsError(
-            "Two of the images are called {name}, and a pose names it. Import one folder at a time, or rename the images.", name=twice
+            f"Two of the images are called {twice}, and a pose names it. Import one folder at a time, or rename the images."
         )
     known = [rows.get(name) for name in images.names]
     found = sum(number is not None for number in known)
     if not found:
         raise SettingsError(
-            "No pose names one of the images: poses name {pose}, images are {image}. Use the same names.",
-            pose=next(iter(rows)),
-            image=images.names[0],
+            f"No pose names one of the images: poses name {next(iter(rows))}, images are {images.names[0]}. Use the same names."
         )
     paired = [missing if number is None else samples[number] for number in known]
     numbers = [number for number in known if number is not None]
@@ -293,9 +269,9 @@ def _span(times: Floats) -> str:
 def _doubts(matrices: Matrix, good: Mask, settings: ImportSettings) -> list[str]:
     """What looks like a wrong unit."""
     extent = float(np.ptp(matrices[good][:, :3, 3], axis=0).max())
-    doubts = []
+    doubts: list[str] = []
     if 0 < extent < 1.0 and settings.form.length_unit == "mm" and good.sum() > 5:
-        doubts.append(f"doubt: the poses move by {extent:.3g} mm in all. If they are in meters, give --units m.")
+        doubts.append(Sentence(f"doubt: the poses move by {extent:.3g} mm in all.", Remedy.UNITS, unit="meters"))
     if extent > 2000.0:
-        doubts.append(f"doubt: the poses move by {extent / 1000:.3g} m. If they are in another unit, give --units.")
+        doubts.append(Sentence(f"doubt: the poses move by {extent / 1000:.3g} m.", Remedy.UNITS, unit="another unit"))
     return doubts

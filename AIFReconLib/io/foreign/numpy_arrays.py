@@ -10,7 +10,6 @@ import numpy as np
 
 from ...arrays import Numbers, NumberType
 from ...errors import FileFormatError
-from ...message import Message
 from ..disk.regular_files import file_stamp, stamp
 from .images import DecodedImages, ImportedImages, decoding, describe_stack
 
@@ -27,22 +26,20 @@ def open_numpy(path: Path) -> ImportedImages:
     -----
     An array in Fortran order has its frames spread over the file, and is read as a whole.
     """
-    with decoding(Message("{path}: numpy cannot read it", path=path), Message("Save the array again with numpy.save.")):
+    with decoding(f"{path}: numpy cannot read it", "Save the array again with numpy.save."):
         array = np.load(path, mmap_mode="r", allow_pickle=False)
     if not isinstance(array, np.memmap):
-        raise FileFormatError("{path}: this is an archive of arrays. Save the one of the images with numpy.save.", path=path)
+        raise FileFormatError(f"{path}: this is an archive of arrays. Save the one of the images with numpy.save.")
     if array.ndim not in (3, 4) or (array.ndim == 4 and array.shape[3] not in (1, 3, 4)) or not array.size:
         raise FileFormatError(
-            "{path}: the array must have shape (frames, rows, columns) or (frames, rows, columns, 3); got {shape}. Transpose it.",
-            path=path,
-            shape=array.shape,
+            f"{path}: the array must have shape (frames, rows, columns) or (frames, rows, columns, 3); got {array.shape}. Transpose it."
         )
     if array.flags.c_contiguous:
         frame = _frame_reader(path, array.shape[1:], array.dtype, array.offset)
     else:
         frame = np.load(path, allow_pickle=False).__getitem__
     count = len(array)
-    stack = DecodedImages(count, frame, lambda n: Message("{path}, frame {number}", path=path, number=n))
+    stack = DecodedImages(count, frame, lambda n: f"{path}, frame {n}")
     return ImportedImages(stack, describe_stack(count, "frames", stack.shape[1:], stack.dtype) + f" in {path.name}")
 
 
@@ -59,11 +56,9 @@ def _frame_reader(path: Path, shape: tuple[int, ...], dtype: NumberType, offset:
                 data = file.read(frame_bytes)
                 same = same and stamp(os.fstat(file.fileno())) == opened
         except OSError as error:
-            raise FileFormatError(
-                "{path}: frame {number} cannot be read ({cause}). Copy the file again.", path=path, number=number, cause=error.strerror
-            ) from error
+            raise FileFormatError(f"{path}: frame {number} cannot be read ({error.strerror}). Copy the file again.") from error
         if not same or len(data) != frame_bytes:
-            raise FileFormatError("{path}: the file has changed since it was opened. Import it again.", path=path)
+            raise FileFormatError(f"{path}: the file has changed since it was opened. Import it again.")
         return np.frombuffer(data, dtype).reshape(shape)
 
     return read

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ...errors import FileFormatError
-from ...message import Message
 from ..disk.regular_files import require_regular_file
 from .dicom import open_dicom
 from .images import ImportedImages
@@ -40,11 +39,10 @@ def open_images(paths: Sequence[str | Path]) -> ImportedImages:
     if kind is None:
         known = ", ".join(suffix for known, _ in _KINDS for suffix in known)
         raise FileFormatError(
-            "{path}: images must all be pictures, DICOM files, one video or one .npy array ({known}); "
-            "got {suffixes}. Give files of one kind.",
-            path=files[0],
-            known=known,
-            suffixes=", ".join(sorted(suffixes)) or Message("no suffix"),
+            (
+                "{path}: images must all be pictures, DICOM files, one video or one .npy array ({known}); got {suffixes}. Give files of "
+                "one kind."
+            ).format(path=files[0], known=known, suffixes=", ".join(sorted(suffixes)) or "no suffix")
         )
     return kind[1](files)
 
@@ -63,7 +61,7 @@ def _listed(paths: list[Path]) -> list[Path]:
         if path.is_dir():
             inside = sorted((p for p in path.iterdir() if p.is_file() and p.suffix.lower() in known), key=natural_order)
             if not inside:
-                raise FileFormatError("{path}: there are no images in this folder. Give a folder of pictures or DICOM files.", path=path)
+                raise FileFormatError(f"{path}: there are no images in this folder. Give a folder of pictures or DICOM files.")
             files += inside
         else:
             require_regular_file(path, FileFormatError)
@@ -73,17 +71,15 @@ def _listed(paths: list[Path]) -> list[Path]:
     return files
 
 
-def _only(files: list[Path], what: Message) -> Path:
+def _only(files: list[Path], what: str) -> Path:
     if len(files) != 1:
-        raise FileFormatError(
-            "{path}: there must be one {what}; got {count} files. Import them one by one.", path=files[1], what=what, count=len(files)
-        )
+        raise FileFormatError(f"{files[1]}: there must be one {what}; got {len(files)} files. Import them one by one.")
     return files[0]
 
 
 _KINDS: tuple[tuple[tuple[str, ...], Callable[[list[Path]], ImportedImages]], ...] = (
     (PICTURE_SUFFIXES, open_pictures),
     (DICOM_SUFFIXES, open_dicom),
-    (VIDEO_SUFFIXES, lambda files: open_video(_only(files, Message("video")))),
-    (NUMPY_SUFFIXES, lambda files: open_numpy(_only(files, Message("array")))),
+    (VIDEO_SUFFIXES, lambda files: open_video(_only(files, "video"))),
+    (NUMPY_SUFFIXES, lambda files: open_numpy(_only(files, "array"))),
 )

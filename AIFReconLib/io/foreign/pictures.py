@@ -10,7 +10,6 @@ import numpy as np
 
 from ...arrays import Numbers
 from ...errors import FileFormatError
-from ...message import Message
 from ..disk.regular_files import file_stamp
 from ..sequence.file_images import MAXIMUM_FRAMES
 from .bounds import check_picture, check_pixels, check_scans, pieces_of
@@ -31,7 +30,7 @@ def open_pictures(files: list[Path]) -> ImportedImages:
     FileFormatError
         When a file is no picture.
     """
-    image_module = library("PIL.Image", Message("Pictures"))
+    image_module = library("PIL.Image", "Pictures")
     opened = {path: file_stamp(path) for path in files}
     pages = [(path, page) for path in files for page in range(_page_count(image_module, path))]
     several = len(pages) > len(files)
@@ -41,7 +40,7 @@ def open_pictures(files: list[Path]) -> ImportedImages:
         pixels = decoded(path, page)
         # Asked afterwards: it may have changed before or meanwhile
         if file_stamp(path) != opened[path]:
-            raise FileFormatError("{path}: the file has changed since it was opened. Import it again.", path=path)
+            raise FileFormatError(f"{path}: the file has changed since it was opened. Import it again.")
         return pixels
 
     def decoded(path: Path, page: int) -> Numbers:
@@ -55,7 +54,7 @@ def open_pictures(files: list[Path]) -> ImportedImages:
 
     def where(number: int) -> str:
         path, page = pages[number]
-        return Message("{path}, page {page}", path=path, page=page) if several else str(path)
+        return f"{path}, page {page}" if several else str(path)
 
     stack = DecodedImages(len(pages), decode, where)
     kinds = "/".join(sorted({path.suffix[1:].upper() for path in files}))
@@ -77,4 +76,4 @@ def _page_count(image_module: ModuleType, path: Path) -> int:
 
 
 def _readable(path: Path) -> AbstractContextManager[None]:
-    return decoding(Message("{path}: it cannot be read as a picture", path=path), Message("Export it again."))
+    return decoding(f"{path}: it cannot be read as a picture", "Export it again.")

@@ -13,7 +13,8 @@ import numpy as np
 
 from ...arrays import Floats, Matrix
 from ...errors import FileFormatError, SettingsError
-from ...message import Message, listed, one_line, shorten
+from ...message import listed, one_line, said, shorten
+from ...remedies import Remedy
 from ..disk.small_files import read_bytes
 from ..metafile.text_values import parse_number
 from .pose_rows import (
@@ -84,25 +85,23 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
     text = _text(path)
     rows, understood = _json_rows(path, text) if path.suffix.lower() == ".json" else _text_rows(path, text, form)
     if not rows:
-        raise FileFormatError("{path}: it holds no poses. Give a file with one pose per frame.", path=path)
+        raise FileFormatError(f"{path}: it holds no poses. Give a file with one pose per frame.")
     try:
         kind = kind_of_pose(list(rows[0][1]), form)
     except SettingsError as error:
-        raise SettingsError("{path}: {problem}", path=path, problem=error) from None
+        raise SettingsError(f"{path}: {said(error)}", error) from None
     matrices = np.full((len(rows), 4, 4), np.nan)
     for number, (place, row) in enumerate(rows):
         if set(row) != set(rows[0][1]):
             raise FileFormatError(
-                "{path}: {place} must hold {expected} as the first; got {found}. Export it again.",
-                path=path,
-                place=place,
-                expected=", ".join(rows[0][1]),
-                found=", ".join(row),
+                "{path}: {place} must hold {expected} as the first; got {found}. Export it again.".format(
+                    path=path, place=place, expected=", ".join(rows[0][1]), found=", ".join(row)
+                )
             )
         try:
             pose = pose_of({name: value for name, value in row.items() if not isinstance(value, str)}, form)
         except PoseValueError as error:
-            raise FileFormatError("{path}: {place} {problem}", path=path, place=place, problem=error) from None
+            raise FileFormatError(f"{path}: {place} {said(error)}", error) from None
         if pose is not None:
             matrices[number] = pose
     times = [time_of({name: value for name, value in row.items() if not isinstance(value, str)}) for _, row in rows]
@@ -123,10 +122,10 @@ def _text(path: Path) -> str:
     data = read_bytes(path, MAXIMUM_BYTES + 1, FileFormatError)
     try:
         if len(data) > MAXIMUM_BYTES or b"\0" in data:
-            raise FileFormatError("{path}: this is not a text file of poses. Give .csv, .txt or .json.", path=path)
+            raise FileFormatError(f"{path}: this is not a text file of poses. Give .csv, .txt or .json.")
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise FileFormatError("{path}: this is not a text file (UTF-8). Export the poses again.", path=path) from None
+        raise FileFormatError(f"{path}: this is not a text file (UTF-8). Export the poses again.") from None
 
 
 def _text_rows(path: Path, text: str, form: PoseFormat) -> tuple[list[tuple[str, Row]], tuple[str, ...]]:
@@ -154,8 +153,7 @@ def _text_rows(path: Path, text: str, form: PoseFormat) -> tuple[list[tuple[str,
     names: Sequence[str | None] = _names_of_numbers(path, len(table[0][1]), form) if header is None else canonical_names(header)
     unused = [word for word, name in zip(header or (), names) if name is None and word != "-"]
     rows: list[tuple[str, Row]] = [
-        (Message("line {line} (frame {number})", line=number, number=n), _row(path, number, n, cells, names))
-        for n, (number, cells) in enumerate(table)
+        (f"line {number} (frame {n})", _row(path, number, n, cells, names)) for n, (number, cells) in enumerate(table)
     ]
     return rows, ((f"columns that are not used: {', '.join(unused)}",) if unused else ())
 
@@ -183,26 +181,14 @@ def _names_of_numbers(path: Path, count: int, form: PoseFormat) -> list[str]:
         return [*([TIME] if count == 8 else []), *TRANSLATION, *UNORDERED_QUATERNION]
     if form.euler_order and not form.quaternion_order and count in (6, 7):
         return [*([TIME] if count == 7 else []), *TRANSLATION, *UNNAMED_EULER]
-    raise SettingsError(
-        '{path}: {count} columns without names can be many things. Name them, as in --columns "time x y z qw qx qy qz", or give '
-        "--quaternion-order or --euler-order, if translation comes first.",
-        path=path,
-        count=count,
-    )
+    raise SettingsError(f"{path}: {count} columns without names can be many things.", Remedy.NAME_THE_COLUMNS)
 
 
 def _row(path: Path, line: int, number: int, cells: list[str], names: Sequence[str | None]) -> Row:
     if len(cells) == len(names) + 1 and not cells[-1]:
         cells = cells[:-1]  # a separator at the end of the line
     if len(cells) != len(names):
-        raise FileFormatError(
-            "{path}: line {line} (frame {number}) must have {expected} columns; got {found}. Export it again.",
-            path=path,
-            line=line,
-            number=number,
-            expected=len(names),
-            found=len(cells),
-        )
+        raise FileFormatError(f"{path}: line {line} (frame {number}) must have {len(names)} columns; got {len(cells)}. Export it again.")
     row: Row = {}
     for cell, name in zip(cells, names):
         if name is None:
@@ -211,13 +197,8 @@ def _row(path: Path, line: int, number: int, cells: list[str], names: Sequence[s
             row[name] = cell if name in (IMAGE, STATUS) else parse_number(cell) if cell else np.nan
         except ValueError:
             raise FileFormatError(
-                "{path}: line {line} (frame {number}), column {name} must be a number; got {value!r}. "
-                "Export it again, with decimal points.",
-                path=path,
-                line=line,
-                number=number,
-                name=name,
-                value=shorten(cell),
+                f"{path}: line {line} (frame {number}), column {name} must be a number; got {shorten(cell)!r}. Export it again, with "
+                "decimal points."
             ) from None
     return row
 
@@ -226,9 +207,7 @@ def _matrix_blocks(path: Path, table: list[tuple[int, list[str]]]) -> list[tuple
     """Matrices of four lines each."""
     if len(table) % 4:
         raise FileFormatError(
-            "{path}: lines of four numbers must come in fours, one matrix each; got {count} lines. Export it again.",
-            path=path,
-            count=len(table),
+            f"{path}: lines of four numbers must come in fours, one matrix each; got {len(table)} lines. Export it again."
         )
     rows: list[tuple[str, Row]] = []
     for start in range(0, len(table), 4):
@@ -237,7 +216,7 @@ def _matrix_blocks(path: Path, table: list[tuple[int, list[str]]]) -> list[tuple
             line, cells = table[start + place]
             row |= _row(path, line, start // 4, cells, list(MATRIX[4 * place : 4 * place + 4]))
         first, last = table[start][0], table[start + 3][0]
-        rows.append((Message("lines {first} to {last} (frame {number})", first=first, last=last, number=start // 4), row))
+        rows.append((f"lines {first} to {last} (frame {start // 4})", row))
     return rows
 
 
@@ -264,20 +243,20 @@ def _json_rows(path: Path, text: str) -> tuple[list[tuple[str, Row]], tuple[str,
     try:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise FileFormatError("{path}: this is not JSON ({cause}). Export it again.", path=path, cause=one_line(str(error))) from None
+        raise FileFormatError(f"{path}: this is not JSON ({one_line(str(error))}). Export it again.") from None
     if isinstance(document, dict):
         key = next((key for key in _JSON_LISTS if isinstance(document.get(key), list)), None)
         if key is None:
             raise FileFormatError(
-                "{path}: it must hold a list of poses, or an object with one under {names}.", path=path, names=", ".join(_JSON_LISTS)
+                "{path}: it must hold a list of poses, or an object with one under {names}.".format(path=path, names=", ".join(_JSON_LISTS))
             )
         document = document[key]
     if not isinstance(document, list):
-        raise FileFormatError("{path}: it must hold a list of poses; got {kind}. Export it again.", path=path, kind=type(document).__name__)
+        raise FileFormatError(f"{path}: it must hold a list of poses; got {type(document).__name__}. Export it again.")
     unused: dict[str, None] = {}
     rows: list[tuple[str, Row]] = []
     for number, item in enumerate(document):
-        place = Message("pose {number}", number=number)
+        place = f"pose {number}"
         row: Row = {}
         for key, value in (item if isinstance(item, dict) else {"matrix": item}).items():
             plain = re.sub("[^a-z0-9]", "", key.lower())
@@ -300,24 +279,19 @@ def _json_part(path: Path, place: str, part: str, value: object) -> Row:
         names = {name: key for key in value if (name := _PART_AXES[part] + key.lower()) in _AXES[part]}
         if len(names) != len(value):
             raise FileFormatError(
-                "{path}: {place} must have the keys {expected}; got {found}. Export it again.",
-                path=path,
-                place=place,
-                expected=listed(name.removeprefix(_PART_AXES[part]) for name in _AXES[part]),
-                found=", ".join(map(repr, value)),
+                "{path}: {place} must have the keys {expected}; got {found}. Export it again.".format(
+                    path=path,
+                    place=place,
+                    expected=listed(name.removeprefix(_PART_AXES[part]) for name in _AXES[part]),
+                    found=", ".join(map(repr, value)),
+                )
             )
         return {name: _json_number(path, listed([place, key]), value[key]) for name, key in names.items()}
     numbers = [number for line in value for number in (line if isinstance(line, list) else [line])] if isinstance(value, list) else [value]
     fields = _PART_FIELDS[part].get(len(numbers))
     if fields is None:
         expected = listed(_PART_FIELDS[part], " or ")
-        raise FileFormatError(
-            "{path}: {place} must be {expected} numbers; got {found}. Export it again.",
-            path=path,
-            place=place,
-            expected=expected,
-            found=len(numbers),
-        )
+        raise FileFormatError(f"{path}: {place} must be {expected} numbers; got {len(numbers)}. Export it again.")
     return {name: _json_number(path, place, number) for name, number in zip(fields, numbers)}
 
 
@@ -325,9 +299,7 @@ def _json_number(path: Path, place: str, value: object) -> float:
     if value is None:
         return float("nan")
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise FileFormatError(
-            "{path}: {place} must be a number; got {value}. Export it again.", path=path, place=place, value=shorten(repr(value))
-        )
+        raise FileFormatError(f"{path}: {place} must be a number; got {shorten(repr(value))}. Export it again.")
     try:
         return float(value)
     except OverflowError:  # JSON's whole numbers have no limit

@@ -15,7 +15,8 @@ import scipy
 
 from ...arrays import Matrix
 from ...errors import AIFReconError, SettingsError
-from ...message import Message
+from ...message import listed
+from ...remedies import Remedy
 
 QUATERNION_ORDERS = ("xyzw", "wxyz")
 LENGTH_UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
@@ -76,22 +77,17 @@ class PoseFormat:
 
     def __post_init__(self) -> None:
         if self.quaternion_order not in (None, *QUATERNION_ORDERS):
-            raise SettingsError(
-                "Input quaternion_order must be xyzw or wxyz; got {quaternion_order!r}. See the tracker's manual.",
-                quaternion_order=self.quaternion_order,
-            )
+            raise SettingsError(f"Input quaternion_order must be xyzw or wxyz; got {self.quaternion_order!r}. See the tracker's manual.")
         order = self.euler_order
         if order is not None and not (re.fullmatch("[xyz]{3}|[XYZ]{3}", order) and order[0] != order[1] != order[2]):
             raise SettingsError(
-                "Input euler_order must be three axes, as xyz (fixed axes) or ZYX (axes that turn along); got {order!r}. "
-                "See the tracker's manual.",
-                order=order,
+                f"Input euler_order must be three axes, as xyz (fixed axes) or ZYX (axes that turn along); got {order!r}. See the "
+                "tracker's manual."
             )
         if self.angle_unit not in ANGLE_UNITS or self.length_unit not in LENGTH_UNITS:
             raise SettingsError(
-                "Input units must be deg or rad, and mm, cm or m; got {angle_unit!r} and {length_unit!r}. See the tracker's manual.",
-                angle_unit=self.angle_unit,
-                length_unit=self.length_unit,
+                f"Input units must be deg or rad, and mm, cm or m; got {self.angle_unit!r} and {self.length_unit!r}. See the tracker's "
+                "manual."
             )
 
 
@@ -131,19 +127,16 @@ def kind_of_pose(names: Sequence[str | None], form: PoseFormat) -> str:
         return f"translation in {length} and quaternion (x, y, z, w by name)"
     if set(UNORDERED_QUATERNION) <= have:
         if form.quaternion_order is None:
-            raise SettingsError("The order of the quaternion's numbers is not known. Give --quaternion-order xyzw or wxyz.")
+            raise SettingsError("The order of the quaternion's numbers is not known.", Remedy.QUATERNION_ORDER)
         return f"translation in {length} and quaternion in the order {' '.join(form.quaternion_order)}"
     if set(EULER) <= have or set(UNNAMED_EULER) <= have:
         if form.euler_order is None:
-            raise SettingsError(
-                "The order of the Euler angles is not known. Give --euler-order with the axes in the order in which the turns are applied: "
-                "xyz about fixed axes, ZYX about the axes that turn along."
-            )
+            raise SettingsError("The order of the Euler angles is not known.", Remedy.EULER_ORDER)
         if set(EULER) <= have and len(set(form.euler_order)) < 3:
             raise SettingsError(
-                "Angles that are named by axis cannot be turned in the order {euler_order}, which has an axis twice. "
-                "Give the angles without names, in the order of the turns (--columns with e0 e1 e2).",
-                euler_order=form.euler_order,
+                f"Angles that are named by axis cannot be turned in the order {form.euler_order}, which has an axis twice. Name "
+                "them e0 e1 e2, in the order of the turns.",
+                Remedy.NAME_THE_COLUMNS,
             )
         about = "fixed axes" if form.euler_order.islower() else "the axes that turn along"
         return (
@@ -171,9 +164,9 @@ def pose_of(values: Mapping[str, float], form: PoseFormat) -> Matrix | None:
             row = " ".join(f"{v:g}" for v in matrix[3])
             if np.allclose(matrix[:, 3], (0, 0, 0, 1)):
                 raise PoseValueError(
-                    "must have 0 0 0 1 as its last row; got {row}. They seem to be written column by column: give --column-major.", row=row
+                    f"must have 0 0 0 1 as its last row; got {row}. They seem to be written column by column.", Remedy.COLUMN_MAJOR
                 )
-            raise PoseValueError("must have 0 0 0 1 as its last row; got {row}.", row=row)
+            raise PoseValueError(f"must have 0 0 0 1 as its last row; got {row}.")
         matrix[3] = (0.0, 0.0, 0.0, 1.0)
         return matrix
     matrix[:3, 3] = [values[axis] for axis in TRANSLATION]
@@ -190,7 +183,7 @@ def pose_of(values: Mapping[str, float], form: PoseFormat) -> Matrix | None:
     with np.errstate(over="ignore"):  # then it is infinite, and refused
         length = float(np.linalg.norm(quaternion))
     if abs(length - 1.0) > QUATERNION_TOLERANCE:
-        raise PoseValueError("must have a quaternion of length 1; got {length:.4g}. Check which columns hold it.", length=length)
+        raise PoseValueError(f"must have a quaternion of length 1; got {length:.4g}. Check which columns hold it.")
     matrix[:3, :3] = scipy.spatial.transform.Rotation.from_quat(quaternion / length).as_matrix()
     return matrix
 
@@ -225,6 +218,6 @@ def time_of(values: Mapping[str, float]) -> float | None:
 def _what_is_needed(names: Sequence[str | None]) -> SettingsError:
     return SettingsError(
         "The poses must be 4x4 matrices (m00 to m33), or x y z with qx qy qz qw, or with rx ry rz; "
-        "known columns: {there}. Name the columns with --columns, - for those that are not used.",
-        there=", ".join(name for name in names if name) or Message("none"),
+        f"known columns: {listed(filter(None, names)) or 'none'}.",
+        Remedy.NAME_THE_COLUMNS,
     )

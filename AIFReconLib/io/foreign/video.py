@@ -14,7 +14,7 @@ import numpy as np
 
 from ...arrays import Bytes, Floats
 from ...errors import FileFormatError
-from ...message import Message, one_line
+from ...message import one_line
 from .images import DecodedImages, ImportedImages, describe_stack, library
 
 _ONLY_THIS_FILE = ("-protocol_whitelist", "file", "-format_whitelist", "mov,mp4,avi,matroska,webm,asf")
@@ -38,14 +38,14 @@ def open_video(path: Path) -> ImportedImages:
     the scanner showed, not equal to them.
     """
     try:
-        program = library("imageio_ffmpeg", Message("Videos")).get_ffmpeg_exe()
+        program = library("imageio_ffmpeg", "Videos").get_ffmpeg_exe()
     except RuntimeError as error:
         raise FileFormatError(
-            "{path}: there is no ffmpeg program ({cause}). Install it: pip install imageio-ffmpeg.", path=path, cause=one_line(str(error))
+            f"{path}: there is no ffmpeg program ({one_line(str(error))}). Install it: pip install imageio-ffmpeg."
         ) from None
     video = _Video(program, path)
     times = video.times()
-    stack = DecodedImages(len(times), video.frame, lambda n: Message("{path}, frame {number}", path=path, number=n))
+    stack = DecodedImages(len(times), video.frame, lambda n: f"{path}, frame {n}")
     return ImportedImages(stack, describe_stack(len(times), "video frames", stack.shape[1:], stack.dtype), times=times)
 
 
@@ -75,7 +75,7 @@ class _Video:
         base = re.search(r"^#tb 0: (\d+)/(\d+)", done.stdout, re.MULTILINE)
         stamps = [int(line.split(",")[2]) for line in done.stdout.splitlines() if line and not line.startswith("#")]
         if base is None or not stamps:
-            raise self._failure(_shown(done.stderr) or Message("it holds no frames"))
+            raise self._failure(_shown(done.stderr) or "it holds no frames")
         return np.array(stamps) * (int(base[1]) / int(base[2]))
 
     def frame(self, number: int) -> Bytes:
@@ -111,19 +111,15 @@ class _Video:
         lines = [stream.readline(64) for _ in range(3)]
         size = re.fullmatch(rb"(\d+) (\d+)\n", lines[1])
         if lines[0] != b"P5\n" or size is None:
-            raise self._failure(Message("it ends after frame {number}", number=self._next - 1))
+            raise self._failure(f"it ends after frame {self._next - 1}")
         columns, rows = int(size[1]), int(size[2])
         data = stream.read(columns * rows)
         if len(data) != columns * rows:
-            raise self._failure(Message("it ends within frame {number}", number=self._next))
+            raise self._failure(f"it ends within frame {self._next}")
         return np.frombuffer(data, np.uint8).reshape(rows, columns)
 
     def _failure(self, why: str) -> FileFormatError:
-        return FileFormatError(
-            "{path}: it cannot be decoded as a video ({cause}). Export it again, or its frames as pictures.",
-            path=self._path,
-            cause=why,
-        )
+        return FileFormatError(f"{self._path}: it cannot be decoded as a video ({why}). Export it again, or its frames as pictures.")
 
 
 def _shown(text: str) -> str:

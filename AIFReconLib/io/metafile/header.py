@@ -14,7 +14,8 @@ from typing import BinaryIO
 from ...arrays import NumberType
 from ...errors import FileFormatError
 from ...machine.memory import available_memory
-from ...message import Message, shorten
+from ...message import shorten
+from ...remedies import Remedy
 from ..disk.regular_files import stamp
 from .frame_lines import FRAME_KEY, LONG_HEADER, FrameLines
 from .metafile import RAW, UNFINISHED, Metafile
@@ -56,9 +57,9 @@ class HeaderLines:
         self.path = path
         self.error = error
 
-    def failure(self, problem: str, /, **values: object) -> FileFormatError:
-        """The error to raise for this header: a sentence with its values, on one line whatever the file holds."""
-        return self.error("{path}: {problem}", path=self.path, problem=Message(problem, **values))
+    def failure(self, problem: str, remedy: Remedy | None = None) -> FileFormatError:
+        """The error to raise for this header."""
+        return self.error(f"{self.path}: {problem}", remedy)
 
     def next(self) -> str | None:
         """The next line without its end; None at the end of the file."""
@@ -71,7 +72,7 @@ class HeaderLines:
         if self._start - self._asked > _STEP:
             self._asked, available = self._start, available_memory()
             if available is not None and available < _TIMES_IN_MEMORY * _STEP:
-                raise self.failure("there is no memory for a header of more than {size} bytes. Free some memory.", size=self._start)
+                raise self.failure(f"there is no memory for a header of more than {self._start} bytes. Free some memory.")
         return line.rstrip(b"\r\n").decode("utf-8", errors="surrogateescape")
 
     def keep(self, fields: dict[str, str], key: str, value: str, split: Callable[[str], tuple[str, str]]) -> None:
@@ -126,7 +127,7 @@ def build_metafile(
     """
     data_path = lines.path if data_file is None else _beside(lines, data_file)
     if not data_path.is_file():
-        raise lines.failure("data file {file} is missing. Put it beside the header.", file=data_path.name)
+        raise lines.failure(f"data file {data_path.name} is missing. Put it beside the header.")
     status = data_path.stat()
     offset = lines.position if data_file is None else skip
     if skip == TO_THE_END:
@@ -157,9 +158,7 @@ def parse_skip(lines: HeaderLines, key: str, text: str, possible: bool) -> int:
         return TO_THE_END
     if text not in ("", "0") and not possible:
         raise lines.failure(
-            "{key} must be 0 where pixels are compressed or follow the header; got {text!r}. Write the file again.",
-            key=key,
-            text=shorten(text),
+            f"{key} must be 0 where pixels are compressed or follow the header; got {shorten(text)!r}. Write the file again."
         )
     return parse_count(lines, key, text or "0", 0, 2**62)
 
@@ -168,16 +167,13 @@ def parse_sizes(lines: HeaderLines, key: str, text: str, count: int) -> tuple[in
     """The `count` positive whole numbers of a size entry."""
     words = text.split()
     if len(words) != count or not all(re.fullmatch(r"[0-9]{1,12}", word) for word in words):
-        raise lines.failure(
-            "{key} must be {count} whole numbers; got {text!r}. The header is damaged.", key=key, count=count, text=shorten(text)
-        )
+        raise lines.failure(f"{key} must be {count} whole numbers; got {shorten(text)!r}. The header is damaged.")
     sizes = tuple(int(word) for word in words)
     if min(sizes) < 1:
         raise lines.failure(
-            "{key} must be positive; got {text!r}. The file holds no image: record or export it again, or, "
-            "if it is Slicer's sequence of a transform, give it with the images as --transform-sequence NAME=FILE.",
-            key=key,
-            text=text,
+            f"{key} must be positive; got {text!r}. The file holds no image: record or export it again; or it is Slicer's sequence "
+            "of a transform, which goes with the images.",
+            Remedy.TRANSFORM_SEQUENCES,
         )
     return sizes
 
@@ -186,11 +182,7 @@ def parse_count(lines: HeaderLines, key: str, text: str, lowest: int, highest: i
     """One whole number within limits."""
     if not re.fullmatch(r"[0-9]{1,18}", text) or not lowest <= int(text) <= highest:
         raise lines.failure(
-            "{key} must be a whole number from {lowest} to {highest}; got {text!r}. Such files are not supported.",
-            key=key,
-            lowest=lowest,
-            highest=highest,
-            text=shorten(text),
+            f"{key} must be a whole number from {lowest} to {highest}; got {shorten(text)!r}. Such files are not supported."
         )
     return int(text)
 
@@ -198,7 +190,7 @@ def parse_count(lines: HeaderLines, key: str, text: str, lowest: int, highest: i
 def require(lines: HeaderLines, entries: Mapping[str, str], key: str) -> str:
     """The value of a header key that must be there."""
     if key not in entries:
-        raise lines.failure("the header has no {key}. It is damaged, or this is not an image file.", key=key)
+        raise lines.failure(f"the header has no {key}. It is damaged, or this is not an image file.")
     return entries[key]
 
 
@@ -206,10 +198,7 @@ def store(lines: HeaderLines | Metafile, entries: dict[str, str], key: str, valu
     """Add an entry; two different values under one key leave it open which of them holds."""
     if entries.setdefault(key, value) != value:
         raise lines.failure(
-            "{key} is given twice, as {first!r} and as {second!r}. Remove one of the two lines from the header.",
-            key=key,
-            first=shorten(entries[key]),
-            second=shorten(value),
+            f"{key} is given twice, as {shorten(entries[key])!r} and as {shorten(value)!r}. Remove one of the two lines from the header."
         )
 
 
@@ -217,8 +206,7 @@ def _beside(lines: HeaderLines, name: str) -> Path:
     """The data file `name` in the header's folder. Nothing else is opened because a header says so."""
     if not name or name in (".", "..") or re.search(r"[/\\:\0]", name):
         raise lines.failure(
-            "its data file must lie beside it and be given by its bare name; got {file!r}. Move it there and correct the header.",
-            file=shorten(name),
+            f"its data file must lie beside it and be given by its bare name; got {shorten(name)!r}. Move it there and correct the header."
         )
     return lines.path.parent / name
 
@@ -231,38 +219,23 @@ def _check_length(metafile: Metafile, size_key: str, stored_length: int | None) 
         if there < needed:
             complete = there // (needed // metafile.size[-1])
             raise metafile.failure(
-                "the pixel data are cut short: {size_key} {size} needs {needed} bytes, there are {there} "
-                "({complete} of {total} frames or slices). Copy the file again, or correct {size_key}.",
-                size_key=size_key,
-                size=size,
-                needed=needed,
-                there=there,
-                complete=complete,
-                total=metafile.size[-1],
+                f"the pixel data are cut short: {size_key} {size} needs {needed} bytes, there are {there} ({complete} of "
+                f"{metafile.size[-1]} frames or slices). Copy the file again, or correct {size_key}."
             )
         if there > needed and UNFINISHED not in metafile.fields:
             raise metafile.failure(
-                "there are {excess} bytes more than {size_key} {size} needs ({needed}). Correct {size_key}, or write the file again.",
-                excess=there - needed,
-                size_key=size_key,
-                size=size,
-                needed=needed,
+                f"there are {there - needed} bytes more than {size_key} {size} needs ({needed}). Correct {size_key}, or write the file "
+                "again."
             )
         return
     if stored_length is not None and there != stored_length:
-        what = Message("are cut short") if there < stored_length else Message("go on behind their end")
+        what = "are cut short" if there < stored_length else "go on behind their end"
         raise metafile.failure(
-            "the pixel data {what}: CompressedDataSize is {stored} bytes, there are {there}. Copy the file again, or write it again.",
-            what=what,
-            stored=stored_length,
-            there=there,
+            f"the pixel data {what}: CompressedDataSize is {stored_length} bytes, there are {there}. Copy the file again, or write it "
+            "again."
         )
     if needed > LARGEST_DEFLATE_RATIO * there + 4096:
         raise metafile.failure(
-            "{size_key} {size} needs {needed} bytes, more than {there} compressed bytes can hold. Copy the file again, "
-            "or correct {size_key}.",
-            size_key=size_key,
-            size=size,
-            needed=needed,
-            there=there,
+            f"{size_key} {size} needs {needed} bytes, more than {there} compressed bytes can hold. Copy the file again, or correct "
+            f"{size_key}."
         )

@@ -13,7 +13,7 @@ from typing import BinaryIO
 
 from ...arrays import NumberType
 from ...errors import FileFormatError
-from ...message import Message
+from ...remedies import Remedy
 from ..disk.regular_files import stamp
 from .frame_lines import FrameLines
 
@@ -73,9 +73,9 @@ class Metafile:
         """Bytes of all pixels, decoded."""
         return math.prod(self.size) * self.channels * self.dtype.itemsize
 
-    def failure(self, problem: str, /, **values: object) -> FileFormatError:
-        """The error to raise for this file: a sentence with its values, on one line whatever the file holds."""
-        return self.error("{path}: {problem}", path=self.path, problem=Message(problem, **values))
+    def failure(self, problem: str, remedy: Remedy | None = None) -> FileFormatError:
+        """The error to raise for this file."""
+        return self.error(f"{self.path}: {problem}", remedy)
 
     def frame_fields(self, number: int) -> list[tuple[str, str]]:
         """Names and values of the fields of one frame, and some others, of a header with `frame_lines`.
@@ -90,7 +90,7 @@ class Metafile:
         try:
             return self.frame_lines.read(self._header_bytes, number)
         except OSError as error:
-            raise self.failure("the header cannot be read ({reason}). Copy the file again.", reason=error.strerror) from error
+            raise self.failure(f"the header cannot be read ({error.strerror}). Copy the file again.") from error
 
     def _header_bytes(self, start: int, count: int) -> bytes:
         with open(self.path, "rb") as file:
@@ -112,18 +112,16 @@ class Metafile:
             file = open(self.data_path, "rb")  # noqa: SIM115 (closed below)
         except OSError as error:
             raise self.failure(
-                "data file {file} cannot be read ({reason}). Put it back beside the header.",
-                file=self.data_path.name,
-                reason=error.strerror,
+                f"data file {self.data_path.name} cannot be read ({error.strerror}). Put it back beside the header."
             ) from error
         try:
             with file:
                 self.require_unchanged(file)
                 yield file
         except OSError as error:
-            raise self.failure("the pixel data cannot be read ({reason}). Copy the file again.", reason=error.strerror) from error
+            raise self.failure(f"the pixel data cannot be read ({error.strerror}). Copy the file again.") from error
 
     def require_unchanged(self, file: BinaryIO) -> None:
         """Raise `error` unless the open data file is still as it was when the header was read."""
         if stamp(os.fstat(file.fileno())) != self.data_stamp:
-            raise self.failure("data file {file} has changed since it was opened. Read the file again.", file=self.data_path.name)
+            raise self.failure(f"data file {self.data_path.name} has changed since it was opened. Read the file again.")

@@ -38,7 +38,7 @@ def parse_metaimage(lines: HeaderLines) -> Metafile:
     """The header and where its payload lies."""
     entries = read_entries(lines)
     if entries.get("ObjectType", "Image") != "Image":
-        raise lines.failure("ObjectType must be Image; got {kind!r}. Give an image file.", kind=entries["ObjectType"])
+        raise lines.failure("ObjectType must be Image; got {kind!r}. Give an image file.".format(kind=entries["ObjectType"]))
     dimensions = parse_count(lines, "NDims", require(lines, entries, "NDims"), 2, 4)
     size = parse_sizes(lines, "DimSize", require(lines, entries, "DimSize"), dimensions)
     if not _is_true(lines, entries, "BinaryData", default=True):
@@ -46,18 +46,18 @@ def parse_metaimage(lines: HeaderLines) -> Metafile:
     element_type = require(lines, entries, "ElementType")
     if element_type not in ELEMENT_TYPES:
         raise lines.failure(
-            "ElementType must be one of {kinds}; got {kind!r}. Convert the file to one of them.",
-            kinds=", ".join(ELEMENT_TYPES),
-            kind=element_type,
+            "ElementType must be one of {kinds}; got {kind!r}. Convert the file to one of them.".format(
+                kinds=", ".join(ELEMENT_TYPES), kind=element_type
+            )
         )
     byte_order_key = "ElementByteOrderMSB" if "ElementByteOrderMSB" in entries else "BinaryDataByteOrderMSB"
     byte_order = ">" if _is_true(lines, entries, byte_order_key, default=False) else "<"
     kinds = tuple(entries.get("Kinds", "").lower().split())
     if kinds and len(kinds) != dimensions:
         raise lines.failure(
-            "Kinds must have {dimensions} words, one for each of NDims; got {kinds!r}. Correct the header.",
-            dimensions=dimensions,
-            kinds=entries["Kinds"],
+            "Kinds must have {dimensions} words, one for each of NDims; got {kinds!r}. Correct the header.".format(
+                dimensions=dimensions, kinds=entries["Kinds"]
+            )
         )
     compressed = _is_true(lines, entries, "CompressedData", default=False)
     data_file = _data_file(lines, entries[LAST_KEY])
@@ -89,7 +89,7 @@ def read_entries(lines: HeaderLines) -> dict[str, str]:
         lines.keep(entries, key, value, _split)
         if key == LAST_KEY:
             return entries
-    raise lines.failure("the header ends without {key}: the file is cut short or is no MetaImage. Copy it again.", key=LAST_KEY)
+    raise lines.failure(f"the header ends without {LAST_KEY}: the file is cut short or is no MetaImage. Copy it again.")
 
 
 def _split(line: str) -> tuple[str, str]:
@@ -106,7 +106,7 @@ def _is_true(lines: HeaderLines, entries: dict[str, str], key: str, default: boo
         return True
     if text.lower() in ("false", "f", "0"):
         return False
-    raise lines.failure("{key} must be True or False; got {text!r}. Correct the header.", key=key, text=text)
+    raise lines.failure(f"{key} must be True or False; got {text!r}. Correct the header.")
 
 
 def _data_file(lines: HeaderLines, text: str) -> str | None:
@@ -114,8 +114,7 @@ def _data_file(lines: HeaderLines, text: str) -> str | None:
         return None
     if text.split()[:1] == ["LIST"] or "%" in text:
         raise lines.failure(
-            "ElementDataFile must be LOCAL or one file; got {text!r}. Lists of files are not supported: write it again as one file.",
-            text=text,
+            f"ElementDataFile must be LOCAL or one file; got {text!r}. Lists of files are not supported: write it again as one file."
         )
     return text
 

@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 
-from ...message import Message
 from .header import HeaderLines, build_metafile, parse_count, parse_sizes, parse_skip, require, store
 from .metafile import COMPRESSED, RAW, Metafile
 
@@ -52,13 +51,13 @@ def parse_nrrd(lines: HeaderLines) -> Metafile:
     size = parse_sizes(lines, "sizes", require(lines, entries, "sizes"), dimensions)
     pixel_type = require(lines, entries, "type").lower()
     if pixel_type not in TYPES:
-        raise lines.failure("type must be a whole-number or floating-point type; got {kind!r}. Convert the file.", kind=pixel_type)
+        raise lines.failure(f"type must be a whole-number or floating-point type; got {pixel_type!r}. Convert the file.")
     kinds = tuple(entries.get("kinds", "").lower().split())
     if kinds and len(kinds) != dimensions:
         raise lines.failure(
-            "kinds must have {dimensions} words, one for each dimension; got {kinds!r}. Correct the header.",
-            dimensions=dimensions,
-            kinds=entries["kinds"],
+            "kinds must have {dimensions} words, one for each dimension; got {kinds!r}. Correct the header.".format(
+                dimensions=dimensions, kinds=entries["kinds"]
+            )
         )
     channels = 1
     if kinds and kinds[0] in CHANNEL_KINDS:
@@ -129,7 +128,7 @@ def _split(line: str) -> tuple[str, str]:
 def _byte_order(lines: HeaderLines, entries: dict[str, str], code: str) -> str:
     endian = entries.get("endian", "little" if code.endswith("1") else "").lower()
     if endian not in ("little", "big"):
-        raise lines.failure("endian must be little or big; got {endian!r}. Correct the header.", endian=endian)
+        raise lines.failure(f"endian must be little or big; got {endian!r}. Correct the header.")
     return "<" if endian == "little" else ">"
 
 
@@ -139,18 +138,12 @@ def _encoding(lines: HeaderLines, encoding: str) -> str:
     if encoding in GZIP_ENCODINGS:
         return COMPRESSED
     ascii_data = encoding in ("ascii", "txt", "text")
-    reason = Message("ASCII data are not supported") if ascii_data else Message("no other encoding is supported")
-    raise lines.failure(
-        "encoding must be raw or gzip; got {encoding!r}: {reason}. Write the file again with one of these.",
-        encoding=encoding,
-        reason=reason,
-    )
+    reason = "ASCII data are not supported" if ascii_data else "no other encoding is supported"
+    raise lines.failure(f"encoding must be raw or gzip; got {encoding!r}: {reason}. Write the file again with one of these.")
 
 
 def _data_file(lines: HeaderLines, entries: dict[str, str]) -> str | None:
     text = entries.get("data file")
     if text is not None and (text.split()[:1] == ["LIST"] or "%" in text):
-        raise lines.failure(
-            "data file must be one file; got {text!r}. Lists of files are not supported: write it again as one file.", text=text
-        )
+        raise lines.failure(f"data file must be one file; got {text!r}. Lists of files are not supported: write it again as one file.")
     return text.removeprefix("./") if text is not None else None

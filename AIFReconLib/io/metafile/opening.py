@@ -45,7 +45,7 @@ def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
                 raise metafile.failure("the file changed while it was read. Read it again when it is complete.")
             return metafile
     except OSError as cause:
-        raise error("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=cause.strerror) from cause
+        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
 
 
 def data_files(path: Path) -> list[Path]:

@@ -107,7 +107,7 @@ class Inflater:
                 # An empty input still yields what the decoder held back when the last limit was reached.
                 piece = self._decoder.decompress(self._pending, limit)
             except zlib.error as error:
-                raise PayloadError("are corrupt ({problem})", problem=error) from error
+                raise PayloadError(f"are corrupt ({error})") from error
             self._pending = self._decoder.unused_data if self._decoder.eof else self._decoder.unconsumed_tail
             if piece:
                 return piece
@@ -148,6 +148,6 @@ def check_payload(metafile: Metafile) -> None:
             stream.skip(file, metafile.pixel_bytes)
             stream.finish(file)
         except PayloadError as error:
-            raise metafile.failure("the pixel data {problem}. Copy or write the file again.", problem=error) from error
+            raise metafile.failure(f"the pixel data {error}. Copy or write the file again.") from error
         except OSError as error:
-            raise metafile.failure("the pixel data cannot be read ({reason}). Copy the file again.", reason=error.strerror) from error
+            raise metafile.failure(f"the pixel data cannot be read ({error.strerror}). Copy the file again.") from error

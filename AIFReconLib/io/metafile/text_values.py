@@ -38,7 +38,7 @@ def parse_number(text: str) -> float:
         return math.nan
     if _INFINITY.fullmatch(word):
         return -math.inf if word.startswith("-") else math.inf
-    raise NotANumberError("{word!r} is not a number", word=shorten(word))
+    raise NotANumberError(f"{shorten(word)!r} is not a number")
 
 
 def parse_numbers(text: str) -> list[float]:

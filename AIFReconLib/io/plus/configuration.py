@@ -13,7 +13,6 @@ from ...geometry.transform_graph import TransformName, TransformSample, Transfor
 from ...geometry.transforms import as_matrix
 from ...imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ...imaging.region import ClipRectangle, Fan, ImageRegion
-from ...message import Message
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from .reconstruction import build, read_reconstruction
 from .xml_attributes import Attributes
@@ -31,9 +30,7 @@ def read_plus_configuration(path: str | Path) -> PlusConfiguration:
     path = Path(path)
     root = parse_xml(path)
     if root.tag != "PlusConfiguration":
-        raise ConfigurationError(
-            "{path}: its root element must be PlusConfiguration; got {found}. Give a Plus configuration file.", path=path, found=root.tag
-        )
+        raise ConfigurationError(f"{path}: its root element must be PlusConfiguration; got {root.tag}. Give a Plus configuration file.")
     transforms = _read_transforms(path, root)
     reconstruction = _find_reconstruction(root)
     configuration = NO_CONFIGURATION if reconstruction is None else read_reconstruction(path, reconstruction)
@@ -56,15 +53,13 @@ def _read_transforms(path: Path, root: Element) -> dict[TransformName, Transform
             raise attributes.failure("To", "must differ from From. Correct it.")
         for other in (name, name.inverse):
             if other in transforms:
-                raise attributes.failure("To", "states the relation that {other} states already. Remove one of the two.", other=other)
+                raise attributes.failure("To", f"states the relation that {other} states already. Remove one of the two.")
         status = TransformStatus.parse(attributes.text("Status") or "OK")
         if status is TransformStatus.OK:
             try:
-                matrix = as_matrix(attributes.required_numbers(16, "Matrix"), Message("transform {name}", name=name))
+                matrix = as_matrix(attributes.required_numbers(16, "Matrix"), f"transform {name}")
             except GeometryError as error:
-                raise attributes.failure(
-                    "Matrix", "cannot be used. {problem} Repeat the calibration, or correct it.", problem=error
-                ) from error
+                raise attributes.failure("Matrix", f"cannot be used. {error} Repeat the calibration, or correct it.") from error
         else:
             matrix = np.full((4, 4), np.nan)
         transforms[name] = TransformSample(matrix, status)

@@ -44,10 +44,10 @@ def read_importance_mask(path: str | Path) -> Singles:
     """
     path = Path(path)
     if not path.is_file():
-        raise FileFormatError("{path}: there is no such file. Name an 8-bit gray image as importance mask.", path=path)
+        raise FileFormatError(f"{path}: there is no such file. Name an 8-bit gray image as importance mask.")
     if path.suffix.lower() not in _READERS:
         raise FileFormatError(
-            "{path}: an importance mask must be one of {suffixes}. Save it as a PNG image.", path=path, suffixes=", ".join(_READERS)
+            "{path}: an importance mask must be one of {suffixes}. Save it as a PNG image.".format(path=path, suffixes=", ".join(_READERS))
         )
     if path.suffix.lower() == ".png":
         _check_chunks(path)
@@ -58,24 +58,21 @@ def read_importance_mask(path: str | Path) -> Singles:
     try:
         reader.ReadImageInformation()
         if math.prod(reader.GetSize()) > MAXIMUM_PIXELS:
+            size = " x ".join(map(str, reader.GetSize()))
             raise FileFormatError(
-                "{path}: an importance mask must have at most {maximum} pixels; got {size}. Give one as large as the ultrasound images.",
-                path=path,
-                maximum=MAXIMUM_PIXELS,
-                size=" x ".join(map(str, reader.GetSize())),
+                f"{path}: an importance mask must have at most {MAXIMUM_PIXELS} pixels; got {size}. Give one as large as the ultrasound "
+                "images."
             )
         image = reader.Execute()
     except RuntimeError as error:
-        raise FileFormatError(
-            "{path}: it cannot be read as an importance mask: {cause}. Give a PNG image.", path=path, cause=short_cause(error)
-        ) from error
+        raise FileFormatError(f"{path}: it cannot be read as an importance mask: {short_cause(error)}. Give a PNG image.") from error
     array: Numbers = sitk.GetArrayFromImage(image)
     if array.dtype != np.uint8 or image.GetNumberOfComponentsPerPixel() != 1 or array.squeeze().ndim != 2:
         found = f"{' x '.join(map(str, image.GetSize()))} {image.GetPixelIDTypeAsString()}"
-        raise FileFormatError("{path}: an importance mask must be an 8-bit gray image; got {found}. Convert it.", path=path, found=found)
+        raise FileFormatError(f"{path}: an importance mask must be an 8-bit gray image; got {found}. Convert it.")
     array = array.reshape(array.shape[-2:])
     if not array.any():
-        raise FileFormatError("{path}: an importance mask must have pixels above 0; got none. Draw what counts in white.", path=path)
+        raise FileFormatError(f"{path}: an importance mask must have pixels above 0; got none. Draw what counts in white.")
     return array.astype(np.float32) / np.float32(255)
 
 
@@ -85,9 +82,7 @@ def _check_chunks(path: Path) -> None:
         with open(path, "rb") as file:
             data = file.read(MAXIMUM_BYTES + 1)
     except OSError as error:
-        raise FileFormatError(
-            "{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=error.strerror
-        ) from error
+        raise FileFormatError(f"{path}: the file cannot be read ({error.strerror}). Check its permissions.") from error
     place, kind = 8, b""
     while data.startswith(_PNG_MAGIC) and len(data) <= MAXIMUM_BYTES and kind != b"IEND":
         length, kind = int.from_bytes(data[place : place + 4], "big"), data[place + 4 : place + 8]
@@ -95,7 +90,7 @@ def _check_chunks(path: Path) -> None:
         if place > len(data):
             break
     if kind != b"IEND" or place > len(data):
-        raise FileFormatError("{path}: it cannot be read as an importance mask: it is damaged or no PNG image. Save it again.", path=path)
+        raise FileFormatError(f"{path}: it cannot be read as an importance mask: it is damaged or no PNG image. Save it again.")
 
 
 def configured_importance(configuration: PlusConfiguration) -> Singles | None:
@@ -111,8 +106,6 @@ def configured_importance(configuration: PlusConfiguration) -> Singles | None:
     if configuration.importance_mask is None:
         place = "VolumeReconstruction@ImportanceMaskFilename"
         raise ConfigurationError(
-            "{path}: {place} is missing, and CompoundingMode=IMPORTANCE_MASK needs it. Add it, or give an importance mask.",
-            path=configuration.path,
-            place=place,
+            f"{configuration.path}: {place} is missing, and CompoundingMode=IMPORTANCE_MASK needs it. Add it, or give an importance mask."
         )
     return read_importance_mask(configuration.importance_mask)

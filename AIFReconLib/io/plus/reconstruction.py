@@ -12,7 +12,6 @@ from ...errors import AIFReconError
 from ...geometry.transform_graph import capital
 from ...holes.filling import CUBE, GAUSSIAN, GAUSSIAN_BY_HITS, INVERSE_DISTANCE, STICK, HoleFilling
 from ...imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
-from ...message import Message
 from ...sweep.configuration import PlusConfiguration
 from .xml_attributes import Attributes
 
@@ -81,7 +80,7 @@ def _read_extent(attributes: Attributes) -> tuple[int, int, int, int, int, int] 
         return None
     if any(extent[2 * axis] > extent[2 * axis + 1] for axis in range(3)):
         got = attributes.text("OutputExtent")
-        raise attributes.failure("OutputExtent", "must be first and last voxel along x, y and z, rising; got {got!r}. Correct it.", got=got)
+        raise attributes.failure("OutputExtent", f"must be first and last voxel along x, y and z, rising; got {got!r}. Correct it.")
     if attributes.text("OutputSpacing") is None:
         raise attributes.failure("OutputSpacing", "is missing, and OutputExtent counts voxels. Add it to the element.")
     first_x, last_x, first_y, last_y, first_z, last_z = extent
@@ -144,7 +143,7 @@ def _read_importance_mask(path: Path, attributes: Attributes) -> Path | None:
     name = name.replace("\\", "/")
     if name.startswith("//") or "://" in name:
         raise attributes.failure(
-            "ImportanceMaskFilename", "must be a file of this computer; got {name!r}. Copy it beside the configuration.", name=name
+            "ImportanceMaskFilename", f"must be a file of this computer; got {name!r}. Copy it beside the configuration."
         )
     file = Path(name)
     return file if file.is_absolute() else path.parent / file
@@ -179,28 +178,28 @@ def _not_honored(attributes: Attributes) -> tuple[str, ...]:
     """A sentence for each request that is not carried out, or that is but has no effect."""
     warnings = []
 
-    def warn(attribute: str, problem: Message) -> None:
+    def warn(attribute: str, problem: str) -> None:
         value = attributes.text(attribute)
         place = attributes.place
-        warnings.append(Message("{place}@{attribute}={value} {problem}.", place=place, attribute=attribute, value=value, problem=problem))
+        warnings.append(f"{place}@{attribute}={value} {problem}.")
 
     if (attributes.text("Optimization") or "NONE").upper() not in ("NONE", "FULL"):
-        warn("Optimization", Message("has no effect: voxels are those of NONE, in double precision"))
+        warn("Optimization", "has no effect: voxels are those of NONE, in double precision")
     if attributes.number(1, "SkipInterval") < 1:
-        warn("SkipInterval", Message("means 1, every frame: it must be at least that"))
+        warn("SkipInterval", "means 1, every frame: it must be at least that")
     if attributes.switch("RecomputeOutputSpacing") and _read_extent(attributes) is not None:
-        warn("RecomputeOutputSpacing", Message("has no effect with OutputExtent, which gives the box in voxels"))
+        warn("RecomputeOutputSpacing", "has no effect with OutputExtent, which gives the box in voxels")
     if attributes.text("ImportanceMaskFilename") and not _uses_importance_mask(attributes):
-        warn("ImportanceMaskFilename", Message("has no effect without CompoundingMode=IMPORTANCE_MASK: all pixels count alike"))
+        warn("ImportanceMaskFilename", "has no effect without CompoundingMode=IMPORTANCE_MASK: all pixels count alike")
     if attributes.switch("EnableFanAnglesAutoDetect") and _read_fan(attributes) is None:
-        warn("EnableFanAnglesAutoDetect", Message("has no effect without FanAnglesDeg, the widest angles to look within"))
+        warn("EnableFanAnglesAutoDetect", "has no effect without FanAnglesDeg, the widest angles to look within")
     if attributes.switch("FillHoles") and attributes.element.find("HoleFilling/HoleFillingElement") is None:
-        warn("FillHoles", Message("is not honored: it has no HoleFillingElement. Give --hole-limit to fill empty voxels"))
+        warn("FillHoles", "is not honored: it has no HoleFillingElement")
     if attributes.text("OutputOrigin") and _read_extent(attributes) is None:
-        warn("OutputOrigin", Message("is not honored without OutputExtent: the volume is the box around the sweep"))
+        warn("OutputOrigin", "is not honored without OutputExtent: the volume is the box around the sweep")
     for name in attributes.element.attrib:
         if name not in _HONORED and attributes.text(name):
-            warn(name, Message("has no effect: VolumeReconstruction has no such attribute. Check how it is spelled"))
+            warn(name, "has no effect: VolumeReconstruction has no such attribute. Check how it is spelled")
     return tuple(warnings)
 
 
@@ -209,4 +208,4 @@ def build(attributes: Attributes, attribute: str, make: Callable[[], Thing]) -> 
     try:
         return make()
     except AIFReconError as error:
-        raise attributes.failure(attribute, "cannot be used. {problem}", problem=error) from error
+        raise attributes.failure(attribute, f"cannot be used. {error}") from error

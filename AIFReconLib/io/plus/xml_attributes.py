@@ -9,7 +9,7 @@ from typing import TypeVar
 from xml.etree.ElementTree import Element
 
 from ...errors import ConfigurationError
-from ...message import Message, one_line, shorten
+from ...message import shorten
 from ..metafile.text_values import NotANumberError, parse_numbers
 
 LARGEST_INTEGER = 2**31 - 1
@@ -36,15 +36,9 @@ class Attributes:
         self.element = element
         self.place = place
 
-    def failure(self, attribute: str, problem: str, /, **values: object) -> ConfigurationError:
-        """The error to raise for an attribute of this element: a sentence about it with its values, on one line."""
-        return ConfigurationError(
-            "{path}: {place}@{attribute} {problem}",
-            path=self._path,
-            place=one_line(self.place),
-            attribute=attribute,
-            problem=Message(problem, **values),
-        )
+    def failure(self, attribute: str, problem: str) -> ConfigurationError:
+        """The error to raise for an attribute of this element."""
+        return ConfigurationError(f"{self._path}: {self.place}@{attribute} {problem}")
 
     def text(self, *names: str) -> str | None:
         """The first of `names` that is there (newer names first), without white space around it; None without any."""
@@ -66,9 +60,9 @@ class Attributes:
         try:
             numbers = parse_numbers(text)
         except NotANumberError as error:
-            raise self.failure(name, "must be {numbers}; {problem}. Correct it.", numbers=_spell(count), problem=error) from error
+            raise self.failure(name, f"must be {_spell(count)}; {error}. Correct it.") from error
         if len(numbers) != count or not all(math.isfinite(number) for number in numbers):
-            raise self.failure(name, "must be {numbers}; got {text!r}. Correct it.", numbers=_spell(count), text=shorten(text))
+            raise self.failure(name, f"must be {_spell(count)}; got {shorten(text)!r}. Correct it.")
         return tuple(numbers)
 
     def required_numbers(self, count: int, name: str) -> tuple[float, ...]:
@@ -99,15 +93,21 @@ class Attributes:
         if numbers is None:
             return None
         if any(number != int(number) for number in numbers):
-            raise self.failure(self._present(names), "must be whole; got {text!r}. Correct it.", text=shorten(self.text(*names) or ""))
+            raise self.failure(
+                self._present(names), "must be whole; got {text!r}. Correct it.".format(text=shorten(self.text(*names) or ""))
+            )
         if max(map(abs, numbers)) > LARGEST_INTEGER:
-            raise self.failure(self._present(names), "must be of 32 bits; got {text!r}. Correct it.", text=shorten(self.text(*names) or ""))
+            raise self.failure(
+                self._present(names), "must be of 32 bits; got {text!r}. Correct it.".format(text=shorten(self.text(*names) or ""))
+            )
         return tuple(int(number) for number in numbers)
 
     def positive(self, numbers: Given, name: str) -> Given:
         """The same numbers, each of which must be above 0; None stays None."""
         if numbers is not None and min(numbers) <= 0:
-            raise self.failure(name, "must be positive; got {numbers}. Correct it.", numbers=" ".join(f"{number:g}" for number in numbers))
+            raise self.failure(
+                name, "must be positive; got {numbers}. Correct it.".format(numbers=" ".join(f"{number:g}" for number in numbers))
+            )
         return numbers
 
     def word(self, name: str, choices: Sequence[str]) -> str | None:
@@ -116,7 +116,9 @@ class Attributes:
         if text is None:
             return None
         if text.upper() not in choices:
-            raise self.failure(name, "must be {choices}; got {text!r}. Correct it.", choices=" or ".join(choices), text=shorten(text))
+            raise self.failure(
+                name, "must be {choices}; got {text!r}. Correct it.".format(choices=" or ".join(choices), text=shorten(text))
+            )
         return text.upper()
 
     def required_word(self, name: str, choices: Sequence[str]) -> str:
@@ -136,5 +138,5 @@ class Attributes:
         return next(name for name in names if self.element.get(name, "").strip())
 
 
-def _spell(count: int) -> Message:
-    return Message("a finite number") if count == 1 else Message("{count} finite numbers", count=count)
+def _spell(count: int) -> str:
+    return "a finite number" if count == 1 else f"{count} finite numbers"

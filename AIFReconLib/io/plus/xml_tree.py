@@ -24,9 +24,7 @@ def parse_xml(path: Path) -> Element:
     """
     text = read_bytes(path, MAXIMUM_BYTES + 1, ConfigurationError)
     if len(text) > MAXIMUM_BYTES:
-        raise ConfigurationError(
-            "{path}: the file is larger than {maximum} bytes. Give a Plus configuration file.", path=path, maximum=MAXIMUM_BYTES
-        )
+        raise ConfigurationError(f"{path}: the file is larger than {MAXIMUM_BYTES} bytes. Give a Plus configuration file.")
 
     builder = TreeBuilder()
     depth = 0
@@ -35,9 +33,7 @@ def parse_xml(path: Path) -> Element:
         nonlocal depth
         depth += 1
         if depth > MAXIMUM_DEPTH:
-            raise ConfigurationError(
-                "{path}: elements are nested more than {maximum} deep. Give a Plus configuration file.", path=path, maximum=MAXIMUM_DEPTH
-            )
+            raise ConfigurationError(f"{path}: elements are nested more than {MAXIMUM_DEPTH} deep. Give a Plus configuration file.")
         builder.start(tag, attributes)
 
     def end(tag: str) -> None:
@@ -46,7 +42,7 @@ def parse_xml(path: Path) -> Element:
         builder.end(tag)
 
     def refuse_doctype(*_: object) -> None:
-        raise ConfigurationError("{path}: a DOCTYPE declaration is not allowed in a configuration. Remove it.", path=path)
+        raise ConfigurationError(f"{path}: a DOCTYPE declaration is not allowed in a configuration. Remove it.")
 
     parser = expat.ParserCreate()
     parser.StartElementHandler = start
@@ -56,12 +52,10 @@ def parse_xml(path: Path) -> Element:
         parser.Parse(text, True)
     except expat.ExpatError as error:
         raise ConfigurationError(
-            "{path}: this is not well-formed XML ({problem}). Correct it, or give a Plus configuration file.", path=path, problem=error
+            f"{path}: this is not well-formed XML ({error}). Correct it, or give a Plus configuration file."
         ) from error
     except (LookupError, ValueError) as error:
         if isinstance(error, ConfigurationError):
             raise
-        raise ConfigurationError(
-            "{path}: its text encoding is not supported ({problem}). Save it as UTF-8.", path=path, problem=error
-        ) from error
+        raise ConfigurationError(f"{path}: its text encoding is not supported ({error}). Save it as UTF-8.") from error
     return builder.close()

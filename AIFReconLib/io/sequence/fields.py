@@ -17,7 +17,7 @@ import numpy as np
 from ...arrays import Matrix
 from ...errors import SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
-from ...message import Message, one_line, shorten
+from ...message import one_line, shorten
 from ...sweep.frames import FrameRecord, RecordsOnDemand
 from ..metafile.header import HeaderLines
 from ..metafile.metafile import Metafile
@@ -84,19 +84,12 @@ def by_frame(
         number = int(digits[:MOST_DIGITS])
         if number >= frames or len(digits) > MOST_DIGITS:
             raise header_of.failure(
-                "{key} belongs to frame {number}, but there are only {frames} frames (0 to {last}). Correct DimSize.",
-                key=shorten(key),
-                number=shorten(digits),
-                frames=frames,
-                last=frames - 1,
+                f"{shorten(key)} belongs to frame {shorten(digits)}, but there are only {frames} frames (0 to {frames - 1}). Correct "
+                "DimSize."
             )
         if keys.setdefault((number, name), key) != key or per_frame.get(number, {}).get(name, value) != value:
             raise header_of.failure(
-                "frame {number} has {name} twice, as {first} and {second}. Remove one of them from the header.",
-                number=number,
-                name=name,
-                first=keys[number, name],
-                second=key,
+                f"frame {number} has {name} twice, as {keys[number, name]} and {key}. Remove one of them from the header."
             )
         per_frame.setdefault(number, {})[name] = value
     return per_frame, header
@@ -117,9 +110,7 @@ def frame_entries(records: Iterable[FrameRecord], image_status: str = IMAGE_STAT
         for name, time in zip(_TIMES, (record.timestamp, record.unfiltered_timestamp)):
             if time is not None:
                 if not math.isfinite(time):
-                    raise SettingsError(
-                        "Input {name} of frame {number} must be a finite number; got {time!r}.", name=name, number=number, time=time
-                    )
+                    raise SettingsError(f"Input {name} of frame {number} must be a finite number; got {time!r}.")
                 yield prefix + name, format_number(time)
         yield prefix + image_status, record.image_status.value
         for name, value in record.fields.items():
@@ -127,10 +118,8 @@ def frame_entries(records: Iterable[FrameRecord], image_status: str = IMAGE_STAT
                 name = name.lower()  # somebody's own, which must not become the image's; Plus tells the two apart as well
             if not name or name in (*_TIMES, IMAGE_STATUS) or _transform_name(name) is not None:
                 raise SettingsError(
-                    "Input field {name!r} of frame {number} must have a name, and not that of a time, status or transform. "
-                    "Set those in the record.",
-                    name=name,
-                    number=number,
+                    f"Input field {name!r} of frame {number} must have a name, and not that of a time, status or transform. Set those "
+                    "in the record."
                 )
             yield prefix + name, value
 
@@ -147,8 +136,7 @@ def header_entries(fields: Mapping[str, str], transforms: Mapping[TransformName,
     for name, value in fields.items():
         if FRAME_KEY.fullmatch(name) or _transform_name(name) is not None:
             raise SettingsError(
-                "Input header field {name!r} must not have the name of a transform or of a frame's field. Set it where it belongs.",
-                name=name,
+                f"Input header field {name!r} must not have the name of a transform or of a frame's field. Set it where it belongs."
             )
         yield name, value
 
@@ -170,12 +158,8 @@ def _record(metafile: Metafile, number: int, fields: dict[str, str], spacing: tu
     said = {name: TransformStatus.parse(others.pop(name)) for name in statuses if name in others}
     if len(set(said.values())) > 1:
         raise metafile.failure(
-            "{where}{one} is {first} and {other} is {second}, which are two names of one thing. Remove one of them from the header.",
-            where=_where(number),
-            one=IMAGE_STATUS,
-            first=said[IMAGE_STATUS].value,
-            other=IMAGE_STATUS_IN_NRRD,
-            second=said[IMAGE_STATUS_IN_NRRD].value,
+            f"{_where(number)}{IMAGE_STATUS} is {said[IMAGE_STATUS].value} and {IMAGE_STATUS_IN_NRRD} is "
+            f"{said[IMAGE_STATUS_IN_NRRD].value}, which are two names of one thing. Remove one of them from the header."
         )
     status = next(iter(said.values()), TransformStatus.OK)
     microns = others.get("micronsPerPixel", "")
@@ -184,7 +168,7 @@ def _record(metafile: Metafile, number: int, fields: dict[str, str], spacing: tu
 
 
 def _where(number: int | None) -> str:
-    return "" if number is None else Message("frame {number}, ", number=number)
+    return "" if number is None else f"frame {number}, "
 
 
 def _take_transforms(
@@ -203,13 +187,7 @@ def _take_transforms(
             continue
         other = spelled.setdefault((name, key.endswith(STATUS_SUFFIX)), key)
         if other != key:
-            raise metafile.failure(
-                "{where}{name} is given twice, as {other} and as {second}. Remove one of them from the header.",
-                where=_where(number),
-                name=name,
-                other=other,
-                second=key,
-            )
+            raise metafile.failure(f"{_where(number)}{name} is given twice, as {other} and as {key}. Remove one of them from the header.")
         order[name] = None
         if key.endswith(STATUS_SUFFIX):
             statuses[name] = TransformStatus.parse(value)
@@ -239,17 +217,11 @@ def parsed_matrix(metafile: Metafile | HeaderLines, number: int | None, key: str
         numbers = parse_numbers(text)
     except NotANumberError as error:
         raise metafile.failure(
-            "{where}{key} must be 16 numbers; {problem}. Correct the header, or set its status to INVALID.",
-            where=_where(number),
-            key=one_line(key),
-            problem=error,
+            f"{_where(number)}{one_line(key)} must be 16 numbers; {error}. Correct the header, or set its status to INVALID."
         ) from error
     if len(numbers) != 16:
         raise metafile.failure(
-            "{where}{key} must be 16 numbers; got {count}. Correct the header, or remove the entry.",
-            where=_where(number),
-            key=one_line(key),
-            count=len(numbers),
+            f"{_where(number)}{one_line(key)} must be 16 numbers; got {len(numbers)}. Correct the header, or remove the entry."
         )
     return np.array(numbers).reshape(4, 4)
 
@@ -263,10 +235,7 @@ def parsed_time(metafile: Metafile | HeaderLines, number: int, name: str, text: 
         time = math.nan
     if not math.isfinite(time):
         raise metafile.failure(
-            "{where}{name} must be a number of seconds; got {text!r}. Correct the header, or remove the entry.",
-            where=_where(number),
-            name=name,
-            text=shorten(text),
+            f"{_where(number)}{name} must be a number of seconds; got {shorten(text)!r}. Correct the header, or remove the entry."
         )
     return time
 
@@ -276,12 +245,11 @@ def _transform_entries(transforms: Mapping[TransformName, TransformSample]) -> I
     for name, sample in transforms.items():
         if _transform_name(f"{name}{MATRIX_SUFFIX}") != name:
             raise SettingsError(
-                "Input transform {name} must be named FromToTo, with one 'To' before an upper-case letter or a digit. Rename its frames.",
-                name=name,
+                f"Input transform {name} must be named FromToTo, with one 'To' before an upper-case letter or a digit. Rename its frames."
             )
         if sample.status is TransformStatus.OK or not np.isnan(sample.matrix).all():
             numbers = np.asarray(sample.matrix, dtype=np.float64)
             if numbers.shape != (4, 4):
-                raise SettingsError("Input transform {name} must have shape (4, 4); got {shape}.", name=name, shape=numbers.shape)
+                raise SettingsError(f"Input transform {name} must have shape (4, 4); got {numbers.shape}.")
             yield f"{name}{MATRIX_SUFFIX}", " ".join(format_number(number) for number in numbers.ravel())
         yield f"{name}{STATUS_SUFFIX}", sample.status.value

@@ -77,14 +77,10 @@ class FileImages(ImagesOnDemand):
             except PayloadError as error:
                 broken = index if self._stream is None else min(self._stream.position // self._frame_bytes, len(self) - 1)
                 self._stream = None
-                raise metafile.failure(
-                    "the pixel data {problem}, in frame {number}. Copy the file again, or record it again.", problem=error, number=broken
-                ) from error
+                raise metafile.failure(f"the pixel data {error}, in frame {broken}. Copy the file again, or record it again.") from error
             except OSError as error:
                 self._stream = None
-                raise metafile.failure(
-                    "frame {number} cannot be read ({reason}). Copy the file again.", number=index, reason=error.strerror
-                ) from error
+                raise metafile.failure(f"frame {index} cannot be read ({error.strerror}). Copy the file again.") from error
         return data
 
     def _decode(self, file: BinaryIO, index: int) -> bytes:
@@ -116,8 +112,9 @@ def frame_layout(metafile: Metafile) -> tuple[int, int, int]:
     kinds = metafile.kinds
     if kinds and not set(kinds[:2]) <= _SPACE_KINDS:
         raise metafile.failure(
-            "its axes must be columns, rows and time; got the kinds {kinds}. Export the sequence from Plus or Slicer.",
-            kinds=" ".join(kinds),
+            "its axes must be columns, rows and time; got the kinds {kinds}. Export the sequence from Plus or Slicer.".format(
+                kinds=" ".join(kinds)
+            )
         )
     if kinds and kinds[-1] not in _TIME_KINDS:
         others.append(1)  # no time axis: one frame
@@ -125,25 +122,15 @@ def frame_layout(metafile: Metafile) -> tuple[int, int, int]:
     depth = others[0] if others else 1
     if depth != 1 or len(others) > 1:
         raise metafile.failure(
-            "its images are 3D ({columns} x {rows} x {depth}), which is not supported: frames must be 2D. "
-            "If this is a recording of 2D frames, the last of its kinds must be list; if it is a volume, give it as one.",
-            columns=columns,
-            rows=rows,
-            depth=depth,
+            f"its images are 3D ({columns} x {rows} x {depth}), which is not supported: frames must be 2D. If this is a recording of "
+            "2D frames, the last of its kinds must be list; if it is a volume, give it as one."
         )
     if metafile.channels not in (1, 3, 4):
-        raise metafile.failure(
-            "pixels must have 1 channel, or 3 or 4 (color); got {channels}. Convert the images to gray.", channels=metafile.channels
-        )
+        raise metafile.failure(f"pixels must have 1 channel, or 3 or 4 (color); got {metafile.channels}. Convert the images to gray.")
     described = len(metafile.frame_lines) if metafile.frame_lines is not None else 0
     if frames > max(MAXIMUM_FRAMES, described) or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
         raise metafile.failure(
-            "{frames} frames of {columns} x {rows} pixels are beyond the limits ({maximum} frames, "
-            "{maximum_bytes} bytes in each). The size in the header is wrong, or the recording must be split.",
-            frames=frames,
-            columns=columns,
-            rows=rows,
-            maximum=MAXIMUM_FRAMES,
-            maximum_bytes=MAXIMUM_FRAME_BYTES,
+            f"{frames} frames of {columns} x {rows} pixels are beyond the limits ({MAXIMUM_FRAMES} frames, {MAXIMUM_FRAME_BYTES} bytes "
+            "in each). The size in the header is wrong, or the recording must be split."
         )
     return frames, rows, columns

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...arrays import Matrix
 from ...errors import SequenceFormatError
-from ...message import Message
+from ...remedies import Remedy
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.pose_tracks import LONGEST_GAP
@@ -42,11 +42,7 @@ def kind_of_recording(path: Path) -> RecordingKind:
     """
     kind = next((kind for kind in KINDS if path.suffix.lower() in kind.suffixes), None)
     if kind is None:
-        raise SequenceFormatError(
-            "{path}: its suffix must be one of {suffixes}. Give a recording; aifrecon import makes one of pictures, DICOM or video.",
-            path=path,
-            suffixes=", ".join(recording_suffixes()),
-        )
+        raise SequenceFormatError(f"{path}: its suffix must be one of {', '.join(recording_suffixes())}.", Remedy.IMPORT_IT)
     return kind
 
 
@@ -120,16 +116,12 @@ def read_sequence(
     )
 
 
-def _placed(records: Sequence[FrameRecord], image_frame: str, geometry: Matrix) -> tuple[Sequence[FrameRecord], Message]:
+def _placed(records: Sequence[FrameRecord], image_frame: str, geometry: Matrix) -> tuple[Sequence[FrameRecord], str]:
     """Records whose transforms of the image include its node's geometry, and a note on what was done."""
     if any(image_frame in (name.source, name.target) for record in records for name in record.transforms):
-        note = Message(
-            "The volume nodes of this Slicer sequence have a geometry of their own, which the transforms of {image_frame} now include.",
-            image_frame=image_frame,
-        )
+        note = f"The volume nodes of this Slicer sequence have a geometry of their own, which the transforms of {image_frame} now include."
         return place_frames(records, image_frame, geometry), note
-    return records, Message(
-        "The volume nodes of this Slicer sequence have a geometry of their own, which nothing includes: none of the recorded transforms is "
-        "of {image_frame}.",
-        image_frame=image_frame,
+    return records, (
+        "The volume nodes of this Slicer sequence have a geometry of their own, which nothing includes: none of the recorded "
+        f"transforms is of {image_frame}."
     )

@@ -42,17 +42,11 @@ class InterleavedImages(ImagesOnDemand):
         rows = others.pop(0) if others else 1
         if math.prod(others) != 1 or metafile.channels not in (1, 3, 4):
             raise metafile.failure(
-                "its frames must be 2D images of 1, 3 or 4 channels; got {shape} of {channels}. Save the sequence from a newer Slicer.",
-                shape=metafile.size[1:],
-                channels=metafile.channels,
+                f"its frames must be 2D images of 1, 3 or 4 channels; got {metafile.size[1:]} of {metafile.channels}. Save the "
+                "sequence from a newer Slicer."
             )
         if frames > MAXIMUM_FRAMES or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
-            raise metafile.failure(
-                "{frames} frames of {columns} x {rows} pixels are beyond the limits. The size in the header is wrong.",
-                frames=frames,
-                columns=columns,
-                rows=rows,
-            )
+            raise metafile.failure(f"{frames} frames of {columns} x {rows} pixels are beyond the limits. The size in the header is wrong.")
         self.shape = (frames, rows, columns)
         self.dtype = metafile.dtype.newbyteorder("=")
         self._flips = (slice(None, None, -1 if flip_rows else 1), slice(None, None, -1 if flip_columns else 1))
@@ -67,7 +61,7 @@ class InterleavedImages(ImagesOnDemand):
             self._sorted.seek(index * self._frame_bytes)
             data = self._sorted.read(self._frame_bytes)
         except OSError as error:
-            raise metafile.failure("its sorted copy cannot be read ({reason}). Read the file again.", reason=error.strerror) from error
+            raise metafile.failure(f"its sorted copy cannot be read ({error.strerror}). Read the file again.") from error
         image: Numbers = np.frombuffer(data, metafile.dtype).reshape(rows, columns, metafile.channels)
         image = luminance(image) if metafile.channels > 1 else image[..., 0]
         return np.array(image[self._flips], dtype=self.dtype, order="C")
@@ -96,13 +90,9 @@ class InterleavedImages(ImagesOnDemand):
                     inflater.finish(file)
                 by_frame.flush()
             except PayloadError as error:
-                raise metafile.failure(
-                    "the pixel data {problem}. Copy the file again, or save it from Slicer again.", problem=error
-                ) from error
+                raise metafile.failure(f"the pixel data {error}. Copy the file again, or save it from Slicer again.") from error
             except OSError as error:
-                raise metafile.failure(
-                    "its frames cannot be sorted ({reason}). Free some space on the disk.", reason=error.strerror
-                ) from error
+                raise metafile.failure(f"its frames cannot be sorted ({error.strerror}). Free some space on the disk.") from error
             stack.pop_all()
             weakref.finalize(self, by_frame.close)
             return by_frame

@@ -14,6 +14,7 @@ import re
 
 from ...errors import SettingsError
 from ...message import shorten
+from ...remedies import Remedy
 from ..metafile.metafile import Metafile
 from ..metafile.opening import NRRD_SUFFIXES
 
@@ -45,9 +46,7 @@ def parse_orientation(code: str) -> str:
         When it is none.
     """
     if not re.fullmatch("[MU][FN][AD]?", code.upper()):
-        raise SettingsError(
-            "Input orientation must be MF, MN, UF or UN; got {code!r}. Say which way the stored pixels run.", code=shorten(code)
-        )
+        raise SettingsError(f"Input orientation must be MF, MN, UF or UN; got {shorten(code)!r}. Say which way the stored pixels run.")
     return code.upper()
 
 
@@ -73,26 +72,23 @@ def required_flips(metafile: Metafile, stated: str | None = None) -> tuple[bool,
     code = stated or values.get(_ORIENTATION_KEY, "").upper() or IN_MEMORY
     if image_type.startswith("RF_") or re.fullmatch("[FN][MU][AD]?", code):
         raise metafile.failure(
-            "it holds radio-frequency data (type {kind}, orientation {code}), which are not images. Export B-mode frames from Plus.",
-            kind=image_type,
-            code=code,
+            f"it holds radio-frequency data (type {image_type}, orientation {code}), which are not images. Export B-mode frames from Plus."
         )
     if image_type not in _DISPLAYABLE_TYPES:
         raise metafile.failure(
-            "UltrasoundImageType must be {kinds}; got {kind!r}. Export B-mode frames from Plus.",
-            kinds=" or ".join(_DISPLAYABLE_TYPES),
-            kind=shorten(image_type),
+            "UltrasoundImageType must be {kinds}; got {kind!r}. Export B-mode frames from Plus.".format(
+                kinds=" or ".join(_DISPLAYABLE_TYPES), kind=shorten(image_type)
+            )
         )
     if code in _UNKNOWN_CODES:
         raise metafile.failure(
-            "UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it. "
-            "Look which side of the images is marked and say it with aifrecon convert --orientation: a wrong code mirrors the anatomy.",
-            code=code,
+            f"UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it.",
+            Remedy.ORIENTATION,
         )
     if not re.fullmatch("[MU][FN][AD]?", code):
         raise metafile.failure(
-            "UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}. Correct the header: a wrong code mirrors the anatomy.",
-            code=shorten(code),
+            f"UltrasoundImageOrientation must be MF, MN, UF or UN; got {shorten(code)!r}. Correct the header: a wrong code mirrors the "
+            "anatomy."
         )
     return code[0] == "U", code[1] == "N"
 

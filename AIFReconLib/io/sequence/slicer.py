@@ -19,7 +19,7 @@ from ...arrays import Matrix
 from ...errors import GeometryError
 from ...geometry.transform_graph import TransformName, TransformSample
 from ...geometry.transforms import LPS_FROM_RAS, as_matrix
-from ...message import Message, shorten
+from ...message import shorten
 from ...sweep.frames import FrameRecord
 from ..metafile.metafile import Metafile
 from ..metafile.text_values import NotANumberError, parse_number, parse_numbers
@@ -68,10 +68,8 @@ def slicer_records(
             number = int(digits[:MOST_DIGITS])
             if number >= len(records) or len(digits) > MOST_DIGITS:
                 raise metafile.failure(
-                    "{key} belongs to frame {number}, but there are only {count} frames. Save the sequence from Slicer again.",
-                    key=shorten(key),
-                    number=shorten(digits),
-                    count=len(records),
+                    f"{shorten(key)} belongs to frame {shorten(digits)}, but there are only {len(records)} frames. Save the sequence "
+                    "from Slicer again."
                 )
             per_frame.setdefault(number, {})[item[2]] = value
         elif axis is None:
@@ -105,10 +103,8 @@ def node_geometry(metafile: Metafile) -> Matrix | None:
     vectors = [word for word in re.findall(r"none|\([^)]*\)", directions) if word != "none"]
     if to_ras is None or len(vectors) != 3:
         raise metafile.failure(
-            "space directions must be three vectors in left-posterior-superior; got {directions!r} in space {space!r}. "
-            "Save the sequence from Slicer again.",
-            directions=shorten(directions),
-            space=space,
+            f"space directions must be three vectors in left-posterior-superior; got {shorten(directions)!r} in space {space!r}. Save "
+            "the sequence from Slicer again."
         )
     matrix = np.eye(4)
     try:
@@ -116,9 +112,7 @@ def node_geometry(metafile: Metafile) -> Matrix | None:
             matrix[:3, column] = parse_numbers(text.strip("() ").replace(",", " "))
         matrix = to_ras @ as_matrix(matrix, "space directions")
     except (ValueError, GeometryError) as error:
-        raise metafile.failure(
-            "space directions or space origin cannot be used: {problem}. Save the sequence from Slicer again.", problem=error
-        ) from error
+        raise metafile.failure(f"space directions or space origin cannot be used: {error}. Save the sequence from Slicer again.") from error
     return None if np.abs(matrix - np.eye(4)).max() < _IDENTITY_TOLERANCE else matrix
 
 
@@ -160,25 +154,20 @@ def _times(metafile: Metafile, key: str, text: str, frames: int) -> tuple[list[f
     """Times in s of all frames, where the axis is one of time."""
     words = [unquote(word) for word in text.split()]
     if len(words) != frames:
-        raise metafile.failure(
-            "{key} must have one value per frame ({frames}); got {count}. Save the sequence from Slicer again.",
-            key=key,
-            frames=frames,
-            count=len(words),
-        )
+        raise metafile.failure(f"{key} must have one value per frame ({frames}); got {len(words)}. Save the sequence from Slicer again.")
     axis = int(key.split()[1])
     unit, label = (_axis_word(metafile, entry, axis).lower() for entry in ("units", "labels"))
     seconds = index_seconds(unit, label)
     if seconds is None:
-        named = unit or label or Message("no unit")
-        note = Message("Slicer's index of the frames is not a time ({unit}); frames are taken in the order of the file.", unit=named)
+        named = unit or label or "no unit"
+        note = f"Slicer's index of the frames is not a time ({named}); frames are taken in the order of the file."
         return None, (note,)
     try:
         times = [seconds * parse_number(word) for word in words]
     except NotANumberError as error:
-        raise metafile.failure("{key} must be times; {problem}. Save the sequence from Slicer again.", key=key, problem=error) from error
+        raise metafile.failure(f"{key} must be times; {error}. Save the sequence from Slicer again.") from error
     if not all(map(math.isfinite, times)):
-        raise metafile.failure("{key} must be finite times. Save the sequence from Slicer again.", key=key)
+        raise metafile.failure(f"{key} must be finite times. Save the sequence from Slicer again.")
     return times, ()
 
 

@@ -14,7 +14,8 @@ import numpy as np
 
 from ...errors import SequenceFormatError, SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from ...message import Message
+from ...message import said
+from ...remedies import Remedy
 from ...sweep.frames import FrameRecord
 from ...sweep.pose_tracks import LONGEST_GAP, SLICERS_TIME, PoseTrack
 from ..disk.regular_files import require_regular_file
@@ -46,13 +47,8 @@ def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | N
     present = dict.fromkeys(stem for fields in per_frame.values() for key in fields if (stem := _stem(key)))
     wanted = next((word for word in present if word.removesuffix(MATRIX_SUFFIX).lower() == name.lower()), None)
     if wanted is None and len(present) != 1:
-        there = ", ".join(present) or Message("none")
-        raise SequenceFormatError(
-            "{path}: it must hold the transform {name}; got {there}. Name one of these, or give another file.",
-            path=path,
-            name=name,
-            there=there,
-        )
+        there = ", ".join(present) or "none"
+        raise SequenceFormatError(f"{path}: it must hold the transform {name}; got {there}. Name one of these, or give another file.")
     stem = wanted or next(iter(present))
     samples: list[tuple[float | None, TransformSample]] = []
     # One for all frames that the file leaves out, of which there may be a million
@@ -94,9 +90,7 @@ def pair_transforms(
         try:
             name = TransformName.parse(text)
         except TransformError as error:
-            raise SettingsError(
-                "{problem} Give --transform-sequence NAME=FILE, e.g. ImageToReference=Transform.seq.mha.", problem=error
-            ) from None
+            raise SettingsError(said(error), Remedy.TRANSFORM_SEQUENCES) from None
         records, note = _pair(records, name, read_transform_sequence(path, str(name)), Path(path), longest_gap)
         notes.append(note)
     return records, tuple(notes)
@@ -116,34 +110,23 @@ def _pair(
         found = [track.at(time, longest_gap, SLICERS_TIME)[0] for time in image_times]
         paired = [TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING) if m is None else TransformSample(m) for m in found]
         if not sum(m is not None for m in found):
-            span = Message("{first:.3f} to {last:.3f} s", first=track.times[0], last=track.times[-1]) if len(track) else Message("none")
+            span = f"{track.times[0]:.3f} to {track.times[-1]:.3f} s" if len(track) else "none"
             raise SequenceFormatError(
-                "{path}: no pose of {name} (times {span}) fits the images ({first:.3f} to {last:.3f} s). "
-                "Give the transform sequence that was recorded together with the images.",
-                path=path,
-                name=name,
-                span=span,
-                first=min(image_times),
-                last=max(image_times),
+                f"{path}: no pose of {name} (times {span}) fits the images ({min(image_times):.3f} to {max(image_times):.3f} s). Give "
+                "the transform sequence that was recorded together with the images."
             )
-        how = Message("by time")
+        how = "by time"
     elif len(samples) == len(records):
         paired = [sample for _, sample in samples]
-        how = Message("frame by frame, for lack of times")
+        how = "frame by frame, for lack of times"
     else:
         raise SettingsError(
-            "{path}: there must be as many samples of {name} as images, or times on both; got {samples} for {images} images. "
-            "Give the transform sequence that was recorded together with the images.",
-            path=path,
-            name=name,
-            samples=len(samples),
-            images=len(records),
+            f"{path}: there must be as many samples of {name} as images, or times on both; got {len(samples)} for {len(records)} "
+            "images. Give the transform sequence that was recorded together with the images."
         )
     good = sum(sample.status is TransformStatus.OK for sample in paired)
     changed = [replace(record, transforms={**record.transforms, name: sample}) for record, sample in zip(records, paired)]
-    note = Message(
-        "{name} was paired from {file} {how}: {good} of {count} frames.", name=name, file=path.name, how=how, good=good, count=len(records)
-    )
+    note = f"{name} was paired from {path.name} {how}: {good} of {len(records)} frames."
     return changed, note
 
 
@@ -151,18 +134,14 @@ def _frame_fields(path: Path) -> tuple[HeaderLines, dict[int, dict[str, str]]]:
     """Fields per frame of any sequence header, images or not."""
     suffix = path.suffix.lower()
     if suffix not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
-        raise SequenceFormatError(
-            "{path}: its suffix must be .mha, .mhd or .nrrd. Save the transform sequence from Slicer as .seq.mha.", path=path
-        )
+        raise SequenceFormatError(f"{path}: its suffix must be .mha, .mhd or .nrrd. Save the transform sequence from Slicer as .seq.mha.")
     require_regular_file(path, SequenceFormatError)
     try:
         with open(path, "rb") as file:
             lines = HeaderLines(file, path, SequenceFormatError)
             entries = read_entries(lines) if suffix in METAIMAGE_SUFFIXES else read_nrrd_entries(lines)[1]
     except OSError as error:
-        raise SequenceFormatError(
-            "{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=error.strerror
-        ) from error
+        raise SequenceFormatError(f"{path}: the file cannot be read ({error.strerror}). Check its permissions.") from error
     per_frame, _ = by_frame(lines, entries.items(), MAXIMUM_FRAMES)
     if not per_frame:
         raise lines.failure("it holds no transforms per frame (no Seq_Frame fields). Give a sequence of transforms.")

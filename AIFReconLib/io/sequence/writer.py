@@ -12,7 +12,7 @@ import numpy as np
 
 from ...errors import OutputError, SettingsError
 from ...imaging.images import ImageStack
-from ...message import Message, shorten
+from ...message import shorten
 from ...progress import Progress, report
 from ...sweep.frames import TrackedSequence
 from ..disk.atomic import atomic_output, atomic_outputs
@@ -94,9 +94,7 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
     )
 
     def write_pixels(file: BinaryIO, encoder: Encoder | None) -> None:
-        _write_pixels(
-            file, sequence.images, code, encoder, lambda fraction: report(progress, fraction, Message("Writing {file}", file=path.name))
-        )
+        _write_pixels(file, sequence.images, code, encoder, lambda fraction: report(progress, fraction, f"Writing {path.name}"))
 
     if suffix == ".mhd":
         _write_header_and_data(path, sequence, code, entries, compress, write_pixels)
@@ -115,7 +113,9 @@ def check_sequence_name(path: Path) -> None:
     """
     if path.suffix.lower() not in SUFFIXES:
         raise OutputError(
-            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.", path=path, suffixes=", ".join(SUFFIXES)
+            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.".format(
+                path=path, suffixes=", ".join(SUFFIXES)
+            )
         )
     if path.suffix.lower() == ".mhd":
         check_pair_name(path)
@@ -213,9 +213,7 @@ def _write_pixels(file: BinaryIO, images: ImageStack, code: str, encoder: Encode
     for index in range(len(images)):
         image = np.asarray(images[index])
         if image.shape != shape:
-            raise SettingsError(
-                "Input image of frame {index} must have shape {shape}; got {found}.", index=index, shape=shape, found=image.shape
-            )
+            raise SettingsError(f"Input image of frame {index} must have shape {shape}; got {image.shape}.")
         data = np.ascontiguousarray(image, dtype=np.dtype("<" + code)).data
         file.write(data if encoder is None else encoder.compress(data))
         tell((index + 1) / len(images))
@@ -226,11 +224,11 @@ def _write_pixels(file: BinaryIO, images: ImageStack, code: str, encoder: Encode
 def _pixel_code(images: ImageStack) -> str:
     """Kind and size of the pixel type, as in ``u1``; checks that the stack has frames at all."""
     if len(images.shape) != 3 or min(images.shape) < 1:
-        raise SettingsError("Input images must have shape (frames, rows, columns), none of them 0; got {shape}.", shape=tuple(images.shape))
+        raise SettingsError(f"Input images must have shape (frames, rows, columns), none of them 0; got {tuple(images.shape)}.")
     dtype = np.dtype(images.dtype)
     code = "u1" if dtype.kind == "b" else f"{dtype.kind}{dtype.itemsize}"
     if code not in _NRRD_TYPE_OF:
-        raise SettingsError("Input images must be whole numbers of 8 to 64 bits, float32 or float64; got {kind}. Convert them.", kind=dtype)
+        raise SettingsError(f"Input images must be whole numbers of 8 to 64 bits, float32 or float64; got {dtype}. Convert them.")
     return code
 
 
@@ -240,16 +238,13 @@ def checked(entries: Entries, reserved: bool = False) -> Iterator[tuple[str, str
         value = str(value).strip()
         if not key or key != key.strip() or any(c in key for c in "=:#\\") or not _is_one_line(key):
             raise SettingsError(
-                "Input field name must be one line without = : # or a backslash, not empty; got {name!r}. Rename the field.",
-                name=shorten(key),
+                f"Input field name must be one line without = : # or a backslash, not empty; got {shorten(key)!r}. Rename the field."
             )
         if (reserved and key in FORMAT_KEYS) or is_image_key(key):
-            raise SettingsError("Input field name must not be a key of the file format; got {name!r}. Rename the field.", name=key)
+            raise SettingsError(f"Input field name must not be a key of the file format; got {key!r}. Rename the field.")
         if not _is_one_line(value):
             raise SettingsError(
-                "Input field {name} must have a value of one short line of text; got {value!r}. Change the value.",
-                name=shorten(key),
-                value=shorten(value),
+                f"Input field {shorten(key)} must have a value of one short line of text; got {shorten(value)!r}. Change the value."
             )
         yield key, value
 

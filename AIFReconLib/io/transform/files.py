@@ -57,13 +57,11 @@ def read_transform(path: str | Path) -> Matrix:
             text = as_text(copy) if path.suffix.lower() in HDF5_SUFFIXES else data.decode("utf-8", "replace")
             itk = composed(read_transform_text(text), copy.parent)
     except TransformPartError as error:
-        raise TransformFileError("{path}: the transform {problem}", path=path, problem=error) from error
+        raise TransformFileError(f"{path}: the transform {error}") from error
     try:
         return ras_to_lps(invert(as_matrix(itk, "transform")))
     except GeometryError as error:
-        raise TransformFileError(
-            "{path}: the transform cannot be used. {problem} Save the transform from Slicer again.", path=path, problem=error
-        ) from error
+        raise TransformFileError(f"{path}: the transform cannot be used. {error} Save the transform from Slicer again.") from error
 
 
 def write_transform(node_to_parent: Matrix, path: str | Path) -> None:
@@ -86,9 +84,9 @@ def write_transform(node_to_parent: Matrix, path: str | Path) -> None:
     path = Path(path)
     if path.suffix.lower() not in TEXT_SUFFIXES + HDF5_SUFFIXES:
         raise OutputError(
-            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.",
-            path=path,
-            suffixes=", ".join(TEXT_SUFFIXES + HDF5_SUFFIXES),
+            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.".format(
+                path=path, suffixes=", ".join(TEXT_SUFFIXES + HDF5_SUFFIXES)
+            )
         )
     itk = ras_to_lps(invert(as_matrix(node_to_parent, "node_to_parent")))
     transform = sitk.AffineTransform(3)
@@ -110,7 +108,7 @@ def write_transform(node_to_parent: Matrix, path: str | Path) -> None:
 
 
 def _not_written(path: Path, cause: str) -> OutputError:
-    return OutputError("Cannot write {path}: {cause}. Check that the disk is not full, or choose another path.", path=path, cause=cause)
+    return OutputError(f"Cannot write {path}: {cause}. Check that the disk is not full, or choose another path.")
 
 
 def _read(path: Path) -> bytes:
@@ -118,18 +116,16 @@ def _read(path: Path) -> bytes:
     suffix = path.suffix.lower()
     if suffix not in TEXT_SUFFIXES + HDF5_SUFFIXES:
         raise TransformFileError(
-            "{path}: its suffix must be one of {suffixes}. Save the transform from Slicer as one.",
-            path=path,
-            suffixes=", ".join(TEXT_SUFFIXES + HDF5_SUFFIXES),
+            "{path}: its suffix must be one of {suffixes}. Save the transform from Slicer as one.".format(
+                path=path, suffixes=", ".join(TEXT_SUFFIXES + HDF5_SUFFIXES)
+            )
         )
     data = read_bytes(path, MAXIMUM_BYTES + 1, TransformFileError)
     if not data.startswith(TEXT_MAGIC.encode() if suffix in TEXT_SUFFIXES else HDF5_MAGIC):
-        raise TransformFileError("{path}: this is not an ITK transform file. Save the transform from Slicer as .tfm or .h5.", path=path)
+        raise TransformFileError(f"{path}: this is not an ITK transform file. Save the transform from Slicer as .tfm or .h5.")
     if len(data) > MAXIMUM_BYTES:
         raise TransformFileError(
-            "{path}: the transform must be linear, and the file is longer than {maximum} bytes. Give a rigid or affine registration.",
-            path=path,
-            maximum=MAXIMUM_BYTES,
+            f"{path}: the transform must be linear, and the file is longer than {MAXIMUM_BYTES} bytes. Give a rigid or affine registration."
         )
     return data
 
@@ -151,7 +147,7 @@ def read_transform_text(text: str) -> list[TransformPart]:
             blocks.append({})
         if not blocks or not colon or key not in ("Transform", "Parameters", "FixedParameters") or key in blocks[-1]:
             raise TransformPartError(
-                "has a line that is none of an ITK transform file: {line!r}. Save the transform from Slicer again.", line=shorten(line)
+                f"has a line that is none of an ITK transform file: {shorten(line)!r}. Save the transform from Slicer again."
             )
         blocks[-1][key] = value
     return [TransformPart(block["Transform"], _numbers(block, "Parameters"), _numbers(block, "FixedParameters")) for block in blocks]
@@ -161,6 +157,4 @@ def _numbers(block: dict[str, str], key: str) -> tuple[float, ...]:
     try:
         return tuple(parse_numbers(block.get(key, "")))
     except NotANumberError as error:
-        raise TransformPartError(
-            "has {key} that must be numbers; {problem}. Save the transform from Slicer again.", key=key, problem=error
-        ) from None
+        raise TransformPartError(f"has {key} that must be numbers; {error}. Save the transform from Slicer again.") from None

@@ -42,4 +42,4 @@ def as_text(path: Path) -> str:
             return text.read_text("utf-8", "replace")
     except (OSError, subprocess.TimeoutExpired) as error:
         why = short_cause(error)
-    raise TransformPartError("is damaged, or cannot be read from HDF5: {why}. Save it from Slicer again, or as .tfm.", why=why)
+    raise TransformPartError(f"is damaged, or cannot be read from HDF5: {why}. Save it from Slicer again, or as .tfm.")

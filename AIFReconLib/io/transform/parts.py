@@ -74,7 +74,7 @@ def composed(parts: list[TransformPart], folder: Path) -> Matrix:
     if _name(parts[0]) == COMPOSITE:
         parts = parts[1:]
     elif len(parts) > 1:
-        raise TransformPartError("must be one, or several in a composite; got {count}. Save one of them.", count=len(parts))
+        raise TransformPartError(f"must be one, or several in a composite; got {len(parts)}. Save one of them.")
     matrix, checked = np.eye(4), folder / "checked.tfm"
     with np.errstate(all="ignore"):  # whatever overflows is refused by who takes the matrix
         for part in parts:
@@ -107,11 +107,10 @@ def _name(part: TransformPart) -> str:
     words = re.fullmatch(r"(\w+)_(double|float)_([0-9]+)_([0-9]+)", part.kind, re.ASCII)
     if words is None:
         raise TransformPartError(
-            "must be of a kind of ITK, as AffineTransform_double_3_3; got {kind!r}. Save the transform from Slicer again.",
-            kind=part.kind[:60],
+            f"must be of a kind of ITK, as AffineTransform_double_3_3; got {part.kind[:60]!r}. Save the transform from Slicer again."
         )
     if (words[3], words[4]) != ("3", "3"):
-        raise TransformPartError("must be 3D; got {dimensions} dimensions. Give a 3D transform.", dimensions=words[3][:9])
+        raise TransformPartError(f"must be 3D; got {words[3][:9]} dimensions. Give a 3D transform.")
     return words[1]
 
 
@@ -119,16 +118,15 @@ def _checked(part: TransformPart) -> tuple[str, ...]:
     """The lines of a linear transform that has all its numbers."""
     name = _name(part)
     if name not in _KINDS:
-        raise TransformPartError("must be linear; got {kind}. Give a rigid or affine registration.", kind=name[:60])
+        raise TransformPartError(f"must be linear; got {name[:60]}. Give a rigid or affine registration.")
     count, fixed_counts = _KINDS[name]
     if len(part.parameters) != count or len(part.fixed) not in fixed_counts or not np.isfinite([*part.parameters, *part.fixed]).all():
         raise TransformPartError(
-            "of kind {kind} must have {count} finite parameters and {fixed} fixed ones; got {parameters} and {others}. "
-            "Save the transform from Slicer again.",
-            kind=name,
-            count=count,
-            fixed=" or ".join(map(str, fixed_counts)),
-            parameters=len(part.parameters),
-            others=len(part.fixed),
+            (
+                "of kind {kind} must have {count} finite parameters and {fixed} fixed ones; got {parameters} and {others}. Save the "
+                "transform from Slicer again."
+            ).format(
+                kind=name, count=count, fixed=" or ".join(map(str, fixed_counts)), parameters=len(part.parameters), others=len(part.fixed)
+            )
         )
     return _lines(replace(part, kind=name))

@@ -12,6 +12,7 @@ from ...arrays import Numbers
 from ...errors import FileFormatError, GeometryError, OutputError, VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
+from ...remedies import Remedy
 from ..disk.atomic import atomic_output, atomic_outputs, check_writable
 from ..disk.header_pairs import check_pair_name, split_metaimage
 from ..disk.itk import itk_path, short_cause
@@ -57,10 +58,8 @@ def read_volume(path: str | Path) -> Volume:
     stored = _read_stored(Path(path))
     if stored.components != 1:
         raise VolumeFormatError(
-            "{path}: its voxels must be single numbers; got {count} each ({kind}). Export a scalar volume.",
-            path=stored.path,
-            count=stored.components,
-            kind=stored.array.dtype,
+            f"{stored.path}: its voxels must be single numbers; got {stored.components} each ({stored.array.dtype}). Export a scalar "
+            "volume."
         )
     return _as_volume(stored, stored.array)
 
@@ -84,10 +83,8 @@ def read_labels(path: str | Path) -> Volume:
     if stored.components != 1:
         if not any(key.startswith("Segment") for key in stored.fields):
             raise VolumeFormatError(
-                "{path}: its voxels must be single labels; got {count} numbers each ({kind}). Export a label volume.",
-                path=stored.path,
-                count=stored.components,
-                kind=array.dtype,
+                f"{stored.path}: its voxels must be single labels; got {stored.components} numbers each ({array.dtype}). Export a "
+                "label volume."
             )
         array = np.asarray((array > 0).any(axis=-1), dtype=np.uint8)
     return _as_volume(stored, _as_labels(stored.path, array))
@@ -137,7 +134,7 @@ def write_volume(volume: Volume, path: str | Path) -> None:
         image = to_sitk(volume)
     except GeometryError as error:
         raise OutputError(
-            "Cannot write {path}: volume files cannot hold {kind}. Convert the volume to another type.", path=path, kind=volume.array.dtype
+            f"Cannot write {path}: volume files cannot hold {volume.array.dtype}. Convert the volume to another type."
         ) from error
     for key, text in volume.fields.items():
         image.SetMetaData(key, text)
@@ -151,12 +148,10 @@ def write_volume(volume: Volume, path: str | Path) -> None:
             # A full disk can pass unnoticed by SimpleITK; a file that is not all there must not get its name.
             _check_complete(temporaries[-1])
         except FileFormatError as error:
-            raise OutputError("Cannot write {path}: the file came out incomplete. Check that the disk is not full.", path=path) from error
+            raise OutputError(f"Cannot write {path}: the file came out incomplete. Check that the disk is not full.") from error
         except RuntimeError as error:
             raise OutputError(
-                "Cannot write {path}: {cause}. Check that the disk is not full, or choose another path.",
-                path=path,
-                cause=short_cause(error),
+                f"Cannot write {path}: {short_cause(error)}. Check that the disk is not full, or choose another path."
             ) from error
 
 
@@ -177,9 +172,9 @@ def _writable_suffix(path: Path) -> str:
     suffix = _suffix(path)
     if suffix not in WRITABLE_SUFFIXES:
         raise OutputError(
-            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.",
-            path=path,
-            suffixes=", ".join(WRITABLE_SUFFIXES),
+            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.".format(
+                path=path, suffixes=", ".join(WRITABLE_SUFFIXES)
+            )
         )
     if suffix == ".mhd":
         check_pair_name(path)
@@ -204,9 +199,9 @@ def _read_stored(path: Path) -> StoredVolume:
     suffix = _suffix(path)
     if suffix not in READABLE_SUFFIXES:
         raise VolumeFormatError(
-            "{path}: its suffix must be one of {suffixes}. Export the volume in one of these formats.",
-            path=path,
-            suffixes=", ".join(READABLE_SUFFIXES),
+            "{path}: its suffix must be one of {suffixes}. Export the volume in one of these formats.".format(
+                path=path, suffixes=", ".join(READABLE_SUFFIXES)
+            )
         )
     return read_nifti(path) if suffix in NIFTI_SUFFIXES else read_metafile_volume(path)
 
@@ -217,21 +212,15 @@ def _as_volume(stored: StoredVolume, array: Numbers) -> Volume:
         own = {key: text for key, text in stored.fields.items() if key.startswith(OWN_FIELDS)}
         return Volume(array, LPS_FROM_RAS @ stored.ijk_to_lps, own)
     except GeometryError as error:
-        raise VolumeFormatError("{path}: its place in space cannot be used. {problem}", path=stored.path, problem=error) from error
+        raise VolumeFormatError(f"{stored.path}: its place in space cannot be used. {error}") from error
 
 
 def _as_labels(path: Path, array: Numbers) -> Numbers:
     """Whole numbers; floating-point voxels that are whole become int32."""
     if array.dtype.kind == "f":
         if not np.isfinite(array).all() or (array != np.rint(array)).any() or np.abs(array).max() >= 2**31:
-            raise VolumeFormatError(
-                "{path}: labels must be whole numbers; got fractions or NaN. If these are bone probabilities, "
-                "give them as --bone-probability.",
-                path=path,
-            )
+            raise VolumeFormatError(f"{path}: labels must be whole numbers; got fractions or NaN.", Remedy.TAKE_AS_PROBABILITY)
         array = array.astype(np.int32)
     if array.min() < 0:
-        raise VolumeFormatError(
-            "{path}: labels must not be negative; got {least}. If this is a CT, segment its bone first.", path=path, least=array.min()
-        )
+        raise VolumeFormatError(f"{path}: labels must not be negative; got {array.min()}. If this is a CT, segment its bone first.")
     return array

@@ -26,7 +26,7 @@ def to_sitk(volume: Volume) -> sitk.Image:
         image = sitk.GetImageFromArray(array)
     except (TypeError, KeyError, RuntimeError) as error:
         raise GeometryError(
-            "Input voxels must be of a type that SimpleITK has; got {kind}. Convert the volume to another type.", kind=array.dtype
+            f"Input voxels must be of a type that SimpleITK has; got {array.dtype}. Convert the volume to another type."
         ) from error
     image.SetSpacing(spacing.tolist())
     image.SetDirection((ijk_to_lps[:3, :3] / spacing).ravel().tolist())
@@ -43,13 +43,11 @@ def from_sitk(image: object) -> Volume:
         When it is another thing: a picture, a series, colors, complex numbers.
     """
     if not isinstance(image, sitk.Image):
-        raise GeometryError("Input image must be a SimpleITK.Image; got {kind}.", kind=type(image).__name__)
+        raise GeometryError(f"Input image must be a SimpleITK.Image; got {type(image).__name__}.")
     if image.GetDimension() != 3:
-        raise GeometryError("Input image must be a 3D volume; got {dimensions} dimensions.", dimensions=image.GetDimension())
+        raise GeometryError(f"Input image must be a 3D volume; got {image.GetDimension()} dimensions.")
     if image.GetNumberOfComponentsPerPixel() != 1 or "complex" in image.GetPixelIDTypeAsString():
-        raise GeometryError(
-            "Input image must have one real number a voxel; got {kind}. Take one component.", kind=image.GetPixelIDTypeAsString()
-        )
+        raise GeometryError(f"Input image must have one real number a voxel; got {image.GetPixelIDTypeAsString()}. Take one component.")
     array: Numbers = sitk.GetArrayFromImage(image)
     return Volume(array, LPS_FROM_RAS @ ijk_to_lps(image))
 

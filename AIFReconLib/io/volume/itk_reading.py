@@ -103,8 +103,9 @@ def read_metafile_volume(path: Path) -> StoredVolume:
     kinds = metafile.kinds or ("domain",) * len(metafile.size)
     if sum(kind in _IN_SPACE for kind in kinds) != 3 or "time" in kinds or len(kinds) > 4:
         raise metafile.failure(
-            "it must be one 3D volume; got axes of the kinds {kinds}. If it is a sequence of frames, give it as a sequence.",
-            kinds=" ".join(kinds),
+            "it must be one 3D volume; got axes of the kinds {kinds}. If it is a sequence of frames, give it as a sequence.".format(
+                kinds=" ".join(kinds)
+            )
         )
     require_bytes(path, ITK_COPIES * metafile.pixel_bytes, available_memory())
     if is_metaimage:
@@ -131,15 +132,11 @@ def _read(path: Path, seen: tuple[int, int] | None, reader: str, data: Path | No
             # Left to look for a reader itself, it asks others too
             image = sitk.ReadImage(itk_path(copy, VolumeFormatError), imageIO=reader)
         except RuntimeError as error:
-            raise VolumeFormatError(
-                "{path}: SimpleITK cannot read it: {cause}. Export the volume again.", path=path, cause=short_cause(error)
-            ) from error
+            raise VolumeFormatError(f"{path}: SimpleITK cannot read it: {short_cause(error)}. Export the volume again.") from error
     if image.GetDimension() != 3:
-        raise VolumeFormatError(
-            "{path}: it must be a 3D volume; got {dimensions} dimensions. Export one 3D volume.", path=path, dimensions=image.GetDimension()
-        )
+        raise VolumeFormatError(f"{path}: it must be a 3D volume; got {image.GetDimension()} dimensions. Export one 3D volume.")
     if "complex" in image.GetPixelIDTypeAsString():
-        raise VolumeFormatError("{path}: its voxels must be real numbers; got complex ones. Export the magnitude.", path=path)
+        raise VolumeFormatError(f"{path}: its voxels must be real numbers; got complex ones. Export the magnitude.")
     return image
 
 
@@ -147,13 +144,13 @@ def _check_metaimage(metafile: Metafile) -> None:
     """Return if ITK finds the entries that `read_metafile` found, and all that it needs."""
     hidden = next((key for key in metafile.fields if key.partition(":")[0].strip() in FORMAT_KEYS), None)
     if hidden is not None:
-        raise metafile.failure("{key} would be taken for another key of the format. Remove the line from the header.", key=shorten(hidden))
+        raise metafile.failure(f"{shorten(hidden)} would be taken for another key of the format. Remove the line from the header.")
     if metafile.encoding != RAW and not int(metafile.entries.get("CompressedDataSize") or 0):
         raise metafile.failure("CompressedDataSize is missing, without which ITK reads other voxels. Save the volume from Slicer again.")
     for key, count in _METAIMAGE_NUMBERS.items():
         numbers = _finite(metafile, key, metafile.entries[key], count) if key in metafile.entries else np.ones(1)
         if key in ("ElementSpacing", "ElementSize") and numbers.min() <= 0:
-            raise metafile.failure("{key} must be positive; got {spacing}. Correct the header.", key=key, spacing=numbers.tolist())
+            raise metafile.failure(f"{key} must be positive; got {numbers.tolist()}. Correct the header.")
 
 
 def _finite(metafile: Metafile, key: str, text: str, count: int) -> Floats:
@@ -164,9 +161,7 @@ def _finite(metafile: Metafile, key: str, text: str, count: int) -> Floats:
         numbers = np.array([])
     numbers = numbers[~np.isnan(numbers)] if key == "spacings" else numbers
     if len(numbers) != count or not np.isfinite(numbers).all():
-        raise metafile.failure(
-            "{key} must be {count} finite numbers; got {text!r}. Correct the header.", key=key, count=count, text=shorten(text)
-        )
+        raise metafile.failure(f"{key} must be {count} finite numbers; got {shorten(text)!r}. Correct the header.")
     return numbers
 
 
@@ -177,9 +172,9 @@ def _check_nrrd(metafile: Metafile) -> None:
             key, _, value = line.partition(b":")
             if len(key if value.startswith(b"=") else line) > LONGEST_FIELD and not line.startswith(b"#"):
                 raise metafile.failure(
-                    "{line!r} is longer than {maximum} bytes. The header is damaged: copy the file again.",
-                    line=shorten(line.decode("utf-8", "replace")),
-                    maximum=LONGEST_FIELD,
+                    "{line!r} is longer than {maximum} bytes. The header is damaged: copy the file again.".format(
+                        line=shorten(line.decode("utf-8", "replace")), maximum=LONGEST_FIELD
+                    )
                 )
 
 
@@ -199,8 +194,8 @@ def _directions(metafile: Metafile) -> Floats | None:
     vectors = re.findall(r"\([^()]*\)", text)
     if len(vectors) != 3:
         raise metafile.failure(
-            "space directions must be a vector for each axis in space, none for others; got {text!r}. Save the volume from Slicer again.",
-            text=shorten(text),
+            f"space directions must be a vector for each axis in space, none for others; got {shorten(text)!r}. Save the volume from "
+            "Slicer again."
         )
     return np.array([_finite(metafile, "space directions", vector, 3) for vector in vectors])
 

@@ -49,9 +49,7 @@ def check_nifti(path: Path, error: type[FileFormatError]) -> bytes:
                 head = file.read(max(_HEADERS))
                 needed = _needed_bytes(head)
                 if length < needed:
-                    raise PayloadError(
-                        "are cut short: the header promises {needed} bytes, there are {length}", needed=needed, length=length
-                    )
+                    raise PayloadError(f"are cut short: the header promises {needed} bytes, there are {length}")
                 require_bytes(path, ITK_COPIES * needed, available_memory())
                 return head
             stream = Inflater(0, length)
@@ -64,9 +62,9 @@ def check_nifti(path: Path, error: type[FileFormatError]) -> bytes:
             stream.drain(file)
             return head
     except PayloadError as cause:
-        raise error("{path}: the voxels {problem}. Copy or export the file again.", path=path, problem=cause) from cause
+        raise error(f"{path}: the voxels {cause}. Copy or export the file again.") from cause
     except OSError as cause:
-        raise error("{path}: the file cannot be read ({reason}). Check its permissions.", path=path, reason=cause.strerror) from cause
+        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
 
 
 def nifti_forms(head: bytes) -> dict[str, Matrix]:
@@ -112,14 +110,8 @@ def _needed_bytes(head: bytes) -> int:
     kind, bits = struct.unpack_from(order + "2h", head, bits_at - 2)
     (offset,) = struct.unpack_from(order + offset_format, head, offset_at)
     if not 1 <= count <= 7 or min(sizes[:count]) < 1 or bits < 1 or not math.isfinite(offset) or offset < 0:
-        raise PayloadError(
-            "cannot be told from the header: dimensions {count} {sizes}, {bits} bits, offset {offset}",
-            count=count,
-            sizes=sizes,
-            bits=bits,
-            offset=offset,
-        )
+        raise PayloadError(f"cannot be told from the header: dimensions {count} {sizes}, {bits} bits, offset {offset}")
     if _BITS.get(kind) != bits:
-        raise PayloadError("are of a type that is not read: {kind}, of {bits} bits", kind=kind, bits=bits)
+        raise PayloadError(f"are of a type that is not read: {kind}, of {bits} bits")
     voxels: int = math.prod(sizes[:count])
     return int(offset) + (voxels * int(bits) + 7) // 8

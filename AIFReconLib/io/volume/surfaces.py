@@ -42,7 +42,7 @@ def check_surface_path(path: str | Path) -> None:
         When the suffix is another than .vtp, or no file can be created there.
     """
     if not is_surface_path(path):
-        raise OutputError("Cannot write {path}: the suffix of a surface must be {suffix}. Choose another name.", path=path, suffix=SUFFIX)
+        raise OutputError(f"Cannot write {path}: the suffix of a surface must be {SUFFIX}. Choose another name.")
     check_writable(path)
 
 
@@ -56,7 +56,7 @@ def check_labels_surface_path(path: str | Path) -> None:
     """
     check_surface_path(path)
     if find_spec("vtkmodules") is None:
-        raise OutputError("Cannot write {path}: the surface of labels needs VTK. Install it with: pip install vtk", path=path)
+        raise OutputError(f"Cannot write {path}: the surface of labels needs VTK. Install it with: pip install vtk")
 
 
 def write_surface(path: str | Path, points: ArrayLike, triangles: ArrayLike = (), **point_data: ArrayLike) -> None:

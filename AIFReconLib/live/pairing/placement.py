@@ -10,7 +10,7 @@ import numpy as np
 from ...arrays import Matrix, Numbers
 from ...errors import TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, Ways, capital
-from ...message import Message, said
+from ...message import said
 from ...sweep.configuration import PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.poses import chain_ends, image_ways, missing_link, sweep_poses
@@ -189,7 +189,7 @@ class Placement:
         if culprit is None or (direct and not bad):
             return TransformStatus.OK, None
         status = transforms[culprit].status
-        return status, Message("{transform} {problem}", transform=culprit, problem=problems.get(culprit, status.value))
+        return status, f"{culprit} {problems.get(culprit, status.value)}"
 
     def _deciding(
         self, message: ImageMessage, frame: str, names: frozenset[TransformName], told: frozenset[TransformName]
@@ -252,40 +252,38 @@ class Placement:
             try:
                 image_ways(self.wanted, named, transforms, self._configured)
             except TransformError as error:
-                self.problem = Message("{problem} {advice}", problem=error, advice=self._advice(transforms))
-            return Placed(None, Message("no transform leads from {source} to {target}", **ends), transforms)
+                self.problem = f"{error} {self._advice(transforms)}"
+            return Placed(None, "no transform leads from {source} to {target}".format(**ends), transforms)
         if not transforms.keys() & set(chain.names):
-            self.problem = Message(
-                "By the configuration alone {source} is fixed to {target}, so all images would lie in one plane. {advice}",
-                advice=self._advice(transforms),
-                **ends,
+            self.problem = (
+                "By the configuration alone {source} is fixed to {target}, so all images would lie in one plane. {advice}".format(
+                    advice=self._advice(transforms), **ends
+                )
             )
-            return Placed(None, Message("{source} is fixed to {target}", **ends), transforms)
+            return Placed(None, "{source} is fixed to {target}".format(**ends), transforms)
         record = FrameRecord(transforms=transforms)
         sequence = TrackedSequence(np.broadcast_to(image, (1, *image.shape)), [record], configuration=self._configuration)
         try:
             poses = sweep_poses(sequence, named, self.wanted.target)
         except TransformError as error:
             self.problem = said(error).removeprefix(f"{sequence.name}: ")
-            return Placed(None, Message("two ways lead from {source} to {target}, and disagree", **ends), transforms)
+            return Placed(None, "two ways lead from {source} to {target}, and disagree".format(**ends), transforms)
         self.problem = None
         status = poses.problems[0]
         if status is None:
             return Placed(poses.image_to_reference[0], "OK", transforms)
         culprit = next((name for name in problems if status.startswith(f"{name} ")), None)
-        what = Message("{transform} {problem}", transform=culprit, problem=problems[culprit]) if culprit else status
+        what = f"{culprit} {problems[culprit]}" if culprit else status
         return Placed(None, what, transforms)
 
-    def _advice(self, transforms: Mapping[TransformName, TransformSample]) -> Message:
+    def _advice(self, transforms: Mapping[TransformName, TransformSample]) -> str:
         for name, sample in transforms.items():
             if sample.status is TransformStatus.OK and not np.array_equal(self._first.setdefault(name, sample.matrix), sample.matrix):
                 self._moving.add(name)
         if not transforms:
-            return Message(
-                "No transforms are sent. Let the server send those of its tools (ProbeToTracker, ReferenceToTracker); an image that brings "
-                "its pose in its own matrix must be called {image}_{reference}.",
-                image=self.wanted.source,
-                reference=self.wanted.target,
+            return (
+                "No transforms are sent. Let the server send those of its tools (ProbeToTracker, ReferenceToTracker); an image that "
+                f"brings its pose in its own matrix must be called {self.wanted.source}_{self.wanted.target}."
             )
         return missing_link(self.wanted, list(dict.fromkeys([*self._configured, *transforms])), list(self._moving))
 

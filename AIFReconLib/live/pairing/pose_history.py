@@ -13,7 +13,6 @@ from ...arrays import Matrix
 from ...geometry.pose_interpolation import interpolate_pose, pose_change
 from ...geometry.transform_graph import TransformSample, TransformStatus
 from ...geometry.transforms import why_not_rigid
-from ...message import Message
 
 LONGEST_MEMORY = 4096
 """Samples kept of each transform: 10 s of the fastest trackers."""
@@ -125,16 +124,16 @@ class PoseHistory:
                 return Answer(TransformSample(sample.matrix, TransformStatus.INVALID), why_not_rigid(sample.matrix))
         span = self._times[place] - self._times[place - 1]
         if span > self._longest_gap:
-            return Answer(TransformSample(MISSING.matrix, TransformStatus.MISSING), Message("stale"))
+            return Answer(TransformSample(MISSING.matrix, TransformStatus.MISSING), "stale")
         distance, angle = pose_change(before.matrix, after.matrix)
         if distance > LARGEST_SPEED * span or angle > LARGEST_TURN * span:
-            return Answer(TransformSample(MISSING.matrix, TransformStatus.INVALID), Message("jumps"))
+            return Answer(TransformSample(MISSING.matrix, TransformStatus.INVALID), "jumps")
         fraction = (time - self._times[place - 1]) / span
         return Answer(TransformSample(interpolate_pose(before.matrix, after.matrix, fraction)))
 
     def given_up(self) -> Answer:
         """The answer when nothing more is waited for."""
-        return Answer(MISSING, Message("stale") if self._times else None)
+        return Answer(MISSING, "stale" if self._times else None)
 
 
 def _is_like(first: Matrix, second: Matrix) -> bool:

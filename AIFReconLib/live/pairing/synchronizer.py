@@ -13,7 +13,7 @@ import numpy as np
 
 from ...errors import SettingsError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
-from ...message import Message, listed
+from ...message import listed
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedFrame
 from ..wire.messages import ImageMessage, StreamEvent, StreamMessage, TransformMessage
@@ -72,7 +72,7 @@ class SynchronizerSettings:
         for name, least in (("time_offset", -60.0), ("longest_gap", 0.0), ("patience", 0.0)):
             value = getattr(self, name)
             if not least <= value <= 60.0:
-                raise SettingsError("Input {name} must be from {least:g} to 60 s; got {value!r}.", name=name, least=least, value=value)
+                raise SettingsError(f"Input {name} must be from {least:g} to 60 s; got {value!r}.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ class Synchronizer:
         self.repeated = 0
         self.other_images = 0
         self.unused_transforms = 0
-        self._unused: dict[str, Message] = {}
+        self._unused: dict[str, str] = {}
         given = self.settings
         # Who spells out a chain wants that one
         by_image = given.time_offset == 0.0 and "," not in (given.image_to_reference or "")
@@ -153,18 +153,17 @@ class Synchronizer:
         problem = self._placement.problem
         if problem is None or not self._unused:
             return problem
-        return Message("{problem} Not used: {unused}.", problem=problem, unused=listed(self._unused.values()))
+        return f"{problem} Not used: {listed(self._unused.values())}."
 
     @property
-    def note(self) -> Message | None:
+    def note(self) -> str | None:
         """What makes places doubtful although all is well otherwise."""
         coarse = [str(who) for who, count in self._whole.items() if count >= WHOLE_SECONDS]
         if not coarse:
             return None
-        return Message(
-            "The time stamps of {names} are whole seconds, so images may be placed by the pose of a neighbor. "
-            "Let the sender stamp with fractions of a second.",
-            names=listed(coarse),
+        return (
+            f"The time stamps of {listed(coarse)} are whole seconds, so images may be placed by the pose of a neighbor. Let the sender "
+            "stamp with fractions of a second."
         )
 
     @property
@@ -225,7 +224,7 @@ class Synchronizer:
         if message.device != self.device:
             self.other_images += 1
             return []
-        time, frames = self._time_of(message, Message("images")), []
+        time, frames = self._time_of(message, "images"), []
         if time in self._times_before and message.timestamp != 0.0:
             self.repeated += 1
             return []
@@ -267,9 +266,9 @@ class Synchronizer:
         name = name or stream_name(f"{message.device}To{capital(self.settings.tracker_frame)}")
         reason = None
         if name is None:
-            reason = Message("{name} (not a name such as ProbeToTracker)", name=message.device)
+            reason = f"{message.device} (not a name such as ProbeToTracker)"
         elif self._placement.wanted.source in (name.source, name.target):
-            reason = Message("{name} (does not hold the size of a pixel, send TRANSFORM)", name=message.device)
+            reason = f"{message.device} (does not hold the size of a pixel, send TRANSFORM)"
         if reason is not None and len(self._unused) < NAMES_TOLD:
             self._unused[message.device] = reason
         if name is None or reason is not None or (name in self._histories and name not in self._lesser):

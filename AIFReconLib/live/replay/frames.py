@@ -10,6 +10,7 @@ from ...arrays import Floats, Integers, Matrix
 from ...errors import GeometryError, SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, find_ways
 from ...geometry.transforms import invert, why_not_affine
+from ...remedies import Remedy
 from ...sweep.frames import CROPPED, FrameRecord, TrackedSequence
 from ...sweep.poses import chain_ends, sweep_poses, time_order
 from ..wire.encoding import encode_image, encode_transform, why_not_sendable
@@ -66,12 +67,10 @@ class ReplayFrames:
         valid_only: bool = True,
     ):
         if len(sequence) == 0:
-            raise SettingsError("{sequence} has no frames to replay. Choose another recording.", sequence=sequence.name)
+            raise SettingsError(f"{sequence.name} has no frames to replay. Choose another recording.")
         problem = why_not_sendable(sequence.images.dtype, sequence.frame_size)
         if problem:
-            raise SettingsError(
-                "{sequence} cannot be sent over OpenIGTLink: {problem}. Convert the recording.", sequence=sequence.name, problem=problem
-            )
+            raise SettingsError(f"{sequence.name} cannot be sent over OpenIGTLink: {problem}. Convert the recording.")
         self._sequence = sequence
         self._valid_only = valid_only
         self._order = time_order(sequence)
@@ -164,13 +163,11 @@ def _times(sequence: TrackedSequence, order: Integers, rate: float | None) -> tu
     count = len(order)
     if rate is not None:
         if not 0.0 < rate <= 1.0 / SHORTEST_INTERVAL:
-            raise SettingsError(
-                "Input rate must be above 0 and at most {highest:g} frames/s; got {rate!r}.", highest=1 / SHORTEST_INTERVAL, rate=rate
-            )
+            raise SettingsError(f"Input rate must be above 0 and at most {1 / SHORTEST_INTERVAL:g} frames/s; got {rate!r}.")
         return np.arange(count) / rate, count / rate
     recorded = [record.timestamp for record in sequence.records if record.timestamp is not None]
     if len(recorded) < len(sequence) or not np.isfinite(recorded).all() or (count > 1 and max(recorded) == min(recorded)):
-        raise SettingsError("{sequence} has no recorded times to follow. Give the rate to replay it at (--rate).", sequence=sequence.name)
+        raise SettingsError(f"{sequence.name} has no recorded times to follow.", Remedy.REPLAY_RATE)
     times = np.array(recorded)[order]
     intervals = np.maximum(np.diff(times), SHORTEST_INTERVAL)
     offsets = np.concatenate(([0.0], np.cumsum(intervals)))

@@ -79,7 +79,7 @@ class ReplayServer:
         valid_only: bool = True,
     ):
         if header_version not in (None, 1, 2):
-            raise SettingsError("Input header_version must be 1 or 2; got {header_version!r}.", header_version=header_version)
+            raise SettingsError(f"Input header_version must be 1 or 2; got {header_version!r}.")
         self.frames = ReplayFrames(
             sequence,
             rate=rate,
@@ -301,9 +301,7 @@ def _listen(host: str, port: int) -> socket.socket:
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
     except (OSError, UnicodeError):
-        raise LiveConnectionError(
-            "Host {host!r} cannot be found. Give 127.0.0.1, 0.0.0.0 or an address of this machine.", host=host
-        ) from None
+        raise LiveConnectionError(f"Host {host!r} cannot be found. Give 127.0.0.1, 0.0.0.0 or an address of this machine.") from None
     listener = socket.socket(family, kind, protocol)
     try:
         # Elsewhere this frees a port that a server has just left; on Windows it would let two servers share one
@@ -323,15 +321,10 @@ def _listen(host: str, port: int) -> socket.socket:
 def _failure(error: OSError, host: str, port: int) -> LiveConnectionError:
     if error.errno == errno.EADDRINUSE:
         return LiveConnectionError(
-            "Port {port} is in use by another program, perhaps a PlusServer. Stop it, or choose another port (0 takes any free one).",
-            port=port,
+            f"Port {port} is in use by another program, perhaps a PlusServer. Stop it, or choose another port (0 takes any free one)."
         )
     if error.errno == errno.EADDRNOTAVAIL:
-        return LiveConnectionError("{host} is no address of this machine. Give 127.0.0.1, 0.0.0.0 or one of its addresses.", host=host)
+        return LiveConnectionError(f"{host} is no address of this machine. Give 127.0.0.1, 0.0.0.0 or one of its addresses.")
     if error.errno == errno.EACCES:
-        return LiveConnectionError(
-            "Port {port} needs special rights. Choose one above 1023; Plus uses {plus_port}.", port=port, plus_port=PLUS_PORT
-        )
-    return LiveConnectionError(
-        "Port {port} on {host} cannot be served ({reason}). Choose another port.", port=port, host=host, reason=error.strerror
-    )
+        return LiveConnectionError(f"Port {port} needs special rights. Choose one above 1023; Plus uses {PLUS_PORT}.")
+    return LiveConnectionError(f"Port {port} on {host} cannot be served ({error.strerror}). Choose another port.")

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from ...arrays import Floats
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
-from ...message import Message
 from ...registration.agreement import Agreement
 from ...registration.bone_field import BoneField
 from ...registration.echoes import SweepEchoes
@@ -41,7 +40,7 @@ class LiveState:
 
     agreement: Agreement | None = None
     has_fallen: bool = False
-    problem: Message | None = None
+    problem: str | None = None
 
 
 class AgreementWatch(Watch):
@@ -96,7 +95,7 @@ class AgreementWatch(Watch):
             seen = SweepEchoes.joined(self._seen)
             return self._recent if self._state.has_fallen and len(seen) < len(self._recent) else seen
 
-    def _tell_problem(self, problem: Message) -> None:
+    def _tell_problem(self, problem: str) -> None:
         self._state = LiveState(None, self._state.has_fallen, problem)
 
     def _look(self, frame: LiveFrame | None) -> None:

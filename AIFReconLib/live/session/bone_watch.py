@@ -17,7 +17,7 @@ from ...bone.seen import Prediction
 from ...errors import AIFReconError, GeometryError, OperationCanceled
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
-from ...message import Message, said
+from ...message import said
 from ...resolve import Imaging
 from ...sweep.configuration import PlusConfiguration
 from ..pairing.predictions import PredictionSource
@@ -53,7 +53,7 @@ class BoneState:
 
     frames: int = 0
     unmatched: int = 0
-    problem: Message | None = None
+    problem: str | None = None
 
 
 class BoneWatch(Watch):
@@ -99,7 +99,7 @@ class BoneWatch(Watch):
         self._full = 1.0
         self._newest: LiveFrame | None = None
         self._frames = self._unmatched = 0
-        self._problem: Message | None = None
+        self._problem: str | None = None
         self._spreading = _Spreading(session, bone, self._tell_problem)
         self._thread.start()
 
@@ -119,7 +119,7 @@ class BoneWatch(Watch):
             except AIFReconError as error:
                 self._tell_problem(said(error))
 
-    def _tell_problem(self, problem: Message) -> None:
+    def _tell_problem(self, problem: str) -> None:
         self._problem = problem
 
     def _breathe(self) -> bool:
@@ -177,9 +177,8 @@ class BoneWatch(Watch):
                 self._full = 255.0
         elif message.image.dtype.kind != "f":
             raise GeometryError(
-                "{device}: predictions must be 8 bit, 0 to 255, or floating point, 0 to 1; got {kind}. Stream them as one of these.",
-                device=message.device,
-                kind=message.image.dtype.name,
+                f"{message.device}: predictions must be 8 bit, 0 to 255, or floating point, 0 to 1; got {message.image.dtype.name}. "
+                "Stream them as one of these."
             )
         return probability_of(message.image, self._full if message.image.dtype == np.uint8 else 1.0, message.device)
 
@@ -187,7 +186,7 @@ class BoneWatch(Watch):
 class _Spreading(Watch):
     """Brings what is known of bone to the volume, in moments in which nothing is inserted."""
 
-    def __init__(self, session: LiveSession, bone: GrowingBone, tell: Callable[[Message], None]):
+    def __init__(self, session: LiveSession, bone: GrowingBone, tell: Callable[[str], None]):
         super().__init__(session, "aifrecon live bone map", 0.0)
         self._bone, self._tell = bone, tell
         self._spread = time.monotonic()
@@ -206,7 +205,7 @@ class _Spreading(Watch):
         if not self._make_way():
             raise OperationCanceled
 
-    def _tell_problem(self, problem: Message) -> None:
+    def _tell_problem(self, problem: str) -> None:
         self._tell(problem)
 
 

@@ -18,7 +18,6 @@ from ...guidance.mesh import ColoredBone
 from ...guidance.met import BoneMet, FrameGeometry
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
-from ...message import Message
 from ...resolve import Imaging
 from ...sweep.configuration import PlusConfiguration
 from ..pairing.synchronizer import LiveFrame
@@ -113,7 +112,7 @@ class GuidanceWatch(Watch):
                 labels = self._wanted[1]
             self._wanted = np.asarray(labels_to_reference, dtype=np.float64), labels
 
-    def _tell_problem(self, problem: Message) -> None:
+    def _tell_problem(self, problem: str) -> None:
         self._state = Guidance(problem=problem)
         self.prepared.set()
 
@@ -190,7 +189,7 @@ class GuidanceWatch(Watch):
                 advice = self._advisor.to(None if self._state.advice is None else self._state.advice.move, pose)
         self._state = Guidance.of(colored, met, advice)
 
-    def _why_not(self, met: BoneMet) -> Message | None:
+    def _why_not(self, met: BoneMet) -> str | None:
         grid = self._session.grid
         if grid is not self._grid or met.bone is not self._boxed:
             self._grid, self._boxed = grid, met.bone

@@ -21,7 +21,6 @@ from ...compounding.state import Reconstruction
 from ...geometry.volume import VoxelGrid
 from ...imaging.beams import LINEAR, ProbeGeometry
 from ...imaging.region import ImageRegion
-from ...message import Message
 from ...progress import Progress
 from ...provenance.record import with_origin
 from ...resolve import Imaging, ReconstructorParts
@@ -33,11 +32,11 @@ from .statistics import Meter, Rhythm
 
 logger = logging.getLogger(__name__)
 
-TOO_SLOW = Message("skipped to keep up")
-OTHER_SIZE = Message("image of another size or type")
-AFTER_ERROR = Message("not inserted after an error")
-WHILE_PAUSED = Message("paused")
-LEFT_OUT = Message("left out by --skip")
+TOO_SLOW = "skipped to keep up"
+OTHER_SIZE = "image of another size or type"
+AFTER_ERROR = "not inserted after an error"
+WHILE_PAUSED = "paused"
+LEFT_OUT = "left out, as every N-th frame is used"
 
 MOST_WAITING_BYTES = 512 * 2**20
 """Pixels that wait to be inserted at most, whatever their number."""

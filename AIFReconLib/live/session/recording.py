@@ -37,7 +37,7 @@ from ...io.sequence.fields import frame_entries
 from ...io.sequence.files import read_sequence
 from ...io.sequence.writer import check_sequence_name, checked, write_sequence
 from ...machine.threads import start
-from ...message import Message, said
+from ...message import said
 from ...progress import Progress
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ..pairing.synchronizer import LiveFrame
@@ -100,11 +100,8 @@ class Recorder:
         left = next((path for path in (self.header_path, self._pixels_path, self._fields_path) if os.path.lexists(path)), None)
         if left is not None:
             raise OutputError(
-                "Cannot record to {path}: {left} is there, from a recording that was not finished. "
-                "Keep {file} and its .raw file under another name, or choose one.",
-                path=self.path,
-                left=left.name,
-                file=self.header_path.name,
+                f"Cannot record to {self.path}: {left.name} is there, from a recording that was not finished. Keep "
+                f"{self.header_path.name} and its .raw file under another name, or choose one."
             )
         self.frames = self.without_image = 0
         self._unseen = True
@@ -211,11 +208,7 @@ class Recorder:
             if self.path.suffix.lower() != ".mhd" or not self._finish_in_place():
                 self._copy(progress)
         except OSError as error:
-            raise OutputError(
-                "{problem} The recording is kept in {header} and its .raw file, and can be read there.",
-                problem=error,
-                header=self.header_path,
-            ) from error
+            raise OutputError(f"{error} The recording is kept in {self.header_path} and its .raw file, and can be read there.") from error
         self._remove()
         if self.failure is not None:
             self._say_where(self.path)
@@ -230,18 +223,14 @@ class Recorder:
                 file.close()
 
     @property
-    def loss(self) -> Message | None:
+    def loss(self) -> str | None:
         """How many frames are recorded without their image, and why; None where all have theirs."""
         if not self.without_image:
             return None
-        return Message(
-            "{count} of {frames} recorded frames are without their image, which was not of the size and type of the others "
-            "({columns} x {rows} pixels, {dtype}). Do not change the scanner's mode in the middle of a scan.",
-            count=self.without_image,
-            frames=self.frames,
-            columns=self._shape[1],
-            rows=self._shape[0],
-            dtype=str(self._dtype),
+        return (
+            f"{self.without_image} of {self.frames} recorded frames are without their image, which was not of the size and type of the "
+            f"others ({self._shape[1]} x {self._shape[0]} pixels, {self._dtype!s}). Do not change the scanner's mode in the middle "
+            "of a scan."
         )
 
     @property
@@ -352,8 +341,8 @@ class Recorder:
         except OSError:
             self.frames, self._fields_length = self._listed, self._listed_length
         self._growing = self.header_path
-        cause = Message("the disk is full") if error.errno in _FULL else (error.strerror or str(error))
-        self._stop(Message("{cause}.", cause=cause))
+        cause = "the disk is full" if error.errno in _FULL else (error.strerror or str(error))
+        self._stop(f"{cause}.")
 
     def _complete(self, fields: FileIO) -> None:
         """Make the growing header the one of all frames, which takes no room on the disk."""
@@ -366,7 +355,7 @@ class Recorder:
         os.replace(self._fields_path, self.header_path)
         self._listed = self.frames
 
-    def _stop(self, cause: Message) -> None:
+    def _stop(self, cause: str) -> None:
         self._cause = cause
         self._say_where(self.header_path)
         logger.error("%s", self.failure, exc_info=True)
@@ -374,11 +363,9 @@ class Recorder:
     def _say_where(self, path: Path) -> None:
         """Say why the recording stopped, and where its frames are now."""
         if self.frames:
-            self.failure = Message(
-                "Recording stopped: {cause} {count} frames are kept in {path}.", cause=self._cause, count=self.frames, path=path
-            )
+            self.failure = f"Recording stopped: {self._cause} {self.frames} frames are kept in {path}."
         else:
-            self.failure = Message("Recording stopped: {cause} No frame was recorded.", cause=self._cause)
+            self.failure = f"Recording stopped: {self._cause} No frame was recorded."
 
     def _remove(self) -> None:
         for path in (self.header_path, self._pixels_path, self._fields_path):

@@ -14,7 +14,6 @@ from ...geometry.transforms import pixel_spacing
 from ...geometry.volume import VoxelGrid
 from ...imaging.extent import grid_around_sweep
 from ...imaging.sound_speed import depth_scale
-from ...message import Message
 from ...resolve import Imaging
 from ...settings import ReconstructionSettings
 from ...sweep.frames import FrameRecord, TrackedSequence
@@ -22,7 +21,7 @@ from ...sweep.poses import SweepPoses
 from ..pairing.pose_history import LARGEST_SPEED
 from ..pairing.synchronizer import LiveFrame
 
-SCOUTED = Message("seen while scouting")
+SCOUTED = "seen while scouting"
 
 FARTHEST_STEP = 100.0
 """mm from one frame to the next that are believed however soon it comes: clocks tremble, and recordings begin anew."""
@@ -50,7 +49,7 @@ class ScoutedFrames:
         self._others: dict[tuple[str, int], array[int]] = {}
         self._poses: list[Matrix] = []
         self._times: list[tuple[float, float]] = []
-        self.notes: tuple[Message, ...] = ()
+        self.notes: tuple[str, ...] = ()
         self._left = byte_limit
 
     def add(self, frame: LiveFrame, round_: int) -> None:
@@ -137,10 +136,9 @@ class ScoutedFrames:
         poses = poses[self._reachable((poses @ (columns / 2, rows / 2, 0.0, 1.0))[:, :3])]
         if astray := self.usable - len(poses):
             self.notes = (
-                Message(
-                    "{count} of {all} frames seen while scouting lie where no hand reaches between two frames: the box is that of others.",
-                    count=astray,
-                    all=self.usable,
+                (
+                    f"{astray} of {self.usable} frames seen while scouting lie where no hand reaches between two frames: the box is "
+                    "that of others."
                 ),
             )
         scale = depth_scale(settings, imaging.region.mask(columns, rows), imaging.probe, pixel_spacing(poses[0]))

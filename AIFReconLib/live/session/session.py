@@ -18,7 +18,7 @@ from ...geometry.volume import VoxelGrid
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
 from ...imaging.sound_speed import depth_factor
-from ...message import Message, said
+from ...message import said
 from ...progress import Progress, part
 from ...resolve import Imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
 from ...settings import ReconstructionSettings
@@ -233,9 +233,7 @@ class LiveSession:
                 self._unfinished = said(error)
                 logger.exception("A recording could not be finished")
             except AIFReconError as error:
-                self._unfinished = Message(
-                    "{problem} The recording is kept in {path} and its .raw file.", problem=error, path=self.recorder.header_path
-                )
+                self._unfinished = f"{error} The recording is kept in {self.recorder.header_path} and its .raw file."
                 logger.exception("A recording could not be finished")
 
     def finish(self, progress: Progress | None = None) -> Reconstruction | None:

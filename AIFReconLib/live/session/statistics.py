@@ -12,7 +12,7 @@ from typing import TypedDict
 
 import numpy as np
 
-from ...message import Message, listed
+from ...message import listed
 from ..pairing.placement import stream_name
 from ..wire.messages import StreamEvent, StreamMessage, TransformMessage
 
@@ -31,12 +31,12 @@ TROUBLE_SHOWN = 10.0
 SILENCE = 1.0
 """s without an image, or without a pose, after which they have stopped."""
 
-TRACKED = Message("tracked")
-NO_IMAGES = Message("no images")
+TRACKED = "tracked"
+NO_IMAGES = "no images"
 
 _NO_TOOLS = ("Tracker", "Image", "World")
 _REASONS_KEPT = 200
-OTHER_REASONS = Message("other reasons")
+OTHER_REASONS = "other reasons"
 
 
 @dataclass(frozen=True)
@@ -203,13 +203,13 @@ def tracking_words(status: str, reference: str) -> str:
     if name is None:
         return status
     if what == "stale":
-        return Message("{name}: too few positions", name=name)
+        return f"{name}: too few positions"
     if what not in ("MISSING", "OUT_OF_VIEW", "OUT_OF_VOLUME", "INVALID", "REQ_TIMEOUT", "UNKNOWN"):
         return status
     tools = [frame for frame in (name.source, name.target) if frame not in _NO_TOOLS]
     if name.source == "Image" and tools == [reference]:
         tools = ["Probe", reference]
-    return Message("{tools} not seen by tracker", tools=listed(tools, " or ") or name)
+    return "{tools} not seen by tracker".format(tools=listed(tools, " or ") or name)
 
 
 class Heard:

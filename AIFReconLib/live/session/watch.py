@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
 from ...machine.threads import give_way
-from ...message import Message, said
+from ...message import said
 from ...resolve import Imaging, known_imaging, recognized_imaging
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ..pairing.synchronizer import LiveFrame
@@ -72,7 +72,7 @@ class Watch(ABC):
         self._last: LiveFrame | None = None
         self._closing = threading.Event()
         self._resumed = time.monotonic()
-        self._logged: Message | None = None
+        self._logged: str | None = None
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     def stop(self, wait: bool = True) -> None:
@@ -86,7 +86,7 @@ class Watch(ABC):
         """Look at a frame with image and pose that was not seen before; None: there is no new one."""
 
     @abstractmethod
-    def _tell_problem(self, problem: Message) -> None:
+    def _tell_problem(self, problem: str) -> None:
         """Say why nothing can be told."""
 
     def _run(self) -> None:

@@ -12,7 +12,7 @@ import threading
 import time
 
 from ...errors import LiveConnectionError, LiveMessageError, SettingsError
-from ...message import Message, said
+from ...message import said
 from .connection import check_port, open_connection
 from .decoding import USED_TYPES, codec, decode
 from .encoding import encode_status_request
@@ -23,7 +23,7 @@ from .statistics import Counters, StreamStatistics
 
 logger = logging.getLogger(__name__)
 
-CONNECTING, CONNECTED, WAITING, STOPPED = Message("connecting"), Message("connected"), Message("waiting to reconnect"), Message("stopped")
+CONNECTING, CONNECTED, WAITING, STOPPED = "connecting", "connected", "waiting to reconnect", "stopped"
 
 CHUNK = 2**18
 """Bytes asked of the operating system at a time."""
@@ -82,7 +82,7 @@ class OpenIGTLinkClient:
         retry_delays: tuple[float, ...] = (0.5, 1.0, 2.0, 5.0),
     ):
         if not isinstance(host, str) or not host.strip():
-            raise SettingsError("Input host must be a host name or an IP address; got {host!r}.", host=host)
+            raise SettingsError(f"Input host must be a host name or an IP address; got {host!r}.")
         if queue_size < 1 or queue_bytes < 1 or size_limit < 1 or stall_after <= 0 or connect_timeout <= 0 or not retry_delays:
             raise SettingsError("Input limits and times of a client must be positive, and retry_delays must not be empty.")
         self.host = host.strip()
@@ -124,9 +124,7 @@ class OpenIGTLinkClient:
                 if run.first_error:
                     raise run.first_error
                 raise LiveConnectionError(
-                    "Host {host!r} was not found in {seconds:g} s. Check its name, or give its IP address.",
-                    host=self.host,
-                    seconds=RESOLVING_TIMEOUT,
+                    f"Host {self.host!r} was not found in {RESOLVING_TIMEOUT:g} s. Check its name, or give its IP address."
                 )
 
     def connect_once(self) -> None:
@@ -217,7 +215,7 @@ class _Run:
             try:
                 connection = open_connection(client.host, client.port, client._connect_timeout, self.stopping.is_set)
             except LiveConnectionError as error:
-                reason = said(error)
+                reason: str = said(error)
                 self.first_error = None if self.attempted.is_set() else error
             else:
                 if connection is None:
@@ -230,24 +228,24 @@ class _Run:
                 break
             self.last_error, self.state = reason, WAITING
             self.attempted.set()
-            self._emit("disconnected", Message("{reason} Connecting again in {seconds:g} s.", reason=reason, seconds=delay))
+            self._emit("disconnected", f"{reason} Connecting again in {delay:g} s.")
             self.stopping.wait(delay)
 
-    def _serve(self, connection: socket.socket) -> tuple[Message, bool]:
+    def _serve(self, connection: socket.socket) -> tuple[str, bool]:
         """Receive until the connection ends; returns why, and whether a message came."""
         with self._lock:
             self._counters.connections += 1
         self.last_error, self.state = None, CONNECTED
         self.attempted.set()
-        self._emit("connected", Message("Connected to {host}, port {port}.", host=self._client.host, port=self._client.port))
+        self._emit("connected", f"Connected to {self._client.host}, port {self._client.port}.")
         framer, before = Framer(self._client._size_limit), self._counters.last_message
         skipped = self._counters.skipped_bytes
         try:
             connection.sendall(encode_status_request())
             reason = self._receive_all(connection, framer, skipped)
         except OSError as error:
-            cause = error.strerror or Message("the network failed")
-            reason = _ended(Message("The connection was lost ({reason})", reason=cause), framer)
+            cause = error.strerror or "the network failed"
+            reason = _ended(f"The connection was lost ({cause})", framer)
         # A message that will never come to its end may have swallowed whole ones
         while parts := framer.look_inside():
             self._take_all(parts, time.monotonic())
@@ -255,7 +253,7 @@ class _Run:
             self._counters.skipped_bytes = skipped + framer.skipped
         return reason, self._counters.last_message != before
 
-    def _receive_all(self, connection: socket.socket, framer: Framer, skipped: int) -> Message:
+    def _receive_all(self, connection: socket.socket, framer: Framer, skipped: int) -> str:
         """Receive until the stream ends or the client is stopped, and say which; `skipped` bytes were lost on earlier connections."""
         buffer = bytearray(CHUNK)
         view = memoryview(buffer)
@@ -264,7 +262,7 @@ class _Run:
             size = _receive(connection, buffer)
             now = time.monotonic()
             if size == 0:
-                return _ended(Message("The server closed the connection"), framer)
+                return _ended("The server closed the connection", framer)
             parts = framer.feed(view[:size]) if size else []
             if now - last > self._client._stall_after and not parts:
                 seen = _seen(framer)
@@ -272,19 +270,14 @@ class _Run:
                 parts = framer.look_inside()
                 if not stalled and not parts:
                     stalled = True
-                    detail = Message(
-                        "For {seconds:.1f} s {seen}. Waiting; check {host}, and the network.",
-                        seconds=now - last,
-                        seen=seen,
-                        host=self._client.host,
-                    )
+                    detail = f"For {now - last:.1f} s {seen}. Waiting; check {self._client.host}, and the network."
                     self._emit("stalled", detail)
             if self._take_all(parts, now):
                 last, stalled = now, False
             with self._lock:
                 self._counters.received_bytes += size or 0
                 self._counters.skipped_bytes = skipped + framer.skipped
-        return Message("The client was stopped.")
+        return "The client was stopped."
 
     def _take_all(self, parts: list[Frame | Damage | Recovery], now: float) -> bool:
         """Take parts of the stream; whether there is a message among them."""
@@ -298,12 +291,12 @@ class _Run:
             with self._lock:
                 self._counters.bad_crc += part.kind == "checksum"
                 self._counters.refused_sizes += part.kind == "size"
-                self._counters.refusals[part.kind] = Message("{problem}.", problem=part.detail)
-            self._emit("refused", Message("{problem}. It is left out; looking for the next message.", problem=part.detail), part.kind)
+                self._counters.refusals[part.kind] = f"{part.detail}."
+            self._emit("refused", f"{part.detail}. It is left out; looking for the next message.", part.kind)
         elif isinstance(part, Recovery):
             with self._lock:
                 self._counters.resyncs += 1
-            detail = Message("{count} bytes that belong to no message were skipped; the stream is in order again.", count=part.skipped)
+            detail = f"{part.skipped} bytes that belong to no message were skipped; the stream is in order again."
             self._emit("resynchronized", detail, "in order")
         else:
             header = part.header
@@ -318,7 +311,7 @@ class _Run:
                     self._counters.refusals[header.kind] = said(error)
                 self._emit("refused", said(error), "contents")
 
-    def _emit(self, kind: EventKind, detail: Message, trouble: str | None = None) -> None:
+    def _emit(self, kind: EventKind, detail: str, trouble: str | None = None) -> None:
         """Queue an event; those about the same trouble at most once in a while, because counters tell the rest."""
         now = time.monotonic()
         if trouble is not None:
@@ -344,15 +337,15 @@ def _receive(connection: socket.socket, buffer: bytearray) -> int | None:
         return None
 
 
-def _seen(framer: Framer) -> Message:
+def _seen(framer: Framer) -> str:
     """What arrives of a stream from which no message comes."""
     if framer.searching:
-        return Message("only bytes that are no message arrive")
+        return "only bytes that are no message arrive"
     pending = framer.describe_pending()
-    return Message("nothing arrived in the middle of {message}", message=pending) if pending else Message("nothing arrived")
+    return f"nothing arrived in the middle of {pending}" if pending else "nothing arrived"
 
 
-def _ended(how: Message, framer: Framer) -> Message:
+def _ended(how: str, framer: Framer) -> str:
     """How a connection ended, and in the middle of what."""
     pending = framer.describe_pending()
-    return Message("{ended} in the middle of {message}.", ended=how, message=pending) if pending else Message("{ended}.", ended=how)
+    return f"{how} in the middle of {pending}." if pending else f"{how}."

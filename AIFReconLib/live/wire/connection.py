@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable
 
 from ...errors import LiveConnectionError, SettingsError
-from ...message import Message
 
 POLL = 0.05
 """How often a waiting socket looks whether it must stop, s."""
@@ -28,9 +27,7 @@ def check_port(port: int, lowest: int = 1) -> int:
     SettingsError
     """
     if not isinstance(port, int) or isinstance(port, bool) or not lowest <= port <= 65535:
-        raise SettingsError(
-            "Input port must be a whole number from {lowest} to 65535; got {port!r}. Plus listens on 18944.", lowest=lowest, port=port
-        )
+        raise SettingsError(f"Input port must be a whole number from {lowest} to 65535; got {port!r}. Plus listens on 18944.")
     return port
 
 
@@ -53,10 +50,8 @@ def open_connection(host: str, port: int, timeout: float, stopped: Callable[[], 
     try:
         addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError) as error:
-        reason = getattr(error, "strerror", None) or Message("not a host name")
-        raise LiveConnectionError(
-            "Host {host!r} cannot be found ({reason}). Check its name, or give its IP address.", host=host, reason=reason
-        ) from None
+        reason = getattr(error, "strerror", None) or "not a host name"
+        raise LiveConnectionError(f"Host {host!r} cannot be found ({reason}). Check its name, or give its IP address.") from None
     deadline = time.monotonic() + timeout
     code = errno.ETIMEDOUT
     for family, kind, protocol, _, address in addresses:
@@ -104,24 +99,17 @@ def _prepare(connection: socket.socket) -> None:
 def _failure(code: int, host: str, port: int, timeout: float) -> LiveConnectionError:
     if code in (errno.ECONNREFUSED, getattr(errno, "WSAECONNREFUSED", errno.ECONNREFUSED)):
         return LiveConnectionError(
-            "{host} has no server on port {port}. Start the server there (PlusServer), and check the port in its configuration.",
-            host=host,
-            port=port,
+            f"{host} has no server on port {port}. Start the server there (PlusServer), and check the port in its configuration."
         )
     if code in _UNREACHABLE:
-        return LiveConnectionError("{host} cannot be reached. Check the network, and that the machine is on.", host=host)
+        return LiveConnectionError(f"{host} cannot be reached. Check the network, and that the machine is on.")
     if code in (errno.ETIMEDOUT, getattr(errno, "WSAETIMEDOUT", errno.ETIMEDOUT)):
         return LiveConnectionError(
-            "{host} does not answer on port {port} within {timeout:g} s. Check that the machine is on, that it is on this network, "
-            "and that its firewall admits the port.",
-            host=host,
-            port=port,
-            timeout=timeout,
+            f"{host} does not answer on port {port} within {timeout:g} s. Check that the machine is on, that it is on this network, "
+            "and that its firewall admits the port."
         )
     try:
         reason = errno.errorcode[code]
     except KeyError:
-        reason = Message("error {code}", code=code)
-    return LiveConnectionError(
-        "{host}, port {port}, cannot be connected to ({reason}). Check host and port.", host=host, port=port, reason=reason
-    )
+        reason = f"error {code}"
+    return LiveConnectionError(f"{host}, port {port}, cannot be connected to ({reason}). Check host and port.")

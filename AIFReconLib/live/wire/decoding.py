@@ -19,7 +19,6 @@ from ...errors import LiveConnectionError, LiveMessageError
 from ...geometry.transform_graph import TransformStatus
 from ...geometry.transforms import LPS_FROM_RAS
 from ...imaging.images import luminance
-from ...message import Message
 from .framing import Frame, Header
 from .messages import ImageMessage, StatusMessage, TransformMessage
 
@@ -73,13 +72,11 @@ def decode(frame: Frame, received: float = 0.0) -> tuple[Decoded, ...]:
         raise
     except Exception as error:  # pyigtl judges no input: any error of Python's may come out of a body that does not make sense
         reason = str(error) or type(error).__name__
-        raise LiveMessageError(
-            "{message} cannot be understood ({reason}); it is left out.", message=_describe(frame.header), reason=reason
-        ) from None
+        raise LiveMessageError(f"{_describe(frame.header)} cannot be understood ({reason}); it is left out.") from None
 
 
-def _describe(header: Header) -> Message:
-    return Message("{kind} message of {device!r}", kind=header.kind, device=header.device)
+def _describe(header: Header) -> str:
+    return f"{header.kind} message of {header.device!r}"
 
 
 def _unpack(frame: Frame) -> Any:
@@ -101,19 +98,13 @@ def _image(frame: Frame, received: float) -> tuple[ImageMessage]:
     header = frame.header
     message = _unpack(frame)
     slices, rows, columns, *channels = message.image.shape
-    what = Message(
-        "{message} holds {columns} x {rows} x {slices} pixels", message=_describe(header), columns=columns, rows=rows, slices=slices
-    )
+    what = f"{_describe(header)} holds {columns} x {rows} x {slices} pixels"
     if slices != 1:
-        raise LiveMessageError("{what}: frames must be 2D, of one slice. It is left out; send the 2D image of the scanner.", what=what)
+        raise LiveMessageError(f"{what}: frames must be 2D, of one slice. It is left out; send the 2D image of the scanner.")
     if rows == 0 or columns == 0:
-        raise LiveMessageError("{what}: it is empty, and left out.", what=what)
+        raise LiveMessageError(f"{what}: it is empty, and left out.")
     if channels and channels[0] not in _COLOR_CHANNELS:
-        raise LiveMessageError(
-            "{what} of {channels} channels: there must be 1, or 3 or 4 (color). It is left out; send gray images.",
-            what=what,
-            channels=channels[0],
-        )
+        raise LiveMessageError(f"{what} of {channels[0]} channels: there must be 1, or 3 or 4 (color). It is left out; send gray images.")
     image = message.image[0]
     image = luminance(image) if channels else image.astype(image.dtype.newbyteorder("="), copy=False)
     image.flags.writeable = False
@@ -136,9 +127,7 @@ def _position(frame: Frame, received: float) -> tuple[TransformMessage]:
     content, metadata = _content(frame)
     if len(content) not in (24, 28):
         raise LiveMessageError(
-            "{message} holds {count} bytes, not a position and a quaternion (28, or 24). It is left out; send TRANSFORM.",
-            message=_describe(header),
-            count=len(content),
+            f"{_describe(header)} holds {len(content)} bytes, not a position and a quaternion (28, or 24). It is left out; send TRANSFORM."
         )
     numbers = struct.unpack(f">{len(content) // 4}f", content)
     matrix = _turned(*numbers) if len(numbers) == 7 else _turned(*numbers, max(0.0, 1.0 - sum(q * q for q in numbers[3:])) ** 0.5)
@@ -162,19 +151,9 @@ def _tracking_data(frame: Frame, received: float) -> tuple[TransformMessage, ...
     tool = _TRACKED_TOOL if header.kind == "TDATA" else _TURNED_TOOL
     content, metadata = _content(frame)
     if len(content) % tool.size:
-        raise LiveMessageError(
-            "{message} holds {count} bytes, not {expected} for each tool. It is left out.",
-            message=_describe(header),
-            count=len(content),
-            expected=tool.size,
-        )
+        raise LiveMessageError(f"{_describe(header)} holds {len(content)} bytes, not {tool.size} for each tool. It is left out.")
     if len(content) > MOST_TOOLS * tool.size:
-        raise LiveMessageError(
-            "{message} holds {count} tools, more than {limit}. It is left out.",
-            message=_describe(header),
-            count=len(content) // tool.size,
-            limit=MOST_TOOLS,
-        )
+        raise LiveMessageError(f"{_describe(header)} holds {len(content) // tool.size} tools, more than {MOST_TOOLS}. It is left out.")
     # The 20 bytes of a name may cut it; Plus tells the whole one by the place of the tool in the message
     full_names = {value.strip(): key.removesuffix("Index") for key, value in metadata.items() if key.endswith("Index")}
     messages = []

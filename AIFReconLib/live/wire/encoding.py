@@ -7,7 +7,6 @@ import struct
 import numpy as np
 
 from ...arrays import Matrix, Numbers, NumberType
-from ...message import Message
 from .crc64 import crc64
 from .messages import STATUS_OK
 
@@ -25,14 +24,12 @@ _SCALARS = {"i1": 2, "u1": 3, "i2": 4, "u2": 5, "i4": 6, "u4": 7, "f4": 10, "f8"
 _TIME_UNIT = 2.0**-32
 
 
-def why_not_sendable(dtype: NumberType, size: tuple[int, int]) -> Message | None:
+def why_not_sendable(dtype: NumberType, size: tuple[int, int]) -> str | None:
     """What keeps images of this type of pixel and size (columns, rows) from being sent; None for usable ones."""
     if np.dtype(dtype).str[1:] not in _SCALARS:
-        return Message("pixels must be integers of up to 32 bits or floats of 32 or 64; got {kind}", kind=np.dtype(dtype).name)
+        return f"pixels must be integers of up to 32 bits or floats of 32 or 64; got {np.dtype(dtype).name}"
     if not 0 < min(size) <= max(size) <= LONGEST_SIDE:
-        return Message(
-            "images must have 1 to {limit} columns and rows; got {columns} x {rows}", limit=LONGEST_SIDE, columns=size[0], rows=size[1]
-        )
+        return f"images must have 1 to {LONGEST_SIDE} columns and rows; got {size[0]} x {size[1]}"
     return None
 
 

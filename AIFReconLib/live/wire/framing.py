@@ -14,7 +14,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from ...message import Message
 from .crc64 import crc64
 
 HEADER_SIZE = 58
@@ -140,18 +139,18 @@ class Framer:
             parts.append(part)
         return parts
 
-    def describe_pending(self) -> Message | None:
+    def describe_pending(self) -> str | None:
         """The message that has begun to arrive, in words: ``an IMAGE of Image_Reference (300 of 505192 bytes)``; None without one."""
         have = len(self._buffer)
         if self.searching or have == 0:
             return None
         header = parse_header(self._buffer) if have >= HEADER_SIZE else None
         if header is None:
-            return Message("a header ({have} of {whole} bytes)", have=have, whole=HEADER_SIZE)
+            return f"a header ({have} of {HEADER_SIZE} bytes)"
         of = {"message": _named(header), "have": have - HEADER_SIZE, "whole": header.size}
         if header.kind[0] in "AEIOU":
-            return Message("an {message} ({have} of {whole} bytes)", **of)
-        return Message("a {message} ({have} of {whole} bytes)", **of)
+            return "an {message} ({have} of {whole} bytes)".format(**of)
+        return "a {message} ({have} of {whole} bytes)".format(**of)
 
     def look_inside(self) -> list[Frame | Damage | Recovery]:
         """Doubt the message that does not become complete, and search the bytes that have arrived of it; returns what is found."""
@@ -171,27 +170,22 @@ class Framer:
             return None
         header = parse_header(self._buffer)
         if header is None:
-            return self._lose("header", Message("Bytes arrived that are no OpenIGTLink message"))
+            return self._lose("header", "Bytes arrived that are no OpenIGTLink message")
         whose = _named(header)
         if header.size > self._limit:
-            detail = Message(
-                "A message ({message}) declares {size} bytes, more than the limit of {limit}",
-                message=whose,
-                size=header.size,
-                limit=self._limit,
-            )
+            detail = f"A message ({whose}) declares {header.size} bytes, more than the limit of {self._limit}"
             return self._lose("size", detail)
         if len(self._buffer) < HEADER_SIZE + header.size:
             return None
         body = self._body(0, header)
         if crc64(body) != header.crc:
             if header.crc == 0:
-                return self._lose("checksum", Message("A message ({message}) has no checksum: its sender leaves it at 0", message=whose))
-            return self._lose("checksum", Message("A message ({message}) has a wrong checksum", message=whose))
+                return self._lose("checksum", f"A message ({whose}) has no checksum: its sender leaves it at 0")
+            return self._lose("checksum", f"A message ({whose}) has a wrong checksum")
         del self._buffer[: HEADER_SIZE + header.size]
         return Frame(header, body)
 
-    def _lose(self, kind: Literal["header", "size", "checksum"], detail: Message) -> Damage:
+    def _lose(self, kind: Literal["header", "size", "checksum"], detail: str) -> Damage:
         self._begin_search([])
         return Damage(kind, detail)
 
@@ -248,4 +242,4 @@ class Framer:
 
 def _named(header: Header) -> str:
     """A message in words: ``IMAGE of Image_Reference``."""
-    return Message("{kind} of {device}", kind=header.kind, device=header.device) if header.device else header.kind
+    return f"{header.kind} of {header.device}" if header.device else header.kind

@@ -6,7 +6,6 @@ import threading
 import time
 from collections import deque
 
-from ...message import Message
 from .messages import ImageMessage, StatusMessage, StreamEvent, StreamMessage, TransformMessage
 
 REPORT_INTERVAL = 1.0
@@ -83,9 +82,7 @@ class MessageQueue:
             now = time.monotonic()
             if self._dropped > self._reported and now - self._report_time >= REPORT_INTERVAL:
                 count, self._reported, self._report_time = self._dropped - self._reported, self._dropped, now
-                detail = Message(
-                    "{count} messages were left out, the oldest first: they arrive faster than they are worked on.", count=count
-                )
+                detail = f"{count} messages were left out, the oldest first: they arrive faster than they are worked on."
                 return StreamEvent("dropped", detail, now)
             message = self._messages.popleft()
             self._bytes -= _size(message)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from ...message import Message
 from .message_queue import MessageQueue
 from .messages import ImageMessage, StreamEvent, StreamMessage
 
-CONNECTED = Message("connected")
+CONNECTED = "connected"
 """The state of a source that can give messages."""
 
-ENDED = Message("stopped")
+ENDED = "stopped"
 """The state of a source from which nothing more will come once `get` answers None."""
 
 

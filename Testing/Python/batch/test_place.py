@@ -19,7 +19,6 @@ from AIFReconLib.batch.results import flat_rows
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import OutputError
-from AIFReconLib.message import Message
 
 HEAD = "case,sweeps,config,spacing,preview\n"
 needs_links = pytest.mark.skipif(os.name == "nt", reason="links need rights on Windows")
@@ -161,7 +160,7 @@ def test_results_of_before_are_known_after_a_case_has_failed(lab, monkeypatch, s
 def test_results_of_before_are_known_after_a_process_was_lost(lab):
     known = done(lab, lab / "out").outputs
     task = Task(first_case(lab), lab, lab / "out", "tomorrow")
-    write_record(lab / "out", Cohort([task.case], lab, lab / "out")._lost(task, Lost(Message("it was ended"))))
+    write_record(lab / "out", Cohort([task.case], lab, lab / "out")._lost(task, Lost("it was ended")))
     record = read_record(lab / "out", "P1")
     assert (record.state, record.outputs, record.results) == (LOST, known, [])
 

@@ -77,7 +77,7 @@ def test_a_table_as_spreadsheets_save_it_is_read(folder, delimiter, encoding):
         (",alpha", "P2,sweep.igs.mha,,0.1 mm", "row 3, alpha", "without a unit"),
         (",method", "P2,sweep.igs.mha,,averge", "row 3, method", "invalid choice"),
         (",method", "P2,sweep.igs.mha,,weighted", "row 3, method", "needs to know where bone is"),
-        (",method", "P2,sweep.igs.mha,,no_such_module:f", "row 3, method", "Give --method no_such_module:f too"),
+        (",method", "P2,sweep.igs.mha,,no_such_module:f", "row 3, method", "aifrecon batch --method no_such_module:f too"),
         (",register", "P2,sweep.igs.mha,,perhaps", "row 3, register", "yes or no"),
         (",register", "P2,sweep.igs.mha,,yes", "row 3, register", "under bone_labels"),
         (",accept", "P2,sweep.igs.mha,,yes", "row 3, accept", "under register"),

@@ -12,12 +12,11 @@ from sweeps import rigid
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 from scene_host import class_counts, transform_node, warping_node  # noqa: E402
 
-from AIFReconLib.errors import NoUsableFramesError, OperationCanceled, SequenceFormatError, SettingsError, TransformError  # noqa: E402
+from AIFReconLib.errors import NoUsableFramesError, OperationCanceled, SequenceFormatError, TransformError  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
 from AIFReconLib.holes.filling import HoleFilling  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
 from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion  # noqa: E402
-from AIFReconLib.message import Message, translated  # noqa: E402
 from AIFReconLib.reconstruction import reconstruct  # noqa: E402
 from AIFReconLib.settings import ReconstructionSettings  # noqa: E402
 from AIFReconLib.sweep.configuration import PlusConfiguration  # noqa: E402
@@ -168,32 +167,11 @@ def test_what_the_user_should_know_of_the_recording_comes_back(scene):
     assert sweep_poses(back(browserFromSequence(told, "Sweep"))).notes == ("Images were turned to MF.",)
 
 
-def test_what_is_known_of_the_recording_can_be_translated_when_it_comes_back(scene):
-    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
+def test_sentences_of_scenes_that_were_saved_with_their_values_apart_are_read():
+    from AIFReconScene.sweep.sweepRecord import decode
 
-    inner = SettingsError("{count} frames are late", count=3)
-    note = Message("{name} has {share:.1f}% and {problem}", name=IMAGE_TO_PROBE, share=2.5, problem=inner)
-    kept = sweep_poses(back(browserFromSequence(replace(sweep(), notes=(note, Message("All is well."))), "Sweep"))).notes
-    assert kept == ("ImageToProbe has 2.5% and 3 frames are late", "All is well.")
-    german = {
-        note.template: "{problem}, {share:.1f}% von {name}",
-        "{count} frames are late": "{count} Bilder zu spät",
-        "All is well.": "Gut.",
-    }
-    assert [translated(each, german.get) for each in kept] == ["3 Bilder zu spät, 2.5% von ImageToProbe", "Gut."]
-
-
-@pytest.mark.parametrize("template", ["{name.__class__}", "{name:>99999999}", "{other}", "{", "{0}"])
-def test_a_message_of_a_damaged_scene_is_not_made(scene, template):
-    from AIFReconScene.sweep import sweepRecord
-
-    browser = scene.AddNewNodeByClass("vtkMRMLSequenceBrowserNode")
-    sweepRecord.writeRecord(browser, {"notes": Message("{name} is late", name="a")})
-    assert sweepRecord.readRecord(browser)["notes"] == "a is late"
-    text = browser.GetAttribute(sweepRecord.ATTRIBUTE)
-    assert "{name} is late" in text
-    browser.SetAttribute(sweepRecord.ATTRIBUTE, text.replace("{name} is late", template))
-    assert sweepRecord.readRecord(browser) == {}
+    kept = {"@": "Message", "template": "{name} is late by {share:.1f}%, {other}", "values": {"name": "a", "share": 2.5}}
+    assert decode(kept) == "a is late by 2.5%, {other}"
 
 
 def test_reconstruction_from_the_scene_gives_the_same_voxels(converted):
