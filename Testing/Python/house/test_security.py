@@ -19,7 +19,7 @@ from AIFReconLib.errors import AIFReconError
 from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.plus.importance_mask import configured_importance
-from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.files import read_sequence, recording_suffixes
 from AIFReconLib.io.volume.files import read_labels, read_volume
 from AIFReconLib.live.replay.server import ReplayServer
 
@@ -218,6 +218,30 @@ def test_an_array_of_objects_is_not_unpickled(inputs, tmp_path):
         open_images([inputs / "images.npy"])
     assert [event for event, _ in seen if event.startswith("pickle")] == []
     assert not (tmp_path / "harm").exists()
+
+
+def test_a_pickle_under_the_name_of_an_array_is_not_unpickled(inputs, tmp_path):
+    (inputs / "images.npy").write_bytes(pickle.dumps(Harm(tmp_path / "harm")))
+    with pytest.raises(AIFReconError, match="numpy cannot read it"):
+        open_images([inputs / "images.npy"])
+    assert not (tmp_path / "harm").exists()
+
+
+@pytest.mark.parametrize("suffix", recording_suffixes())
+def test_a_pickle_under_the_name_of_a_recording_is_not_unpickled(inputs, tmp_path, suffix):
+    path = inputs / f"sweep{suffix}"
+    path.write_bytes(pickle.dumps(Harm(tmp_path / "harm")))
+    with watched() as seen, pytest.raises(AIFReconError):
+        read_sequence(path)
+    assert strays(seen, tmp_path) == []
+    assert not (tmp_path / "harm").exists()
+
+
+def test_the_harm_would_be_done_if_it_were_unpickled(tmp_path):
+    with watched() as seen:
+        pickle.loads(pickle.dumps(Harm(tmp_path / "harm")))
+    assert (tmp_path / "harm").exists()
+    assert [event for event, _ in seen if event.startswith("pickle")] != []
 
 
 POSTSCRIPT = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 8 6\n%%EndComments\nshowpage\n"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import SimpleITK as sitk
@@ -12,7 +14,9 @@ from sequence_samples import FIELDS, IDENTITY, metaimage, nrrd, ramp
 from AIFReconLib.errors import OperationCanceled, SequenceFormatError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.metafile.opening import read_metafile
+from AIFReconLib.io.sequence import files as files_of_sequences
 from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.kinds import Recorded, RecordingKind
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
@@ -312,3 +316,21 @@ def test_a_frame_field_cannot_take_the_name_of_something_else(tmp_path, name):
 def test_a_record_that_could_not_be_read_back_is_refused(tmp_path, record, expected):
     with pytest.raises(SettingsError, match=expected):
         write_sequence(sequence_of(ramp(frames=1), records=[record]), tmp_path / "sweep.mha")
+
+
+def test_a_new_kind_of_recording_is_an_entry_of_the_table(tmp_path, monkeypatch):
+    """All that chooses or names files goes by it, the module too."""
+    monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[3] / "AIFRecon"))
+    from AIFReconScene.sweep.fileKinds import kindOf, opened
+
+    images = np.zeros((2, 3, 4), np.uint8)
+    kind = RecordingKind(
+        "two frames", (".two",), lambda path, orientation: Recorded(images, [FrameRecord()] * 2), lambda path: {"Timestamp"}
+    )
+    monkeypatch.setattr(files_of_sequences, "KINDS", (*files_of_sequences.KINDS, kind))
+    path = tmp_path / "sweep.two"
+    assert read_sequence(path).images is images
+    assert kindOf(path) == "recording"
+    assert ".two" in opened()
+    with pytest.raises(SequenceFormatError, match=r"must be one of \.mha, .*\.two\."):
+        read_sequence(tmp_path / "sweep.txt")
