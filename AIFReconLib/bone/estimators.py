@@ -106,12 +106,7 @@ def bone_from_frames(
     recipe : Recipe or None
         As in `reconstruct`; what `poses` or `imaging` tell comes before it.
 
-    Raises
-    ------
-    BeamGeometryError
-        When the probe is not known.
-    GeometryError
-        When no frame shows bone.
+    Raises BeamGeometryError when the probe is not known; GeometryError when no frame shows bone.
     """
     sequence, recipe = joined(sequence), recipe or Recipe()
     poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference) if poses is None else poses

@@ -66,21 +66,11 @@ SLAB = 4.0
 
 @dataclass(frozen=True, eq=False)
 class BoneEchoes:
-    """What one frame shows of bone: at most one echo per scan line.
+    """What one frame shows of bone: at most one echo per scan line."""
 
-    Parameters
-    ----------
-    pixels : (n, 2) float64 array
-        Column and row of each.
-    beams : (n, 2) float64 array
-        One mm along the sound there, in pixels (column, row).
-    scores : (n,) float32 array
-        `LEAST_SCORE` to 1.
-    """
-
-    pixels: Floats
-    beams: Floats
-    scores: Singles
+    pixels: Floats  #: (n, 2). Column and row of each.
+    beams: Floats  #: (n, 2). One mm along the sound there, in pixels (column, row).
+    scores: Singles  #: (n,). `LEAST_SCORE` to 1.
 
 
 class BoneEchoFinder:

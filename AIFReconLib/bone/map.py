@@ -44,23 +44,15 @@ GAUSSIAN_REACH = 4.0
 class BoneMap(Described):
     """Bone as a CT predicts it, in the CT's own geometry.
 
-    Parameters
-    ----------
-    probability : Volume of float32, 0 to 1
-        V_prob. Its matrix places it in Reference.
-    inside : Volume of uint8 or None
-        1 within bone, on the same voxels; None when only a probability is known, then bone is where it exceeds one half.
-    notes : tuple of str
-        What a user should know of how it was made, one sentence each.
-
     Notes
     -----
     Outside the volume the probability is 0; it falls to it within one voxel.
     """
 
-    probability: Volume
+    probability: Volume  #: float32, 0 to 1. V_prob. Its matrix places it in Reference.
     inside: Volume | None = None
-    notes: tuple[str, ...] = ()
+    """uint8. 1 within bone, on the same voxels; None when only a probability is known, then bone is where it exceeds one half."""
+    notes: tuple[str, ...] = ()  #: What a user should know of how it was made, one sentence each
     grows: ClassVar[bool] = False
     """Whether it is told more while it is read, and then has to lie on the grid of the reconstruction."""
 
@@ -203,10 +195,8 @@ class BoneMap(Described):
 
         Parameters
         ----------
-        grid : VoxelGrid
         direction : "gradient" or "surface"
             Gradient of the probability (the paper's), which flips its sign at the ridge; or of the smoothed bone itself.
-        progress : Progress or None
         planes : (first, stop) or None
             Of the grid, planes [k], the part to sample: the values that it has in the whole, to the last bit. By default all of it.
 

@@ -37,11 +37,8 @@ class OnnxModel:
     threads : int
         How many onnxruntime uses.
 
-    Raises
-    ------
-    ModelError
-        When onnxruntime is not installed, or the file is no model that takes an image and answers with one, which is tried on a black
-        image; or takes more time or memory than it may. Nothing but the file itself, and the JSON beside it, is read.
+    Raises ModelError when onnxruntime is not installed, or the file is no model that takes an image and answers with one, which is
+    tried on a black image; or takes more time or memory than it may. Nothing but the file itself, and the JSON beside it, is read.
     """
 
     def __init__(self, path: str | Path, threads: int = 1):
@@ -66,13 +63,7 @@ class OnnxModel:
         self._probability(np.zeros((rows, columns), dtype=np.float32))
 
     def estimate(self, frame: TrackedFrame) -> Prediction | None:
-        """See `BoneEstimator`.
-
-        Raises
-        ------
-        ModelError
-            When the model fails at it, or answers what is no probability.
-        """
+        """See `BoneEstimator`; raises ModelError when the model fails at it, or answers what is no probability."""
         image = frame.placed()[0]
         white = white_of(image) or WHITE_OF_FLOATS
         rows, columns = self._size or (int(image.shape[0]), int(image.shape[1]))
@@ -150,12 +141,7 @@ class OnnxModel:
 
 
 def _process(path: Path, threads: int) -> ModelProcess:
-    """A process that runs the model in this file.
-
-    Raises
-    ------
-    ModelError
-    """
+    """A process that runs the model in this file."""
     data = read_bytes(path, LARGEST_MODEL, ModelError)
     problem = why_not_self_contained(data)
     if problem is not None:

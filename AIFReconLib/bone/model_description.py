@@ -18,35 +18,21 @@ LARGEST_SIDE, LARGEST_NUMBER = 4096, 1e9
 
 @dataclass(frozen=True)
 class ModelDescription:
-    """How images go into a model, and bone comes out.
-
-    Parameters
-    ----------
-    input_size : (rows, columns) or None
-        What images are resized to; None: what the model's own input says, else their own size.
-    mean, std : tuple of float
-        One for all channels, or one for each. A gray level goes in as (level / white - mean) / std.
-    output : "logits", "probability" or "classes"
-        Of bone, 1 x 1 x H x W; classes: logits of several, 1 x N x H x W, of which softmax makes probabilities.
-    bone_class : int
-        Which of several channels is bone.
-    """
+    """How images go into a model, and bone comes out."""
 
     input_size: tuple[int, int] | None = None
+    """(rows, columns). What images are resized to; None: what the model's own input says, else their own size."""
     mean: tuple[float, ...] = (0.0,)
     std: tuple[float, ...] = (1.0,)
+    """One for all channels, or one for each. A gray level goes in as (level / white - mean) / std."""
     output: str = LOGITS
-    bone_class: int = 1
+    """One of `OUTPUTS`: of bone, 1 x 1 x H x W; classes: logits of several, 1 x N x H x W, of which softmax makes
+    probabilities."""
+    bone_class: int = 1  #: Which of several channels is bone
 
 
 def read_description(path: Path) -> ModelDescription:
-    """What the JSON file says.
-
-    Raises
-    ------
-    ModelError
-        When it is none, or names or values are not those of a description.
-    """
+    """What the JSON file says; raises ModelError when it is none, or names or values are not those of a description."""
     try:
         table = json.loads(read_bytes(path, LARGEST_FILE, ModelError).decode("utf-8"))
     except (ValueError, RecursionError):

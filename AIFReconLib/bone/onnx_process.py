@@ -49,10 +49,7 @@ class ModelProcess:
     inputs : list of (name, type, shape)
     outputs : list of str
 
-    Raises
-    ------
-    ModelError
-        When the model cannot be run.
+    Raises ModelError when the model cannot be run.
     """
 
     def __init__(self, path: Path, data: bytes, threads: int):
@@ -84,10 +81,7 @@ class ModelProcess:
     def run(self, image: Singles) -> Numbers:
         """What the first output is for an image, (1, channels, rows, columns).
 
-        Raises
-        ------
-        ModelError
-            When the model fails, or takes more time or memory than it may.
+        Raises ModelError when the model fails, or takes more time or memory than it may.
         """
         facts, data = self._answer({"shape": image.shape}, np.ascontiguousarray(image, dtype=np.float32).tobytes())
         if "error" in facts:

@@ -38,12 +38,7 @@ class RecordedPredictions:
     rectangle : (x, y, width, height) or None
         What a prediction covers, in pixels of a frame, where it has not the size of one and does not say itself, as those recorded live do.
 
-    Raises
-    ------
-    GeometryError
-        When sizes or counts do not fit.
-    SequenceFormatError
-        When pixels are neither 8 bit nor floating point.
+    Raises GeometryError when sizes or counts do not fit; SequenceFormatError when pixels are neither 8 bit nor floating point.
 
     Notes
     -----
@@ -71,13 +66,7 @@ class RecordedPredictions:
         self._full = {id(said): full_value(said) for said in of_each}
 
     def estimate(self, frame: TrackedFrame) -> Prediction | None:
-        """What was recorded for a frame; None where nothing was.
-
-        Raises
-        ------
-        SequenceFormatError
-            When it holds what is no probability.
-        """
+        """What was recorded for a frame; None where nothing was; raises SequenceFormatError when it holds what is no probability."""
         found = self._of_frame[frame.number] if 0 <= frame.number < len(self._of_frame) else None
         if found is None or found[0].records[found[1]].image_status is not TransformStatus.OK:
             return None
@@ -142,10 +131,7 @@ def full_value(said: TrackedSequence) -> float:
 def probability_of(image: Numbers, full: float, what: str) -> Singles:
     """Values as probabilities, (rows, columns) float32.
 
-    Raises
-    ------
-    SequenceFormatError
-        When one is not finite, or none. `what` names it.
+    Raises SequenceFormatError when one is not finite, or none. `what` names it.
     """
     probability: Singles = image.astype(np.float32)
     low, high = (
@@ -163,12 +149,7 @@ def probability_of(image: Numbers, full: float, what: str) -> Singles:
 
 
 def checked_rectangle(rectangle: Rectangle | None) -> Rectangle | None:
-    """The rectangle, if it is one.
-
-    Raises
-    ------
-    GeometryError
-    """
+    """The rectangle, if it is one."""
     if rectangle is None:
         return None
     if len(rectangle) != 4 or not all(math.isfinite(value) for value in rectangle) or min(rectangle[2:]) <= 0:

@@ -58,41 +58,23 @@ def white_of(image: Numbers) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """What is said of bone in one frame.
+    """What is said of bone in one frame."""
 
-    Parameters
-    ----------
-    probability : (rows, columns) float32 array, 0 to 1
-        Of any size.
-    rectangle : (x, y, width, height) or None
-        What it covers, in pixels of the frame; None: all of it.
-    """
-
-    probability: Singles
+    probability: Singles  #: (rows, columns), 0 to 1. Of any size.
     rectangle: Rectangle | None = None
+    """(x, y, width, height). What it covers, in pixels of the frame; None: all of it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Said:
-    """What one frame says of bone at points along its scan lines.
+    """What one frame says of bone at points along its scan lines."""
 
-    Parameters
-    ----------
-    pixels : (n, 2) float64 array
-        Column and row of each.
-    beams : (lines, 2) float64 array
-        Along the sound in mm, of unit length, for each scan line; `line` (n,) says which is whose.
-    line : (n,) int array
-    probability : (n,) float32 array
-    weight : (n,) float32 array, mm^2
-        The area that each stands for, times how lit it was.
-    """
-
-    pixels: Floats
+    pixels: Floats  #: (n, 2). Column and row of each.
     beams: Floats
-    line: Integers
-    probability: Singles
-    weight: Singles
+    """(lines, 2). Along the sound in mm, of unit length, for each scan line; `line` (n,) says which is whose."""
+    line: Integers  #: (n,)
+    probability: Singles  #: (n,)
+    weight: Singles  #: (n,), mm^2. The area that each stands for, times how lit it was.
 
 
 class FrameListener:
@@ -158,11 +140,6 @@ class FrameListener:
 class SeenBone(BoneMap):
     """A bone map that frames drew, and from which side they saw it.
 
-    Parameters
-    ----------
-    slopes : (3, k, j, i) float32 array or None
-        V_dir along i, j, k of the voxels of `probability`, per voxel; not of unit length.
-
     Notes
     -----
     `gradient` and `surface` directions are one here: the gradient of the probability, with the sign that the beams give it. Bone lies
@@ -170,6 +147,7 @@ class SeenBone(BoneMap):
     """
 
     slopes: Singles | None = None
+    """(3, k, j, i). V_dir along i, j, k of the voxels of `probability`, per voxel; not of unit length."""
 
     def _slopes(self) -> Singles | None:
         return self.slopes

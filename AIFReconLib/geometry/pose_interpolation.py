@@ -27,10 +27,7 @@ def interpolate_pose(first: Matrix, second: Matrix, fraction: float) -> Matrix:
     -------
     pose : (4, 4) float64 array
 
-    Raises
-    ------
-    GeometryError
-        When `fraction` is outside 0 to 1, a pose is singular, or one is mirrored and the other is not.
+    Raises GeometryError when `fraction` is outside 0 to 1, a pose is singular, or one is mirrored and the other is not.
 
     Notes
     -----
@@ -69,10 +66,7 @@ def interpolate_at(times: Floats, poses: Matrix, time: float) -> Matrix:
     pose : (4, 4) float64 array
         A sample itself, to the bit, where `time` is that of the sample.
 
-    Raises
-    ------
-    GeometryError
-        When `time` lies outside: poses are not extrapolated.
+    Raises GeometryError when `time` lies outside: poses are not extrapolated.
     """
     if not len(times) or not times[0] <= time <= times[-1]:
         span = f"{times[0]:.3f} to {times[-1]:.3f} s" if len(times) else "no samples"
@@ -97,10 +91,7 @@ def rotation_between(first: Matrix, second: Matrix) -> tuple[Floats, float]:
     ----------
     first, second : (3, 3) float64 array, rotations (or both mirrored)
 
-    Raises
-    ------
-    GeometryError
-        When one is mirrored and the other is not.
+    Raises GeometryError when one is mirrored and the other is not.
     """
     turn = first.T @ second
     if np.linalg.det(turn) < 0.0:

@@ -66,10 +66,7 @@ class TransformName:
     def parse(cls, text: str) -> TransformName:
         """Split a name such as ``ProbeToTracker`` (a trailing ``Transform`` is allowed); frames get a capital first letter, as in Plus.
 
-        Raises
-        ------
-        TransformError
-            When the name has no "To" before an upper-case letter or a digit between two frames, or more than one.
+        Raises TransformError when the name has no "To" before an upper-case letter or a digit between two frames, or more than one.
         """
         require_kind("transform name", text, str, "Poses go into the sequence: TrackedSequence.from_arrays(images, image_to_reference).")
         bare = text.removesuffix("Transform")
@@ -130,18 +127,11 @@ Way = tuple[Link, ...]
 
 @dataclass(frozen=True)
 class Ways:
-    """Every way from one frame to another.
+    """Every way from one frame to another."""
 
-    Parameters
-    ----------
-    path : Way
-        The one with the fewest links.
-    loops : tuple of pairs of Way
-        Two ways to one frame, for each link by which there is more than one.
-    """
-
-    path: Way
+    path: Way  #: The one with the fewest links
     loops: tuple[tuple[Way, Way], ...]
+    """Two ways to one frame, for each link by which there is more than one."""
 
     @cached_property
     def names(self) -> tuple[TransformName, ...]:
@@ -168,10 +158,7 @@ class Ways:
     def follow(self, matrices: Mapping[TransformName, Matrix]) -> tuple[Matrix, list[Matrix]]:
         """The product along `path`, (4, 4), and those along the two ways of each of `loops`, (2, 4, 4).
 
-        Raises
-        ------
-        GeometryError
-            When a matrix would have to be inverted that is singular.
+        Raises GeometryError when a matrix would have to be inverted that is singular.
         """
         return _product(self.path, matrices), [np.stack([_product(way, matrices) for way in loop]) for loop in self.loops]
 
@@ -204,10 +191,7 @@ def _product(way: Way, matrices: Mapping[TransformName, Matrix]) -> Matrix:
 def find_ways(names: Iterable[TransformName], source: str, target: str) -> Ways:
     """The ways from `source` to `target` over transforms of these names and their inverses.
 
-    Raises
-    ------
-    TransformError
-        When there is none (names what is connected to either end).
+    Raises TransformError when there is none (names what is connected to either end).
     """
     names = tuple(names)
     leaving = _links_by_source(names)

@@ -49,10 +49,7 @@ def as_matrix(values: ArrayLike, name: str = "matrix") -> Matrix:
     matrix : (4, 4) float64 array
         A copy: changing it leaves `values` alone, and the other way round.
 
-    Raises
-    ------
-    GeometryError
-        When there are not 16 numbers, one is not finite, the last row is not 0 0 0 1, or the matrix is singular.
+    Raises GeometryError when there are not 16 numbers, one is not finite, the last row is not 0 0 0 1, or the matrix is singular.
     """
     try:
         matrix = np.array(values, dtype=np.float64)
@@ -126,13 +123,7 @@ def why_not_an_image_pose(image_to_reference: Matrix) -> str | None:
 
 
 def invert(matrix: Matrix) -> Matrix:
-    """The inverse of an affine (4, 4) matrix, last row exactly 0 0 0 1.
-
-    Raises
-    ------
-    GeometryError
-        When it is singular.
-    """
+    """The inverse of an affine (4, 4) matrix, last row exactly 0 0 0 1; raises GeometryError when it is singular."""
     try:
         inverse = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
     except np.linalg.LinAlgError:

@@ -52,21 +52,15 @@ class Picture(Protocol):
 class VoxelGrid:
     """Where the voxels are: their number along i, j, k and the matrix that places them in Reference.
 
-    Parameters
-    ----------
-    size : tuple of 3 int
-        Voxels along i, j, k.
-    ijk_to_reference : (4, 4) array_like, mm
-        Any orientation; the axes must be at right angles, so that distances in voxels are distances in mm.
-
     Raises
     ------
     GeometryError
         For a size that is not positive or beyond 2^36 voxels, or a matrix that is singular, not finite or sheared.
     """
 
-    size: tuple[int, int, int]
+    size: tuple[int, int, int]  #: Voxels along i, j, k.
     ijk_to_reference: Matrix
+    """(4, 4) array_like, mm. Any orientation; the axes must be at right angles, so that distances in voxels are distances in mm."""
 
     def __post_init__(self) -> None:
         try:
@@ -144,13 +138,6 @@ class VoxelGrid:
 class Volume(Described):
     """Values on a voxel grid: for numpy an array, which knows where its voxels lie.
 
-    Parameters
-    ----------
-    array : [k, j, i] array_like of numbers
-    ijk_to_reference : (4, 4) array_like, mm
-    fields : mapping of str to str
-        Where it comes from, for the header of its file; see `AIFReconLib.provenance`.
-
     Raises
     ------
     GeometryError
@@ -171,9 +158,10 @@ class Volume(Described):
     ((1, 3, 2), [1.5, 0.0, 2.0], [1.0, 0.5, 2.0])
     """
 
-    array: Numbers
-    ijk_to_reference: Matrix
+    array: Numbers  #: [k, j, i] array_like of numbers
+    ijk_to_reference: Matrix  #: (4, 4) array_like, mm
     fields: Mapping[str, str] = field(default_factory=dict)
+    """Where it comes from, for the header of its file; see `AIFReconLib.provenance`."""
 
     __iter__ = None
     """Python would ask for one index after the other, which are no parts that keep their place."""
@@ -223,10 +211,7 @@ class Volume(Described):
     def __getitem__(self, index: slice | EllipsisType | tuple[slice | EllipsisType, ...]) -> Volume:
         """The part within slices along k, j, i, where it was; those not given are whole, and ``...`` stands for them.
 
-        Raises
-        ------
-        GeometryError
-            When the index is not of slices, or leaves no voxel.
+        Raises GeometryError when the index is not of slices, or leaves no voxel.
         """
         given = index if isinstance(index, tuple) else (index,)
         rest = [at for at, along in enumerate(given) if along is Ellipsis]
@@ -297,10 +282,7 @@ class Volume(Described):
 def as_volume(values: Volume | ArrayLike, ijk_to_reference: ArrayLike | None, name: str) -> Volume:
     """A volume, or an array with the matrix that places it, as a volume; `name` is what the caller knows it as.
 
-    Raises
-    ------
-    InputTypeError
-        When it is neither: a path, an array without a matrix, a volume with one.
+    Raises InputTypeError when it is neither: a path, an array without a matrix, a volume with one.
     """
     if isinstance(values, Volume):
         if ijk_to_reference is not None:

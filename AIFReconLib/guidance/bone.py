@@ -31,30 +31,16 @@ DIRECTIONS = 61
 
 @dataclass(frozen=True, eq=False)
 class GuidedBone:
-    """What guidance looks at.
+    """What guidance looks at."""
 
-    Parameters
-    ----------
-    surface : BoneSurface
-        Only the part that some beam from the back reaches, past all other bone; in Reference.
-    border : (n,) bool array
-        Points that bound an interspinous gap.
-    distance : Volume of float32, mm
-        Signed distance to bone, placed in Reference.
-    centers : dict of int to (3,) array, mm
-        Each label's center of mass in Reference.
-    patient_to_reference : (4, 4) float64 array, mm
-        Patient: to the right, to the front, to the head; its origin is the middle of the points.
-    names : mapping of int to str
-        What labels are called, such as those of a segmentation's segments; a label without a name goes by its number.
-    """
-
-    surface: BoneSurface
-    border: Mask
-    distance: Volume
-    centers: dict[int, Floats]
+    surface: BoneSurface  #: Only the part that some beam from the back reaches, past all other bone; in Reference
+    border: Mask  #: (n,). Points that bound an interspinous gap.
+    distance: Volume  #: float32, mm. Signed distance to bone, placed in Reference.
+    centers: dict[int, Floats]  #: (3,) mm. Each label's center of mass in Reference.
     patient_to_reference: Matrix
+    """(4, 4), mm. Patient: to the right, to the front, to the head; its origin is the middle of the points."""
     names: Mapping[int, str] = field(default_factory=dict)
+    """What labels are called, such as those of a segmentation's segments; a label without a name goes by its number."""
 
     def __len__(self) -> int:
         return len(self.surface)
@@ -107,10 +93,7 @@ class GuidedBone:
     def part(self, name: str) -> Mask:
         """The points of `all`, `interspinous` (borders) or `posterior` (facing the back), or of a label by its name or number.
 
-        Raises
-        ------
-        GeometryError
-            When there is no such part.
+        Raises GeometryError when there is no such part.
         """
         if name == "all":
             return np.ones(len(self), dtype=bool)
@@ -152,10 +135,7 @@ def guided_bone(
     names : mapping of int to str or None
         What the labels are called; see `read_label_names`.
 
-    Raises
-    ------
-    GeometryError
-        When there is no bone, or none that a beam could reach.
+    Raises GeometryError when there is no bone, or none that a beam could reach.
     """
     placed = np.eye(4) if labels_to_reference is None else as_matrix(labels_to_reference, "labels_to_reference")
     field = BoneField.from_labels(labels)

@@ -38,14 +38,10 @@ class Candidates:
 
     Parameters
     ----------
-    passes : sequence of Pass
-    bone : GuidedBone
-    probe : ProbeOnBack
     target : str
         See `GuidedBone.part`.
     hand : Hand or None
         How the passes are made; None: exactly.
-    progress : Progress or None
     draws : int
         How often passes are looked at for now; see `look_again`.
 
@@ -136,7 +132,6 @@ class Candidates:
             What there is; see `looked`.
         rounds : int
             How many times `least` frames the pass has.
-        progress : Progress or None
         """
         there = evidence.astype(np.float32)
         missing, gains = unseen(there), np.zeros(len(self.passes))

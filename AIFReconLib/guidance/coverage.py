@@ -28,25 +28,14 @@ AWRY_DEG = 60.0
 
 @dataclass(frozen=True)
 class Share:
-    """How much of one part of the bone was met; shares are of the reachable area, and NaN where nothing is reachable.
+    """How much of one part of the bone was met; shares are of the reachable area, and NaN where nothing is reachable."""
 
-    Parameters
-    ----------
-    reachable_cm2 : float
-        Area that some beam from the back could reach.
-    met : float, 0 to 1
-        Met by a lit frame past all other bone, within 85 degrees.
-    below_60_deg, below_45_deg : float, 0 to 1
-        Met with a best angle of incidence below this.
-    expected_visibility : float, 0 to 1
-        Share that `weighted` is expected to show; see `BoneMet.expected`.
-    """
-
-    reachable_cm2: float
-    met: float
+    reachable_cm2: float  #: Area that some beam from the back could reach
+    met: float  #: 0 to 1. Met by a lit frame past all other bone, within 85 degrees.
     below_60_deg: float
     below_45_deg: float
-    expected_visibility: float
+    """0 to 1. Met with a best angle of incidence below this."""
+    expected_visibility: float  #: 0 to 1. Share that `weighted` is expected to show; see `BoneMet.expected`.
 
     def to_dict(self) -> dict[str, float | None]:
         """All numbers by name, rounded to what they can mean; None where a share is of nothing."""
@@ -55,24 +44,13 @@ class Share:
 
 @dataclass(frozen=True, eq=False)
 class Coverage:
-    """What a scan met.
+    """What a scan met."""
 
-    Parameters
-    ----------
-    met : BoneMet
-        Point by point.
-    all, interspinous : Share
-    by_label : dict of str to Share
-        By the name of the label, or its number where it has none.
-    notes : tuple of str
-        What was assumed.
-    """
-
-    met: BoneMet
+    met: BoneMet  #: Point by point
     all: Share
     interspinous: Share
-    by_label: dict[str, Share]
-    notes: tuple[str, ...] = ()
+    by_label: dict[str, Share]  #: By the name of the label, or its number where it has none
+    notes: tuple[str, ...] = ()  #: What was assumed
 
     def to_dict(self) -> dict[str, object]:
         """The report, for JSON."""
@@ -118,12 +96,8 @@ def coverage(
         Full width of the beam across the image plane.
     names : mapping of int to str or None
         What the labels are called; see `read_label_names`.
-    progress : Progress or None
 
-    Raises
-    ------
-    AIFReconError
-        When frames cannot be placed, beams not be told, or labels hold no bone.
+    Raises AIFReconError when frames cannot be placed, beams not be told, or labels hold no bone.
     """
     sequence, recipe = joined(sequences), recipe or Recipe()
     poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)

@@ -30,30 +30,14 @@ NOT_IN_BOX = "The box to be reconstructed holds no bone of the CT. Move the box,
 
 @dataclass(frozen=True, eq=False)
 class Guidance:
-    """What is known now.
+    """What is known now."""
 
-    Parameters
-    ----------
-    colored : ColoredBone or None
-        The surface in the labels' own coordinates.
-    levels : (n,) uint8 array or None
-        Of its corners; see `AIFReconLib.guidance.mesh`.
-    coverage : Coverage or None
-        While a scan goes on its `met` goes on changing; its shares do not.
-    best_cosine : (n,) float64 array or None
-        Of the points of `coverage.met.bone`, as they were when this was told.
-    advice : Advice or None
-        None while candidate passes are looked at.
-    problem : Message or None
-        Why nothing can be told.
-    """
-
-    colored: ColoredBone | None = None
-    levels: Bytes | None = None
-    coverage: Coverage | None = None
-    best_cosine: Floats | None = None
-    advice: Advice | None = None
-    problem: str | None = None
+    colored: ColoredBone | None = None  #: The surface in the labels' own coordinates
+    levels: Bytes | None = None  #: (n,). Of its corners; see `AIFReconLib.guidance.mesh`.
+    coverage: Coverage | None = None  #: While a scan goes on its `met` goes on changing; its shares do not
+    best_cosine: Floats | None = None  #: (n,). Of the points of `coverage.met.bone`, as they were when this was told.
+    advice: Advice | None = None  #: None while candidate passes are looked at
+    problem: str | None = None  #: Why nothing can be told
 
     @classmethod
     def before(cls, colored: ColoredBone, bone: GuidedBone, problem: str | None = None) -> Guidance:
@@ -69,21 +53,11 @@ class Guidance:
 
 @dataclass(frozen=True)
 class Advice:
-    """What to do next.
+    """What to do next."""
 
-    Parameters
-    ----------
-    move : Move or None
-        None when nothing is worth its labor any more.
-    directions : tuple of Direction
-        The way there from where the probe is.
-    over : tuple of int
-        The label, or the two labels, that the probe will stand over.
-    """
-
-    move: Move | None
-    directions: tuple[Direction, ...] = ()
-    over: tuple[int, ...] = ()
+    move: Move | None  #: None when nothing is worth its labor any more
+    directions: tuple[Direction, ...] = ()  #: The way there from where the probe is
+    over: tuple[int, ...] = ()  #: The label, or the two labels, that the probe will stand over
 
 
 class Advisor:
@@ -91,7 +65,6 @@ class Advisor:
 
     Parameters
     ----------
-    met : BoneMet
     image_to_reference : (n, 4, 4) array
         Poses so far: they tell where the skin is.
     progress : Progress or None
@@ -157,10 +130,7 @@ def guidance_of_sweep(
         The box that is to be reconstructed, if it is known.
     progress : Progress or None
 
-    Raises
-    ------
-    AIFReconError
-        As `coverage`.
+    Raises AIFReconError as `coverage`.
     """
     sequence, recipe = joined(sequences), recipe or Recipe()
     found = coverage(sequence, labels, labels_to_reference, recipe=recipe, progress=part(progress, 0.0, 0.5))

@@ -12,20 +12,14 @@ from .probe import Placement
 
 @dataclass(frozen=True)
 class Hand:
-    """Standard deviations of normal errors.
-
-    Parameters
-    ----------
-    off_mm, off_deg : float
-        Of a whole pass: of its place along each axis of the skin, and of each of the three angles.
-    wander_mm, wander_deg : float
-        The same of every frame of it, besides.
-    """
+    """Standard deviations of normal errors."""
 
     off_mm: float = 5.0
     off_deg: float = 5.0
+    """Of a whole pass: of its place along each axis of the skin, and of each of the three angles."""
     wander_mm: float = 1.0
     wander_deg: float = 1.0
+    """The same of every frame of it, besides."""
 
     def follow(self, placements: Sequence[Placement], rng: np.random.Generator) -> list[Placement]:
         """A pass as this hand makes it; another one with every call."""

@@ -29,17 +29,10 @@ OUT_OF_REACH, NOT_MET, GRAZED, ASLANT, SQUARELY = range(5)
 
 @dataclass(frozen=True, eq=False)
 class BoneMesh:
-    """Triangles on the surface of bone.
+    """Triangles on the surface of bone."""
 
-    Parameters
-    ----------
-    points_reference : (n, 3) float64 array, mm
-    triangles : (m, 3) int array
-        Numbers of the corners, counter-clockwise seen from outside.
-    """
-
-    points_reference: Floats
-    triangles: Integers
+    points_reference: Floats  #: (n, 3), mm
+    triangles: Integers  #: (m, 3). Numbers of the corners, counter-clockwise seen from outside.
 
 
 def bone_mesh(distance: Volume) -> BoneMesh:
@@ -107,18 +100,11 @@ def met_on_mesh(mesh: BoneMesh, met: BoneMet) -> dict[str, Numbers]:
 
 @dataclass(frozen=True, eq=False)
 class ColoredBone:
-    """The surface of bone, ready to be colored by what was met.
+    """The surface of bone, ready to be colored by what was met."""
 
-    Parameters
-    ----------
-    mesh : BoneMesh
-        Where the bone lies that it was made of.
-    nearest : (n,) int array
-        The reachable point of that bone that each corner of the mesh stands for; -1 where there is none.
-    """
-
-    mesh: BoneMesh
+    mesh: BoneMesh  #: Where the bone lies that it was made of
     nearest: Integers
+    """(n,). The reachable point of that bone that each corner of the mesh stands for; -1 where there is none."""
 
     @classmethod
     def of(cls, bone: GuidedBone) -> ColoredBone:

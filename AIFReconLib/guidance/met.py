@@ -38,21 +38,11 @@ UNSEEN, SHADOWED, DARK, MET = 0, 1, 2, 3
 
 @dataclass(frozen=True, eq=False)
 class FrameView:
-    """What one frame does at the points in its beams.
+    """What one frame does at the points in its beams."""
 
-    Parameters
-    ----------
-    points : (m,) int array
-        Numbers of the points in beams that come within `GRAZING_DEG` of their normals.
-    cosines : (m,) float64 array
-        Of the angles of incidence.
-    status : (m,) uint8 array
-        SHADOWED, DARK or MET.
-    """
-
-    points: Integers
-    cosines: Floats
-    status: Bytes
+    points: Integers  #: (m,). Numbers of the points in beams that come within `GRAZING_DEG` of their normals.
+    cosines: Floats  #: (m,). Of the angles of incidence.
+    status: Bytes  #: (m,). SHADOWED, DARK or MET.
 
 
 class FrameGeometry:
@@ -60,10 +50,7 @@ class FrameGeometry:
 
     Parameters
     ----------
-    bone : GuidedBone
     frame_size : (columns, rows)
-    probe : ProbeGeometry
-    region : ImageRegion
     thickness : float, mm
         Full width of the beam across the image plane.
     """
@@ -148,10 +135,6 @@ def _cells(image: Numbers, wide: int, high: int) -> Singles:
 
 class BoneMet:
     """What was met of each point until now.
-
-    Parameters
-    ----------
-    geometry : FrameGeometry
 
     Attributes
     ----------

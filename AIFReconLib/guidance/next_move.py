@@ -50,27 +50,14 @@ class Direction:
 
 @dataclass(frozen=True, eq=False)
 class Move:
-    """An advice.
+    """An advice."""
 
-    Parameters
-    ----------
-    words : str
-        In a sonographer's words, with what it adds.
-    adds_cm2 : float
-        Area of the target, and 5% of the area beside it, that it is expected to show beyond what is shown already.
-    image_to_reference : (4, 4) float64 array
-        Where the probe is in the middle of that pass: for a ghost.
-    planned : Pass
-        The pass.
-    frames : int
-        In which that pass is thought to be made.
-    """
-
-    words: str
+    words: str  #: In a sonographer's words, with what it adds
     adds_cm2: float
-    image_to_reference: Matrix
-    planned: Pass
-    frames: int
+    """Area of the target, and 5% of the area beside it, that it is expected to show beyond what is shown already."""
+    image_to_reference: Matrix  #: (4, 4). Where the probe is in the middle of that pass: for a ghost.
+    planned: Pass  #: The pass
+    frames: int  #: In which that pass is thought to be made
 
 
 class NextMove:
@@ -78,8 +65,6 @@ class NextMove:
 
     Parameters
     ----------
-    bone : GuidedBone
-    probe : ProbeOnBack
     target : str
         See `GuidedBone.part`.
     progress : Progress or None

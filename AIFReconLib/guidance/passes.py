@@ -40,21 +40,12 @@ WEARABLE_STEP_DEG = 5.0
 
 @dataclass(frozen=True)
 class Pass:
-    """The probe goes from one placement to another, evenly.
+    """The probe goes from one placement to another, evenly."""
 
-    Parameters
-    ----------
-    name : str
-        In a sonographer's words.
-    start, stop : Placement
-    least : int
-        Frames below which gaps would open between their beams.
-    """
-
-    name: str
+    name: str  #: In a sonographer's words
     start: Placement
     stop: Placement
-    least: int
+    least: int  #: Frames below which gaps would open between their beams
 
     def placements(self, frames: int) -> list[Placement]:
         """Where each of so many frames is taken: in the middles of as many parts of the way."""

@@ -30,47 +30,26 @@ NEW_PASS = 3
 
 @dataclass(frozen=True, eq=False)
 class PlannedPass:
-    """A pass of a plan.
-
-    Parameters
-    ----------
-    name : str
-    image_to_reference : (frames, 4, 4) float64 array
-        In the order of scanning.
-    adds_cm2 : float
-        Area of the target that it is expected to show beyond what the passes before it show.
-    planned : Pass
-        From where to where it goes.
-    """
+    """A pass of a plan."""
 
     name: str
-    image_to_reference: Matrix
-    adds_cm2: float
-    planned: Pass
+    image_to_reference: Matrix  #: (frames, 4, 4). In the order of scanning.
+    adds_cm2: float  #: Area of the target that it is expected to show beyond what the passes before it show
+    planned: Pass  #: From where to where it goes
 
 
 @dataclass(frozen=True, eq=False)
 class ScanPlan:
-    """Passes, and what they are expected to show.
-
-    Parameters
-    ----------
-    target : str
-    passes : tuple of PlannedPass
-    predicted_visibility : float, 0 to 1
-        Share that `weighted` is expected to show of the part of the target that the plan meets: what `aifrecon evaluate` measures of the
-        reconstruction, whose coverage is of what the sweep could reach.
-    predicted_of_reachable : float, 0 to 1
-        The same as a share of all of the target that any probe on the back can reach.
-    met : BoneMet
-        What the whole plan meets, point by point.
-    """
+    """Passes, and what they are expected to show."""
 
     target: str
     passes: tuple[PlannedPass, ...]
     predicted_visibility: float
+    """0 to 1. Share that `weighted` is expected to show of the part of the target that the plan meets: what `aifrecon evaluate` measures of
+    the reconstruction, whose coverage is of what the sweep could reach."""
     predicted_of_reachable: float
-    met: BoneMet
+    """0 to 1. The same as a share of all of the target that any probe on the back can reach."""
+    met: BoneMet  #: What the whole plan meets, point by point
 
     @property
     def frames(self) -> int:
@@ -107,8 +86,6 @@ def plan_scan(
 
     Parameters
     ----------
-    bone : GuidedBone
-    probe : ProbeOnBack
     target : str
         `interspinous`, `posterior`, `all` or a label's name or number; see `GuidedBone.part`.
     frames : int
@@ -121,14 +98,9 @@ def plan_scan(
         By how much passes are expected to miss; None: not at all, as a wearable device's motors in any case.
     looked : Candidates or None
         Freehand passes that were looked at before, for this target and hand.
-    progress : Progress or None
 
-    Raises
-    ------
-    SettingsError
-        When the frames are too few for one pass.
-    GeometryError
-        When there is no such target, or no pass shows more of it.
+    Raises SettingsError when the frames are too few for one pass; GeometryError when there is no such target, or no pass shows more of
+    it.
 
     Notes
     -----
@@ -225,10 +197,7 @@ def _planned(
 def passes_of(document: object) -> list[tuple[str, Matrix]]:
     """Names and poses of the passes of a plan that was read from JSON.
 
-    Raises
-    ------
-    SettingsError, GeometryError
-        When it is no plan, or holds what is no pose.
+    Raises SettingsError, GeometryError when it is no plan, or holds what is no pose.
     """
     passes = document.get("passes") if isinstance(document, dict) else None
     if not isinstance(passes, list) or not passes or not all(isinstance(one, dict) and one.get("image_to_reference") for one in passes):

@@ -31,21 +31,12 @@ BEND = 30.0
 
 @dataclass(frozen=True, eq=False)
 class ProbeImages:
-    """What the images of a probe are like.
+    """What the images of a probe are like."""
 
-    Parameters
-    ----------
-    frame_size : (columns, rows)
-    spacing : (x, y), mm per pixel
-    geometry : ProbeGeometry
-    region : ImageRegion
-        The pixels that are ultrasound.
-    """
-
-    frame_size: tuple[int, int]
-    spacing: tuple[float, float]
+    frame_size: tuple[int, int]  #: (columns, rows)
+    spacing: tuple[float, float]  #: (x, y), mm per pixel
     geometry: ProbeGeometry
-    region: ImageRegion
+    region: ImageRegion  #: The pixels that are ultrasound
 
     @classmethod
     def simulated(cls) -> ProbeImages:
@@ -86,15 +77,9 @@ class ProbeImages:
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """Where the skin of the back is: its place along straight ahead over right and head, in the patient's axes.
+    """Where the skin of the back is: its place along straight ahead over right and head, in the patient's axes."""
 
-    Parameters
-    ----------
-    coefficients : (6,) float64 array, mm
-        Of 1, x, z, x^2, x z, z^2 in units of `BEND`.
-    """
-
-    coefficients: Floats
+    coefficients: Floats  #: (6,), mm. Of 1, x, z, x^2, x z, z^2 in units of `BEND`.
 
     @classmethod
     def through(cls, points_patient: Floats) -> Skin:
@@ -145,25 +130,15 @@ def _terms(x: Floats, z: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Placement:
-    """How a probe stands on the back.
-
-    Parameters
-    ----------
-    x, z : float, mm
-        The point aimed at, to the right and to the head in the patient's axes; it lies `AIM_DEPTH` under the skin.
-    turn_deg : float
-        Of the image plane: 0 transverse (columns to the right), 90 sagittal (columns to the head).
-    in_plane_deg : float
-        Turns the middle beam toward the image's columns.
-    across_deg : float
-        Turns it out of the plane, toward z = columns cross rows: to the head where transverse, to the left where sagittal.
-    """
+    """How a probe stands on the back."""
 
     x: float
     z: float
-    turn_deg: float = 0.0
-    in_plane_deg: float = 0.0
+    """mm. The point aimed at, to the right and to the head in the patient's axes; it lies `AIM_DEPTH` under the skin."""
+    turn_deg: float = 0.0  #: Of the image plane: 0 transverse (columns to the right), 90 sagittal (columns to the head)
+    in_plane_deg: float = 0.0  #: Turns the middle beam toward the image's columns
     across_deg: float = 0.0
+    """Turns it out of the plane, toward z = columns cross rows: to the head where transverse, to the left where sagittal."""
 
     @property
     def tilt_deg(self) -> float:
@@ -173,18 +148,11 @@ class Placement:
 
 @dataclass(frozen=True, eq=False)
 class ProbeOnBack:
-    """Poses of a probe on a patient's back.
-
-    Parameters
-    ----------
-    images : ProbeImages
-    skin : Skin
-    patient_to_reference : (4, 4) array, mm
-    """
+    """Poses of a probe on a patient's back."""
 
     images: ProbeImages
     skin: Skin
-    patient_to_reference: Matrix
+    patient_to_reference: Matrix  #: (4, 4), mm
     _to_face: Matrix = field(init=False)
 
     def __post_init__(self) -> None:

@@ -21,17 +21,11 @@ SECTOR = "sector"
 
 @dataclass(frozen=True)
 class ProbeGeometry:
-    """The shape of the beams.
+    """The shape of the beams."""
 
-    Parameters
-    ----------
-    kind : "linear" or "sector"
-    apex_px : (column, row) or None
-        Virtual apex of a sector, in pixels of the MF-oriented image; it may lie outside the image.
-    """
-
-    kind: str
+    kind: str  #: "linear" or "sector"
     apex_px: tuple[float, float] | None = None
+    """(column, row). Virtual apex of a sector, in pixels of the MF-oriented image; it may lie outside the image."""
 
     def __post_init__(self) -> None:
         if self.kind not in (LINEAR, SECTOR):
@@ -59,7 +53,6 @@ class ProbeGeometry:
 
         Parameters
         ----------
-        columns, rows : int
         spacing : (x, y), mm
             Pixel pitch; it is applied before normalizing, so anisotropic pixels do not bend the beams.
 

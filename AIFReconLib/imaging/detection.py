@@ -66,10 +66,7 @@ def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)
     spacing : (x, y), mm
         Pixel pitch; a sector is round in mm.
 
-    Raises
-    ------
-    BeamGeometryError
-        When the outline is neither a rectangle nor a sector.
+    Raises BeamGeometryError when the outline is neither a rectangle nor a sector.
     """
     lit = _lit_area(images)
     rows = np.flatnonzero(lit.any(axis=1))

@@ -34,7 +34,6 @@ def grid_around_sweep(
     image_to_reference : (frames, 4, 4) array, pixels to mm
         Poses of the usable frames.
     frame_size : (columns, rows)
-    region : ImageRegion
     spacing : (x, y, z), mm
     bytes_per_voxel : int
         What the reconstruction will take at least, so that a grid that cannot fit is refused before it is made.
@@ -43,12 +42,8 @@ def grid_around_sweep(
     fits_spacing : bool
         The spacing along z grows until the box is a whole number of voxels deep: Plus's RecomputeOutputSpacing.
 
-    Raises
-    ------
-    InsufficientMemoryError
-        Says how much is needed and which spacing would fit.
-    GeometryError
-        When there is no pose, or the poses span what no scanner does.
+    Raises InsufficientMemoryError says how much is needed and which spacing would fit; GeometryError when there is no pose, or the
+    poses span what no scanner does.
 
     Notes
     -----

@@ -50,16 +50,6 @@ class ClipRectangle:
 class Fan:
     """A sector about an apex, between two angles and two radii.
 
-    Parameters
-    ----------
-    apex_px : (column, row)
-    angles_deg : (first, last)
-        From the image's +y axis toward +x. Within (-90, 90).
-    radii : (first, last)
-        In the unit of `pixel_size`.
-    pixel_size : (x, y)
-        Size of a pixel. Plus measures fans in pixels, (1, 1), whatever their size; a scan conversion in mm.
-
     Notes
     -----
     With x = column - apex, y = row - apex, a pixel is kept where y >= 0, tan(first) <= x sx / (y sy) <= tan(last) and
@@ -67,10 +57,11 @@ class Fan:
     slopes as x / y against tan(angle) sy / sx, which is the same.
     """
 
-    apex_px: tuple[float, float]
-    angles_deg: tuple[float, float]
-    radii: tuple[float, float]
+    apex_px: tuple[float, float]  #: (column, row)
+    angles_deg: tuple[float, float]  #: (first, last). From the image's +y axis toward +x. Within (-90, 90).
+    radii: tuple[float, float]  #: (first, last). In the unit of `pixel_size`.
     pixel_size: tuple[float, float] = (1.0, 1.0)
+    """(x, y). Size of a pixel. Plus measures fans in pixels, (1, 1), whatever their size; a scan conversion in mm."""
 
     def __post_init__(self) -> None:
         first, last = sorted(self.angles_deg)
@@ -143,18 +134,10 @@ MARGIN_DEG = 3.0
 
 @dataclass(frozen=True)
 class FanDetection:
-    """How lit parts of a fan are told from dark ones.
+    """How lit parts of a fan are told from dark ones."""
 
-    Parameters
-    ----------
-    threshold : float
-        Gray level that a lit pixel has at least.
-    filter_radius_px : int
-        Half the length of the window, along the arc, of which half the pixels must be lit.
-    """
-
-    threshold: float = 30.0
-    filter_radius_px: int = 10
+    threshold: float = 30.0  #: Gray level that a lit pixel has at least
+    filter_radius_px: int = 10  #: Half the length of the window, along the arc, of which half the pixels must be lit
 
     def angles(self, image: Numbers, fan: Fan) -> tuple[float, float] | None:
         """The angles between which a frame shows something.

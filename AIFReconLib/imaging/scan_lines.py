@@ -14,22 +14,13 @@ MOST_LINES = 512
 
 @dataclass(frozen=True, eq=False)
 class ScanLineSamples:
-    """Samples along the beams through a set of pixels.
-
-    Parameters
-    ----------
-    columns, rows : (lines, samples) float64 arrays
-        Where the samples lie, in pixels of the image.
-    step : float, mm
-        Distance between samples along a line.
-    sample_of_pixel : (n,) int64 array
-        The nearest sample of each pixel, flat in (lines, samples).
-    """
+    """Samples along the beams through a set of pixels."""
 
     columns: Floats
     rows: Floats
-    step: float
-    sample_of_pixel: Integers
+    """(lines, samples). Where the samples lie, in pixels of the image."""
+    step: float  #: mm. Distance between samples along a line.
+    sample_of_pixel: Integers  #: (n,). The nearest sample of each pixel, flat in (lines, samples).
 
 
 def scan_line_samples(columns: Integers, rows: Integers, spacing: tuple[float, float], probe: ProbeGeometry) -> ScanLineSamples:
@@ -40,7 +31,6 @@ def scan_line_samples(columns: Integers, rows: Integers, spacing: tuple[float, f
     columns, rows : (n,) int arrays
         The pixels that are ultrasound.
     spacing : (x, y), mm
-    probe : ProbeGeometry
 
     Notes
     -----

@@ -18,23 +18,12 @@ from .beams import LINEAR, ProbeGeometry
 
 @dataclass(frozen=True)
 class DepthScale:
-    """Moves pixels along their beams, away from the transducer's face or toward it.
-
-    Parameters
-    ----------
-    probe : ProbeGeometry
-    factor : float
-        True depth by shown depth: the true speed of sound by the scanner's.
-    face : float
-        Where depth is 0. Linear probe: a row, px. Sector: a radius about the apex, mm.
-    spacing : (x, y), mm
-        Pixel pitch; radii are round in mm.
-    """
+    """Moves pixels along their beams, away from the transducer's face or toward it."""
 
     probe: ProbeGeometry
-    factor: float
-    face: float
-    spacing: tuple[float, float]
+    factor: float  #: True depth by shown depth: the true speed of sound by the scanner's
+    face: float  #: Where depth is 0. Linear probe: a row, px. Sector: a radius about the apex, mm.
+    spacing: tuple[float, float]  #: (x, y), mm. Pixel pitch; radii are round in mm.
 
     @classmethod
     def of(cls, mask: Mask, probe: ProbeGeometry, factor: float, spacing: tuple[float, float]) -> DepthScale:
@@ -83,10 +72,7 @@ class DepthScale:
 def depth_scale(settings: Recipe, mask: Mask, probe: ProbeGeometry | None, spacing: tuple[float, float]) -> DepthScale | None:
     """The scale that the settings ask for, of images whose ultrasound is `mask`; None where pixels are where they are shown.
 
-    Raises
-    ------
-    BeamGeometryError
-        When pixels are elsewhere and the probe is not known.
+    Raises BeamGeometryError when pixels are elsewhere and the probe is not known.
     """
     factor = depth_factor(settings)
     if factor == 1.0:

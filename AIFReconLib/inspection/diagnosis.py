@@ -21,31 +21,15 @@ from .tracking_report import TrackingReport, tracking_report
 
 @dataclass(frozen=True)
 class SequenceReport:
-    """The facts of a sequence, and findings about them.
+    """The facts of a sequence, and findings about them."""
 
-    Parameters
-    ----------
-    facts : tuple of (name, value)
-    transforms : tuple of (name, statuses in words)
-    findings : tuple of str
-        Sentences a user should read; the first says whether the sequence can be reconstructed.
-    ready : bool
-        Whether at least one frame can be placed.
-    tracking : TrackingReport or None
-        None when no chain leads from image to reference.
-    time_offset : OffsetEstimate or None
-        Whether images and poses are in step; None when no frame can be placed.
-    poses : SweepPoses or None
-        None when no chain leads from image to reference.
-    """
-
-    facts: tuple[tuple[str, str], ...]
-    transforms: tuple[tuple[str, str], ...]
-    findings: tuple[str, ...]
-    ready: bool
-    tracking: TrackingReport | None = None
-    time_offset: OffsetEstimate | None = None
-    poses: SweepPoses | None = None
+    facts: tuple[tuple[str, str], ...]  #: (name, value)
+    transforms: tuple[tuple[str, str], ...]  #: (name, statuses in words)
+    findings: tuple[str, ...]  #: Sentences a user should read; the first says whether the sequence can be reconstructed
+    ready: bool  #: Whether at least one frame can be placed
+    tracking: TrackingReport | None = None  #: None when no chain leads from image to reference
+    time_offset: OffsetEstimate | None = None  #: Whether images and poses are in step; None when no frame can be placed
+    poses: SweepPoses | None = None  #: None when no chain leads from image to reference
 
     def to_text(self) -> str:
         """The report for a terminal."""
@@ -81,7 +65,6 @@ def diagnose(
 
     Parameters
     ----------
-    sequence : TrackedSequence
     image_to_reference, reference : str or None
         See `sweep_poses`.
     progress : Progress or None

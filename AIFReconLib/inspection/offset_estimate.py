@@ -54,21 +54,12 @@ _PATCHES = 24
 
 @dataclass(frozen=True)
 class OffsetEstimate:
-    """What a sweep says of its time offset.
+    """What a sweep says of its time offset."""
 
-    Parameters
-    ----------
-    time_offset : float or None, s
-        As `with_time_offset` takes it; None when it cannot be told.
-    uncertainty : float or None, s
-        Twice the standard error (jackknife over ten parts of the sweep), and not below half a step.
-    reason : str
-        Why it cannot be told; "" otherwise.
-    """
-
-    time_offset: float | None = None
+    time_offset: float | None = None  #: s. As `with_time_offset` takes it; None when it cannot be told.
     uncertainty: float | None = None
-    reason: str = ""
+    """s. Twice the standard error (jackknife over ten parts of the sweep), and not below half a step."""
+    reason: str = ""  #: Why it cannot be told; "" otherwise
 
     @property
     def out_of_step(self) -> bool:
@@ -96,11 +87,6 @@ def estimate_time_offset(sequence: TrackedSequence, poses: SweepPoses, progress:
         Images are read one at a time, `MOST_FRAMES` at most, and only when the sweep turns back on itself.
     poses : SweepPoses
         As `sweep_poses` finds them.
-    progress : Progress or None
-
-    Returns
-    -------
-    OffsetEstimate
     """
     usable = poses.usable
     stamps = sequence.timestamps[usable]

@@ -48,10 +48,7 @@ def raised_bands(shown: Volume, plain: Volume) -> Bytes:
     shown, plain : Volume
         The reconstruction, and its plain mean on the same voxels.
 
-    Raises
-    ------
-    GeometryError
-        When their voxels are not the same.
+    Raises GeometryError when their voxels are not the same.
     """
     if shown.array.shape != plain.array.shape or not np.allclose(shown.ijk_to_reference, plain.ijk_to_reference, rtol=0.0, atol=1e-6):
         raise GeometryError("Input plain must lie on the voxels of the reconstruction; got another grid. Reconstruct both anew.")

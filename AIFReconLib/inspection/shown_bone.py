@@ -41,24 +41,14 @@ LOOKED_AT = 1_000_000
 
 @dataclass(frozen=True, eq=False)
 class ShownBone:
-    """Where bone shows.
+    """Where bone shows."""
 
-    Parameters
-    ----------
-    field : Volume of float32
-        Above `LEVEL` is bone; without pieces below `CRUMB`.
-    pieces, hidden : int
-        Pieces that are shown, and crumbs that are not.
-    bone : BoneField or None
-        Of the CT.
-    bone_to_reference : (4, 4) array or None
-    """
-
-    field: Volume
+    field: Volume  #: float32. Above `LEVEL` is bone; without pieces below `CRUMB`.
     pieces: int
     hidden: int
-    bone: BoneField | None = None
-    bone_to_reference: Matrix | None = None
+    """Pieces that are shown, and crumbs that are not."""
+    bone: BoneField | None = None  #: Of the CT
+    bone_to_reference: Matrix | None = None  #: (4, 4)
 
     def distances(self, points_reference: Floats) -> Floats | None:
         """How far points (n, 3) lie from the CT's bone, (n,) mm; None without a CT."""
@@ -80,10 +70,7 @@ def shown_bone(result: Reconstruction, labels: Volume | None = None, labels_to_r
         Of the CT, for `ShownBone.distances`.
     labels_to_reference : (4, 4) array, mm, or None
 
-    Raises
-    ------
-    SettingsError
-        When score or hits were not kept.
+    Raises SettingsError when score or hits were not kept.
 
     Notes
     -----

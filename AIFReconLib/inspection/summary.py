@@ -19,7 +19,6 @@ def summary_lines(result: Reconstruction, frames: int, seconds: float | None = N
 
     Parameters
     ----------
-    result : Reconstruction
     frames : int
         How many the sweep has.
     seconds : float or None

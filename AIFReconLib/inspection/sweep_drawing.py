@@ -28,7 +28,6 @@ def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: s
     image_to_reference : (frames, 4, 4) array, pixels to mm, finite
         In the order in which they were taken: first frames are light, last ones dark.
     frame_size : (columns, rows)
-    title : str
     reference : str
         What the frame of the axes is called.
 

@@ -51,42 +51,24 @@ class Coverage:
 
 @dataclass(frozen=True)
 class TrackingReport:
-    """What a user should know of the tracking of a sweep.
-
-    Parameters
-    ----------
-    frames, used : int
-        Frames of the recording, and those with an image and a valid pose (or, after a reconstruction, those inserted).
-    skipped : dict of str to list of int
-        Numbers of the others by reason.
-    duration : float or None, s
-        From the first to the last used frame; None without time stamps.
-    longest_gap : float or None, s
-        Between used frames.
-    longest_gap_after : int or None
-        The frame after which it comes.
-    jumps : tuple of PoseJump
-        Where the image moves faster than `JUMP_SPEED` and than `JUMP_FACTOR` times the median speed.
-    median_speed, highest_speed : float or None, mm/s
-        Root mean square over the image's corners, between used frames no more than half a second apart.
-    median_step, largest_step : float or None, mm
-        The same as distances, whatever the time between.
-    coverage : Coverage or None
-        Of the grid of a reconstruction.
-    """
+    """What a user should know of the tracking of a sweep."""
 
     frames: int
     used: int
-    skipped: dict[str, list[int]]
-    duration: float | None = None
-    longest_gap: float | None = None
-    longest_gap_after: int | None = None
+    """Frames of the recording, and those with an image and a valid pose (or, after a reconstruction, those inserted)."""
+    skipped: dict[str, list[int]]  #: Numbers of the others by reason
+    duration: float | None = None  #: s. From the first to the last used frame; None without time stamps.
+    longest_gap: float | None = None  #: s. Between used frames.
+    longest_gap_after: int | None = None  #: The frame after which it comes
     jumps: tuple[PoseJump, ...] = ()
+    """Where the image moves faster than `JUMP_SPEED` and than `JUMP_FACTOR` times the median speed."""
     median_speed: float | None = None
     highest_speed: float | None = None
+    """mm/s. Root mean square over the image's corners, between used frames no more than half a second apart."""
     median_step: float | None = None
     largest_step: float | None = None
-    coverage: Coverage | None = None
+    """mm. The same as distances, whatever the time between."""
+    coverage: Coverage | None = None  #: Of the grid of a reconstruction
 
     def rows(self) -> list[tuple[str, str]]:
         """Names and values for a table."""

@@ -44,20 +44,11 @@ class Level(enum.Enum):
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is to be thought of a sweep in one respect.
-
-    Parameters
-    ----------
-    level : Level
-    finding : str
-        What was found, with the number that decides.
-    advice : str
-        What to do; empty where nothing is.
-    """
+    """What is to be thought of a sweep in one respect."""
 
     level: Level
-    finding: str
-    advice: str = ""
+    finding: str  #: What was found, with the number that decides
+    advice: str = ""  #: What to do; empty where nothing is
 
 
 def unknown(why: str) -> Verdict:
@@ -100,7 +91,6 @@ def registration_verdict(agreement: Agreement, names: Mapping[int, str] | None =
 
     Parameters
     ----------
-    agreement : Agreement
     names : mapping of int to str, optional
         What the labels are called.
     """

@@ -46,18 +46,10 @@ COVER_FROM, COVER_TO, COVER_STEP, COVER_DEPTH = 3.0, 45.0, 1.5, 1.0
 
 @dataclass(frozen=True, eq=False)
 class EchoFit:
-    """Echo by echo, how a placed CT explains them.
+    """Echo by echo, how a placed CT explains them."""
 
-    Parameters
-    ----------
-    distances : (n,) float64 array, mm
-        Signed distance to bone, positive before the surface or beside it.
-    reachable : (n,) bool array
-        Whether the sound enters bone there and no bone lies before it.
-    """
-
-    distances: Floats
-    reachable: Mask
+    distances: Floats  #: (n,), mm. Signed distance to bone, positive before the surface or beside it.
+    reachable: Mask  #: (n,). Whether the sound enters bone there and no bone lies before it.
 
     @property
     def near(self) -> Mask:
@@ -82,34 +74,20 @@ class LabelAgreement:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How a placed CT and a sweep agree.
-
-    Parameters
-    ----------
-    share : float, 0 to 1
-        Of the echoes near labeled bone: how many lie within `CLOSE` of bone that their beams could reach.
-    median_distance : float, mm
-        Of the echoes near bone, without sign; NaN without echoes.
-    echoes : int
-        Near labeled bone, within `NEAR`.
-    elsewhere : int
-        Farther away: of bone that the labels lack, or of none.
-    per_label : dict of int to LabelAgreement
-    tightness : float, 0 to 1
-        Mean over all echoes, wherever they lie, of exp(-d^2 / 2 t^2) for those that their beams could reach, t = `TIGHT`: what decides
-        between places that are far apart. A wrong place may explain more echoes than the right one of a CT that shows fewer bones than
-        the sweep, but never so closely.
-    upper_quartile : float, mm
-        Three quarters of the echoes near bone whose beams enter it lie nearer, without sign; NaN without such.
-    """
+    """How a placed CT and a sweep agree."""
 
     share: float
-    median_distance: float
-    echoes: int
-    elsewhere: int
+    """0 to 1. Of the echoes near labeled bone: how many lie within `CLOSE` of bone that their beams could reach."""
+    median_distance: float  #: mm. Of the echoes near bone, without sign; NaN without echoes.
+    echoes: int  #: Near labeled bone, within `NEAR`
+    elsewhere: int  #: Farther away: of bone that the labels lack, or of none
     per_label: dict[int, LabelAgreement] = field(default_factory=dict)
     tightness: float = 0.0
+    """0 to 1. Mean over all echoes, wherever they lie, of exp(-d^2 / 2 t^2) for those that their beams could reach, t = `TIGHT`: what
+    decides between places that are far apart. A wrong place may explain more echoes than the right one of a CT that shows fewer bones than
+    the sweep, but never so closely."""
     upper_quartile: float = float("nan")
+    """mm. Three quarters of the echoes near bone whose beams enter it lie nearer, without sign; NaN without such."""
 
     @property
     def bone_width(self) -> float:
@@ -193,7 +171,6 @@ def check(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) -> 
     ----------
     echoes : SweepEchoes
         All of them: counts are part of the answer.
-    bone : BoneField
     labels_to_reference : (4, 4) array, mm
         Rigid.
     """

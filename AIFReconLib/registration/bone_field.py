@@ -34,27 +34,16 @@ SMOOTHING, WIDER = 0.9, 2.0
 
 @dataclass(frozen=True, eq=False)
 class BoneField:
-    """Signed distance to bone, mm, negative inside, in the labels' own frame.
+    """Signed distance to bone, mm, negative inside, in the labels' own frame."""
 
-    Parameters
-    ----------
-    distance : Volume of float32
-        On a box around bone; `REACH` outside of it.
-    labels : Volume of integers
-        Which bone is which.
-    """
-
-    distance: Volume
-    labels: Volume
+    distance: Volume  #: float32. On a box around bone; `REACH` outside of it.
+    labels: Volume  #: integers. Which bone is which.
 
     @classmethod
     def from_labels(cls, labels: Volume, only: int | None = None) -> BoneField:
         """The field around all labels above 0, or around one of them.
 
-        Raises
-        ------
-        GeometryError
-            When no voxel, or every voxel, is labeled.
+        Raises GeometryError when no voxel, or every voxel, is labeled.
         """
         bone = labels.array > 0 if only is None else labels.array == only
         if not bone.any():

@@ -30,23 +30,12 @@ ALONG = 0.94
 
 @dataclass(frozen=True, eq=False)
 class Loose:
-    """A motion that the sweep does not hold.
+    """A motion that the sweep does not hold."""
 
-    Parameters
-    ----------
-    kind : "slide" or "turn"
-    axis : (3,) float64 array, unit vector, Reference
-        Along which it slides, or about which it turns.
-    amount : float
-        mm or degrees, either way, until `LOSS` is reached.
-    ct_axis : (3,) float64 array
-        The same axis in the CT's own axes: right, front, head.
-    """
-
-    kind: str
-    axis: Floats
-    amount: float
-    ct_axis: Floats
+    kind: str  #: "slide" or "turn"
+    axis: Floats  #: (3,), unit vector, Reference. Along which it slides, or about which it turns.
+    amount: float  #: mm or degrees, either way, until `LOSS` is reached
+    ct_axis: Floats  #: (3,). The same axis in the CT's own axes: right, front, head.
 
     @property
     def sentence(self) -> str:
@@ -103,7 +92,8 @@ def not_held(echoes: SweepEchoes, bone: BoneField, refined: Refined) -> list[Loo
 
 def restart_spread(echoes: SweepEchoes, bone: BoneField, refined: Refined) -> float:
     """How far apart places end, as the largest mean motion of the echoes in mm, that are refined anew from starts some mm and degrees
-    away."""
+    away.
+    """
     rng = np.random.default_rng(0)
     chosen = echoes.thinned(MOST_ECHOES // 2)
     spread = 0.0

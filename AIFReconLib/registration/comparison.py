@@ -23,17 +23,10 @@ COMPARED_FRAMES = 90
 
 @dataclass(frozen=True)
 class Comparison:
-    """How a sweep and placed labels agree, or why that cannot be told.
-
-    Parameters
-    ----------
-    agreement : Agreement or None
-    lines : tuple of str
-        The same in words, and what to do where they do not agree.
-    """
+    """How a sweep and placed labels agree, or why that cannot be told."""
 
     agreement: Agreement | None
-    lines: tuple[str, ...]
+    lines: tuple[str, ...]  #: The same in words, and what to do where they do not agree
 
 
 def compared(
@@ -52,11 +45,6 @@ def compared(
     labels_to_reference : (4, 4) array, mm
     recipe : Recipe or None
         As in `reconstruct`.
-    progress : Progress or None
-
-    Raises
-    ------
-    OperationCanceled
 
     Notes
     -----

@@ -36,23 +36,12 @@ FEWEST = 150
 
 @dataclass(frozen=True, eq=False)
 class SweepEchoes:
-    """Bone echoes in Reference.
+    """Bone echoes in Reference."""
 
-    Parameters
-    ----------
-    points : (n, 3) float64 array, mm
-    beams : (n, 3) float64 array, unit vectors
-        Which way the sound went there.
-    scores : (n,) float32 array
-        How surely each is bone, 0 to 1.
-    frames : (n,) int64 array
-        Number of the frame that showed it, counted over all sweeps.
-    """
-
-    points: Floats
-    beams: Floats
-    scores: Singles
-    frames: Integers
+    points: Floats  #: (n, 3), mm
+    beams: Floats  #: (n, 3), unit vectors. Which way the sound went there.
+    scores: Singles  #: (n,). How surely each is bone, 0 to 1.
+    frames: Integers  #: (n,). Number of the frame that showed it, counted over all sweeps.
 
     def __len__(self) -> int:
         return len(self.points)
@@ -127,14 +116,9 @@ def sweep_echoes(
         As in `reconstruct`.
     most_frames : int
         Of all sweeps together; chosen evenly.
-    progress : Progress or None
 
-    Raises
-    ------
-    AIFReconError
-        When frames cannot be placed or beams not be told, as in `reconstruct`.
-    GeometryError
-        When fewer than `FEWEST` echoes are found.
+    Raises AIFReconError when frames cannot be placed or beams not be told, as in `reconstruct`; GeometryError when fewer than `FEWEST`
+    echoes are found.
     """
     sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
     placed = []

@@ -23,7 +23,6 @@ class LiveAgreement:
 
     Parameters
     ----------
-    bone : BoneField
     labels_to_reference : (4, 4) array, mm
         Rigid.
     imaging : Imaging

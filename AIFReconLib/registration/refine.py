@@ -35,31 +35,21 @@ FAR = 1e3
 
 @dataclass(frozen=True, eq=False)
 class Refined:
-    """Where a refinement ended.
+    """Where a refinement ended."""
 
-    Parameters
-    ----------
-    labels_to_reference : (4, 4) float64 array, mm
-    cost : float, 0 to 1
-        Mean of 1 - exp(-d^2 / 2 s^2) over the echoes, at the last scale.
-    normal : (6, 6) float64 array
-        Gauss-Newton's matrix, the mean over the echoes of w g g^T in 1 / mm^2, for motions of `vector_motion` about `center` in units of
-        mm, turns multiplied by `lever`; w = exp(-d^2 / 2 s^2).
-    center : (3,) float64 array, mm, Reference
-    lever : float, mm
-        Root mean square distance of the echoes from their center: turns in radians times this are mm.
-    """
-
-    labels_to_reference: Floats
-    cost: float
+    labels_to_reference: Floats  #: (4, 4), mm
+    cost: float  #: 0 to 1. Mean of 1 - exp(-d^2 / 2 s^2) over the echoes, at the last scale.
     normal: Floats
-    center: Floats
-    lever: float
+    """(6, 6). Gauss-Newton's matrix, the mean over the echoes of w g g^T in 1 / mm^2, for motions of `vector_motion` about `center` in
+    units of mm, turns multiplied by `lever`; w = exp(-d^2 / 2 s^2)."""
+    center: Floats  #: (3,), mm, Reference
+    lever: float  #: mm. Root mean square distance of the echoes from their center: turns in radians times this are mm.
 
 
 def vector_motion(vector: Floats, center: Floats, lever: float = 1.0) -> Floats:
     """A rigid motion (4, 4) in Reference: turn about `center` by the rotation vector ``vector[3:] / lever``, then move by
-    ``vector[:3]``."""
+    ``vector[:3]``.
+    """
     motion = np.eye(4)
     motion[:3, :3] = scipy.spatial.transform.Rotation.from_rotvec(vector[3:] / lever).as_matrix()
     motion[:3, 3] = center - motion[:3, :3] @ center + vector[:3]
@@ -116,8 +106,6 @@ def refine(
 
     Parameters
     ----------
-    echoes : SweepEchoes
-    bone : BoneField
     start : (4, 4) array, mm
         labels_to_reference; rigid.
     scales : tuple of float, mm

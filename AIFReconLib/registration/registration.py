@@ -43,7 +43,8 @@ WORTH_JUDGING = 0.3
 @dataclass(frozen=True, eq=False)
 class Alternative:
     """Another place: labels_to_reference (4, 4), how well it agrees, and how many levels higher (+) or lower (-) the CT lies there, or
-    None."""
+    None.
+    """
 
     transform: Floats
     agreement: Agreement
@@ -52,37 +53,17 @@ class Alternative:
 
 @dataclass(frozen=True, eq=False)
 class Registration:
-    """Where the CT belongs, and how sure that is.
+    """Where the CT belongs, and how sure that is."""
 
-    Parameters
-    ----------
-    transform : (4, 4) float64 array, mm
-        labels_to_reference, RAS.
-    agreement : Agreement
-        Of that place, or, where each bone moved on its own, of the bones where they came to lie.
-    said : Sentence or None
-        Why the answer must not be used unseen, with options named as on the command line; see `refusal`.
-    loose : tuple of Loose
-        Motions that the sweep does not hold.
-    restarts : float, mm
-        How far apart refinements from nearby starts ended.
-    alternatives : tuple of Alternative
-        Other places, best first; of which some may be as good.
-    moved : float or None, mm
-        How far the bone has moved from the start; None without one.
-    segments : Segments or None
-        Each bone's own motion.
-    echoes : SweepEchoes
-    """
-
-    transform: Floats
-    agreement: Agreement
+    transform: Floats  #: (4, 4), mm. labels_to_reference, RAS.
+    agreement: Agreement  #: Of that place, or, where each bone moved on its own, of the bones where they came to lie
     said: str | None
-    loose: tuple[Loose, ...]
-    restarts: float
-    alternatives: tuple[Alternative, ...]
-    moved: float | None
-    segments: Segments | None
+    """Sentence. Why the answer must not be used unseen, with options named as on the command line; see `refusal`."""
+    loose: tuple[Loose, ...]  #: Motions that the sweep does not hold
+    restarts: float  #: mm. How far apart refinements from nearby starts ended.
+    alternatives: tuple[Alternative, ...]  #: Other places, best first; of which some may be as good
+    moved: float | None  #: mm. How far the bone has moved from the start; None without one.
+    segments: Segments | None  #: Each bone's own motion
     echoes: SweepEchoes = field(repr=False)
 
     @property
@@ -129,7 +110,6 @@ def register(
         Take the place so many levels higher (lower where negative) than the best one.
     recipe : Recipe or None
         As in `reconstruct`.
-    progress : Progress or None
 
     Raises
     ------
@@ -155,10 +135,7 @@ def register_echoes(
 ) -> Registration:
     """`register`, for echoes and a field that are there already: of the last seconds of a live scan, say.
 
-    Raises
-    ------
-    SettingsError
-        When a level is asked for of a single bone.
+    Raises SettingsError when a level is asked for of a single bone.
     """
     shifts = level_shifts(bone)
     if level and not shifts:

@@ -79,11 +79,8 @@ def search(echoes: SweepEchoes, bone: BoneField, candidates: Floats, progress: P
 
     Parameters
     ----------
-    echoes : SweepEchoes
-    bone : BoneField
     candidates : (n, 4, 4) array, mm
         labels_to_reference.
-    progress : Progress or None
     """
     report(progress, 0.0, "Looking for the CT's place")
     order = np.argsort(_scores(echoes.thinned(SCORE_ECHOES), bone, candidates))

@@ -42,18 +42,10 @@ DISC_ARM = 15.0
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """Where each bone came to lie.
+    """Where each bone came to lie."""
 
-    Parameters
-    ----------
-    transforms : dict of int to (4, 4) float64 array, mm
-        labels_to_reference of each label.
-    agreement : Agreement
-        Of the bones in those places.
-    """
-
-    transforms: dict[int, Floats]
-    agreement: Agreement
+    transforms: dict[int, Floats]  #: (4, 4) mm: labels_to_reference of each label
+    agreement: Agreement  #: Of the bones in those places
 
 
 def fields_of_labels(labels: Volume) -> dict[int, BoneField]:

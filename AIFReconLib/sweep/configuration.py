@@ -16,70 +16,36 @@ from ..imaging.region import ImageRegion
 
 @dataclass(frozen=True, eq=False)
 class PlusConfiguration:
-    """The parts of a Plus configuration that concern a reconstruction; empty where nothing is configured.
+    """The parts of a Plus configuration that concern a reconstruction; empty where nothing is configured."""
 
-    Parameters
-    ----------
-    path : Path or None
-        None where there is no file.
-    transforms : dict of TransformName to TransformSample
-        From CoordinateDefinitions: the calibration and other fixed relations.
-    image_frame, reference_frame : str or None
-        Names of the coordinate frames, None when not given.
-    spacing, origin : (x, y, z) or None, mm
-        Of the volume, in Reference.
-    extent : 6 int or None
-        First and last voxel along x, y, z.
-    region : ImageRegion
-        Clip rectangle and fan of the volume reconstruction, in pixels.
-    probe : ProbeGeometry or None
-        From ScanConversion.
-    scan_region : ImageRegion or None
-        The part of the image that the scan conversion fills.
-    method : str or None
-        How pixels are combined, in this library's words; None when not given or not supported.
-    interpolation : "nearest", "linear" or None
-    uses_importance_mask : bool
-        Whether an average is to be weighted by an importance mask.
-    importance_mask : Path or None
-        Image with the weight of each pixel, 0 to 255; not looked at yet. None where it must come from elsewhere.
-    pixel_rejection : float or None
-        Pixels darker than this do not enter.
-    holes : tuple of HoleFilling
-        Tried in this order; none where holes stay.
-    threads : int or None
-        How many to use.
-    skip : int
-        Every how many frames one is used.
-    fixed_point : bool
-        Whether pixels are to be placed in fixed-point numbers, as Plus's Optimization=FULL does.
-    fits_spacing : bool
-        Whether the spacing along z may grow so that the box around the sweep is a whole number of voxels.
-    warnings : tuple of str
-        What the file asks for and is not honored, one sentence each.
-    """
-
-    path: Path | None = None
+    path: Path | None = None  #: None where there is no file
     transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
+    """From CoordinateDefinitions: the calibration and other fixed relations."""
     image_frame: str | None = None
     reference_frame: str | None = None
+    """Names of the coordinate frames, None when not given."""
     spacing: tuple[float, float, float] | None = None
     origin: tuple[float, float, float] | None = None
-    extent: tuple[int, int, int, int, int, int] | None = None
+    """(x, y, z), mm. Of the volume, in Reference."""
+    extent: tuple[int, int, int, int, int, int] | None = None  #: 6 int. First and last voxel along x, y, z.
     region: ImageRegion = field(default_factory=ImageRegion)
-    probe: ProbeGeometry | None = None
-    scan_region: ImageRegion | None = None
-    method: str | None = None
-    interpolation: str | None = None
-    uses_importance_mask: bool = False
+    """Clip rectangle and fan of the volume reconstruction, in pixels."""
+    probe: ProbeGeometry | None = None  #: From ScanConversion
+    scan_region: ImageRegion | None = None  #: The part of the image that the scan conversion fills
+    method: str | None = None  #: How pixels are combined, in this library's words; None when not given or not supported
+    interpolation: str | None = None  #: "nearest", "linear"
+    uses_importance_mask: bool = False  #: Whether an average is to be weighted by an importance mask
     importance_mask: Path | None = None
-    pixel_rejection: float | None = None
-    holes: tuple[HoleFilling, ...] = ()
-    threads: int | None = None
-    skip: int = 1
+    """Image with the weight of each pixel, 0 to 255; not looked at yet. None where it must come from elsewhere."""
+    pixel_rejection: float | None = None  #: Pixels darker than this do not enter
+    holes: tuple[HoleFilling, ...] = ()  #: Tried in this order; none where holes stay
+    threads: int | None = None  #: How many to use
+    skip: int = 1  #: Every how many frames one is used
     fixed_point: bool = False
+    """Whether pixels are to be placed in fixed-point numbers, as Plus's Optimization=FULL does."""
     fits_spacing: bool = False
-    warnings: tuple[str, ...] = ()
+    """Whether the spacing along z may grow so that the box around the sweep is a whole number of voxels."""
+    warnings: tuple[str, ...] = ()  #: What the file asks for and is not honored, one sentence each
 
     @property
     def imaged_region(self) -> ImageRegion | None:

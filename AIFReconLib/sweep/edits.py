@@ -27,7 +27,6 @@ class ImageView:
 
     Parameters
     ----------
-    images : ImageStack
     numbers : sequence of int or None
         Frames, in this order; all by default.
     columns, rows : (first, count) or None
@@ -63,13 +62,7 @@ class ImageView:
 
 
 def select_frames(sequence: TrackedSequence, first: int = 0, last: int | None = None, every: int = 1) -> TrackedSequence:
-    """The frames from `first` to `last`, both included, every `every`-th.
-
-    Raises
-    ------
-    SettingsError
-        When there are no such frames.
-    """
+    """The frames from `first` to `last`, both included, every `every`-th; raises SettingsError when there are no such frames."""
     last = len(sequence) - 1 if last is None else last
     if not 0 <= first <= last < len(sequence):
         raise SettingsError(f"Input frames must be two numbers from 0 to {len(sequence) - 1}, rising; got {first} {last}.")
@@ -83,10 +76,8 @@ def select_frames(sequence: TrackedSequence, first: int = 0, last: int | None = 
 def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, image_frame: str = "Image") -> TrackedSequence:
     """The rectangle of `width` x `height` pixels from column `x`, row `y`, in its old place: transforms of the image move along.
 
-    Raises
-    ------
-    SettingsError
-        When the rectangle is not within the images, or the sequence has no transform of the image to keep it in its place.
+    Raises SettingsError when the rectangle is not within the images, or the sequence has no transform of the image to keep it in its
+    place.
     """
     columns, rows = sequence.frame_size
     if width < 1 or height < 1 or x < 0 or y < 0 or x + width > columns or y + height > rows:
@@ -114,14 +105,10 @@ def rename(sequence: TrackedSequence, names: Mapping[str, str]) -> TrackedSequen
 
     Parameters
     ----------
-    sequence : TrackedSequence
     names : mapping of str to str
         Old to new: two transforms (``{"ProbeToTracker": "NeedleToTracker"}``) or two frames (``{"Marker": "Probe"}``).
 
-    Raises
-    ------
-    SettingsError
-        When a name does not occur, is taken, or a transform would become a frame.
+    Raises SettingsError when a name does not occur, is taken, or a transform would become a frame.
     """
     for old, new in names.items():
         change = _renaming(sequence, old, new)
@@ -147,17 +134,13 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, 
 
     Parameters
     ----------
-    sequence : TrackedSequence
     name : TransformName
         What the calibration is called, ImageToProbe.
     matrix : (4, 4) array, pixels to mm
     wrong : (4, 4) array or None
         The calibration that recorded transforms such as ImageToReference include; the recording's own transform of that name by default.
 
-    Raises
-    ------
-    SettingsError
-        When recorded transforms include a calibration that is not known.
+    Raises SettingsError when recorded transforms include a calibration that is not known.
 
     Notes
     -----

@@ -31,24 +31,14 @@ CROPPED = TransformName("Image", "CroppedImage")
 
 @dataclass(frozen=True, eq=False)
 class TrackedFrame:
-    """What a reconstructor takes: one image and where it is.
+    """What a reconstructor takes: one image and where it is."""
 
-    Parameters
-    ----------
-    image : (rows, columns) array, or None when the frame has no image
-    image_to_reference : (4, 4) float64 array, pixels to mm, or None without a pose
-    timestamp : float, s
-    status : str
-        "OK", or why the frame cannot be used; such a frame is counted by the reconstructor and never inserted.
-    number : int
-        Its number in the recording or stream, for messages.
-    """
-
-    image: Numbers | None
-    image_to_reference: Matrix | None
-    timestamp: float = 0.0
+    image: Numbers | None  #: (rows, columns), or None when the frame has no image
+    image_to_reference: Matrix | None  #: (4, 4), pixels to mm, or None without a pose
+    timestamp: float = 0.0  #: s
     status: str = "OK"
-    number: int = 0
+    """OK, or why the frame cannot be used; such a frame is counted by the reconstructor and never inserted."""
+    number: int = 0  #: Its number in the recording or stream, for messages
 
     def placed(self) -> tuple[Numbers, Matrix]:
         """Image and pose of a frame that is OK.
@@ -65,43 +55,27 @@ class TrackedFrame:
 
 @dataclass(frozen=True, eq=False)
 class FrameRecord:
-    """What a sequence says of one frame besides its pixels.
-
-    Parameters
-    ----------
-    timestamp, unfiltered_timestamp : float or None, s
-    image_status : TransformStatus
-        Not OK: the frame has no image.
-    transforms : dict of TransformName to TransformSample
-        As recorded. Matrices may hold NaN; `sweep_poses` judges them.
-    fields : dict of str to str
-        Every other field of the frame, by its name without the ``Seq_Frame0000_`` prefix.
-    stated_spacing : (x, y) or None, mm
-        Size of a pixel, where the file states one. The poses place pixels, as in Plus; this can only contradict them.
-    """
+    """What a sequence says of one frame besides its pixels."""
 
     timestamp: float | None = None
     unfiltered_timestamp: float | None = None
-    image_status: TransformStatus = TransformStatus.OK
+    """s."""
+    image_status: TransformStatus = TransformStatus.OK  #: Not OK: the frame has no image
     transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
+    """As recorded. Matrices may hold NaN; `sweep_poses` judges them."""
     fields: dict[str, str] = field(default_factory=dict)
+    """Every other field of the frame, by its name without the ``Seq_Frame0000_`` prefix."""
     stated_spacing: tuple[float, float] | None = None
+    """(x, y), mm. Size of a pixel, where the file states one. The poses place pixels, as in Plus; this can only contradict them."""
 
 
 @dataclass(frozen=True, eq=False)
 class RecordsSummary:
-    """What is asked of all records of a sequence at once.
+    """What is asked of all records of a sequence at once."""
 
-    Parameters
-    ----------
-    timestamps : (frames,) float64 array, s
-        NaN for a frame without one.
-    statuses : dict of TransformName to Counter of TransformStatus
-        Of every transform that occurs in any of them, in order of appearance.
-    """
-
-    timestamps: Floats
+    timestamps: Floats  #: (frames,), s. NaN for a frame without one.
     statuses: dict[TransformName, Counter[TransformStatus]]
+    """Of every transform that occurs in any of them, in order of appearance."""
 
     @classmethod
     def of(cls, records: Sequence[FrameRecord]) -> RecordsSummary:
@@ -121,7 +95,6 @@ class RecordsOnDemand(Sequence[FrameRecord]):
 
     Parameters
     ----------
-    count : int
     read : callable
         From a frame's number to its record.
     """
@@ -161,32 +134,17 @@ def records_from(count: int, read: Callable[[int], FrameRecord], *sources: Seque
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrackedSequence(Described):
-    """A recorded sweep: images, and per frame its transforms, statuses and times.
+    """A recorded sweep: images, and per frame its transforms, statuses and times."""
 
-    Parameters
-    ----------
-    images : ImageStack, (frames, rows, columns)
-    records : sequence of FrameRecord, one per image
-        A list, or `RecordsOnDemand`.
-    fields : dict of str to str
-        Custom header fields that concern the whole file.
-    transforms : dict of TransformName to TransformSample
-        Transforms that hold for every frame (from the header, not from a configuration).
-    configuration : PlusConfiguration
-        What was given with the recording; an empty one where nothing was (None is taken for that).
-    path : Path or None
-        Where it was read from, for messages.
-    notes : tuple of str
-        What a user should know about how it was read or changed, one sentence each.
-    """
-
-    images: ImageStack
-    records: Sequence[FrameRecord]
-    fields: dict[str, str] = field(default_factory=dict)
+    images: ImageStack  #: (frames, rows, columns)
+    records: Sequence[FrameRecord]  #: one per image. A list, or `RecordsOnDemand`.
+    fields: dict[str, str] = field(default_factory=dict)  #: Custom header fields that concern the whole file
     transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
+    """Transforms that hold for every frame (from the header, not from a configuration)."""
     configuration: PlusConfiguration = NO_CONFIGURATION
-    path: Path | None = None
-    notes: tuple[str, ...] = ()
+    """What was given with the recording; an empty one where nothing was (None is taken for that)."""
+    path: Path | None = None  #: Where it was read from, for messages
+    notes: tuple[str, ...] = ()  #: What a user should know about how it was read or changed, one sentence each
 
     def __post_init__(self) -> None:
         if self.configuration is None:

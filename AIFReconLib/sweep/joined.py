@@ -60,15 +60,10 @@ class JoinedImages:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JoinedSequence(TrackedSequence):
-    """What `joined` makes of several: their frames, numbered through; the first one's configuration says how the volume is made.
-
-    Parameters
-    ----------
-    of : tuple of TrackedSequence
-        The sweeps, each with its own transforms and configuration, by which its frames are placed.
-    """
+    """What `joined` makes of several: their frames, numbered through; the first one's configuration says how the volume is made."""
 
     of: tuple[TrackedSequence, ...] = ()
+    """The sweeps, each with its own transforms and configuration, by which its frames are placed."""
 
     @property
     def parts(self) -> tuple[TrackedSequence, ...]:
@@ -92,10 +87,7 @@ def names_of(sequences: Iterable[TrackedSequence]) -> list[str]:
 def sweeps_of(sequences: TrackedSequence | Iterable[TrackedSequence]) -> list[TrackedSequence]:
     """One or more sequences as the sweeps that they are made of.
 
-    Raises
-    ------
-    InputTypeError
-        When one is something else, such as the path of a file.
+    Raises InputTypeError when one is something else, such as the path of a file.
     """
     advice = "Read it first: read_sequence(path); of arrays make one: TrackedSequence.from_arrays(images, image_to_reference)."
     if isinstance(sequences, str) or hasattr(sequences, "shape") or not isinstance(sequences, Iterable):
@@ -109,12 +101,8 @@ def sweeps_of(sequences: TrackedSequence | Iterable[TrackedSequence]) -> list[Tr
 def joined(sequences: TrackedSequence | Iterable[TrackedSequence]) -> TrackedSequence:
     """One or more sweeps as one, in the order given.
 
-    Raises
-    ------
-    GeometryError
-        When there is none, or their images differ in size or type.
-    InputTypeError
-        When one is something else, such as the path of a file.
+    Raises GeometryError when there is none, or their images differ in size or type; InputTypeError when one is something else, such as
+    the path of a file.
     """
     if isinstance(sequences, TrackedSequence):
         return sequences
@@ -159,21 +147,14 @@ def _volume_of(configuration: PlusConfiguration) -> list[object]:
 
 @dataclass(frozen=True)
 class SweepShare:
-    """What one of several sweeps gave to a volume.
-
-    Parameters
-    ----------
-    name : str
-    frames, inserted : int
-        How many it has, and how many of them entered.
-    skipped : dict of str to list of int
-        The sweep's own numbers of those that did not, by reason.
-    """
+    """What one of several sweeps gave to a volume."""
 
     name: str
     frames: int
     inserted: int
+    """How many it has, and how many of them entered."""
     skipped: dict[str, list[int]]
+    """The sweep's own numbers of those that did not, by reason."""
 
 
 def shares(sequence: TrackedSequence, taken: Integers, skipped: Mapping[str, Sequence[int]]) -> tuple[SweepShare, ...]:

@@ -37,24 +37,13 @@ FARTHEST_APART = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class SweepPoses:
-    """The poses of a sequence.
+    """The poses of a sequence."""
 
-    Parameters
-    ----------
-    image_to_reference : (frames, 4, 4) float64 array, pixels to mm
-        NaN where the frame cannot be used.
-    problems : tuple of str or None, one per frame
-        Why a frame cannot be used: ``"ProbeToTracker OUT_OF_VIEW"``, ``"no image (MISSING)"``.
-    path : tuple of TransformName
-        The chain that was followed; of several that agree, the shortest.
-    notes : tuple of str
-        What a user should know about the choice.
-    """
-
-    image_to_reference: Matrix
+    image_to_reference: Matrix  #: (frames, 4, 4), pixels to mm. NaN where the frame cannot be used.
     problems: tuple[str | None, ...]
-    path: tuple[TransformName, ...]
-    notes: tuple[str, ...] = ()
+    """One per frame; why it cannot be used: ``"ProbeToTracker OUT_OF_VIEW"``, ``"no image (MISSING)"``."""
+    path: tuple[TransformName, ...]  #: The chain that was followed; of several that agree, the shortest
+    notes: tuple[str, ...] = ()  #: What a user should know about the choice
 
     @property
     def usable(self) -> Integers:
@@ -141,12 +130,8 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     reference : str or None
         Frame to reconstruct in, e.g. "Tracker" when there is no reference marker.
 
-    Raises
-    ------
-    TransformError
-        When no chain leads from image to reference, or two that disagree in some frame.
-    GeometryError, NoUsableFramesError
-        When sweeps that were joined are plainly not in one frame, or one of them has no frame that can be placed.
+    Raises TransformError when no chain leads from image to reference, or two that disagree in some frame; GeometryError,
+    NoUsableFramesError when sweeps that were joined are plainly not in one frame, or one of them has no frame that can be placed.
     """
     if isinstance(sequence, JoinedSequence):
         return _joined_poses(sequence, image_to_reference, reference)
@@ -203,10 +188,7 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
 def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str | None, reference: str | None) -> list[SweepPoses]:
     """The poses of each of several sweeps in one frame; the arguments are those of `sweep_poses`.
 
-    Raises
-    ------
-    GeometryError, NoUsableFramesError
-        When they are plainly not in one frame, or one of them has no frame that can be placed.
+    Raises GeometryError, NoUsableFramesError when they are plainly not in one frame, or one of them has no frame that can be placed.
     """
     found: list[SweepPoses] = []
     boxes: list[tuple[Matrix, Matrix]] = []

@@ -19,28 +19,14 @@ SHORTEST = 1e-30
 
 @dataclass(frozen=True, eq=False)
 class BoneAtVoxels:
-    """A bone map and where the voxels of a reconstruction lie in it.
+    """A bone map and where the voxels of a reconstruction lie in it."""
 
-    Parameters
-    ----------
-    map_probability : [k, j, i] float32 array, 0 to 1
-        The probability in the map's own voxels.
-    ijk_to_map : (4, 4) array
-        From the voxels of the whole grid to those of the map.
-    potential : [k, j, i] float32 array
-        What V_dir is the gradient of, on the map's voxels.
-    slopes : (3, k, j, i) float32 array or None
-        How it rises along i, j, k of the map, where that is not its Sobel gradient.
-    to_reference : (3, 3) float32 array
-        What brings slopes to Reference.
-    placement : Placement
-    """
-
-    map_probability: Singles
-    ijk_to_map: Matrix
-    potential: Singles
+    map_probability: Singles  #: [k, j, i], 0 to 1. The probability in the map's own voxels.
+    ijk_to_map: Matrix  #: (4, 4). From the voxels of the whole grid to those of the map.
+    potential: Singles  #: [k, j, i]. What V_dir is the gradient of, on the map's voxels.
     slopes: Singles | None
-    to_reference: Singles
+    """(3, k, j, i). How it rises along i, j, k of the map, where that is not its Sobel gradient."""
+    to_reference: Singles  #: (3, 3). What brings slopes to Reference.
     placement: Placement
 
     def at(self, voxels: Integers, everywhere: bool = False) -> tuple[Singles, Singles]:

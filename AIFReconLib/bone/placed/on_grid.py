@@ -12,23 +12,16 @@ from .at_voxels import BoneAtVoxels
 
 @dataclass(frozen=True, eq=False)
 class BoneOnGrid:
-    """A bone map sampled on the grid of a reconstruction.
+    """A bone map sampled on the grid of a reconstruction."""
 
-    Parameters
-    ----------
-    probability : [k, j, i] float32 array, 0 to 1
-    directions_reference : [k, j, i, 3] float32 array, unit vectors or zero
-        Where bone faces away from the sound, in Reference: along the beam on the near side of a surface.
-    map_probability : [k, j, i] float32 array, 0 to 1
-        The probability in the map's own voxels: what a frame asks for that leaves the grid, or the part of it that is reconstructed.
-    ijk_to_map : (4, 4) array
-        From the voxels of the whole grid to those of the map.
-    """
-
-    probability: Singles
+    probability: Singles  #: [k, j, i], 0 to 1
     directions_reference: Singles
+    """[k, j, i, 3], unit vectors or zero. Where bone faces away from the sound, in Reference: along the beam on the near side of a
+    surface."""
     map_probability: Singles
-    ijk_to_map: Matrix
+    """[k, j, i], 0 to 1. The probability in the map's own voxels: what a frame asks for that leaves the grid, or the part of it that is
+    reconstructed."""
+    ijk_to_map: Matrix  #: (4, 4). From the voxels of the whole grid to those of the map.
 
     @property
     def overlaps(self) -> bool:

@@ -17,26 +17,16 @@ Range = tuple[int, int]
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Where voxels of a grid, or of some of its planes, lie among those of a map.
+    """Where voxels of a grid, or of some of its planes, lie among those of a map."""
 
-    Parameters
-    ----------
-    shape : (planes, rows, columns)
-        Of the part of the grid.
-    planes, rows, columns : (first, stop)
-        Of that part, outside of which the map and its rim of zeros have no voxel.
-    starts : (planes, 3) float64 array, [k, j, i] of the map
-        Of each plane, the place of its voxel at the first of `rows` and `columns`.
-    matrix : (3, 3) float64 array
-        Steps [k, j, i] of the map, along planes, rows and columns.
-    """
-
-    shape: tuple[int, int, int]
+    shape: tuple[int, int, int]  #: (planes, rows, columns). Of the part of the grid.
     planes: Range
     rows: Range
     columns: Range
+    """(first, stop). Of that part, outside of which the map and its rim of zeros have no voxel."""
     starts: Floats
-    matrix: Floats
+    """(planes, 3), [k, j, i] of the map. Of each plane, the place of its voxel at the first of `rows` and `columns`."""
+    matrix: Floats  #: (3, 3). Steps [k, j, i] of the map, along planes, rows and columns.
 
     @classmethod
     def of(cls, source: VoxelGrid, grid: VoxelGrid, planes: Range) -> Placement:

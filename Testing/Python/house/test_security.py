@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import pickle
 import socket
 import sys
 from collections.abc import Iterator
