@@ -268,7 +268,7 @@ def test_a_method_that_no_module_registered_is_not_imported_by_its_name(tmp_path
     (tmp_path / "unasked.py").write_text("raise SystemExit('imported')")
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(
-        MethodError, match=r"unasked:mine is not known.* Import unasked first; or choose one of average, latest.*plain_mean"
+        MethodError, match=r"unasked:mine is not known.* Import unasked first, or choose one of average, latest.*plain_mean"
     ):
         reconstructed("unasked:mine")
     assert "unasked" not in sys.modules
