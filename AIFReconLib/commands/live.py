@@ -10,7 +10,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from ..compounding.needs import method_needs_bone
+from ..compounding.methods.table import method_named
 from ..compounding.state import Reconstruction
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
 from ..io.plus.configuration import read_plus_configuration
@@ -161,7 +161,7 @@ def run(arguments: argparse.Namespace) -> int:
             getattr(result, name).write(path)
         drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
     files = [path for path in (*outputs.values(), *drawn) if path]
-    width = labeled.lines(result.method) if labeled and method_needs_bone(result.method) else []
+    width = labeled.lines(result.method) if labeled and method_named(result.method).needs_bone else []
     print(describe(result, statistics.frames_received, time.perf_counter() - started, files, agreement=width))
     for line in filter(
         None, [*_what_else(statistics, client.statistics, result), *(seen.lines() if seen else ()), recording, *how_to_look(arguments)]

@@ -7,7 +7,7 @@ import json
 import time
 from pathlib import Path
 
-from ..compounding.needs import method_needs_bone
+from ..compounding.methods.table import method_named
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import BeamGeometryError, GeometryError
 from ..guidance.coverage import coverage
@@ -121,7 +121,7 @@ def run(arguments: argparse.Namespace) -> None:
             getattr(result, name).write(path)
         drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
         # What the sweep's own bone says of the CT's place
-        lines = labeled.lines(result.method) if labeled is not None and method_needs_bone(result.method) else []
+        lines = labeled.lines(result.method) if labeled is not None and method_named(result.method).needs_bone else []
     agreement = list(map(in_options, lines))
     tracking = {
         share.name: tracking_report(part_of_it, sweep_poses(part_of_it, recipe.image_to_reference, recipe.reference), result, number)

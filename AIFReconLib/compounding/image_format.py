@@ -11,31 +11,19 @@ from ..errors import GeometryError
 from ..message import Sentence
 from ..recipe.recipe import Recipe
 from ..remedies import Remedy
-from .needs import judges_shadows
+from .methods.table import method_named
 
 
 @dataclass(frozen=True)
 class ImageKind:
-    """Size and pixel type of the images.
-
-    Parameters
-    ----------
-    shape : (rows, columns)
-    dtype : dtype
-    """
+    """Size (rows, columns) and pixel type of the images."""
 
     shape: tuple[int, int]
     dtype: NumberType
 
     @classmethod
     def of(cls, image: Numbers, number: int) -> ImageKind:
-        """That of the first image, of frame `number`.
-
-        Raises
-        ------
-        GeometryError
-            When its image is not one of gray pixels.
-        """
+        """That of the first image, of frame `number`; a GeometryError where it is not one of gray pixels."""
         if image.ndim != 2 or not image.size or image.dtype.kind not in "biuf":
             raise GeometryError(f"Input images must be gray, rows x columns of numbers; got {image.shape} {image.dtype} in frame {number}.")
         rows, columns = image.shape
@@ -68,7 +56,7 @@ class ImageKind:
         if self.is_8_bit:
             return []
         found: list[str] = []
-        if judges_shadows(method) and settings.intensity_maximum is None:
+        if method_named(method).needs_shadows and settings.intensity_maximum is None:
             found.append(
                 Sentence(
                     f"Warning: {method} judges brightness against the full gray scale, which {self.dtype.name} images do not tell.",

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.compounding.methods.table import BONE_METHODS
-from AIFReconLib.compounding.needs import method_needs_bone
+from AIFReconLib.compounding.methods.table import BONE_METHODS, method_named
 from AIFReconLib.compounding.own.method import load_method
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.evaluation.metrics import evaluate, shown_points
@@ -83,7 +82,7 @@ def patient_rows(seed: int, own: tuple[str, ...] = ()) -> list[Row]:
     """All reconstructions of one simulated patient, with methods of one's own by their names. About ten minutes on one core."""
     for method in own:
         load_method(method)
-    bone_methods = (*BONE_METHODS, *filter(method_needs_bone, own))
+    bone_methods = (*BONE_METHODS, *(name for name in own if method_named(name).needs_bone))
     phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(seed))
     probe = PhasedArray()
     multi = simulated_scan(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed)
@@ -147,11 +146,11 @@ def _row(seed: int, scan_name: str, condition: str, method: str, scan: Scan, lab
     """Reconstruct and measure."""
     result = _result(method, scan, labels, direction)
     metrics = evaluate(result.intensity, scan.truth, result.mask).to_dict()
-    return Row(seed, scan_name, condition, method, direction if method_needs_bone(method) else "", metrics)
+    return Row(seed, scan_name, condition, method, direction if method_named(method).needs_bone else "", metrics)
 
 
 def _result(method: str, scan: Scan, labels: Volume, direction: str = "gradient") -> Reconstruction:
-    bone = BoneMap.from_labels(labels, sigma_mm=SIGMA) if method_needs_bone(method) else None
+    bone = BoneMap.from_labels(labels, sigma_mm=SIGMA) if method_named(method).needs_bone else None
     settings = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT, bone_direction=direction)
     return reconstruct(scan.sequence, settings, bone)
 

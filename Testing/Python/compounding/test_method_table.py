@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
+from AIFReconLib.compounding.engine import Job
 from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS, built_in, method_named
 from AIFReconLib.compounding.numpy_engine import NumpyEngine
 from AIFReconLib.compounding.reconstructor import Reconstructor
@@ -36,7 +37,7 @@ def test_no_engine_computes_for_a_name_that_is_not_in_the_table():
     state = VoxelState.empty(8, "average", best_cosine=False)
     state.method = UNKNOWN
     with pytest.raises(MethodError, match="brightest is not known"):
-        NumpyEngine(state, (2, 2, 2), ReconstructionSettings(), 255.0, None)
+        NumpyEngine(Job(state, (2, 2, 2), (0, 2), ReconstructionSettings(), 255.0))
 
 
 @pytest.mark.parametrize("method", METHODS)

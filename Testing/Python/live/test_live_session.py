@@ -16,8 +16,7 @@ from igtl_streams import recorded
 from live_messages import image, streamed, tracked
 from sweeps import sphere_bone
 
-from AIFReconLib.compounding.methods.table import METHODS
-from AIFReconLib.compounding.needs import method_needs_bone
+from AIFReconLib.compounding.methods.table import METHODS, method_named
 from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, LiveMessageError, NoUsableFramesError, OutputError, SettingsError
@@ -115,7 +114,7 @@ def own_method(intensity, cosine, reach):
 def test_live_gives_the_very_voxels_of_offline(method, session_of, configuration):
     sequence = replace(tracked_sequence(), configuration=configuration)
     settings = ReconstructionSettings(method=method, output_type="float32", hole_limit=2.0)
-    bone = sphere_bone(center=(0.0, 0.0, 0.0)) if method_needs_bone(method) else None
+    bone = sphere_bone(center=(0.0, 0.0, 0.0)) if method_named(method).needs_bone else None
     offline = reconstruct(sequence, settings, bone, GRID)
     live = run(session_of(streamed(sequence), settings, bone))
     for name in ("intensity", "score", "hits", "mask"):
