@@ -124,7 +124,7 @@ def test_a_signal_where_it_would_be_swallowed_comes_again(number, file, function
     try:
         exec(compile(f"def {function}():\n    signal.raise_signal(number)", file, "exec"), words)
         with orderly_end() as end, pytest.raises(KeyboardInterrupt):
-            exec(f"{function}()\ncalled = True\ntime.sleep(600)", words)
+            exec(f"{function}()\ncalled = True\nwhile True: time.sleep(0.01)", words)
         assert words["called"]
         assert end.exit_code == 128 + number
     finally:
@@ -182,7 +182,8 @@ def test_an_interrupt_that_a_lock_turns_into_another_error_is_one(patient, resul
 def test_a_command_that_is_told_to_end_says_so_and_leaves_nothing(patient, results, monkeypatch, capsys):
     def told(*_, **_options):
         os.kill(os.getpid(), signal.SIGTERM)
-        time.sleep(600)
+        while True:
+            time.sleep(0.01)
 
     monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct", told)
     assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 143
