@@ -336,7 +336,7 @@ def _settings(settings: dict[str, Recipe], volumes: Iterable[str]) -> list[str]:
         return notes
     rows = []
     for spec in fields(Recipe):
-        if spec.name == "method":
+        if spec.name == "method" or all(getattr(chosen, spec.name) is None for chosen in settings.values()):
             continue
         values = {name: _setting(getattr(chosen, spec.name), spec.metadata["unit"]) for name, chosen in settings.items()}
         shared = len(set(values.values())) == 1
