@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from .arrays import Reals
-from .compounding.methods.table import LINEAR_METHODS, method_named
+from .compounding.methods.table import DEFAULT_METHOD_WITHOUT_BONE, LINEAR_METHODS, method_named
 from .errors import BeamGeometryError, SettingsError
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
@@ -20,7 +20,7 @@ from .imaging.region import ImageRegion
 from .io.plus.importance_mask import configured_importance
 from .message import Sentence, said
 from .remedies import Remedy
-from .settings import DEFAULT_METHOD_WITHOUT_BONE, ReconstructionSettings
+from .settings import ReconstructionSettings
 from .sweep.frames import TrackedSequence
 from .sweep.joined import names_of
 from .sweep.poses import SweepPoses

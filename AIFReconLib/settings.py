@@ -11,8 +11,17 @@ from dataclasses import dataclass, field, fields
 from numbers import Integral, Real
 from typing import TypedDict, TypeVar, cast
 
-from .compounding.methods.table import METHODS, OWN_METHOD, is_own_method
+from .compounding.methods.table import (
+    DEFAULT_METHOD_WITH_BONE,
+    DEFAULT_METHOD_WITHOUT_BONE,
+    IN_WORDS,
+    LINEAR_METHODS,
+    METHODS,
+    OWN_METHOD,
+    is_own_method,
+)
 from .errors import SettingsError
+from .message import listed
 
 ENGINES = ("auto", "numpy", "numba")
 INTERPOLATIONS = ("nearest", "linear")
@@ -20,8 +29,6 @@ AUTOMATIC = "auto"
 """Stands for a number that is chosen from the sweep."""
 HOLE_FILLINGS = ("off", "nearest", "cube", "gaussian", "stick")
 
-DEFAULT_METHOD_WITH_BONE = "weighted"
-DEFAULT_METHOD_WITHOUT_BONE = "average"
 DEFAULT_SPACING = 0.5
 """mm, where neither the caller nor a configuration says."""
 
@@ -75,7 +82,7 @@ class ReconstructionSettings:
 
     method: str | None = parameter(
         None,
-        "how pixels of a voxel are combined; the last: a method of your own "
+        f"how pixels of a voxel are combined. {IN_WORDS}; the last: a method of your own "
         f"(default: {DEFAULT_METHOD_WITH_BONE} with bone, else the configuration's, else {DEFAULT_METHOD_WITHOUT_BONE})",
         choices=METHODS,
         own=True,
@@ -113,7 +120,7 @@ class ReconstructionSettings:
     )
     interpolation: str | None = parameter(
         None,
-        "each pixel enters its nearest voxel, or spreads linearly over the eight around it (average, latest and maximum only; "
+        f"each pixel enters its nearest voxel, or spreads linearly over the eight around it ({listed(LINEAR_METHODS)} only; "
         "default: the configuration's, else nearest)",
         choices=INTERPOLATIONS,
     )

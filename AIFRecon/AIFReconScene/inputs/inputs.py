@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import method_named
 from AIFReconLib.errors import InsufficientMemoryError, SettingsError
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion, chosen_region
@@ -312,7 +313,7 @@ class PreparedInputs:
 
         from AIFReconLib import reconstruct
 
-        plain = replace(settings, method="average", best_cosine=False, hole_limit=result.hole_limit or settings.hole_limit)
+        plain = replace(settings, method=AVERAGE.name, best_cosine=False, hole_limit=result.hole_limit or settings.hole_limit)
 
         def work(progress):
             imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}

@@ -192,6 +192,7 @@ def register_method(function: Callable[..., Answer]) -> Method:
     sees_bone = not set(arrays).isdisjoint(OF_BONE)
     method = Method(
         name=name,
+        words="a method of one's own",
         kept=_kept,
         reads_bone="everywhere" if sees_bone else "nowhere",
         works_in_parts=not sees_bone,
